@@ -1,1 +1,44 @@
-//! geometry
+//! Pure geometry: closest points between points, segments and triangles, capsules, boxes, poses.
+//!
+//! What is here: free functions and small value types on `f64` coordinates [m]. What is not: meshes, time, physics,
+//! files. Nothing here can fail: degenerate input (a segment of length zero, a triangle without area) gives the closest
+//! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input.
+
+mod aabb;
+mod capsule;
+mod pose;
+mod segment;
+mod triangle;
+
+pub use aabb::Aabb;
+pub use capsule::Capsule;
+pub use pose::Pose;
+pub use segment::{SegmentPoint, SegmentsClosest, closest_on_segment, closest_segments};
+pub use triangle::{
+    SegmentTriangle, TrianglePoint, closest_on_triangle, closest_segment_triangle, triangle_normal,
+};
+
+use nalgebra::Vector3;
+
+/// Signed volume of the tetrahedron `(a, b, c, d)` [m³]; positive when it is right-handed (NUMERICS, notation).
+#[inline]
+pub fn signed_volume(
+    a: &Vector3<f64>,
+    b: &Vector3<f64>,
+    c: &Vector3<f64>,
+    d: &Vector3<f64>,
+) -> f64 {
+    (b - a).dot(&(c - a).cross(&(d - a))) / 6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volume_of_the_unit_corner_is_one_sixth_and_swapping_two_nodes_flips_its_sign() {
+        let (o, x, y, z) = (Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z());
+        assert_eq!(signed_volume(&o, &x, &y, &z), 1.0 / 6.0);
+        assert_eq!(signed_volume(&o, &y, &x, &z), -1.0 / 6.0);
+    }
+}

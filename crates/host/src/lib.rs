@@ -1,1 +1,22 @@
-//! host
+//! The host: loading, life cycle, clocks, containment of faults, record and replay. It knows no physics and no GPU.
+//!
+//! - [`plan`]: what a run loads and computes, and why; decided first.
+//! - [`assemble`]: makes a plan from a module, a level and an input.
+//! - [`loader`]: libraries, checked before their code runs.
+//! - [`engine`]: the deterministic loop and its running hash.
+//! - [`run`]: a run at the edge: wall clock, controls, recording, pictures.
+//! - [`record`], [`replay`]: what stands in a session, and recomputing it.
+
+pub mod assemble;
+pub mod engine;
+pub mod fault;
+pub mod loader;
+pub mod parallel;
+pub mod picture;
+pub mod plan;
+pub mod record;
+pub mod replay;
+pub mod run;
+
+pub use engine::{Checkpoint, Engine, Feed};
+pub use fault::Failure;

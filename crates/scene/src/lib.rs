@@ -1,1 +1,25 @@
-//! scene
+//! Bodies, tools and contact coupled into one step.
+//!
+//! What is here: the description of a scene and its checks, the tick with its sub-steps, forces in newtons, containment of a
+//! body that diverges, exact saving and restoring. What is not: the mathematics of tissue and contact (crates `tissue`,
+//! `contact`), files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
+
+mod containment;
+mod error;
+mod report;
+mod save;
+mod scene;
+mod spec;
+mod tick;
+mod tool;
+
+pub use containment::{Diverged, Divergence};
+pub use error::SceneError;
+pub use microsim_geometry::Pose;
+pub use microsim_mesh::{Block, Surface};
+pub use microsim_tissue::{Energies, Executor, Serial, SpringVolumeSpec};
+pub use report::{ContactReport, Recovery, TickReport};
+pub use save::RestoreError;
+pub use scene::Scene;
+pub use spec::{BodySpec, BoxSpec, CapsuleSpec, Generator, HingeSpec, SceneSpec, ToolSpec};
+pub use tool::ToolMotion;

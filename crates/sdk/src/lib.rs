@@ -1,1 +1,87 @@
-//! sdk
+//! All that the author of a plugin or training module uses.
+//!
+//! - [`Plugin`]: the safe trait; [`export_plugin!`] makes a dynamic library of it.
+//! - [`Tick`]: typed messages in and out of one `process` call.
+//! - [`message`]: the platform's message kinds; [`message::Message`] for kinds of your own.
+//! - [`RandomStream`]: named, seeded random numbers that can be saved.
+//! - [`Parallel`]: a parallel loop with a fixed partition (physics only).
+//! - [`Course`]: levels, targets, limits, metrics and the result of a training module.
+//! - [`TestHost`]: runs a plugin in-process without any file, every crossing through a byte copy.
+//!
+//! The raw boundary (crate `abi`) is not visible from here; every panic is caught before it reaches it.
+
+mod boundary;
+mod course;
+mod fault;
+mod parallel;
+mod plugin;
+mod random;
+mod test_host;
+mod tick;
+
+pub use course::{Course, CourseConfig};
+pub use fault::Fault;
+pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow};
+pub use microsim_message as message;
+pub use microsim_message::{LogLevel, Setup};
+pub use parallel::Parallel;
+pub use plugin::{Plugin, Services};
+pub use random::RandomStream;
+pub use test_host::{Heard, TestHost};
+pub use tick::Tick;
+
+#[doc(hidden)]
+pub mod export {
+    //! What [`crate::export_plugin!`] expands to; not for direct use.
+    pub use crate::boundary::create;
+    pub use abi_stable::{
+        library::{
+            __call_root_module_loader, CheckTypeLayout, LibHeader, RootModuleResult,
+        },
+        prefix_type::PrefixTypeTrait,
+        std_types::{RResult, RStr},
+    };
+    pub use microsim_abi::{ABI_VERSION, Fault, PluginBox, PluginModule, PluginModule_Ref};
+}
+
+/// Makes a dynamic library of a [`Plugin`]: `export_plugin!(MyPlugin, "../module.toml");` with the path of the
+/// manifest relative to the source file. Once per library.
+///
+/// Written out instead of `#[export_root_module]`, so that a plugin needs no dependency but this crate.
+#[macro_export]
+macro_rules! export_plugin {
+    ($plugin:ty, $manifest:literal) => {
+        const _: () = {
+            extern "C" fn manifest() -> $crate::export::RStr<'static> {
+                $crate::export::RStr::from_str(include_str!($manifest))
+            }
+
+            extern "C" fn create()
+            -> $crate::export::RResult<$crate::export::PluginBox, $crate::export::Fault> {
+                $crate::export::create::<$plugin>()
+            }
+
+            fn module() -> $crate::export::PluginModule_Ref {
+                $crate::export::PrefixTypeTrait::leak_into_prefix($crate::export::PluginModule {
+                    abi_version: $crate::export::ABI_VERSION,
+                    manifest,
+                    create,
+                })
+            }
+
+            extern "C" fn load() -> $crate::export::RootModuleResult {
+                $crate::export::__call_root_module_loader(module)
+            }
+
+            // SAFETY: the name belongs to plugin libraries alone (`microsim_abi::ROOT_SYMBOL`), and `load` returns the
+            // module that the header is made for.
+            #[unsafe(export_name = "_1as_0lib_1header_0root_bmodule_bloader")]
+            static HEADER: $crate::export::LibHeader = unsafe {
+                $crate::export::LibHeader::from_constructor::<$crate::export::PluginModule_Ref>(
+                    load,
+                    $crate::export::CheckTypeLayout::Yes,
+                )
+            };
+        };
+    };
+}

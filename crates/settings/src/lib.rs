@@ -1,1 +1,104 @@
-//! settings
+//! The only reader of configuration: reads every TOML file once, checks it, and says file:line of what is wrong.
+//!
+//! One declarative engine ([`Schema`], [`Kind`], [`Unit`]) serves both the files of the program and the keys that a
+//! training module declares in its manifest. It rejects unknown keys, wrong units and values out of range, fills in
+//! defaults, and gives every quantity in SI. From the same schema come the JSON Schema ([`json_schema`]) and the reference
+//! ([`reference`]). What is not here: any decision what the settings do, and any file that is not configuration.
+//!
+//! Each kind of file has `*_schema`, `read_*` (from a text), `load_*` (from a path) and a typed struct. Complaints are
+//! collected: one reading names all that is wrong in a file.
+
+mod check;
+mod describe;
+mod discover;
+mod document;
+mod error;
+mod host;
+mod level;
+mod level_check;
+mod level_schema;
+mod manifest;
+mod manifest_check;
+mod manifest_schema;
+mod read;
+mod recording;
+mod schema;
+mod script;
+mod text;
+mod tool;
+mod translator;
+mod tree;
+mod unit;
+
+pub use describe::{json_schema, reference};
+pub use discover::{ModuleFolder, Tree, discover};
+pub use document::{Document, Loaded};
+pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
+pub use host::{
+    Host, LateSettings, PictureSettings, QueueSettings, SessionSettings, host_schema, load_host,
+    read_host,
+};
+pub use level::{
+    Body, Clamp, Clock, ContactPair, Generator, KnownMetric, Level, Limit, Material, MaterialModel,
+    Method, MetricParameters, Object, Physics, Shape, ToolSlot, View, load_level, read_level,
+};
+pub use level_schema::level_schema;
+pub use manifest::{
+    Category, Direction, KeyType, Manifest, MessageKind, ModuleKey, ModuleMetric, Overflow,
+    PluginFile, PluginKind, Reason, load_manifest, read_manifest,
+};
+pub use manifest_schema::manifest_schema;
+pub use recording::{
+    DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,
+    recording_map_help, recording_map_path, recording_schema,
+};
+pub use schema::{Form, Key, Kind, Presence, Schema};
+pub use script::{
+    Interpolation, Script, ScriptKey, ScriptTool, load_script, orientation_of_direction,
+    read_script, script_schema,
+};
+pub use text::{Colour, Finish, LocalText};
+pub use tool::{Jaw, Tool, ToolCapsule, load_tool, read_tool, tool_schema};
+pub use translator::{
+    DeviceMap, OpeningName, OpeningSource, Translator, load_translator, read_translator,
+    translator_schema,
+};
+pub use unit::{QuantityError, Unit};
+
+/// The kinds of file, by the names that the command line uses, each with a line about it.
+pub const KINDS: [(&str, &str); 7] = [
+    (
+        "manifest",
+        "plugin.toml, module.toml: what a plugin or training module is, needs and declares",
+    ),
+    (
+        "level",
+        "modules/NAME/levels/level<N>.toml: one level of a training module",
+    ),
+    ("tool", "config/tools/NAME.toml: the shape of an instrument"),
+    (
+        "translator",
+        "config/translator.toml: which device drives which tool",
+    ),
+    (
+        "recording",
+        "the TOML of the same name beside a CSV: what its columns mean",
+    ),
+    ("script", "a scripted trainee: timed poses and openings"),
+    ("host", "config/host.toml: how the host runs sessions"),
+];
+
+/// The schema of a kind of file by its name in [`KINDS`]. That of a level leaves the keys of the module open; see
+/// [`level_schema`] for those of one module.
+pub fn schema_for(kind: &str) -> Option<Schema> {
+    Some(match kind {
+        "manifest" => manifest_schema(),
+        "level" => level_schema(None),
+        "tool" => tool_schema(),
+        "translator" => translator_schema(),
+        "recording" => recording_schema(),
+        "script" => script_schema(),
+        "host" => host_schema(),
+        _ => return None,
+    })
+}

@@ -1,1 +1,38 @@
-//! tracking
+//! Where the tools are: samples of tracked devices from a recording or a script, and their translation into the field.
+//!
+//! Pure: bytes, values and times in, values out. No files, no clocks, no sockets; the settings that it needs come in as
+//! plain structs from whoever reads the configuration. Filters, calibration and markers are not here.
+//!
+//! # Frames and units
+//! Lengths are in metres, times in seconds, orientations unit quaternions in the order x, y, z, w. A quaternion `a_from_b`
+//! takes the components of a vector in frame b to those in frame a.
+//!
+//! | frame | what |
+//! |---|---|
+//! | device | the axes and origin of a tracker or recording; positions of [`Sample`] are in it |
+//! | body | fixed to the handle that the tracker follows; a sample's orientation is `device_from_body` |
+//! | field | the operating field, in which tools and tissue meet; poses of [`ToolPose`] are in it |
+//! | tool | fixed to a tool, as its model was drawn; a pose's orientation is `field_from_tool` |
+
+mod csv_error;
+mod csv_recording;
+mod playback;
+mod rotation;
+mod sample;
+mod script;
+mod statistics;
+mod translator;
+
+pub use csv_error::{CsvError, CsvProblem};
+pub use csv_recording::{
+    Column, ColumnMap, DeviceColumns, MAX_SAMPLES, OpeningColumn, Recording, read_csv,
+};
+pub use playback::Playback;
+pub use rotation::{NORM_TOLERANCE, QuaternionError};
+pub use sample::Sample;
+pub use script::{Interpolation, Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
+pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics};
+pub use translator::{
+    Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch, ToolPose, ToolState,
+    ToolStatus, TranslatedSample, Translator, TranslatorError, TranslatorState,
+};

@@ -1,1 +1,37 @@
-//! training
+//! Training: the state of a level, the metrics of a motion, the score.
+//!
+//! Here: what a trainee's tool did ([`MotionLog`]), what it is measured by ([`motion_metrics`], [`MOTION_METRICS`]), how
+//! measurements become a verdict and a score ([`Rules`]), and the states that a level goes through ([`LevelMachine`],
+//! [`Dwell`]). Modules call all of it; the report only reads the results.
+//!
+//! Not here: files, messages, clocks, threads, and everything about one module's task. Times enter as arguments.
+//!
+//! Same bits everywhere: transcendental functions come from `libm`, sums run in a fixed order, the Fourier transform is
+//! our own ([`fft`]). Units are SI; `display_unit` of a [`MetricDefinition`] is for people.
+
+mod catalogue;
+mod dwell;
+pub mod fft;
+mod level;
+mod measure;
+mod metric;
+mod motion;
+mod parameter;
+mod score;
+pub mod signal;
+pub mod smoothness;
+mod text;
+pub mod tremor;
+
+pub use catalogue::{MOTION_METRICS, id};
+pub use dwell::{Dwell, DwellError, DwellState};
+pub use level::{
+    LevelError, LevelEvent, LevelMachine, LevelPhase, LevelState, REASON_ABORTED,
+    REASON_TARGETS_MISSED, Target,
+};
+pub use measure::{Measurement, motion_metrics};
+pub use metric::{Category, Direction, MetricDefinition, MetricValue, NotApplicable};
+pub use motion::{MotionBytesError, MotionError, MotionLog, Sample, path_length, rotation_angle};
+pub use parameter::{MetricParameters, Parameter, ParameterError};
+pub use score::{Assessment, CategoryScore, Limit, LimitError, Rules, ScoreRecord, TargetCount};
+pub use text::Text;

@@ -1,1 +1,178 @@
-//! plugin-objects
+//! Virtual objects (dissertation, 5.2.1): unique names, places in a scene graph, properties for drawing; a module
+//! activates, moves and colours them by name.
+//!
+//! Tetrahedral bodies are the physics plugin's; model and texture files are not here.
+
+use microsim_geometry::Pose as Place;
+use microsim_sdk::message::{
+    Colour, Finish, ObjectScene, ObjectSet, ObjectState, Pose, Shape, decode_bytes, encode,
+};
+use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_settings::{Object, Shape as LevelShape};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What the level says.
+#[derive(Debug, Deserialize)]
+struct Config {
+    objects: Vec<Object>,
+}
+
+/// What does not change.
+#[derive(Debug)]
+struct Model {
+    name: String,
+    parent: Option<usize>,
+    shape: Shape,
+    finish: Finish,
+}
+
+/// What a module may change.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    active: bool,
+    pose: Pose,
+    colour: Colour,
+}
+
+/// The virtual objects of a level.
+#[derive(Debug, Default)]
+pub struct Objects {
+    models: Vec<Model>,
+    start: Vec<State>,
+    states: Vec<State>,
+    changed: bool,
+}
+
+fn place(pose: &Pose) -> Place {
+    let [x, y, z, w] = pose.orientation;
+    Place {
+        position: Vector3::from(pose.position),
+        orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+    }
+}
+
+impl Objects {
+    /// Pose in the field: the chain of parents, whose activity does not matter.
+    fn world(&self, index: usize) -> Pose {
+        let mut at = place(&self.states[index].pose);
+        let mut parent = self.models[index].parent;
+        while let Some(above) = parent {
+            let frame = place(&self.states[above].pose);
+            at = Place {
+                position: frame.apply(&at.position),
+                orientation: frame.orientation * at.orientation,
+            };
+            parent = self.models[above].parent;
+        }
+        Pose {
+            position: at.position.into(),
+            orientation: at.orientation.coords.into(),
+        }
+    }
+
+    fn scene(&self) -> ObjectScene {
+        let active = (0..self.models.len()).filter(|i| self.states[*i].active);
+        let objects = active.map(|i| ObjectState {
+            name: self.models[i].name.clone(),
+            shape: self.models[i].shape.clone(),
+            pose: self.world(i),
+            colour: self.states[i].colour,
+            finish: self.models[i].finish,
+        });
+        ObjectScene { objects: objects.collect() }
+    }
+
+    fn set(&mut self, change: ObjectSet) -> Result<(), Fault> {
+        let index = self.models.iter().position(|m| m.name == change.name).ok_or_else(|| {
+            let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
+            Fault::new(format!(
+                "a module names the object \"{}\"; this level has: {}",
+                change.name,
+                names.join(", ")
+            ))
+        })?;
+        let state = &mut self.states[index];
+        let before = state.clone();
+        state.active = change.active.unwrap_or(state.active);
+        state.pose = change.pose.unwrap_or(state.pose);
+        state.colour = change.colour.unwrap_or(state.colour);
+        self.changed |= *state != before;
+        Ok(())
+    }
+}
+
+impl Plugin for Objects {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
+        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let mut index = BTreeMap::new();
+        for object in &config.objects {
+            for name in object.names() {
+                index.insert(name, index.len());
+            }
+        }
+        for object in &config.objects {
+            let parent = object.parent.as_ref().and_then(|p| index.get(p).copied());
+            let c = object.colour;
+            for name in object.names() {
+                self.models.push(Model {
+                    name,
+                    parent,
+                    shape: match object.shape {
+                        LevelShape::Sphere { radius } => Shape::Sphere { radius },
+                        LevelShape::Capsule { radius, length } => Shape::Capsule { radius, length },
+                        LevelShape::Box { half_size } => Shape::Box { half_size },
+                    },
+                    finish: match object.finish {
+                        microsim_settings::Finish::Matte => Finish::Matte,
+                        microsim_settings::Finish::Moist => Finish::Moist,
+                        microsim_settings::Finish::Metal => Finish::Metal,
+                    },
+                });
+                self.start.push(State {
+                    active: object.active,
+                    pose: Pose { position: object.position, orientation: object.orientation },
+                    colour: [c.red, c.green, c.blue].map(|v| f64::from(v) / 255.0),
+                });
+            }
+        }
+        self.reset()
+    }
+
+    fn reset(&mut self) -> Result<(), Fault> {
+        self.states = self.start.clone();
+        self.changed = true;
+        Ok(())
+    }
+
+    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        for change in tick.messages::<ObjectSet>()? {
+            self.set(change)?;
+        }
+        if self.changed {
+            tick.publish(&self.scene());
+            self.changed = false;
+        }
+        Ok(())
+    }
+
+    fn save(&self) -> Vec<u8> {
+        encode(&(&self.states, self.changed))
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
+        let (states, changed): (Vec<State>, bool) = decode_bytes(state)?;
+        if states.len() != self.models.len() {
+            return Err(Fault::new("the saved state belongs to another level"));
+        }
+        (self.states, self.changed) = (states, changed);
+        Ok(())
+    }
+}
+
+export_plugin!(Objects, "../plugin.toml");

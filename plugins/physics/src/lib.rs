@@ -1,1 +1,252 @@
-//! plugin-physics
+//! Tissue: a thin adapter over the crate `scene`. Bodies, materials, clamps, contact pairs and the method come from the
+//! level; tools come as tracked poses once per tick, and the scene moves them in sub-steps.
+
+use microsim_scene::{
+    Block, BodySpec, BoxSpec, CapsuleSpec, Executor, Generator, HingeSpec, Pose, Scene, SceneSpec,
+    SpringVolumeSpec, ToolMotion, ToolSpec,
+};
+use microsim_sdk::message::{
+    ContactForce, ContactForces, TISSUE_SNAPSHOT, TissueRecovery, ToolState, ToolStates,
+    ToolStatus, decode_bytes, encode,
+};
+use microsim_sdk::{
+    BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
+};
+use microsim_settings as settings;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The parts of a level that physics needs.
+#[derive(Debug, Deserialize)]
+struct Config {
+    physics: settings::Physics,
+    bodies: Vec<settings::Body>,
+    contacts: Vec<settings::ContactPair>,
+    tools: Vec<settings::ToolSlot>,
+    models: BTreeMap<String, settings::Tool>,
+}
+
+/// Pose and opening of a tool at the end of the last tick, while it is tracked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Place {
+    position: [f64; 3],
+    orientation: [f64; 4],
+    opening: f64,
+}
+
+impl Place {
+    fn pose(&self) -> Pose {
+        let [x, y, z, w] = self.orientation;
+        Pose {
+            position: Vector3::from(self.position),
+            orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+        }
+    }
+}
+
+/// What evolves here besides the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Memory {
+    /// Last place of each tool; `None` while it is not tracked: it then touches nothing.
+    places: Vec<Option<Place>>,
+    /// Whether the last tick had contacts.
+    touching: bool,
+}
+
+/// The physics of a run.
+#[derive(Debug, Default)]
+pub struct Physics {
+    scene: Option<Scene>,
+    memory: Memory,
+    parallel: Parallel,
+}
+
+struct HostExecutor(Parallel);
+
+impl Executor for HostExecutor {
+    fn for_each(&self, parts: usize, body: &(dyn Fn(usize) + Sync)) {
+        self.0.for_each(parts, body);
+    }
+}
+
+fn body(body: &settings::Body) -> BodySpec {
+    let settings::Generator::Block = body.generator;
+    let settings::MaterialModel::SpringVolume = body.material.model;
+    BodySpec {
+        name: body.name.clone(),
+        generator: Generator::Block(Block {
+            center: body.centre,
+            size: body.size,
+            cells: body.cells.map(|n| n as usize),
+        }),
+        material: SpringVolumeSpec {
+            stretch_modulus: body.material.stretch_modulus,
+            volume_modulus: body.material.volume_modulus,
+            density: body.material.density,
+            drag: body.material.drag,
+        },
+        clamps: body.clamp.iter().map(|c| BoxSpec { min: c.min, max: c.max }).collect(),
+    }
+}
+
+/// A tool as physics sees it: the level's slot name, the model's capsules. The left jaw opens towards +x, about an axis
+/// along y through the hinge, each jaw by half of the opening angle.
+fn tool(slot: &settings::ToolSlot, model: &settings::Tool) -> ToolSpec {
+    let half = model.opening_angle.unwrap_or_default() / 2.0;
+    let hinge = |angle| model.hinge.map(|pivot| HingeSpec { pivot, axis: [0.0, 1.0, 0.0], angle });
+    let capsules = model.capsule.iter().map(|part| CapsuleSpec {
+        a: part.a,
+        b: part.b,
+        radius: part.radius,
+        hinge: match part.jaw {
+            settings::Jaw::Fixed => None,
+            // Below the hinge a right-handed turn about +y moves the jaw towards -x.
+            settings::Jaw::Left => hinge(-half),
+            settings::Jaw::Right => hinge(half),
+        },
+    });
+    ToolSpec { name: slot.name.clone(), capsules: capsules.collect() }
+}
+
+impl Physics {
+    fn scene(&mut self) -> Result<&mut Scene, Fault> {
+        self.scene.as_mut().ok_or_else(|| Fault::new("not initialised"))
+    }
+
+    /// The motion of each tracked tool in this tick. A tool that has just come into view stands where it is: it does
+    /// not sweep through the tissue from where it was lost.
+    fn motions(&mut self, tools: &[ToolState]) -> Vec<ToolMotion> {
+        let mut motions = Vec::new();
+        self.memory.places.resize(tools.len(), None);
+        for (tool, (state, last)) in tools.iter().zip(&mut self.memory.places).enumerate() {
+            let now = (state.status == ToolStatus::Tracked).then_some(Place {
+                position: state.pose.position,
+                orientation: state.pose.orientation,
+                opening: state.opening,
+            });
+            if let Some(now) = now {
+                let from = last.unwrap_or(now);
+                motions.push(ToolMotion {
+                    tool,
+                    from: from.pose(),
+                    to: now.pose(),
+                    opening_from: from.opening,
+                    opening_to: now.opening,
+                    active: true,
+                });
+            }
+            *last = now;
+        }
+        motions
+    }
+
+    fn publish_bodies(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let time = tick.time_ns();
+        let scene = self.scene()?;
+        for body in 0..scene.body_count() {
+            let positions = scene.positions(body).iter().flat_map(|p| [p.x, p.y, p.z]);
+            let triangles = scene.surface(body).triangles.iter().flatten().copied();
+            let block =
+                BlockBuilder::new(TISSUE_SNAPSHOT, scene.body_name(body), scene.generation(body), time)
+                    .u32s("node_id", scene.node_ids(body).iter().copied())
+                    .f64s("position", positions)
+                    .u32s("triangle", triangles);
+            tick.publish_block(block.finish());
+        }
+        Ok(())
+    }
+}
+
+impl Plugin for Physics {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn initialise(&mut self, setup: &Setup, services: Services) -> Result<(), Fault> {
+        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let settings::Method::StoermerVerlet = config.physics.method;
+        let mut tools = Vec::new();
+        for slot in &config.tools {
+            let model = config.models.get(&slot.model);
+            let model = model.ok_or_else(|| Fault::new(format!("no tool model \"{}\"", slot.model)))?;
+            tools.push(tool(slot, model));
+        }
+        let spec = SceneSpec {
+            bodies: config.bodies.iter().map(body).collect(),
+            tools,
+            contact_pairs: config.contacts.iter().map(|c| (c.tool.clone(), c.body.clone())).collect(),
+            gravity: config.physics.gravity,
+        };
+        let scene = Scene::new(&spec).map_err(|error| Fault::new(error.to_string()))?;
+        let checked = scene.check_step(setup.tick_ns as f64 * 1e-9, setup.steps);
+        checked.map_err(|error| Fault::new(error.to_string()))?;
+        self.scene = Some(scene);
+        self.parallel = services.parallel;
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), Fault> {
+        self.memory = Memory::default();
+        self.scene()?.reset();
+        Ok(())
+    }
+
+    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
+        let motions = self.motions(&tools);
+        let executor = HostExecutor(self.parallel);
+        let (length, steps) = (tick.length(), tick.steps());
+        let scene = self.scene()?;
+        let report = scene.tick(&motions, length, steps, &executor);
+        let report = report.map_err(|error| Fault::new(error.to_string()))?;
+        let contacts: Vec<ContactForce> = report
+            .contacts
+            .iter()
+            .map(|contact| ContactForce {
+                tool: scene.tool_name(contact.tool).into(),
+                body: scene.body_name(contact.body).into(),
+                force: contact.force_on_tissue,
+                peak: contact.peak_force_n,
+                impulse: contact.impulse_ns,
+                point: contact.point,
+                depth: contact.max_depth_m,
+                indentation: contact.indentation_m,
+            })
+            .collect();
+        for recovery in &report.recoveries {
+            let body = scene.body_name(recovery.body).to_owned();
+            tick.publish(&TissueRecovery {
+                body,
+                cause: recovery.what.to_string(),
+                substeps: steps * report.substeps * recovery.factor,
+            });
+        }
+        if report.capped {
+            tick.log(LogLevel::Warn, format!(
+                "a tool moved so fast that {} sub-steps were needed in one step",
+                report.substeps
+            ));
+        }
+        let touching = !contacts.is_empty();
+        if touching || self.memory.touching {
+            tick.publish(&ContactForces { contacts });
+        }
+        self.memory.touching = touching;
+        self.publish_bodies(tick)
+    }
+
+    fn save(&self) -> Vec<u8> {
+        encode(&(&self.memory, serde_bytes::ByteBuf::from(self.scene.as_ref().map(Scene::save).unwrap_or_default())))
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
+        let (memory, scene): (Memory, serde_bytes::ByteBuf) = decode_bytes(state)?;
+        let restored = self.scene()?.restore(&scene);
+        restored.map_err(|error| Fault::new(error.to_string()))?;
+        self.memory = memory;
+        Ok(())
+    }
+}
+
+export_plugin!(Physics, "../plugin.toml");

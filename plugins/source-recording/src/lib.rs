@@ -1,1 +1,135 @@
-//! plugin-source-recording
+//! Recorded motion as an input source: a CSV file with its column map, or the samples of a recorded session. Thin over
+//! `tracking::read_csv`.
+
+use microsim_sdk::message::{InputEnd, InputSample, Pose, decode_bytes, encode};
+use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_settings::{RecordingMap, Unit};
+use microsim_tracking::{
+    Column, ColumnMap, DeviceColumns, OpeningColumn, Playback, Sample, read_csv,
+};
+use serde::Deserialize;
+
+/// Name of the file with the motion.
+const FILE: &str = "recording";
+
+/// What the file is.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "format", rename_all = "kebab-case")]
+enum Config {
+    /// A CSV file with its column map.
+    Csv {
+        /// Its name, for complaints.
+        name: String,
+        /// The TOML beside it, checked.
+        map: Box<RecordingMap>,
+    },
+    /// The input samples of a session, as messages in a list.
+    Samples,
+}
+
+/// Plays recorded motion.
+#[derive(Debug, Default)]
+pub struct RecordingSource {
+    name: String,
+    playback: Playback,
+    ended: bool,
+}
+
+/// The column map as the reader wants it. Units were checked when the map was read.
+fn column_map(map: &RecordingMap) -> Result<ColumnMap, Fault> {
+    let factor = |unit: Unit, symbol: &str| {
+        unit.to_si(1.0, symbol).ok_or_else(|| Fault::new(format!("unknown unit \"{symbol}\"")))
+    };
+    let devices = map.device.iter().map(|device| {
+        Ok(DeviceColumns {
+            device: device.name.clone(),
+            position: device.position.clone(),
+            position_factor: factor(Unit::Length, &device.position_unit)?,
+            orientation: Some(device.quaternion.clone()),
+            opening: device.opening.as_ref().map(|opening| OpeningColumn {
+                name: opening.column.clone(),
+                closed: opening.closed,
+                open: opening.open,
+            }),
+            visible: device.visible.clone(),
+        })
+    });
+    Ok(ColumnMap {
+        delimiter: map.delimiter_byte(),
+        time: Column { name: map.time.column.clone(), factor: factor(Unit::Time, &map.time.unit)? },
+        devices: devices.collect::<Result<_, Fault>>()?,
+        gap_s: Some(map.gap),
+    })
+}
+
+fn sample(message: InputSample) -> Sample {
+    Sample {
+        device: message.device.into(),
+        time_s: message.device_time,
+        visible: message.visible,
+        position: message.pose.position,
+        orientation: message.pose.orientation,
+        opening: message.opening,
+    }
+}
+
+impl Plugin for RecordingSource {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
+        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let file = setup.files.iter().find(|f| f.name == FILE);
+        let bytes = &file.ok_or_else(|| Fault::new("no file \"recording\" in the set-up"))?.bytes;
+        let samples = match config {
+            Config::Csv { name, map } => {
+                let recording = read_csv(bytes, &name, &column_map(&map)?);
+                recording.map_err(|error| Fault::new(error.to_string()))?.samples
+            }
+            Config::Samples => {
+                let messages: Vec<InputSample> = decode_bytes(bytes)?;
+                messages.into_iter().map(sample).collect()
+            }
+        };
+        self.name = setup.name.clone();
+        self.playback = Playback::new(samples);
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), Fault> {
+        self.playback.seek(0);
+        self.ended = false;
+        Ok(())
+    }
+
+    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        for sample in self.playback.due(tick.time()) {
+            tick.publish(&InputSample {
+                device: sample.device.to_string(),
+                device_time: sample.time_s,
+                visible: sample.visible,
+                pose: Pose { position: sample.position, orientation: sample.orientation },
+                opening: sample.opening,
+            });
+        }
+        if self.playback.is_over() && !self.ended {
+            self.ended = true;
+            tick.publish(&InputEnd { source: self.name.clone() });
+        }
+        Ok(())
+    }
+
+    fn save(&self) -> Vec<u8> {
+        encode(&(self.playback.position(), self.ended))
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
+        let (position, ended) = decode_bytes(state)?;
+        self.playback.seek(position);
+        self.ended = ended;
+        Ok(())
+    }
+}
+
+export_plugin!(RecordingSource, "../plugin.toml");

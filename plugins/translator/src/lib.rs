@@ -1,1 +1,185 @@
-//! plugin-translator
+//! The translator (dissertation, 5.2.1): device samples in, tools in the field out. Thin over `tracking::Translator`.
+//!
+//! The instrument and the tool know nothing of each other: which device drives which tool slot stands in
+//! `config/translator.toml`, which model a slot has in the level.
+
+use microsim_sdk::message::{
+    InputSample, Pose, ToolSample, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+};
+use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_settings::{DeviceMap, ToolSlot};
+use microsim_tracking::{self as tracking, Mapping, Opening, Sample, Translator};
+use serde::Deserialize;
+use std::collections::BTreeSet;
+
+/// What the level and `config/translator.toml` say.
+#[derive(Debug, Deserialize)]
+struct Config {
+    /// \[s\]
+    stale_after: f64,
+    /// One device per tool at most.
+    devices: Vec<DeviceMap>,
+    /// All tools of the level.
+    tools: Vec<ToolSlot>,
+}
+
+/// The translator of a run.
+#[derive(Debug, Default)]
+pub struct TranslatorPlugin {
+    tools: Vec<ToolSlot>,
+    translator: Option<Translator>,
+    /// Devices that drive no tool and were complained about.
+    idle_devices: BTreeSet<String>,
+    devices: BTreeSet<String>,
+}
+
+fn mapping(device: &DeviceMap) -> Mapping {
+    Mapping {
+        tool: device.tool.clone(),
+        device: device.name.clone(),
+        device_origin: device.origin,
+        field_offset: device.field_offset,
+        field_from_device: device.rotation,
+        scale: device.scale,
+        body_from_tool: device.tool_rotation,
+        opening: device.opening.fixed().map_or(Opening::DEVICE, Opening::Constant),
+    }
+}
+
+fn status(status: tracking::ToolStatus) -> ToolStatus {
+    match status {
+        tracking::ToolStatus::NeverSeen => ToolStatus::NeverSeen,
+        tracking::ToolStatus::Tracked => ToolStatus::Tracked,
+        tracking::ToolStatus::Occluded => ToolStatus::Occluded,
+        tracking::ToolStatus::Stale => ToolStatus::Stale,
+    }
+}
+
+impl TranslatorPlugin {
+    fn translator(&mut self) -> Result<&mut Translator, Fault> {
+        self.translator.as_mut().ok_or_else(|| Fault::new("not initialised"))
+    }
+
+    fn hear(&mut self, message: InputSample, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let now = tick.time();
+        if !self.devices.contains(&message.device) {
+            if self.idle_devices.insert(message.device.clone()) {
+                let device = &message.device;
+                tick.log(LogLevel::Warn, format!(
+                    "device \"{device}\" drives no tool of this level; say which one in config/translator.toml"
+                ));
+            }
+            return Ok(());
+        }
+        let sample = Sample {
+            device: message.device.as_str().into(),
+            time_s: message.device_time,
+            visible: message.visible,
+            position: message.pose.position,
+            orientation: message.pose.orientation,
+            opening: message.opening,
+        };
+        let translator = self.translator()?;
+        let translated = match translator.feed(&sample, now) {
+            Ok(translated) => translated,
+            Err(refusal) => {
+                // A flood of bad samples must not become a flood of log lines: the first of each tool, then every
+                // thousandth.
+                let states = translator.states(now);
+                let count = states.iter().find(|s| s.tool == refusal.tool).map_or(0, |s| s.refused);
+                if count % 1000 == 1 {
+                    tick.log(LogLevel::Warn, format!("{refusal} (refused so far: {count})"));
+                }
+                None
+            }
+        };
+        match translated {
+            Some(tracking::TranslatedSample { tool, pose }) => tick.publish(&ToolSample {
+                tool,
+                time: pose.sample_time_s,
+                tracked: true,
+                pose: Pose { position: pose.position, orientation: pose.orientation },
+                opening: pose.opening,
+            }),
+            // The tool was not seen: whoever counts motion must know that a segment ends here.
+            None => {
+                let states = translator.states(now);
+                let index = translator.mappings().iter().position(|m| m.device == message.device);
+                let state = index.map(|i| &states[i]);
+                if let Some((state, pose)) = state.and_then(|s| s.pose.map(|p| (s, p))) {
+                    tick.publish(&ToolSample {
+                        tool: state.tool.clone(),
+                        time: message.device_time,
+                        tracked: false,
+                        pose: Pose { position: pose.position, orientation: pose.orientation },
+                        opening: pose.opening,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn states(&mut self, now: f64) -> Result<ToolStates, Fault> {
+        let known = self.translator()?.states(now);
+        let tools = self.tools.iter().map(|slot| {
+            let state = known.iter().find(|s| s.tool == slot.name);
+            let pose = state.and_then(|s| s.pose);
+            ToolState {
+                tool: slot.name.clone(),
+                model: slot.model.clone(),
+                status: state.map_or(ToolStatus::NeverSeen, |s| status(s.status)),
+                pose: pose.map(|p| Pose { position: p.position, orientation: p.orientation }).unwrap_or_default(),
+                opening: pose.map_or(1.0, |p| p.opening),
+            }
+        });
+        Ok(ToolStates { tools: tools.collect() })
+    }
+}
+
+impl Plugin for TranslatorPlugin {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
+        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let mappings = config.devices.iter().map(mapping).collect();
+        let translator = Translator::new(mappings, config.stale_after);
+        self.translator = Some(translator.map_err(|error| Fault::new(error.to_string()))?);
+        self.devices = config.devices.iter().map(|d| d.name.clone()).collect();
+        self.tools = config.tools;
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), Fault> {
+        self.idle_devices.clear();
+        self.translator()?.reset();
+        Ok(())
+    }
+
+    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        for message in tick.messages::<InputSample>()? {
+            self.hear(message, tick)?;
+        }
+        let states = self.states(tick.time())?;
+        tick.publish(&states);
+        Ok(())
+    }
+
+    fn save(&self) -> Vec<u8> {
+        encode(&(self.translator.as_ref().map(Translator::state), &self.idle_devices))
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
+        let (state, idle) = decode_bytes::<(Option<tracking::TranslatorState>, _)>(state)?;
+        self.idle_devices = idle;
+        if let Some(state) = state {
+            let restored = self.translator()?.restore(state);
+            restored.map_err(|error| Fault::new(error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+export_plugin!(TranslatorPlugin, "../plugin.toml");

@@ -1,0 +1,582 @@
+//! From a module, a level and an input to the plan of a run: which plugins, which parts, why, and what each is told.
+//!
+//! Only what a scene needs: the run brings source and recorder (and renderer, if pictures are wanted), the module's
+//! manifest names the other plugins, the level the objects, bodies and contacts. Nothing else is loaded.
+
+use crate::loader::file_hash;
+use crate::plan::{OwnKind, PlannedPart, PlannedPlugin, PluginKind, RunPlan};
+use crate::record::Session;
+use microsim_bus::Frames;
+use microsim_message::{InputSample, LocalText, Setup, SetupFile, decode, encode};
+use microsim_settings as settings;
+use serde_json::{Value, json};
+use settings::{ConfigErrors, Loaded, Manifest};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Plugin that plays scripts.
+const SOURCE_SCRIPT: &str = "source-script";
+/// Plugin that plays recordings.
+const SOURCE_RECORDING: &str = "source-recording";
+/// Plugin that writes sessions.
+const RECORDER: &str = "recorder";
+/// Plugin that draws.
+const RENDERER: &str = "renderer";
+
+/// Why there is no plan: one or several sentences, each with its file and line where it has one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AssembleError(pub String);
+
+impl fmt::Display for AssembleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for AssembleError {}
+
+impl From<ConfigErrors> for AssembleError {
+    fn from(errors: ConfigErrors) -> Self {
+        Self(errors.to_string())
+    }
+}
+
+fn refuse<T>(text: impl Into<String>) -> Result<T, AssembleError> {
+    Err(AssembleError(text.into()))
+}
+
+/// An installed tree: `plugins/`, `modules/`, `config/`, `assets/` below one folder.
+#[derive(Debug)]
+pub struct Installation {
+    /// The folder.
+    pub root: PathBuf,
+    /// Folder of the configuration.
+    pub config: PathBuf,
+    /// Plugins and modules.
+    pub tree: settings::Tree,
+    /// How the host runs sessions.
+    pub host: settings::Host,
+    /// What is wrong with single plugins or modules; they are hidden.
+    pub complaints: Vec<settings::ConfigError>,
+}
+
+impl Installation {
+    /// Opens the tree below `root`; `config` replaces its `config/`.
+    pub fn open(root: &Path, config: Option<&Path>) -> Result<Self, AssembleError> {
+        let config = config.map_or_else(|| root.join("config"), Path::to_path_buf);
+        let host = settings::load_host(&config.join("host.toml"))?.settings;
+        let (tree, complaints) = settings::discover(root);
+        Ok(Self { root: root.to_path_buf(), config, tree, host, complaints })
+    }
+
+    /// The manifest of a plugin.
+    pub fn plugin(&self, name: &str) -> Result<&Loaded<Manifest>, AssembleError> {
+        let found = self.tree.plugins.iter().find(|p| p.settings.name == name);
+        found.ok_or_else(|| {
+            let names: Vec<&str> = self.tree.plugins.iter().map(|p| p.settings.name.as_str()).collect();
+            AssembleError(format!(
+                "no plugin \"{name}\" below {}; there are: {}",
+                self.root.join("plugins").display(),
+                names.join(", ")
+            ) + &self.hidden(name))
+        })
+    }
+
+    /// A module with its levels.
+    pub fn module(&self, name: &str) -> Result<&settings::ModuleFolder, AssembleError> {
+        let found = self.tree.modules.iter().find(|m| m.manifest.settings.name == name);
+        found.ok_or_else(|| {
+            let names: Vec<&str> =
+                self.tree.modules.iter().map(|m| m.manifest.settings.name.as_str()).collect();
+            AssembleError(format!(
+                "no module \"{name}\" below {}; there are: {}",
+                self.root.join("modules").display(),
+                names.join(", ")
+            ) + &self.hidden(name))
+        })
+    }
+
+    /// The complaints that may be why something is not there.
+    fn hidden(&self, name: &str) -> String {
+        let about: Vec<String> =
+            self.complaints.iter().filter(|c| c.file.contains(name)).map(|c| format!("\n{c}")).collect();
+        about.concat()
+    }
+
+    /// A level of a module, checked.
+    pub fn level(&self, module: &str, level: u32) -> Result<Loaded<settings::Level>, AssembleError> {
+        let folder = self.module(module)?;
+        let index = (level as usize).wrapping_sub(1);
+        let path = folder.levels.get(index).ok_or_else(|| {
+            AssembleError(format!(
+                "module \"{module}\" has levels 1 to {}, not {level}",
+                folder.levels.len()
+            ))
+        })?;
+        Ok(settings::load_level(path, &folder.manifest.settings, &known_metrics())?)
+    }
+
+    /// A file by the name that an operator gave: as it stands, or below the installation.
+    fn find(&self, given: &Path, folders: &[PathBuf]) -> PathBuf {
+        let mut candidates = vec![given.to_path_buf(), self.root.join(given)];
+        candidates.extend(folders.iter().map(|f| f.join(given)));
+        let found = candidates.into_iter().find(|p| p.is_file());
+        found.unwrap_or_else(|| given.to_path_buf())
+    }
+}
+
+/// The motion metrics that every level may limit.
+pub fn known_metrics() -> Vec<settings::KnownMetric<'static>> {
+    use microsim_training::{Direction, MOTION_METRICS};
+    let known = MOTION_METRICS.iter().filter_map(|metric| {
+        Some(settings::KnownMetric {
+            id: metric.id.as_ref(),
+            unit: settings::Unit::of_symbol(&metric.unit)?,
+            direction: match metric.direction {
+                Direction::LowerIsBetter => settings::Direction::Lower,
+                Direction::HigherIsBetter => settings::Direction::Higher,
+                Direction::Range | Direction::Informative => settings::Direction::Inform,
+            },
+        })
+    });
+    known.collect()
+}
+
+/// Where the motion comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// A scripted trainee.
+    Script(PathBuf),
+    /// A CSV file with its TOML, or a session.
+    Recording(PathBuf),
+    /// A source plugin by its name, without a file.
+    Plugin(String),
+}
+
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Script(path) => write!(f, "script:{}", path.display()),
+            Self::Recording(path) => write!(f, "recording:{}", path.display()),
+            Self::Plugin(name) => write!(f, "plugin:{name}"),
+        }
+    }
+}
+
+/// What an operator asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Module.
+    pub module: String,
+    /// Level, from 1.
+    pub level: u32,
+    /// Motion.
+    pub input: Input,
+    /// Seed.
+    pub seed: u64,
+    /// Kinds of plugins to leave out (`physics`); such a run is no result.
+    pub without: Vec<String>,
+    /// Whether pictures are wanted.
+    pub pictures: bool,
+    /// The session file to write.
+    pub session: PathBuf,
+}
+
+/// What a source gets.
+struct SourceSetup {
+    plugin: String,
+    why: String,
+    config: Value,
+    files: Vec<SetupFile>,
+    /// Names of the devices that it brings; `None`: not known beforehand.
+    devices: Option<Vec<String>>,
+}
+
+/// Makes the plan.
+pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPlan, AssembleError> {
+    let folder = installation.module(&request.module)?;
+    let manifest = &folder.manifest.settings;
+    let level = installation.level(&request.module, request.level)?;
+    let source = source_setup(installation, request)?;
+    let models = tool_models(installation, &level.settings)?;
+    let plan = Planner { installation, request, level: &level, manifest, models, source: &source };
+    plan.plan(folder)
+}
+
+fn source_setup(installation: &Installation, request: &Request) -> Result<SourceSetup, AssembleError> {
+    let read = |path: &Path| {
+        std::fs::read(path).map_err(|e| AssembleError(format!("input {}: {e}", path.display())))
+    };
+    match &request.input {
+        Input::Plugin(name) => Ok(SourceSetup {
+            plugin: name.clone(),
+            why: "the input is asked for by name".into(),
+            config: json!({}),
+            files: Vec::new(),
+            devices: None,
+        }),
+        Input::Script(given) => {
+            let scripts = installation.root.join("modules").join(&request.module).join("scripts");
+            let path = installation.find(given, &[scripts]);
+            let script = settings::load_script(&path)?;
+            Ok(SourceSetup {
+                plugin: SOURCE_SCRIPT.into(),
+                why: format!("the input is the script {}", path.display()),
+                devices: Some(script.settings.tool.iter().map(|t| t.name.clone()).collect()),
+                config: json!({ "script": script.document.value() }),
+                files: Vec::new(),
+            })
+        }
+        Input::Recording(given) => {
+            let path = installation.find(given, &[]);
+            let bytes = read(&path)?;
+            let (config, bytes, devices) = if bytes.starts_with(microsim_session::MAGIC) {
+                session_input(&path, &bytes)?
+            } else {
+                csv_input(&path, bytes)?
+            };
+            Ok(SourceSetup {
+                plugin: SOURCE_RECORDING.into(),
+                why: format!("the input is the recording {}", path.display()),
+                config,
+                files: vec![SetupFile { name: "recording".into(), bytes }],
+                devices: Some(devices),
+            })
+        }
+    }
+}
+
+type RecordingInput = (Value, Vec<u8>, Vec<String>);
+
+fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<RecordingInput, AssembleError> {
+    let map_path = settings::recording_map_path(path);
+    if !map_path.is_file() {
+        let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
+        let head = String::from_utf8_lossy(head);
+        let columns: Vec<&str> = head.trim().split([',', ';', '\t']).collect();
+        return refuse(settings::recording_map_help(path, &columns));
+    }
+    let map = settings::load_recording_map(path)?;
+    let devices = map.settings.device.iter().map(|d| d.name.clone()).collect();
+    let config =
+        json!({ "format": "csv", "name": path.display().to_string(), "map": map.document.value() });
+    Ok((config, bytes, devices))
+}
+
+/// The input samples of a recorded session, to be played again.
+fn session_input(path: &Path, bytes: &[u8]) -> Result<RecordingInput, AssembleError> {
+    let session =
+        Session::read(bytes).map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
+    let mut samples: Vec<InputSample> = Vec::new();
+    let mut devices = BTreeSet::new();
+    for (_, tick) in &session.ticks {
+        let frames = Frames::new(&tick.log).filter_map(Result::ok);
+        for sample in frames.filter_map(|f| decode::<InputSample>(&f)) {
+            let sample = sample.map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
+            devices.insert(sample.device.clone());
+            samples.push(sample);
+        }
+    }
+    Ok((json!({ "format": "samples" }), encode(&samples), devices.into_iter().collect()))
+}
+
+fn tool_models(
+    installation: &Installation,
+    level: &settings::Level,
+) -> Result<BTreeMap<String, Value>, AssembleError> {
+    let mut models = BTreeMap::new();
+    for slot in &level.tool {
+        let path = installation.config.join("tools").join(format!("{}.toml", slot.model));
+        models.insert(slot.model.clone(), settings::load_tool(&path)?.document.value().clone());
+    }
+    Ok(models)
+}
+
+struct Planner<'a> {
+    installation: &'a Installation,
+    request: &'a Request,
+    level: &'a Loaded<settings::Level>,
+    manifest: &'a Manifest,
+    models: BTreeMap<String, Value>,
+    source: &'a SourceSetup,
+}
+
+fn text(text: &settings::LocalText) -> LocalText {
+    LocalText { de: text.de.clone(), en: text.en.clone() }
+}
+
+impl Planner<'_> {
+    fn plan(&self, folder: &settings::ModuleFolder) -> Result<RunPlan, AssembleError> {
+        let level = &self.level.settings;
+        let tick_ns = level.clock.tick_us() * 1000;
+        let mut plan = RunPlan {
+            module: self.request.module.clone(),
+            module_title: text(&self.manifest.title),
+            level: self.request.level,
+            level_title: text(&level.title),
+            level_summary: text(&level.summary),
+            seed: self.request.seed,
+            tick_ns,
+            steps: level.clock.steps,
+            hash_every: hash_every(&self.installation.host, tick_ns),
+            input: self.request.input.to_string(),
+            without: self.request.without.clone(),
+            plugins: Vec::new(),
+            parts: self.parts(),
+        };
+        let mut wanted: Vec<(&Loaded<Manifest>, String)> = vec![
+            (self.installation.plugin(&self.source.plugin)?, self.source.why.clone()),
+            (self.installation.plugin(RECORDER)?, "every run is recorded".into()),
+            (&folder.manifest, "the operator asked for this module".into()),
+        ];
+        if self.request.pictures {
+            wanted.push((self.installation.plugin(RENDERER)?, "pictures are wanted".into()));
+        }
+        for name in &self.manifest.plugins {
+            let plugin = self.installation.plugin(name)?;
+            let why = format!("module \"{}\" uses it", self.manifest.name);
+            match plugin.settings.kind {
+                settings::PluginKind::Physics if level.physics.is_none() => {}
+                kind if self.request.without.iter().any(|w| w == kind_of(kind).name()) => {}
+                _ => wanted.push((plugin, why)),
+            }
+        }
+        for (manifest, why) in wanted {
+            let planned = self.plugin(manifest, why, &plan)?;
+            if plan.plugins.iter().any(|p| p.name == planned.name) {
+                return refuse(format!("plugin \"{}\" would be loaded twice", planned.name));
+            }
+            plan.plugins.push(planned);
+        }
+        plan.plugins.sort_by(|a, b| (a.kind, &a.name).cmp(&(b.kind, &b.name)));
+        Ok(plan)
+    }
+
+    fn plugin(
+        &self,
+        manifest: &Loaded<Manifest>,
+        why: String,
+        plan: &RunPlan,
+    ) -> Result<PlannedPlugin, AssembleError> {
+        let m = &manifest.settings;
+        let kind = kind_of(m.kind);
+        if m.abi != microsim_abi::ABI_VERSION {
+            return refuse(format!(
+                "plugin \"{}\" ({}): its manifest says version {} of the plugin contract, this host has version {}",
+                m.name,
+                manifest.document.path().display(),
+                m.abi,
+                microsim_abi::ABI_VERSION
+            ));
+        }
+        let folder = manifest.document.path().parent().map(Path::to_path_buf).unwrap_or_default();
+        let library = folder.join(format!(
+            "{}{}{}",
+            std::env::consts::DLL_PREFIX,
+            m.library,
+            std::env::consts::DLL_SUFFIX
+        ));
+        let library_hash = file_hash(&library).map_err(|e| {
+            AssembleError(format!(
+                "plugin \"{}\": its library {} cannot be read: {e}",
+                m.name,
+                library.display()
+            ))
+        })?;
+        let mut files = Vec::new();
+        for file in &m.file {
+            let path = folder.join(&file.path);
+            let bytes = std::fs::read(&path).map_err(|e| {
+                AssembleError(format!("plugin \"{}\": file {}: {e}", m.name, path.display()))
+            })?;
+            files.push(SetupFile { name: file.name.clone(), bytes });
+        }
+        let (config, more) = self.config(kind)?;
+        files.extend(more);
+        Ok(PlannedPlugin {
+            name: m.name.clone(),
+            kind,
+            version: m.version.clone(),
+            publishes: m.publishes.clone(),
+            subscribes: m.subscribes.clone(),
+            own_kinds: m
+                .message
+                .iter()
+                .map(|k| OwnKind {
+                    name: k.name.clone(),
+                    version: k.version as u16,
+                    drop_oldest: k.overflow == settings::Overflow::DropOldest,
+                })
+                .collect(),
+            library,
+            manifest: manifest.document.text().to_owned(),
+            library_hash,
+            why,
+            setup: Setup {
+                name: m.name.clone(),
+                seed: plan.seed,
+                tick_ns: plan.tick_ns,
+                steps: plan.steps,
+                level: plan.level,
+                config,
+                files,
+            },
+        })
+    }
+
+    /// What a kind of plugin is told.
+    fn config(&self, kind: PluginKind) -> Result<(Value, Vec<SetupFile>), AssembleError> {
+        let level = self.level.document.value();
+        let module = self.installation.module(&self.request.module)?.manifest.document.value();
+        let config = match kind {
+            PluginKind::Source => {
+                return Ok((self.source.config.clone(), self.source.files.clone()));
+            }
+            PluginKind::Translator => {
+                let path = self.installation.config.join("translator.toml");
+                let translator = settings::load_translator(&path)?;
+                json!({
+                    "stale_after": translator.settings.stale_after,
+                    "devices": self.device_maps(translator.document.value()),
+                    "tools": level["tool"],
+                })
+            }
+            PluginKind::Physics => json!({
+                "physics": level["physics"],
+                "bodies": level["body"],
+                "contacts": level["contact"],
+                "tools": level["tool"],
+                "models": self.models,
+            }),
+            PluginKind::Module => json!({
+                "tools": level["tool"],
+                "models": self.models,
+                "limits": level["limit"],
+                "metrics": level["metrics"],
+                "own_metrics": module["metric"],
+                "reasons": module["reason"],
+                "module": level["module"],
+                "objects": level["object"],
+                "bodies": level["body"],
+            }),
+            PluginKind::Objects => json!({ "objects": level["object"] }),
+            PluginKind::Renderer => json!({
+                "view": level["view"],
+                "models": self.models,
+                "bodies": level["body"],
+                "width": self.installation.host.picture.width,
+                "height": self.installation.host.picture.height,
+            }),
+            PluginKind::Recorder => json!({ "path": self.request.session }),
+        };
+        Ok((config, Vec::new()))
+    }
+
+    /// Which of the source's devices drives which tool: as `config/translator.toml` says, otherwise the tool of the
+    /// device's own name.
+    fn device_maps(&self, translator: &Value) -> Vec<Value> {
+        let listed = translator["device"].as_array().cloned().unwrap_or_default();
+        let tools: Vec<&str> = self.level.settings.tool.iter().map(|t| t.name.as_str()).collect();
+        let has_tool = |m: &Value| m["tool"].as_str().is_some_and(|t| tools.contains(&t));
+        let identity = |name: &str| {
+            json!({
+                "name": name, "tool": name, "origin": [0.0, 0.0, 0.0], "field_offset": [0.0, 0.0, 0.0],
+                "rotation": [0.0, 0.0, 0.0, 1.0], "tool_rotation": [0.0, 0.0, 0.0, 1.0],
+                "scale": 1.0, "opening": "device",
+            })
+        };
+        match &self.source.devices {
+            Some(devices) => devices
+                .iter()
+                .map(|device| {
+                    let map = listed.iter().find(|m| m["name"] == device.as_str());
+                    map.cloned().unwrap_or_else(|| identity(device))
+                })
+                .filter(has_tool)
+                .collect(),
+            None => {
+                let mut maps: Vec<Value> = listed.into_iter().filter(has_tool).collect();
+                for tool in &tools {
+                    if !maps.iter().any(|m| m["tool"] == *tool) {
+                        maps.push(identity(tool));
+                    }
+                }
+                maps
+            }
+        }
+    }
+
+    fn parts(&self) -> Vec<PlannedPart> {
+        let level = &self.level.settings;
+        let part = |what: &str, name: String, why: String| PlannedPart { what: what.into(), name, why };
+        let mut parts = Vec::new();
+        for tool in &level.tool {
+            parts.push(part("tool", tool.name.clone(), format!("the level gives this slot the model \"{}\"", tool.model)));
+        }
+        for object in &level.object {
+            for name in object.names() {
+                parts.push(part("object", name, "the level names it".into()));
+            }
+        }
+        if let (Some(physics), false) = (&level.physics, self.request.without.iter().any(|w| w == "physics")) {
+            for body in &level.body {
+                let tets = 6 * body.cells.iter().product::<u32>();
+                parts.push(part("body", body.name.clone(), format!("the level names it; {tets} tetrahedra")));
+            }
+            for pair in &level.contact {
+                let name = format!("{} on {}", pair.tool, pair.body);
+                parts.push(part("contact", name, "the level lists this pair; no other contact is looked for".into()));
+            }
+            parts.push(part(
+                "method",
+                self.level.document.value()["physics"]["method"].as_str().unwrap_or_default().to_owned(),
+                format!(
+                    "the level asks for it, with {} steps per tick; gravity {:?} m/s^2",
+                    level.clock.steps, physics.gravity
+                ),
+            ));
+        }
+        parts
+    }
+}
+
+fn kind_of(kind: settings::PluginKind) -> PluginKind {
+    match kind {
+        settings::PluginKind::Source => PluginKind::Source,
+        settings::PluginKind::Translator => PluginKind::Translator,
+        settings::PluginKind::Physics => PluginKind::Physics,
+        settings::PluginKind::Module => PluginKind::Module,
+        settings::PluginKind::Objects => PluginKind::Objects,
+        settings::PluginKind::Renderer => PluginKind::Renderer,
+        settings::PluginKind::Recorder => PluginKind::Recorder,
+    }
+}
+
+fn hash_every(host: &settings::Host, tick_ns: u64) -> u64 {
+    let ticks = host.session.state_hash_every * 1e9 / tick_ns as f64;
+    (ticks.round() as u64).max(1)
+}
+
+/// The installed plugin for a recorded one, for a replay.
+pub fn locate(installation: &Installation, recorded: &PlannedPlugin) -> Result<PlannedPlugin, AssembleError> {
+    let manifest = match recorded.kind {
+        PluginKind::Module => &installation.module(&recorded.name)?.manifest,
+        _ => installation.plugin(&recorded.name)?,
+    };
+    let folder = manifest.document.path().parent().map(Path::to_path_buf).unwrap_or_default();
+    let library = folder.join(format!(
+        "{}{}{}",
+        std::env::consts::DLL_PREFIX,
+        manifest.settings.library,
+        std::env::consts::DLL_SUFFIX
+    ));
+    let library_hash = file_hash(&library)
+        .map_err(|e| AssembleError(format!("library {}: {e}", library.display())))?;
+    Ok(PlannedPlugin {
+        library,
+        library_hash,
+        manifest: manifest.document.text().to_owned(),
+        ..recorded.clone()
+    })
+}

@@ -1,0 +1,51 @@
+//! The parallel loop that the host offers to physics.
+
+use microsim_abi::{ParallelBody, ParallelFor};
+use rayon::prelude::*;
+use std::ffi::c_void;
+
+/// A pool of threads, behind a pointer that plugins may hold while it lives.
+#[derive(Debug)]
+pub struct Parallel {
+    pool: Box<rayon::ThreadPool>,
+}
+
+struct Data(*const c_void);
+// SAFETY: the plugin passes data that its body may use from several threads (see `microsim_abi::ParallelFor`).
+unsafe impl Sync for Data {}
+
+impl Data {
+    fn get(&self) -> *const c_void {
+        self.0
+    }
+}
+
+unsafe extern "C" fn run(context: *const c_void, parts: u32, body: ParallelBody, data: *const c_void) {
+    // SAFETY: `context` is the pool of the `Parallel` that outlives the plugin.
+    let pool = unsafe { &*context.cast::<rayon::ThreadPool>() };
+    let data = Data(data);
+    pool.install(|| {
+        (0..parts).into_par_iter().for_each(|part| {
+            // SAFETY: the plugin guarantees `body` and `data` until `run` returns; `body` does not unwind.
+            unsafe { (body.call)(data.get(), part) }
+        });
+    });
+}
+
+impl Parallel {
+    /// A pool of `threads` threads.
+    pub fn new(threads: usize) -> Result<Self, String> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|i| format!("microsim-{i}"))
+            .build()
+            .map_err(|e| format!("cannot start {threads} threads: {e}"))?;
+        Ok(Self { pool: Box::new(pool) })
+    }
+
+    /// What crosses to a plugin; valid while `self` lives.
+    pub fn service(&self) -> ParallelFor {
+        let context: *const rayon::ThreadPool = &raw const *self.pool;
+        ParallelFor { context: context.cast(), run }
+    }
+}

@@ -1,0 +1,171 @@
+//! Pictures: the renderer on a thread of its own, on the latest snapshot, at its own rate. Nothing comes back into the
+//! run.
+
+use crate::fault::Failure;
+use crate::plan::PlannedPlugin;
+use abi_stable::std_types::{ROption, RSlice};
+use microsim_abi::{Block as AbiBlock, Call, PluginBox};
+use microsim_bus::{Block, Frames, kind_id};
+use microsim_message::{PictureRequest, encode, push};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+
+/// Pictures that may wait to be drawn.
+const QUEUE: usize = 4;
+
+/// Which pictures are wanted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PicturePlan {
+    /// Folder for `frame-000000.png` and so on.
+    pub folder: PathBuf,
+    /// Ticks between two pictures.
+    pub every: u64,
+}
+
+/// What came of them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PictureReport {
+    /// Pictures written.
+    pub written: u64,
+    /// Pictures left out because drawing was slower than a paced run.
+    pub left_out: u64,
+    /// Why there are no (more) pictures.
+    pub off: Option<String>,
+}
+
+struct Job {
+    tick: u64,
+    time_ns: u64,
+    tick_ns: u64,
+    messages: Vec<u8>,
+    blocks: Vec<Block>,
+}
+
+/// The picture thread, seen from the tick thread.
+pub struct Pictures {
+    plan: PicturePlan,
+    wanted: Vec<u64>,
+    latest: BTreeMap<u64, Vec<u8>>,
+    jobs: Option<SyncSender<Job>>,
+    thread: Option<JoinHandle<Result<(), Failure>>>,
+    written: Arc<AtomicU64>,
+    requested: u64,
+    left_out: u64,
+    wait: bool,
+}
+
+impl Pictures {
+    /// Starts the thread. `wait`: the run waits for slow drawing (as fast as it can) instead of leaving pictures out
+    /// (paced).
+    pub fn start(
+        planned: &PlannedPlugin,
+        mut object: PluginBox,
+        plan: PicturePlan,
+        wait: bool,
+    ) -> Result<Self, std::io::Error> {
+        std::fs::create_dir_all(&plan.folder)?;
+        let (jobs, queue) = sync_channel(QUEUE);
+        let setup = encode(&planned.setup);
+        let name = planned.name.clone();
+        let written = Arc::new(AtomicU64::new(0));
+        let count = Arc::clone(&written);
+        let thread = std::thread::Builder::new().name("microsim-picture".into()).spawn(move || {
+            draw(&name, &mut object, &setup, &queue, &count)
+        })?;
+        Ok(Self {
+            plan,
+            wanted: planned.subscribes.iter().map(|k| kind_id(k)).collect(),
+            latest: BTreeMap::new(),
+            jobs: Some(jobs),
+            thread: Some(thread),
+            written,
+            requested: 0,
+            left_out: 0,
+            wait,
+        })
+    }
+
+    /// Hears a tick and asks for a picture where one is due.
+    pub fn hear(&mut self, tick: u64, tick_ns: u64, log: &[u8], blocks: impl FnOnce() -> Vec<Block>) {
+        for frame in Frames::new(log).filter_map(Result::ok) {
+            if self.wanted.contains(&frame.header.kind) {
+                let mut bytes = Vec::new();
+                microsim_bus::frame::push_stamped(&mut bytes, &frame.header, frame.payload);
+                self.latest.insert(frame.header.kind, bytes);
+            }
+        }
+        if !tick.is_multiple_of(self.plan.every) {
+            return;
+        }
+        let Some(jobs) = &self.jobs else { return };
+        let file = self.plan.folder.join(format!("frame-{:06}.png", self.requested));
+        let mut messages: Vec<u8> = self.latest.values().flatten().copied().collect();
+        push(&mut messages, &PictureRequest { file: file.to_string_lossy().into_owned() });
+        let job = Job { tick, time_ns: (tick + 1) * tick_ns, tick_ns, messages, blocks: blocks() };
+        let sent = if self.wait {
+            jobs.send(job).map_err(|_| TrySendError::Disconnected(()))
+        } else {
+            jobs.try_send(job).map_err(|e| match e {
+                TrySendError::Full(_) => TrySendError::Full(()),
+                TrySendError::Disconnected(_) => TrySendError::Disconnected(()),
+            })
+        };
+        match sent {
+            Ok(()) => self.requested += 1,
+            Err(TrySendError::Full(())) => self.left_out += 1,
+            // The thread has ended with a failure; `finish` says which.
+            Err(TrySendError::Disconnected(())) => self.jobs = None,
+        }
+    }
+
+    /// Waits for the pictures that are under way.
+    pub fn finish(mut self) -> PictureReport {
+        self.jobs = None;
+        let off = match self.thread.take().map(JoinHandle::join) {
+            None | Some(Ok(Ok(()))) => None,
+            Some(Ok(Err(failure))) if failure.unavailable => Some(failure.text),
+            Some(Ok(Err(failure))) => Some(failure.to_string()),
+            Some(Err(_)) => Some("the picture thread panicked".into()),
+        };
+        let written = self.written.load(Ordering::Relaxed);
+        PictureReport { written, left_out: self.left_out, off }
+    }
+}
+
+fn draw(
+    name: &str,
+    object: &mut PluginBox,
+    setup: &[u8],
+    queue: &Receiver<Job>,
+    written: &AtomicU64,
+) -> Result<(), Failure> {
+    let failure = |call, tick| move |fault| Failure::from_abi(name, call, tick, fault);
+    object
+        .initialise(RSlice::from_slice(setup), ROption::RNone)
+        .into_result()
+        .map_err(failure("initialise", 0))?;
+    let mut last = 0;
+    for job in queue {
+        let blocks: Vec<_> = job
+            .blocks
+            .iter()
+            .map(|b| AbiBlock { kind: b.view().kind(), words: RSlice::from_slice(b.words()) })
+            .collect();
+        let call = Call {
+            tick: job.tick,
+            time_ns: job.time_ns,
+            tick_ns: job.tick_ns,
+            steps: 0,
+            messages: RSlice::from_slice(&job.messages),
+            blocks: RSlice::from_slice(&blocks),
+        };
+        object.process(call).into_result().map_err(failure("process", job.tick))?;
+        written.fetch_add(1, Ordering::Relaxed);
+        last = job.tick;
+    }
+    object.stop().into_result().map_err(failure("stop", last))
+}

@@ -1,0 +1,163 @@
+//! What a run loads and computes, and why: decided before anything is loaded.
+
+use microsim_bus::KindInfo;
+use microsim_message::{LocalText, Setup};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Kind of a plugin. The order is that of a tick; the last two only observe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PluginKind {
+    /// Gives input samples.
+    Source,
+    /// Makes tools of samples.
+    Translator,
+    /// Computes tissue.
+    Physics,
+    /// Judges.
+    Module,
+    /// Keeps the virtual objects.
+    Objects,
+    /// Draws.
+    Renderer,
+    /// Writes the session.
+    Recorder,
+}
+
+impl PluginKind {
+    /// Observers hear, but nothing in the run depends on them: no state, no place on the bus.
+    pub fn is_observer(self) -> bool {
+        matches!(self, Self::Renderer | Self::Recorder)
+    }
+
+    /// Name as in a manifest.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Source => "source",
+            Self::Translator => "translator",
+            Self::Physics => "physics",
+            Self::Module => "module",
+            Self::Objects => "objects",
+            Self::Renderer => "renderer",
+            Self::Recorder => "recorder",
+        }
+    }
+
+    /// Kind of a manifest.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [
+            Self::Source,
+            Self::Translator,
+            Self::Physics,
+            Self::Module,
+            Self::Objects,
+            Self::Renderer,
+            Self::Recorder,
+        ]
+        .into_iter()
+        .find(|k| k.name() == name)
+    }
+}
+
+/// A message kind that a plugin brings, as plain data.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OwnKind {
+    /// Name.
+    pub name: String,
+    /// Version of the payload.
+    pub version: u16,
+    /// Whether a full queue drops the oldest (otherwise it refuses).
+    pub drop_oldest: bool,
+}
+
+impl OwnKind {
+    /// As the bus wants it.
+    pub fn info(&self) -> KindInfo {
+        KindInfo {
+            name: self.name.clone(),
+            version: self.version,
+            overflow: if self.drop_oldest {
+                microsim_bus::Overflow::DropOldest
+            } else {
+                microsim_bus::Overflow::Refuse
+            },
+        }
+    }
+}
+
+/// One plugin of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedPlugin {
+    /// Unique name.
+    pub name: String,
+    /// Kind.
+    pub kind: PluginKind,
+    /// Version.
+    pub version: String,
+    /// Topics that it publishes.
+    pub publishes: Vec<String>,
+    /// Topics that it hears.
+    pub subscribes: Vec<String>,
+    /// Message kinds that it brings.
+    pub own_kinds: Vec<OwnKind>,
+    /// The library file.
+    pub library: PathBuf,
+    /// The manifest's text beside the library.
+    pub manifest: String,
+    /// Digest of the library file, hexadecimal.
+    pub library_hash: String,
+    /// Why it is loaded, one sentence.
+    pub why: String,
+    /// What it is told.
+    pub setup: Setup,
+}
+
+/// A line of `--explain` that is not a plugin: a body, an object, a contact pair, a method.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlannedPart {
+    /// `body`, `object`, `contact`, `method`, `tool`.
+    pub what: String,
+    /// Its name.
+    pub name: String,
+    /// Why, one sentence.
+    pub why: String,
+}
+
+/// All that a run loads and computes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunPlan {
+    /// Module.
+    pub module: String,
+    /// Its title.
+    pub module_title: LocalText,
+    /// Number of the level, from 1.
+    pub level: u32,
+    /// Its title.
+    pub level_title: LocalText,
+    /// What the level asks for.
+    pub level_summary: LocalText,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Length of a tick \[ns\].
+    pub tick_ns: u64,
+    /// Solver steps per tick.
+    pub steps: u32,
+    /// Ticks between two state hashes.
+    pub hash_every: u64,
+    /// What the input is, as the operator gave it.
+    pub input: String,
+    /// Kinds that were left out on purpose; such a run is no result.
+    pub without: Vec<String>,
+    /// Plugins in the order of a tick.
+    pub plugins: Vec<PlannedPlugin>,
+    /// Everything else.
+    pub parts: Vec<PlannedPart>,
+}
+
+impl RunPlan {
+    /// Whether the run counts as a result of the trainee.
+    pub fn counts(&self) -> bool {
+        self.without.is_empty()
+    }
+}

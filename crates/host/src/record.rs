@@ -1,0 +1,170 @@
+//! What the host writes into a session, and how it is read back. The file format itself is the crate `session`'s.
+
+use crate::engine::StateDigest;
+use crate::fault::Failure;
+use crate::plan::RunPlan;
+use microsim_message::{DecodeError, decode_bytes, encode};
+use microsim_session::{Ending, Frame, KIND_END, NotASession, read};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Kinds of records in a session file.
+pub mod kind {
+    /// [`super::Header`]: the first record.
+    pub const HEADER: u8 = 1;
+    /// [`super::TickRecord`].
+    pub const TICK: u8 = 2;
+    /// [`crate::Checkpoint`]: the run went on from there.
+    pub const CHECKPOINT: u8 = 3;
+    /// [`crate::Failure`]: a plugin failed.
+    pub const FAILURE: u8 = 4;
+}
+
+/// The first record: all that a replay needs besides the inputs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Version of the records.
+    pub format: u32,
+    /// Version of MicroSim.
+    pub version: String,
+    /// Wall clock at the start, seconds since 1970; for people only.
+    pub started: u64,
+    /// Who trains.
+    pub trainee: Option<String>,
+    /// Whether ticks were paced by the wall clock.
+    pub realtime: bool,
+    /// What was loaded and computed. Input files are not in it: their samples are in the ticks.
+    pub plan: RunPlan,
+}
+
+/// One tick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TickRecord {
+    /// When the inputs of the tick arrived, since the start \[ns\]; simulated time where ticks are not paced.
+    pub arrival_ns: u64,
+    /// All messages.
+    #[serde(with = "serde_bytes")]
+    pub log: Vec<u8>,
+    /// The running hash after the tick's messages and blocks.
+    #[serde(with = "serde_bytes")]
+    pub chain: Vec<u8>,
+    /// Digests of all saved states, at fixed intervals.
+    pub states: Option<Vec<StateDigest>>,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ended {
+    /// The module gave its result.
+    Result,
+    /// A plugin failed.
+    Failure,
+    /// Stopped at the tick that was asked for.
+    Checkpoint,
+}
+
+/// The last record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EndRecord {
+    /// How it ended.
+    pub ended: Ended,
+    /// Digests of all saved states at the end.
+    pub states: Vec<StateDigest>,
+    /// The state hash: the running hash over everything.
+    #[serde(with = "serde_bytes")]
+    pub chain: Vec<u8>,
+    /// Ticks that began late (paced runs).
+    pub late_ticks: u64,
+}
+
+/// A record with its kind and tick, ready for the file.
+pub fn record<T: Serialize>(kind: u8, tick: u64, content: &T) -> microsim_message::SessionRecord {
+    microsim_message::SessionRecord { kind, tick, bytes: encode(content) }
+}
+
+/// A session as it was read.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// The first record.
+    pub header: Header,
+    /// Where the run went on from, if it did.
+    pub resumed: Option<crate::Checkpoint>,
+    /// The ticks: index and record.
+    pub ticks: Vec<(u64, TickRecord)>,
+    /// Plugin failures.
+    pub failures: Vec<Failure>,
+    /// The last record; `None`: the process was killed or the file is cut.
+    pub end: Option<EndRecord>,
+    /// What the end of the file looks like, if it is not a clean one.
+    pub complaint: Option<String>,
+}
+
+/// A file that cannot be used at all.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionError(pub String);
+
+impl fmt::Display for SessionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for SessionError {}
+
+impl From<NotASession> for SessionError {
+    fn from(error: NotASession) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl Session {
+    /// Reads all that is complete; what is wrong with the rest stands in `complaint`.
+    pub fn read(bytes: &[u8]) -> Result<Self, SessionError> {
+        let reading = read(bytes)?;
+        let mut frames = reading.frames.iter();
+        let header = match frames.next() {
+            Some(frame) if frame.kind == kind::HEADER => {
+                parse::<Header>(frame).map_err(|e| SessionError(e.to_string()))?
+            }
+            _ => return Err(SessionError("the session has no complete header: nothing was recorded".into())),
+        };
+        let mut session = Self {
+            header,
+            resumed: None,
+            ticks: Vec::new(),
+            failures: Vec::new(),
+            end: None,
+            complaint: match &reading.ending {
+                Ending::Clean => None,
+                other => Some(other.to_string()),
+            },
+        };
+        for frame in frames {
+            if let Err(error) = session.take(frame) {
+                session.complaint = Some(format!(
+                    "record at byte {} (tick {}): {error}",
+                    frame.offset, frame.tick
+                ));
+                break;
+            }
+        }
+        Ok(session)
+    }
+
+    fn take(&mut self, frame: &Frame<'_>) -> Result<(), DecodeError> {
+        match frame.kind {
+            kind::TICK => self.ticks.push((frame.tick, parse(frame)?)),
+            kind::CHECKPOINT => self.resumed = Some(parse(frame)?),
+            kind::FAILURE => self.failures.push(parse(frame)?),
+            KIND_END => self.end = Some(parse(frame)?),
+            // Records of a later version: skipped.
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+fn parse<T: serde::de::DeserializeOwned>(frame: &Frame<'_>) -> Result<T, DecodeError> {
+    decode_bytes(frame.payload)
+}

@@ -1,0 +1,171 @@
+//! Recomputes a recorded session in this process: recorded inputs are fed by tick, everything else is computed anew
+//! and compared.
+
+use crate::engine::{Engine, Feed};
+use crate::fault::Failure;
+use crate::loader::load;
+use crate::parallel::Parallel;
+use crate::picture::{PicturePlan, PictureReport, Pictures};
+use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
+use crate::record::{Ended, Session, TickRecord};
+use crate::run::{RunError, hex, start_pictures};
+use microsim_bus::{Frames, Limits};
+
+/// How to replay.
+#[derive(Clone, Debug)]
+pub struct ReplayOptions {
+    /// Threads of the parallel loop.
+    pub threads: usize,
+    /// Bounds of the bus queues.
+    pub limits: Limits,
+    /// Pictures, if wanted.
+    pub pictures: Option<PicturePlan>,
+}
+
+/// The first place where the replay is not what was recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Tick.
+    pub tick: u64,
+    /// What differs, one sentence.
+    pub what: String,
+}
+
+/// A replay that ended.
+#[derive(Clone, Debug)]
+pub struct ReplayOutcome {
+    /// Ticks recomputed.
+    pub ticks: u64,
+    /// The first difference, if there is one; the replay ends there.
+    pub difference: Option<Difference>,
+    /// The state hash at the end, hexadecimal.
+    pub state_hash: String,
+    /// The state hash of the recording, if it was closed.
+    pub recorded_hash: Option<String>,
+    /// Plugins whose library is not the one that made the recording.
+    pub rebuilt: Vec<String>,
+    /// What came of the pictures.
+    pub pictures: Option<PictureReport>,
+}
+
+/// Replays a session. `locate` gives the installed plugin for a recorded one: library, manifest text and digest.
+pub fn replay(
+    session: &Session,
+    options: ReplayOptions,
+    mut locate: impl FnMut(&PlannedPlugin) -> Result<PlannedPlugin, RunError>,
+) -> Result<ReplayOutcome, RunError> {
+    let mut plan = session.header.plan.clone();
+    let mut rebuilt = Vec::new();
+    // The input is in the ticks, and nothing is recorded again.
+    for plugin in &mut plan.plugins {
+        let drawn = plugin.kind == PluginKind::Renderer && options.pictures.is_some();
+        if plugin.kind == PluginKind::Source || (plugin.kind.is_observer() && !drawn) {
+            continue;
+        }
+        let located = locate(plugin)?;
+        if located.library_hash != plugin.library_hash {
+            rebuilt.push(plugin.name.clone());
+        }
+        plugin.library = located.library;
+        plugin.manifest = located.manifest;
+    }
+    let parallel = match options.threads {
+        0 | 1 => None,
+        n => Some(Parallel::new(n).map_err(RunError::Host)?),
+    };
+    let mut engine = Engine::new(&plan, options.limits, parallel, |planned| {
+        if planned.kind == PluginKind::Source {
+            return Ok(None);
+        }
+        load(planned).map(Some).map_err(RunError::from)
+    })?;
+    if let Some(checkpoint) = &session.resumed {
+        engine.restore(checkpoint)?;
+    }
+    let mut pictures = start_pictures(&plan, options.pictures, true)?;
+    let difference = recompute(&mut engine, &plan, session, &mut pictures);
+    let outcome = ReplayOutcome {
+        ticks: engine.tick_index(),
+        difference,
+        state_hash: hex(&engine.chain()),
+        recorded_hash: session.end.as_ref().map(|e| hex(&e.chain)),
+        rebuilt,
+        pictures: None,
+    };
+    engine.stop();
+    Ok(ReplayOutcome { pictures: pictures.map(Pictures::finish), ..outcome })
+}
+
+fn recompute(
+    engine: &mut Engine,
+    plan: &RunPlan,
+    session: &Session,
+    pictures: &mut Option<Pictures>,
+) -> Option<Difference> {
+    let differs = |tick, what: String| Some(Difference { tick, what });
+    let failed = |failure: Failure| Difference { tick: failure.tick, what: failure.to_string() };
+    for (tick, recorded) in &session.ticks {
+        if *tick != engine.tick_index() {
+            return differs(*tick, format!("the recording goes on at tick {tick}, tick {} is missing", engine.tick_index()));
+        }
+        let output = match engine.tick(Feed::Recorded { log: &recorded.log }) {
+            Ok(output) => output,
+            Err(failure) => return Some(failed(failure)),
+        };
+        if let Some(pictures) = pictures {
+            pictures.hear(*tick, plan.tick_ns, &output.log, || engine.blocks());
+        }
+        if output.chain.as_slice() != recorded.chain {
+            return differs(*tick, describe(engine, recorded, &output.log));
+        }
+        if let Some(states) = &recorded.states {
+            match engine.state_digests(states) {
+                Err(failure) => return Some(failed(failure)),
+                Ok(computed) if computed != *states => {
+                    let names: Vec<&str> = computed
+                        .iter()
+                        .zip(states)
+                        .filter(|(a, b)| a != b)
+                        .map(|(a, _)| a.plugin.as_str())
+                        .collect();
+                    return differs(*tick, format!("the state of {} differs", names.join(", ")));
+                }
+                Ok(_) => {}
+            }
+        }
+    }
+    let end = session.end.as_ref().filter(|e| e.ended != Ended::Failure)?;
+    let tick = engine.tick_index();
+    match engine.state_digests(&end.states) {
+        Err(failure) => Some(failed(failure)),
+        Ok(_) if engine.chain().as_slice() != end.chain => {
+            differs(tick, "the state hash at the end differs".into())
+        }
+        Ok(_) => None,
+    }
+}
+
+/// Says which message is the first that differs.
+fn describe(engine: &Engine, recorded: &TickRecord, log: &[u8]) -> String {
+    let name = |frame: &microsim_bus::Frame<'_>| {
+        let kind = engine.kind_name(frame.header.kind).unwrap_or("unknown");
+        format!("\"{kind}\" of \"{}\"", engine.sender_name(frame.header.sender))
+    };
+    let mut old = Frames::new(&recorded.log).filter_map(Result::ok);
+    let mut new = Frames::new(log).filter_map(Result::ok);
+    loop {
+        match (old.next(), new.next()) {
+            (Some(a), Some(b)) if a == b => {}
+            (Some(a), Some(b)) if a.header.kind == b.header.kind => {
+                let json = |f: &microsim_bus::Frame<'_>| {
+                    microsim_message::to_json(f.payload).map(|v| v.to_string()).unwrap_or_default()
+                };
+                return format!("message {} differs: recorded {}, computed {}", name(&a), json(&a), json(&b));
+            }
+            (Some(a), Some(b)) => return format!("message {} was recorded, {} computed", name(&a), name(&b)),
+            (Some(a), None) => return format!("message {} was recorded and not computed", name(&a)),
+            (None, Some(b)) => return format!("message {} was computed and not recorded", name(&b)),
+            (None, None) => return "an input, a block or the running hash differs from what was recorded".into(),
+        }
+    }
+}

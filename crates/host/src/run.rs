@@ -1,0 +1,414 @@
+//! A run at the edge: pacing, controls, recording, pictures, the end. The only place of the host that reads the wall
+//! clock.
+//!
+//! **Rule for late ticks** (paced runs): no tick is skipped or shortened. A tick that is due waits for its time; one
+//! that is late by more than `max_late` ticks moves the schedule, so that the simulation slows down instead of
+//! racing to catch up. Late ticks are counted and reported.
+
+use crate::engine::{Checkpoint, Engine, Feed, TickOutput};
+use crate::fault::Failure;
+use crate::loader::{LoadError, load};
+use crate::parallel::Parallel;
+use crate::picture::{PicturePlan, PictureReport, Pictures};
+use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
+use crate::record::{Ended, EndRecord, Header, TickRecord, kind, record};
+use abi_stable::std_types::{ROption, RSlice};
+use microsim_abi::{Call, PluginBox};
+use microsim_bus::{Frames, Limits, kind_id};
+use microsim_message::{
+    InputEnd, LevelControl, Log, LogLevel, Message, Progress, SessionRecord, TrainingResult,
+    decode, encode, push,
+};
+use std::collections::BTreeSet;
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime};
+
+/// Simulated time that a module has for its result after it was told to end \[ns\].
+const ENDING_NS: u64 = 2_000_000_000;
+/// Version of the records in a session.
+const RECORD_FORMAT: u32 = 1;
+
+/// How to run a plan.
+pub struct RunOptions<'a> {
+    /// Threads of the parallel loop.
+    pub threads: usize,
+    /// Bounds of the bus queues.
+    pub limits: Limits,
+    /// Pace ticks by the wall clock; the number is the largest tolerated lateness in ticks.
+    pub realtime: Option<u64>,
+    /// Pictures, if wanted.
+    pub pictures: Option<PicturePlan>,
+    /// Go on from here.
+    pub resume: Option<Checkpoint>,
+    /// Stop after this many ticks with a checkpoint.
+    pub stop_at: Option<u64>,
+    /// Set from outside (Ctrl-C, SIGTERM): the level is aborted, the session closed.
+    pub stop: &'a AtomicBool,
+    /// Who trains.
+    pub trainee: Option<String>,
+    /// Called after every tick with the simulated time \[s\] and the progress that plugins report.
+    pub progress: &'a mut dyn FnMut(f64, Option<&Progress>),
+}
+
+/// A run that did not begin.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RunError {
+    /// A library was refused.
+    Load(LoadError),
+    /// A plugin failed before the first tick.
+    Start(Failure),
+    /// The host itself could not start.
+    Host(String),
+}
+
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Load(e) => e.fmt(f),
+            Self::Start(e) => e.fmt(f),
+            Self::Host(e) => f.write_str(e),
+        }
+    }
+}
+
+impl std::error::Error for RunError {}
+
+impl From<LoadError> for RunError {
+    fn from(error: LoadError) -> Self {
+        Self::Load(error)
+    }
+}
+
+impl From<Failure> for RunError {
+    fn from(failure: Failure) -> Self {
+        Self::Start(failure)
+    }
+}
+
+/// A run that ended.
+#[derive(Clone, Debug)]
+pub struct RunOutcome {
+    /// The module's result, if it came to one.
+    pub result: Option<TrainingResult>,
+    /// The state hash, hexadecimal.
+    pub state_hash: String,
+    /// Ticks done.
+    pub ticks: u64,
+    /// The plugin that ended the run, if one failed.
+    pub failure: Option<Failure>,
+    /// Failures that did not end it (while stopping, say).
+    pub complaints: Vec<String>,
+    /// What came of the pictures.
+    pub pictures: Option<PictureReport>,
+    /// Ticks that began late.
+    pub late_ticks: u64,
+    /// The checkpoint that was asked for.
+    pub checkpoint: Option<Checkpoint>,
+}
+
+/// Hexadecimal text of a hash.
+pub fn hex(hash: &[u8]) -> String {
+    hash.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// Starts the picture thread of a plan, if it has a renderer and pictures are wanted.
+pub(crate) fn start_pictures(
+    plan: &RunPlan,
+    wanted: Option<PicturePlan>,
+    wait: bool,
+) -> Result<Option<Pictures>, RunError> {
+    let renderer = plan.plugins.iter().find(|p| p.kind == PluginKind::Renderer);
+    let (Some(wanted), Some(renderer)) = (wanted, renderer) else {
+        return Ok(None);
+    };
+    let folder = wanted.folder.display().to_string();
+    Pictures::start(renderer, load(renderer)?, wanted, wait)
+        .map(Some)
+        .map_err(|e| RunError::Host(format!("pictures in {folder}: {e}")))
+}
+
+/// The recorder, driven once per tick.
+struct Recorder {
+    name: String,
+    object: PluginBox,
+    tick_ns: u64,
+}
+
+impl Recorder {
+    fn start(planned: &PlannedPlugin) -> Result<Self, RunError> {
+        let mut recorder =
+            Self { name: planned.name.clone(), object: load(planned)?, tick_ns: planned.setup.tick_ns };
+        let setup = encode(&planned.setup);
+        let result = recorder.object.initialise(RSlice::from_slice(&setup), ROption::RNone);
+        let failure = |fault| Failure::from_abi(&recorder.name, "initialise", 0, fault);
+        result.into_result().map_err(failure)?;
+        Ok(recorder)
+    }
+
+    fn write(&mut self, record: &SessionRecord) -> Result<(), Failure> {
+        let mut messages = Vec::with_capacity(record.bytes.len() + 64);
+        push(&mut messages, record);
+        let call = Call {
+            tick: record.tick,
+            time_ns: (record.tick + 1) * self.tick_ns,
+            tick_ns: self.tick_ns,
+            steps: 0,
+            messages: RSlice::from_slice(&messages),
+            blocks: RSlice::from_slice(&[]),
+        };
+        let result = self.object.process(call).into_result();
+        result.map(drop).map_err(|fault| Failure::from_abi(&self.name, "process", record.tick, fault))
+    }
+
+    fn stop(&mut self, tick: u64) -> Result<(), Failure> {
+        let result = self.object.stop().into_result();
+        result.map_err(|fault| Failure::from_abi(&self.name, "stop", tick, fault))
+    }
+}
+
+/// Paces ticks by the wall clock.
+struct Pace {
+    start: Instant,
+    next: Instant,
+    tick: Duration,
+    max_late: u64,
+    late: u64,
+}
+
+impl Pace {
+    fn wait(&mut self) {
+        let now = Instant::now();
+        if now < self.next {
+            std::thread::sleep(self.next - now);
+        } else if now > self.next + self.tick {
+            self.late += 1;
+            if now > self.next + self.tick * u32::try_from(self.max_late).unwrap_or(u32::MAX) {
+                self.next = now;
+            }
+        }
+        self.next += self.tick;
+    }
+}
+
+/// What the host hears in a tick that concerns itself.
+#[derive(Default)]
+struct Ears {
+    ended_sources: BTreeSet<u16>,
+    result: Option<TrainingResult>,
+}
+
+impl Ears {
+    fn hear(&mut self, engine: &Engine, output: &TickOutput, progress: &mut dyn FnMut(&Progress)) {
+        for frame in Frames::new(&output.log).filter_map(Result::ok) {
+            let from = || engine.sender_name(frame.header.sender).to_owned();
+            if frame.header.kind == kind_id(InputEnd::KIND) {
+                self.ended_sources.insert(frame.header.sender);
+            } else if let Some(Ok(result)) = decode::<TrainingResult>(&frame) {
+                self.result = Some(result);
+            } else if let Some(Ok(log)) = decode::<Log>(&frame) {
+                let (plugin, text) = (from(), log.text);
+                match log.level {
+                    LogLevel::Error => tracing::error!("{plugin}: {text}"),
+                    LogLevel::Warn => tracing::warn!("{plugin}: {text}"),
+                    LogLevel::Info => tracing::info!("{plugin}: {text}"),
+                    LogLevel::Debug => tracing::debug!("{plugin}: {text}"),
+                }
+            } else if let Some(Ok(share)) = decode::<Progress>(&frame) {
+                progress(&share);
+            }
+        }
+        for (subscriber, kind, n) in &output.dropped {
+            tracing::warn!("the queue of \"{subscriber}\" was full: {n} older \"{kind}\" were dropped");
+        }
+    }
+}
+
+/// Runs a plan to its end. `Err`: it did not begin, and no session was written beyond its header.
+pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunError> {
+    let parallel = match options.threads {
+        0 | 1 => None,
+        n => Some(Parallel::new(n).map_err(RunError::Host)?),
+    };
+    let mut engine = Engine::new(plan, options.limits, parallel, |p| load(p).map(Some).map_err(RunError::from))?;
+    let recorder = plan.plugins.iter().find(|p| p.kind == PluginKind::Recorder);
+    let recorder = recorder.ok_or_else(|| RunError::Host("the plan has no recorder".into()))?;
+    let mut recorder = Recorder::start(recorder)?;
+    let mut pictures = start_pictures(plan, options.pictures.clone(), options.realtime.is_none())?;
+    let started = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    recorder.write(&record(kind::HEADER, 0, &Header {
+        format: RECORD_FORMAT,
+        version: env!("CARGO_PKG_VERSION").into(),
+        started: started.as_secs(),
+        trainee: options.trainee.clone(),
+        realtime: options.realtime.is_some(),
+        plan: recorded_plan(plan),
+    }))?;
+    if let Some(checkpoint) = &options.resume {
+        engine.restore(checkpoint)?;
+        recorder.write(&record(kind::CHECKPOINT, checkpoint.tick, checkpoint))?;
+    }
+    let mut course = Course { engine: &mut engine, recorder: &mut recorder, pictures: &mut pictures };
+    let (mut outcome, stopped) = course.run(plan, options);
+    outcome.complaints.extend(engine.stop().iter().map(Failure::to_string));
+    if !stopped {
+        outcome.complaints.extend(recorder.stop(outcome.ticks).err().map(|f| f.to_string()));
+    }
+    outcome.pictures = pictures.map(Pictures::finish);
+    Ok(outcome)
+}
+
+/// The plan as it goes into the session: input files stay outside, their samples are in the ticks.
+fn recorded_plan(plan: &RunPlan) -> RunPlan {
+    let mut plan = plan.clone();
+    for plugin in plan.plugins.iter_mut().filter(|p| p.kind == PluginKind::Source) {
+        plugin.setup.files.clear();
+    }
+    plan
+}
+
+struct Course<'a> {
+    engine: &'a mut Engine,
+    recorder: &'a mut Recorder,
+    pictures: &'a mut Option<Pictures>,
+}
+
+impl Course<'_> {
+    /// Ticks until the end. Also tells whether the recorder itself has failed (and must not be called again).
+    fn run(&mut self, plan: &RunPlan, options: RunOptions<'_>) -> (RunOutcome, bool) {
+        let mut outcome = RunOutcome {
+            result: None,
+            state_hash: String::new(),
+            ticks: self.engine.tick_index(),
+            failure: None,
+            complaints: Vec::new(),
+            pictures: None,
+            late_ticks: 0,
+            checkpoint: None,
+        };
+        let ended = match self.ticks(plan, options, &mut outcome) {
+            Ok(ended) => ended,
+            Err(failure) => {
+                let recorder_failed = failure.plugin == self.recorder.name;
+                let tick = self.engine.tick_index();
+                let written = self.recorder.write(&record(kind::FAILURE, tick, &failure));
+                outcome.failure = Some(failure);
+                if recorder_failed || written.is_err() {
+                    outcome.state_hash = hex(&self.engine.chain());
+                    return (outcome, true);
+                }
+                Ended::Failure
+            }
+        };
+        let recorder_failed = self.close(ended, &mut outcome).is_err_and(|failure| {
+            outcome.failure.get_or_insert(failure);
+            true
+        });
+        (outcome, recorder_failed)
+    }
+
+    fn ticks(
+        &mut self,
+        plan: &RunPlan,
+        options: RunOptions<'_>,
+        outcome: &mut RunOutcome,
+    ) -> Result<Ended, Failure> {
+        let now = Instant::now();
+        let mut pace = options.realtime.map(|max_late| Pace {
+            start: now,
+            next: now,
+            tick: Duration::from_nanos(plan.tick_ns),
+            max_late,
+            late: 0,
+        });
+        let sources = plan.plugins.iter().filter(|p| p.kind == PluginKind::Source).count();
+        let mut ears = Ears::default();
+        let mut controls = Vec::new();
+        let mut told_to_end: Option<u64> = None;
+        if self.engine.tick_index() == 0 {
+            push(&mut controls, &LevelControl::Start);
+        }
+        loop {
+            let tick = self.engine.tick_index();
+            if options.stop_at == Some(tick) {
+                outcome.checkpoint = Some(self.engine.checkpoint()?);
+                return Ok(Ended::Checkpoint);
+            }
+            if let Some(pace) = &mut pace {
+                pace.wait();
+                outcome.late_ticks = pace.late;
+            }
+            if options.stop.load(Ordering::Relaxed) && told_to_end.is_none() {
+                push(&mut controls, &LevelControl::Abort);
+                told_to_end = Some(self.engine.time_ns());
+            }
+            let output = self.engine.tick(Feed::Live { control: &controls })?;
+            controls.clear();
+            outcome.ticks = self.engine.tick_index();
+            let time = self.engine.time_ns();
+            let arrival_ns = match &pace {
+                Some(pace) => u64::try_from(pace.start.elapsed().as_nanos()).unwrap_or(u64::MAX),
+                None => time,
+            };
+            self.keep(plan, tick, arrival_ns, &output)?;
+            let seconds = time as f64 * 1e-9;
+            ears.hear(self.engine, &output, &mut |share| (options.progress)(seconds, Some(share)));
+            (options.progress)(seconds, None);
+            if let Some(result) = ears.result.take() {
+                outcome.result = Some(result);
+                return Ok(Ended::Result);
+            }
+            match told_to_end {
+                Some(since) if time > since + ENDING_NS => {
+                    let text = "was told to end and gave no result within 2 s of simulated time";
+                    return Err(Failure::found(&plan.module, "process", tick, text));
+                }
+                None if sources > 0 && ears.ended_sources.len() == sources => {
+                    push(&mut controls, &LevelControl::InputEnded);
+                    told_to_end = Some(time);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Hands a tick to the recorder and to the pictures.
+    fn keep(
+        &mut self,
+        plan: &RunPlan,
+        tick: u64,
+        arrival_ns: u64,
+        output: &TickOutput,
+    ) -> Result<(), Failure> {
+        let states = match (tick + 1).is_multiple_of(plan.hash_every) {
+            true => Some(self.engine.state_digests(&[])?),
+            false => None,
+        };
+        self.recorder.write(&record(kind::TICK, tick, &TickRecord {
+            arrival_ns,
+            log: output.log.clone(),
+            chain: output.chain.to_vec(),
+            states,
+        }))?;
+        if let Some(pictures) = self.pictures {
+            pictures.hear(tick, plan.tick_ns, &output.log, || self.engine.blocks());
+        }
+        Ok(())
+    }
+
+    fn close(&mut self, ended: Ended, outcome: &mut RunOutcome) -> Result<(), Failure> {
+        // After a plugin failed, states are what they are: some may be unreadable, and nothing rests on them.
+        let states = match ended {
+            Ended::Failure => Vec::new(),
+            _ => self.engine.state_digests(&[])?,
+        };
+        let chain = self.engine.chain();
+        outcome.state_hash = hex(&chain);
+        self.recorder.write(&record(microsim_session::KIND_END, self.engine.tick_index(), &EndRecord {
+            ended,
+            states,
+            chain: chain.to_vec(),
+            late_ticks: outcome.late_ticks,
+        }))
+    }
+}

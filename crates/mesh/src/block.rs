@@ -1,0 +1,274 @@
+//! The block generator: Kuhn (Freudenthal) cells of six tetrahedra (NUMERICS 5).
+//!
+//! Every cell is cut along its 000–111 diagonal, one tetrahedron per order in which the three axes are walked. The cut is
+//! the same in every cell, so neighbours always fit. It is not isotropic: all diagonals point the same way.
+
+use crate::tet_mesh::TetMesh;
+use nalgebra::Vector3;
+
+/// Largest number of cells: their nodes and elements are then countable in 32 bits.
+const MAX_CELLS: usize = 1 << 26;
+
+/// The orders in which the axes are walked, each with whether the path is positively oriented (even permutation).
+const WALKS: [([usize; 3], bool); 6] = [
+    ([0, 1, 2], true),
+    ([0, 2, 1], false),
+    ([1, 0, 2], false),
+    ([1, 2, 0], true),
+    ([2, 0, 1], true),
+    ([2, 1, 0], false),
+];
+
+/// A block of equal cells, parallel to the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Centre of the block [m].
+    pub center: [f64; 3],
+    /// Edge lengths [m], each > 0.
+    pub size: [f64; 3],
+    /// Number of cells along each axis, each ≥ 1.
+    pub cells: [usize; 3],
+}
+
+/// Why a block cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BlockError {
+    /// The centre is not finite, or a size is not finite and positive.
+    Size {
+        /// The size that was asked for [m].
+        size: [f64; 3],
+    },
+    /// No cell along an axis, or more cells in all than can be numbered.
+    Cells {
+        /// The numbers that were asked for.
+        cells: [usize; 3],
+    },
+}
+
+impl std::fmt::Display for BlockError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Size { size } => {
+                write!(
+                    f,
+                    "a block needs a finite centre and three sizes above 0 m, not {size:?} m"
+                )
+            }
+            Self::Cells { cells } => {
+                write!(
+                    f,
+                    "a block needs at least 1 cell along each axis and at most {MAX_CELLS} in all, not {cells:?}"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for BlockError {}
+
+impl Block {
+    /// The mesh of the block: nodes in x-fastest order, six tetrahedra per cell.
+    pub fn mesh(&self) -> Result<TetMesh, BlockError> {
+        let sizes_valid = self.size.iter().all(|s| s.is_finite() && *s > 0.0);
+        if !sizes_valid || !self.center.iter().all(|c| c.is_finite()) {
+            return Err(BlockError::Size { size: self.size });
+        }
+        let total = self
+            .cells
+            .iter()
+            .try_fold(1usize, |product, &n| product.checked_mul(n));
+        if !total.is_some_and(|n| (1..=MAX_CELLS).contains(&n)) {
+            return Err(BlockError::Cells { cells: self.cells });
+        }
+
+        let [nx, ny, nz] = self.cells;
+        let coordinate = |axis: usize, i: usize| {
+            self.center[axis] + self.size[axis] * (i as f64 / self.cells[axis] as f64 - 0.5)
+        };
+        let mut positions = Vec::with_capacity((nx + 1) * (ny + 1) * (nz + 1));
+        for k in 0..=nz {
+            for j in 0..=ny {
+                for i in 0..=nx {
+                    positions.push(Vector3::new(
+                        coordinate(0, i),
+                        coordinate(1, j),
+                        coordinate(2, k),
+                    ));
+                }
+            }
+        }
+
+        let node = |[i, j, k]: [usize; 3]| ((k * (ny + 1) + j) * (nx + 1) + i) as u32;
+        let mut tets = Vec::with_capacity(6 * nx * ny * nz);
+        for k in 0..nz {
+            for j in 0..ny {
+                for i in 0..nx {
+                    for (axes, positive) in WALKS {
+                        let mut corner = [i, j, k];
+                        let mut tet = [node(corner); 4];
+                        for (step, axis) in axes.into_iter().enumerate() {
+                            corner[axis] += 1;
+                            tet[step + 1] = node(corner);
+                        }
+                        if !positive {
+                            tet.swap(2, 3);
+                        }
+                        tets.push(tet);
+                    }
+                }
+            }
+        }
+        Ok(TetMesh::first_generation(positions, tets))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    fn blocks() -> Vec<Block> {
+        [[1, 1, 1], [2, 1, 1], [3, 2, 4], [20, 4, 2]]
+            .into_iter()
+            .map(|cells| Block {
+                center: [0.003, -0.001, 0.0],
+                size: [0.02, 0.004, 0.001],
+                cells,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_element_is_positive_and_the_volumes_fill_the_block() {
+        for block in blocks() {
+            let mesh = block.mesh().unwrap();
+            let cells: usize = block.cells.iter().product();
+            let volume: f64 = block.size.iter().product();
+            assert_eq!(mesh.tets.len(), 6 * cells);
+            for v in mesh.volumes() {
+                // Six equal tetrahedra per cell; a few roundings of coordinates that are small against the cell's.
+                assert!((v * (6 * cells) as f64 / volume - 1.0).abs() < 1e-12, "{v}");
+            }
+            let sum: f64 = mesh.volumes().iter().sum();
+            assert!((sum / volume - 1.0).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn mass_is_density_times_volume() {
+        for block in blocks() {
+            let mass: f64 = block.mesh().unwrap().lumped_masses(1060.0).iter().sum();
+            let expected = 1060.0 * block.size.iter().product::<f64>();
+            assert!((mass / expected - 1.0).abs() < 1e-13);
+        }
+    }
+
+    /// A ball: Euler number of the solid V − E + F − T = 1, of its boundary V − E + F = 2; every directed boundary edge
+    /// has its reverse; the boundary's enclosed volume (divergence theorem) is the block's, so it faces outward.
+    #[test]
+    fn the_surface_is_a_closed_outward_sphere() {
+        for block in blocks() {
+            let mesh = block.mesh().unwrap();
+            let surface = mesh.surface();
+            let [nx, ny, nz] = block.cells;
+            assert_eq!(surface.triangles.len(), 4 * (nx * ny + ny * nz + nz * nx));
+
+            let mut directed: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+            for t in &surface.triangles {
+                for k in 0..3 {
+                    let (i, j) = (t[k], t[(k + 1) % 3]);
+                    *directed.entry([i.min(j), i.max(j)]).or_default() +=
+                        if i < j { 1 } else { -1 };
+                }
+            }
+            assert!(directed.values().all(|&sum| sum == 0));
+            let boundary_euler =
+                surface.nodes.len() as i64 - directed.len() as i64 + surface.triangles.len() as i64;
+            assert_eq!(boundary_euler, 2);
+
+            let faces = (4 * mesh.tets.len() + surface.triangles.len()) / 2;
+            let euler = mesh.positions.len() as i64 - mesh.edges().len() as i64 + faces as i64
+                - mesh.tets.len() as i64;
+            assert_eq!(euler, 1);
+
+            let enclosed: f64 = surface
+                .triangles
+                .iter()
+                .map(|t| {
+                    let [a, b, c] = t.map(|node| mesh.positions[node as usize]);
+                    signed_volume_from_origin(a, b, c)
+                })
+                .sum();
+            let volume: f64 = block.size.iter().product();
+            assert!((enclosed / volume - 1.0).abs() < 1e-12);
+        }
+    }
+
+    fn signed_volume_from_origin(a: Vector3<f64>, b: Vector3<f64>, c: Vector3<f64>) -> f64 {
+        a.dot(&b.cross(&c)) / 6.0
+    }
+
+    /// Kuhn block of nx·ny·nz cells: edges along the axes, one diagonal per face, one per cell.
+    #[test]
+    fn unique_edges_are_counted_by_formula() {
+        for block in blocks() {
+            let mesh = block.mesh().unwrap();
+            let [x, y, z] = block.cells;
+            let axes = x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z;
+            let diagonals = x * y * (z + 1) + x * (y + 1) * z + (x + 1) * y * z + x * y * z;
+            assert_eq!(mesh.edges().len(), axes + diagonals);
+        }
+        let cube = Block {
+            center: [0.0; 3],
+            size: [1.0; 3],
+            cells: [1; 3],
+        }
+        .mesh()
+        .unwrap();
+        let expected = (12.0 + 6.0 * 2f64.sqrt() + 3f64.sqrt()) / 19.0;
+        assert!((cube.mean_edge_length() - expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn ids_name_every_node_and_element_once() {
+        let mesh = blocks()[2].mesh().unwrap();
+        assert!(
+            mesh.node_ids.windows(2).all(|pair| pair[0] < pair[1])
+                && mesh.node_ids.len() == mesh.positions.len()
+        );
+        assert!(
+            mesh.element_ids.windows(2).all(|pair| pair[0] < pair[1])
+                && mesh.element_ids.len() == mesh.tets.len()
+        );
+        assert_eq!(mesh.generation, 0);
+    }
+
+    #[test]
+    fn impossible_blocks_are_refused() {
+        let good = Block {
+            center: [0.0; 3],
+            size: [1.0; 3],
+            cells: [1; 3],
+        };
+        for size in [[0.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, f64::NAN]] {
+            assert!(matches!(
+                Block { size, ..good }.mesh(),
+                Err(BlockError::Size { .. })
+            ));
+        }
+        for cells in [[0, 1, 1], [usize::MAX, 2, 1], [1 << 9, 1 << 9, 1 << 9]] {
+            assert!(matches!(
+                Block { cells, ..good }.mesh(),
+                Err(BlockError::Cells { .. })
+            ));
+        }
+        assert!(
+            Block {
+                center: [f64::INFINITY, 0.0, 0.0],
+                ..good
+            }
+            .mesh()
+            .is_err()
+        );
+    }
+}

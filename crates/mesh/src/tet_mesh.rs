@@ -1,0 +1,122 @@
+//! The tetrahedral mesh.
+
+use crate::surface::Surface;
+use microsim_geometry::signed_volume;
+use nalgebra::Vector3;
+
+/// The six edges of a tetrahedron as pairs of corners.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// The four faces of a positive tetrahedron (A, B, C, D), outward by the right-hand rule: ACB, ABD, BCD, CAD.
+const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+/// A tetrahedral mesh at rest.
+///
+/// Indices address the arrays of one generation. Ids name nodes and elements for ever: they are never reused and survive
+/// every renumbering, so that a reader of an older generation can still say what it meant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TetMesh {
+    /// Rest positions [m].
+    pub positions: Vec<Vector3<f64>>,
+    /// Four node indices per element, positively oriented.
+    pub tets: Vec<[u32; 4]>,
+    /// Stable id of each node.
+    pub node_ids: Vec<u32>,
+    /// Stable id of each element.
+    pub element_ids: Vec<u32>,
+    /// Grows with every topology edit.
+    pub generation: u64,
+}
+
+impl TetMesh {
+    /// A first-generation mesh; ids are the indices.
+    pub(crate) fn first_generation(positions: Vec<Vector3<f64>>, tets: Vec<[u32; 4]>) -> Self {
+        let node_ids = (0..positions.len() as u32).collect();
+        let element_ids = (0..tets.len() as u32).collect();
+        Self {
+            positions,
+            tets,
+            node_ids,
+            element_ids,
+            generation: 0,
+        }
+    }
+
+    /// The corners of element `element` [m].
+    pub fn corners(&self, element: usize) -> [Vector3<f64>; 4] {
+        self.tets[element].map(|node| self.positions[node as usize])
+    }
+
+    /// The six edges of element `element`, smaller node index first.
+    pub fn element_edges(&self, element: usize) -> [[u32; 2]; 6] {
+        let tet = &self.tets[element];
+        EDGES.map(|[i, j]| [tet[i].min(tet[j]), tet[i].max(tet[j])])
+    }
+
+    /// Every edge once, smaller node index first, in ascending order.
+    pub fn edges(&self) -> Vec<[u32; 2]> {
+        let mut edges: Vec<_> = (0..self.tets.len())
+            .flat_map(|element| self.element_edges(element))
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
+    /// Mean length of the edges [m]: the characteristic length of the mesh.
+    pub fn mean_edge_length(&self) -> f64 {
+        let edges = self.edges();
+        let sum: f64 = edges
+            .iter()
+            .map(|[i, j]| (self.positions[*j as usize] - self.positions[*i as usize]).norm())
+            .sum();
+        sum / edges.len() as f64
+    }
+
+    /// The faces that belong to one element only, outward, in the order of their elements.
+    pub fn surface(&self) -> Surface {
+        // Sorting all faces by their nodes puts the two copies of an inner face next to each other.
+        let mut faces: Vec<([u32; 3], usize)> = Vec::with_capacity(4 * self.tets.len());
+        for (element, tet) in self.tets.iter().enumerate() {
+            for (face, corners) in FACES.iter().enumerate() {
+                let mut key = corners.map(|corner| tet[corner]);
+                key.sort_unstable();
+                faces.push((key, 4 * element + face));
+            }
+        }
+        faces.sort_unstable();
+        let mut outer: Vec<usize> = faces
+            .chunk_by(|a, b| a.0 == b.0)
+            .filter(|copies| copies.len() == 1)
+            .map(|copies| copies[0].1)
+            .collect();
+        outer.sort_unstable();
+        Surface::new(
+            outer
+                .iter()
+                .map(|&index| FACES[index % 4].map(|corner| self.tets[index / 4][corner]))
+                .collect(),
+        )
+    }
+
+    /// Volume of each element [m³].
+    pub fn volumes(&self) -> Vec<f64> {
+        (0..self.tets.len())
+            .map(|element| {
+                let [a, b, c, d] = self.corners(element);
+                signed_volume(&a, &b, &c, &d)
+            })
+            .collect()
+    }
+
+    /// Lumped node masses [kg] for `density` [kg/m³]: a quarter of the mass of each element at the node.
+    pub fn lumped_masses(&self, density: f64) -> Vec<f64> {
+        let mut masses = vec![0.0; self.positions.len()];
+        for (tet, volume) in self.tets.iter().zip(self.volumes()) {
+            for &node in tet {
+                masses[node as usize] += 0.25 * density * volume;
+            }
+        }
+        masses
+    }
+}

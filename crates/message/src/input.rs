@@ -1,0 +1,34 @@
+//! What input sources say: samples in the device's own frame.
+
+use crate::{Message, Pose};
+use serde::{Deserialize, Serialize};
+
+/// One sample of one tracked instrument. An external input: recorded, and fed by tick when a session is replayed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InputSample {
+    /// Name of the device, as the source gives it.
+    pub device: String,
+    /// The device's own clock \[s\].
+    pub device_time: f64,
+    /// Whether the device sees the instrument now; if not, the pose means nothing.
+    pub visible: bool,
+    /// Pose in the device's frame.
+    pub pose: Pose,
+    /// Opening, 0 closed … 1 open; `None` for a device that does not measure it.
+    pub opening: Option<f64>,
+}
+
+impl Message for InputSample {
+    const KIND: &'static str = "input.sample";
+}
+
+/// A source has nothing more to give.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InputEnd {
+    /// Name of the source plugin.
+    pub source: String,
+}
+
+impl Message for InputEnd {
+    const KIND: &'static str = "input.end";
+}

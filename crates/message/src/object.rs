@@ -1,0 +1,88 @@
+//! Virtual objects: what a level names and a module activates, moves and colours.
+
+use crate::{Message, Pose};
+use microsim_bus::Overflow;
+use serde::{Deserialize, Serialize};
+
+/// Colour, sRGB 0…1.
+pub type Colour = [f64; 3];
+
+/// Shape of an object in its own frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "shape", rename_all = "kebab-case")]
+pub enum Shape {
+    /// A sphere around the origin.
+    Sphere {
+        /// Radius \[m\].
+        radius: f64,
+    },
+    /// A capsule along z, centred at the origin.
+    Capsule {
+        /// Radius \[m\].
+        radius: f64,
+        /// Distance of the two end points \[m\].
+        length: f64,
+    },
+    /// A box around the origin.
+    Box {
+        /// Half edge lengths \[m\].
+        half_size: [f64; 3],
+    },
+}
+
+/// How a surface shines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Finish {
+    /// Diffuse.
+    #[default]
+    Matte,
+    /// Wet tissue.
+    Moist,
+    /// Polished steel.
+    Metal,
+}
+
+/// Changes an object; what is `None` stays.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjectSet {
+    /// Unique name of the object.
+    pub name: String,
+    /// Shown or not.
+    pub active: Option<bool>,
+    /// Pose in its parent's frame (the field for an object without parent).
+    pub pose: Option<Pose>,
+    /// Colour.
+    pub colour: Option<Colour>,
+}
+
+impl Message for ObjectSet {
+    const KIND: &'static str = "object.set";
+}
+
+/// One object as it is now.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectState {
+    /// Unique name.
+    pub name: String,
+    /// Shape in its own frame.
+    pub shape: Shape,
+    /// Pose in the field.
+    pub pose: Pose,
+    /// Colour.
+    pub colour: Colour,
+    /// How it shines.
+    pub finish: Finish,
+}
+
+/// All active objects; published whenever one of them changes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjectScene {
+    /// The objects, in the level's order.
+    pub objects: Vec<ObjectState>,
+}
+
+impl Message for ObjectScene {
+    const KIND: &'static str = "object.scene";
+    const OVERFLOW: Overflow = Overflow::DropOldest;
+}

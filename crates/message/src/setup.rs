@@ -1,0 +1,103 @@
+//! What the host tells a plugin at the start, and the small services that travel as messages.
+
+use crate::{LocalText, Message};
+use microsim_bus::Overflow;
+use serde::{Deserialize, Serialize};
+
+/// A file of the plugin's own, by the name in its manifest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SetupFile {
+    /// Name in the manifest (or in the run, for an input file).
+    pub name: String,
+    /// Content.
+    #[serde(with = "serde_bytes")]
+    pub bytes: Vec<u8>,
+}
+
+/// All that a plugin is told before it starts. Equal set-ups and equal messages give equal runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Setup {
+    /// Name of the plugin.
+    pub name: String,
+    /// Seed of the run; named random streams derive from it.
+    pub seed: u64,
+    /// Length of a tick \[ns\].
+    pub tick_ns: u64,
+    /// Solver steps per tick.
+    pub steps: u32,
+    /// Number of the level, from 1.
+    pub level: u32,
+    /// The parts of the configuration that this kind of plugin gets, checked and in SI units.
+    pub config: serde_json::Value,
+    /// Files of its own.
+    pub files: Vec<SetupFile>,
+}
+
+/// Severity of a log line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LogLevel {
+    /// The operator must know.
+    Error,
+    /// The operator should know.
+    Warn,
+    /// Worth a line.
+    Info,
+    /// For developers.
+    Debug,
+}
+
+/// A line for the host's log. Every plugin may publish it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Log {
+    /// Severity.
+    pub level: LogLevel,
+    /// One sentence.
+    pub text: String,
+}
+
+impl Message for Log {
+    const KIND: &'static str = "host.log";
+    const OVERFLOW: Overflow = Overflow::DropOldest;
+}
+
+/// Progress of long work. Every plugin may publish it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// What is being done.
+    pub what: LocalText,
+    /// 0…1.
+    pub share: f64,
+}
+
+impl Message for Progress {
+    const KIND: &'static str = "host.progress";
+    const OVERFLOW: Overflow = Overflow::DropOldest;
+}
+
+/// The host asks the renderer for a picture of what it hears in the same call.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PictureRequest {
+    /// File to write, PNG.
+    pub file: String,
+}
+
+impl Message for PictureRequest {
+    const KIND: &'static str = "picture.request";
+}
+
+/// One record for the session file, from the host to the recorder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SessionRecord {
+    /// Kind of the record, as the host numbers them.
+    pub kind: u8,
+    /// Tick it belongs to.
+    pub tick: u64,
+    /// Content.
+    #[serde(with = "serde_bytes")]
+    pub bytes: Vec<u8>,
+}
+
+impl Message for SessionRecord {
+    const KIND: &'static str = "session.record";
+}

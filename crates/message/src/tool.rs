@@ -1,0 +1,112 @@
+//! Tools in the field and what they do to tissue.
+
+use crate::{Message, Pose};
+use microsim_bus::Overflow;
+use serde::{Deserialize, Serialize};
+
+/// One input sample, translated: for metrics, which must not depend on the tick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolSample {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// Device time \[s\].
+    pub time: f64,
+    /// Whether the instrument was visible; if not, the pose is the last valid one.
+    pub tracked: bool,
+    /// Pose of the tip in the field.
+    pub pose: Pose,
+    /// Opening, 0 closed … 1 open.
+    pub opening: f64,
+}
+
+impl Message for ToolSample {
+    const KIND: &'static str = "tool.sample";
+}
+
+/// What is known of an instrument now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToolStatus {
+    /// A fresh, valid pose.
+    Tracked,
+    /// The device does not see the instrument; the pose is the last valid one.
+    Occluded,
+    /// No sample since the run began.
+    NeverSeen,
+    /// The last sample is too old.
+    Stale,
+}
+
+/// One tool at the end of a tick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolState {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// Tool model, say `forceps`.
+    pub model: String,
+    /// Tracking state.
+    pub status: ToolStatus,
+    /// Pose of the tip in the field.
+    pub pose: Pose,
+    /// Opening, 0 closed … 1 open.
+    pub opening: f64,
+}
+
+/// All tools of the level at the end of a tick, in the level's order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ToolStates {
+    /// The tools.
+    pub tools: Vec<ToolState>,
+}
+
+impl Message for ToolStates {
+    const KIND: &'static str = "tool.states";
+    const OVERFLOW: Overflow = Overflow::DropOldest;
+}
+
+/// Force of one tool on one body, mean over a tick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactForce {
+    /// Tool slot.
+    pub tool: String,
+    /// Body.
+    pub body: String,
+    /// Force on the tissue in the field \[N\].
+    pub force: [f64; 3],
+    /// Largest magnitude within the tick \[N\].
+    pub peak: f64,
+    /// Impulse in the tick \[N s\].
+    pub impulse: f64,
+    /// Point of application in the field \[m\].
+    pub point: [f64; 3],
+    /// Deepest penetration that was left after a step \[m\].
+    pub depth: f64,
+    /// Largest displacement of a touched node from its rest position along the force \[m\].
+    pub indentation: f64,
+}
+
+/// All contacts of a tick; published while there are any, and once more, empty, when the last one ends.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactForces {
+    /// The contacts, in the order of the level's pairs.
+    pub contacts: Vec<ContactForce>,
+}
+
+impl Message for ContactForces {
+    const KIND: &'static str = "contact.forces";
+}
+
+/// A body diverged, was rolled back and computed again with more sub-steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TissueRecovery {
+    /// Body.
+    pub body: String,
+    /// What was wrong.
+    pub cause: String,
+    /// Sub-steps of the tick that worked.
+    pub substeps: u32,
+}
+
+impl Message for TissueRecovery {
+    const KIND: &'static str = "tissue.recovery";
+}

@@ -1,0 +1,359 @@
+//! What to draw: a view and a list of items. Plain data, checked once before it is drawn.
+
+use std::f64::consts::FRAC_PI_2;
+
+/// One picture: size, view, items.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width [pixels], at least 1.
+    pub width: u32,
+    /// Height [pixels], at least 1.
+    pub height: u32,
+    /// Where the microscope looks.
+    pub view: View,
+    /// Colour where the field shows no item: sRGB, each 0..1.
+    pub background: [f32; 3],
+    /// What there is to see. The order matters only for translucent items that cover each other: the later one is in front.
+    pub items: Vec<Item>,
+}
+
+/// A microscope that looks down the field frame's −z, or tilted from it, with the long focus of its main lens.
+///
+/// The round field touches the nearer pair of the picture's edges; outside it the picture is black.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Focus point: what appears in the middle, field frame [m].
+    pub centre: [f64; 3],
+    /// Diameter of the round field in the plane of focus [m]; surgical microscopes: 17 to 38 mm.
+    pub field_diameter: f64,
+    /// From the main lens to the focus point [m]; surgical microscopes: 0.2 to 0.45 m. At least one field diameter.
+    pub working_distance: f64,
+    /// Angle by which the eye leans from +z towards −y, that is towards the operator [rad], within ±π/2.
+    pub tilt: f64,
+}
+
+/// One thing to see.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// Its form, in the item's own frame.
+    pub shape: Shape,
+    /// Origin of the item's frame in the field frame [m].
+    pub position: [f64; 3],
+    /// Rotation from the item's frame to the field frame: quaternion x, y, z, w; normalised on use.
+    pub orientation: [f64; 4],
+    /// Colour: sRGB, each 0..1. A matte surface that faces the microscope in full light shows exactly this.
+    pub colour: [f32; 3],
+    /// How the surface answers light.
+    pub finish: Finish,
+    /// 1 is solid, 0 invisible. A translucent item casts no shadow and hides nothing.
+    pub opacity: f32,
+}
+
+impl Item {
+    /// A solid item of `shape` at `position` [m], unrotated.
+    pub fn new(shape: Shape, position: [f64; 3], colour: [f32; 3], finish: Finish) -> Self {
+        Self {
+            shape,
+            position,
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            colour,
+            finish,
+            opacity: 1.0,
+        }
+    }
+}
+
+/// How a surface answers light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finish {
+    /// No highlight: cloth, silicone, painted targets.
+    Matte,
+    /// A small sharp highlight and a bright rim: tissue under irrigation.
+    Moist,
+    /// Mirrors its surroundings, tinted by its colour: instruments.
+    Metal,
+}
+
+/// The form of an item, in the item's own frame. Both sides of every surface are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Ball around the origin.
+    Sphere {
+        /// Radius [m].
+        radius: f64,
+    },
+    /// Every point within `radius` of the segment from `a` to `b`.
+    Capsule {
+        /// One end of the segment [m].
+        a: [f64; 3],
+        /// The other end [m].
+        b: [f64; 3],
+        /// Radius [m].
+        radius: f64,
+    },
+    /// Two balls and the tangent cone between them: a capsule whose radius changes evenly, such as the jaw of a forceps.
+    Taper {
+        /// Centre of the one ball [m].
+        a: [f64; 3],
+        /// Centre of the other ball [m].
+        b: [f64; 3],
+        /// Radius of the ball at `a` [m].
+        radius_a: f64,
+        /// Radius of the ball at `b` [m].
+        radius_b: f64,
+    },
+    /// Cuboid around the origin, edges along the axes.
+    Box {
+        /// Half of each edge [m].
+        half: [f64; 3],
+    },
+    /// Closed cylinder, from the origin along +z.
+    Cylinder {
+        /// Radius [m].
+        radius: f64,
+        /// Length along z [m].
+        height: f64,
+    },
+    /// Closed cone: base disc around the origin in the xy plane, apex on +z.
+    Cone {
+        /// Radius of the base [m].
+        radius: f64,
+        /// Height of the apex [m].
+        height: f64,
+    },
+    /// Arrow from the origin along +z: a shaft, and over the last third a head three times as thick.
+    Arrow {
+        /// Radius of the shaft [m].
+        radius: f64,
+        /// Length including the head [m].
+        length: f64,
+    },
+    /// Torus around z in the xy plane, or the first part of one: seen from +z it begins at +y and runs like the hand of a clock.
+    Ring {
+        /// From the axis to the middle of the tube [m].
+        radius: f64,
+        /// Radius of the tube [m].
+        tube: f64,
+        /// The part that is drawn, 0..1; 1 is the whole ring.
+        fraction: f64,
+    },
+    /// Any triangulated surface, shaded smoothly over its edges.
+    Mesh {
+        /// Corners [m].
+        positions: Vec<[f32; 3]>,
+        /// Three indices into `positions` each.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+impl View {
+    /// What makes the view impossible, if anything.
+    pub(crate) fn fault(&self) -> Option<&'static str> {
+        if !finite(&self.centre) {
+            Some("centre is not finite")
+        } else if !(self.field_diameter.is_finite() && self.field_diameter > 0.0) {
+            Some("field_diameter must be finite and greater than zero")
+        } else if !(self.working_distance.is_finite()
+            && self.working_distance >= self.field_diameter)
+        {
+            Some("working_distance must be finite and at least field_diameter")
+        } else if !(-FRAC_PI_2..=FRAC_PI_2).contains(&self.tilt) {
+            Some("tilt must lie within a quarter turn")
+        } else {
+            None
+        }
+    }
+}
+
+impl Item {
+    /// What makes the item undrawable, if anything.
+    pub(crate) fn fault(&self) -> Option<&'static str> {
+        let norm_squared: f64 = self.orientation.iter().map(|part| part * part).sum();
+        if !finite(&self.position) {
+            Some("position is not finite")
+        } else if !(norm_squared.is_finite() && norm_squared > 0.0) {
+            Some("orientation is not a rotation")
+        } else if !self.colour.iter().all(|part| (0.0..=1.0).contains(part)) {
+            Some("colour must lie within 0..1")
+        } else if !(0.0..=1.0).contains(&self.opacity) {
+            Some("opacity must lie within 0..1")
+        } else {
+            self.shape.fault()
+        }
+    }
+}
+
+impl Shape {
+    fn fault(&self) -> Option<&'static str> {
+        let lengths_good =
+            |lengths: &[f64]| finite(lengths) && lengths.iter().all(|&length| length >= 0.0);
+        let good = match self {
+            Self::Sphere { radius } => lengths_good(&[*radius]),
+            Self::Capsule { a, b, radius } => finite(a) && finite(b) && lengths_good(&[*radius]),
+            Self::Taper {
+                a,
+                b,
+                radius_a,
+                radius_b,
+            } => finite(a) && finite(b) && lengths_good(&[*radius_a, *radius_b]),
+            Self::Box { half } => lengths_good(half),
+            Self::Cylinder { radius, height } | Self::Cone { radius, height } => {
+                lengths_good(&[*radius, *height])
+            }
+            Self::Arrow { radius, length } => lengths_good(&[*radius, *length]),
+            Self::Ring {
+                radius,
+                tube,
+                fraction,
+            } => lengths_good(&[*radius, *tube]) && (0.0..=1.0).contains(fraction),
+            Self::Mesh {
+                positions,
+                triangles,
+            } => {
+                if !positions.iter().flatten().all(|part| part.is_finite()) {
+                    return Some("mesh has a corner that is not finite");
+                }
+                if triangles
+                    .iter()
+                    .flatten()
+                    .any(|&index| index as usize >= positions.len())
+                {
+                    return Some("mesh has a triangle with a corner that does not exist");
+                }
+                true
+            }
+        };
+        if good {
+            None
+        } else {
+            Some("lengths must be finite and not negative, a fraction within 0..1")
+        }
+    }
+}
+
+fn finite(parts: &[f64]) -> bool {
+    parts.iter().all(|part| part.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each kind of bad number is refused with the reason that names it; the unspoilt item is accepted.
+    #[test]
+    fn faults_are_named() {
+        let good = Item::new(
+            Shape::Sphere { radius: 1.0 },
+            [0.0; 3],
+            [0.5; 3],
+            Finish::Matte,
+        );
+        assert_eq!(good.fault(), None);
+        let mesh = |triangle| Shape::Mesh {
+            positions: vec![[0.0; 3]; 3],
+            triangles: vec![triangle],
+        };
+        assert_eq!(
+            Item {
+                shape: mesh([0, 1, 2]),
+                ..good.clone()
+            }
+            .fault(),
+            None
+        );
+        let cases = [
+            (
+                Item {
+                    position: [0.0, f64::NAN, 0.0],
+                    ..good.clone()
+                },
+                "position",
+            ),
+            (
+                Item {
+                    orientation: [0.0; 4],
+                    ..good.clone()
+                },
+                "orientation",
+            ),
+            (
+                Item {
+                    colour: [0.0, 1.5, 0.0],
+                    ..good.clone()
+                },
+                "colour",
+            ),
+            (
+                Item {
+                    opacity: f32::NAN,
+                    ..good.clone()
+                },
+                "opacity",
+            ),
+            (
+                Item {
+                    shape: Shape::Sphere { radius: -1.0 },
+                    ..good.clone()
+                },
+                "lengths",
+            ),
+            (
+                Item {
+                    shape: Shape::Ring {
+                        radius: 1.0,
+                        tube: 0.1,
+                        fraction: 1.1,
+                    },
+                    ..good.clone()
+                },
+                "fraction",
+            ),
+            (
+                Item {
+                    shape: mesh([0, 1, 3]),
+                    ..good
+                },
+                "does not exist",
+            ),
+        ];
+        for (item, word) in cases {
+            assert!(
+                item.fault().is_some_and(|fault| fault.contains(word)),
+                "{word}: {:?}",
+                item.fault()
+            );
+        }
+    }
+
+    /// A view needs a field, and a distance that keeps the eye out of it.
+    #[test]
+    fn impossible_views_are_refused() {
+        let good = View {
+            centre: [0.0; 3],
+            field_diameter: 0.025,
+            working_distance: 0.2,
+            tilt: 0.0,
+        };
+        assert_eq!(good.fault(), None);
+        for bad in [
+            View {
+                centre: [f64::INFINITY, 0.0, 0.0],
+                ..good
+            },
+            View {
+                field_diameter: 0.0,
+                ..good
+            },
+            View {
+                working_distance: 0.02,
+                ..good
+            },
+            View {
+                tilt: f64::NAN,
+                ..good
+            },
+        ] {
+            assert!(bad.fault().is_some(), "{bad:?}");
+        }
+    }
+}

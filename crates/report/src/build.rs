@@ -1,0 +1,162 @@
+//! From the messages of a session to its report.
+
+use crate::device::DeviceCollector;
+use crate::force::ForceCollector;
+use crate::motion::{MotionCollector, PresenceCollector};
+use crate::report::{
+    EventRecord, MetricEntry, RecoveryRecord, Report, ReportInput, Verdict, Warning,
+};
+use microsim_bus::{Frame, Frames};
+use microsim_message::{
+    ContactForces, DecodeError, InputSample, LevelEvent, LevelState, Log, LogLevel, Message,
+    TissueRecovery, ToolSample, ToolStates, TrainingResult, decode,
+};
+use std::collections::BTreeMap;
+
+impl Report {
+    /// Reads the messages of a session: for each tick, in order, its index and its frames one after another. Kinds that
+    /// the report does not show are skipped; what cannot be read is a line among the warnings.
+    pub fn build<'a>(
+        input: &ReportInput,
+        ticks: impl IntoIterator<Item = (u64, &'a [u8])>,
+    ) -> Self {
+        let mut reading = Reading::default();
+        let mut ticks_end = 0;
+        for (tick, log) in ticks {
+            ticks_end = tick + 1;
+            let now = tick as f64 * input.tick_s;
+            for frame in Frames::new(log) {
+                let read = match frame {
+                    Ok(frame) => reading.take(tick, now, &frame).map_err(|e| e.to_string()),
+                    Err(error) => Err(error.to_string()),
+                };
+                if let Err(text) = read {
+                    reading.warn(now, LogLevel::Error, text);
+                }
+            }
+        }
+        reading.finish(input, ticks_end)
+    }
+
+    /// The report as one JSON document; field names as in the structs.
+    pub fn to_json(&self) -> String {
+        // Plain data with string keys has no way to fail.
+        serde_json::to_string_pretty(self).expect("plain data")
+    }
+}
+
+/// What has been read so far.
+#[derive(Default)]
+struct Reading {
+    devices: DeviceCollector,
+    motion: MotionCollector,
+    presence: PresenceCollector,
+    forces: ForceCollector,
+    state: LevelState,
+    result: Option<TrainingResult>,
+    events: Vec<EventRecord>,
+    recoveries: Vec<RecoveryRecord>,
+    warnings: Vec<Warning>,
+    /// Place in `warnings` of each text, errors and warnings apart.
+    warned: BTreeMap<(bool, String), usize>,
+}
+
+impl Reading {
+    fn take(&mut self, tick: u64, now: f64, frame: &Frame<'_>) -> Result<(), DecodeError> {
+        if let Some(sample) = read::<InputSample>(frame)? {
+            self.devices.add(sample);
+        } else if let Some(sample) = read::<ToolSample>(frame)? {
+            self.motion.add(now, sample);
+        } else if let Some(states) = read::<ToolStates>(frame)? {
+            self.presence.add(tick, states);
+        } else if let Some(forces) = read::<ContactForces>(frame)? {
+            self.forces.add(tick, now, forces);
+        } else if let Some(state) = read::<LevelState>(frame)? {
+            self.state = state;
+        } else if let Some(result) = read::<TrainingResult>(frame)? {
+            self.result = Some(result);
+        } else if let Some(event) = read::<LevelEvent>(frame)? {
+            self.events.push(EventRecord {
+                id: event.id,
+                time: event.time,
+                session_time: now,
+                text: event.text,
+            });
+        } else if let Some(recovery) = read::<TissueRecovery>(frame)? {
+            self.recoveries.push(RecoveryRecord {
+                session_time: now,
+                body: recovery.body,
+                cause: recovery.cause,
+                substeps: recovery.substeps,
+            });
+        } else if let Some(log) = read::<Log>(frame)?
+            && matches!(log.level, LogLevel::Error | LogLevel::Warn)
+        {
+            self.warn(now, log.level, log.text);
+        }
+        Ok(())
+    }
+
+    fn warn(&mut self, session_time: f64, level: LogLevel, text: String) {
+        let key = (level == LogLevel::Error, text.clone());
+        let at = *self.warned.entry(key).or_insert_with(|| {
+            self.warnings.push(Warning {
+                session_time,
+                level,
+                text,
+                count: 0,
+            });
+            self.warnings.len() - 1
+        });
+        self.warnings[at].count += 1;
+    }
+
+    fn finish(self, input: &ReportInput, ticks_end: u64) -> Report {
+        let verdict = match &self.result {
+            None => Verdict::Incomplete,
+            Some(result) if result.aborted => Verdict::Aborted,
+            Some(result) if result.passed => Verdict::Passed,
+            Some(_) => Verdict::Failed,
+        };
+        let judged = matches!(verdict, Verdict::Passed | Verdict::Failed);
+        let mut report = Report {
+            format: 1,
+            session: input.clone(),
+            verdict,
+            counts: judged && input.without.is_empty(),
+            failed: Vec::new(),
+            reasons: Vec::new(),
+            duration: self.state.running,
+            simulated: ticks_end as f64 * input.tick_s,
+            phase: self.state.phase,
+            targets_done: self.state.targets_done,
+            targets: self.state.targets,
+            score: None,
+            categories: Vec::new(),
+            metrics: Vec::new(),
+            input: self.devices.finish(),
+            presence: self.presence.finish(ticks_end, input.tick_s),
+            series: self.motion.finish(),
+            forces: self.forces.finish(),
+            events: self.events,
+            recoveries: self.recoveries,
+            warnings: self.warnings,
+        };
+        if let Some(result) = self.result {
+            report.failed = result.failed;
+            report.reasons = result.reasons;
+            report.duration = result.duration;
+            report.targets_done = result.targets_done;
+            report.targets = result.targets;
+            report.score = Some(result.score);
+            report.categories = result.categories;
+            report.metrics = result.metrics.into_iter().map(MetricEntry::from).collect();
+        }
+        report
+    }
+}
+
+/// The message in a frame if it is an `M`.
+fn read<M: Message>(frame: &Frame<'_>) -> Result<Option<M>, DecodeError> {
+    decode(frame).transpose()
+}

@@ -1,0 +1,96 @@
+//! What the tools did to the tissue.
+
+use microsim_message::ContactForces;
+use serde::{Deserialize, Serialize};
+
+/// Force of one tool on one body: lists of equal length, one entry for each tick in contact.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ForceSeries {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// Body.
+    pub body: String,
+    /// Simulated time since the session began \[s\].
+    pub time: Vec<f64>,
+    /// Number of the contact, from 0; between two contacts there is at least one tick without.
+    pub contact: Vec<u32>,
+    /// Magnitude of the force, mean over the tick \[N\].
+    pub force: Vec<f64>,
+    /// Largest magnitude within the tick \[N\].
+    pub peak: Vec<f64>,
+    /// Largest penetration found before it was resolved \[m\].
+    pub depth: Vec<f64>,
+}
+
+/// Gathers the contacts of each pair, pairs in the order of their first contact.
+#[derive(Default)]
+pub(crate) struct ForceCollector {
+    /// Each pair with the tick of its last entry.
+    pairs: Vec<(ForceSeries, u64)>,
+}
+
+impl ForceCollector {
+    pub fn add(&mut self, tick: u64, now: f64, forces: ContactForces) {
+        for contact in forces.contacts {
+            let same =
+                |(s, _): &(ForceSeries, u64)| s.tool == contact.tool && s.body == contact.body;
+            let at = match self.pairs.iter().position(same) {
+                Some(at) => at,
+                None => {
+                    let series = ForceSeries {
+                        tool: contact.tool,
+                        body: contact.body,
+                        ..ForceSeries::default()
+                    };
+                    self.pairs.push((series, tick));
+                    self.pairs.len() - 1
+                }
+            };
+            let (series, last) = &mut self.pairs[at];
+            let number = series.contact.last().copied().unwrap_or(0);
+            let [x, y, z] = contact.force;
+            series.time.push(now);
+            series
+                .contact
+                .push(number + u32::from(tick > last.saturating_add(1)));
+            series.force.push((x * x + y * y + z * z).sqrt());
+            series.peak.push(contact.peak);
+            series.depth.push(contact.depth);
+            *last = tick;
+        }
+    }
+
+    pub fn finish(self) -> Vec<ForceSeries> {
+        self.pairs.into_iter().map(|(series, _)| series).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Report;
+    use crate::testing::{contact, input, log};
+    use microsim_message::ContactForces;
+
+    /// Forces (3, 4, 0) and (0, 0, 2) have the magnitudes 5 and 2; ticks 2 and 3 are one contact, tick 5 is another.
+    #[test]
+    fn contacts_of_a_pair_are_numbered() {
+        let forces = |force| {
+            log(&[&ContactForces {
+                contacts: vec![contact("right", "strip", force)],
+            }])
+        };
+        let logs = [
+            (2, forces([3.0, 4.0, 0.0])),
+            (3, forces([0.0, 0.0, 2.0])),
+            (4, log(&[&ContactForces::default()])),
+            (5, forces([0.0, 0.0, 2.0])),
+        ];
+        let report = Report::build(&input(), logs.iter().map(|(tick, log)| (*tick, &log[..])));
+        let [series] = &report.forces[..] else {
+            panic!("{:?}", report.forces)
+        };
+        assert_eq!(series.force, [5.0, 2.0, 2.0]);
+        assert_eq!(series.contact, [0, 0, 1]);
+        assert_eq!(series.time, [0.25, 0.375, 0.625]);
+    }
+}

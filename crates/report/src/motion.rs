@@ -1,0 +1,288 @@
+//! How the tools moved in the field, and how long they were tracked.
+
+use microsim_message::{ToolSample, ToolStates, ToolStatus};
+use microsim_tracking::{RawStatistics, Sample};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Motion of one tool: lists of equal length, one entry for each sample in which it was tracked.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ToolSeries {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// Simulated time since the session began \[s\].
+    pub time: Vec<f64>,
+    /// Number of the segment, from 0; a gap (as for the raw input) lies between two segments.
+    pub segment: Vec<u32>,
+    /// Position of the tip in the field \[m\].
+    pub position: Vec<[f64; 3]>,
+    /// Distance from the sample before over the time from it \[m/s\]; `None` for the first sample of a segment, and
+    /// where the device's clock stood still.
+    pub speed: Vec<Option<f64>>,
+}
+
+/// How long a tool was in each tracking state \[s\], simulated time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolPresence {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// Tool model, say `forceps`.
+    pub model: String,
+    /// With a fresh, valid pose.
+    pub tracked: f64,
+    /// Not seen by the device.
+    pub occluded: f64,
+    /// With a last sample that is too old.
+    pub stale: f64,
+    /// Before its first sample.
+    pub never_seen: f64,
+}
+
+/// Gathers the samples of each tool, tools in the order of their first sample.
+#[derive(Default)]
+pub(crate) struct MotionCollector {
+    tools: Vec<ToolSamples>,
+}
+
+struct ToolSamples {
+    tool: Arc<str>,
+    /// Simulated time − device time at the first sample \[s\].
+    offset: f64,
+    samples: Vec<Sample>,
+}
+
+impl MotionCollector {
+    pub fn add(&mut self, now: f64, sample: ToolSample) {
+        let at = match self.tools.iter().position(|t| *t.tool == *sample.tool) {
+            Some(at) => at,
+            None => {
+                self.tools.push(ToolSamples {
+                    tool: Arc::from(sample.tool.as_str()),
+                    offset: now - sample.time,
+                    samples: Vec::new(),
+                });
+                self.tools.len() - 1
+            }
+        };
+        let tool = &mut self.tools[at];
+        tool.samples.push(Sample {
+            device: Arc::clone(&tool.tool),
+            time_s: sample.time,
+            visible: sample.tracked,
+            position: sample.pose.position,
+            orientation: sample.pose.orientation,
+            opening: Some(sample.opening),
+        });
+    }
+
+    pub fn finish(self) -> Vec<ToolSeries> {
+        self.tools.into_iter().map(ToolSamples::series).collect()
+    }
+}
+
+impl ToolSamples {
+    fn series(self) -> ToolSeries {
+        // One definition of a gap for the raw input and the tools.
+        let threshold = RawStatistics::of(&self.samples, None)
+            .gap_threshold_s
+            .unwrap_or(f64::INFINITY);
+        let mut series = ToolSeries {
+            tool: self.tool.to_string(),
+            ..ToolSeries::default()
+        };
+        let mut before: Option<&Sample> = None;
+        let mut segment = 0;
+        let mut lost = false;
+        for sample in &self.samples {
+            if !sample.visible {
+                lost = true;
+                continue;
+            }
+            let mut speed = None;
+            if let Some(before) = before {
+                let interval = sample.time_s - before.time_s;
+                if lost || interval > threshold {
+                    segment += 1;
+                } else if interval > 0.0 {
+                    speed = Some(distance(before.position, sample.position) / interval);
+                }
+            }
+            series.time.push(sample.time_s + self.offset);
+            series.segment.push(segment);
+            series.position.push(sample.position);
+            series.speed.push(speed);
+            before = Some(sample);
+            lost = false;
+        }
+        series
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+    (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
+}
+
+/// Adds up tracking states; a state holds until the next message.
+#[derive(Default)]
+pub(crate) struct PresenceCollector {
+    /// Each tool with its ticks by state (tracked, occluded, stale, never seen).
+    tools: Vec<(String, String, [u64; 4])>,
+    /// Place in `tools` and state of each tool in the last message.
+    current: Vec<(usize, ToolStatus)>,
+    since: u64,
+}
+
+impl PresenceCollector {
+    pub fn add(&mut self, tick: u64, states: ToolStates) {
+        self.advance(tick);
+        self.current.clear();
+        for state in states.tools {
+            let at = match self.tools.iter().position(|t| t.0 == state.tool) {
+                Some(at) => at,
+                None => {
+                    self.tools.push((state.tool, state.model, [0; 4]));
+                    self.tools.len() - 1
+                }
+            };
+            self.current.push((at, state.status));
+        }
+    }
+
+    fn advance(&mut self, tick: u64) {
+        for &(at, status) in &self.current {
+            let kind = match status {
+                ToolStatus::Tracked => 0,
+                ToolStatus::Occluded => 1,
+                ToolStatus::Stale => 2,
+                ToolStatus::NeverSeen => 3,
+            };
+            self.tools[at].2[kind] += tick.saturating_sub(self.since);
+        }
+        self.since = tick;
+    }
+
+    /// `end`: one past the last tick; `tick_s` \[s\].
+    pub fn finish(mut self, end: u64, tick_s: f64) -> Vec<ToolPresence> {
+        self.advance(end);
+        self.tools
+            .into_iter()
+            .map(|(tool, model, ticks)| {
+                let [tracked, occluded, stale, never_seen] = ticks.map(|n| n as f64 * tick_s);
+                ToolPresence {
+                    tool,
+                    model,
+                    tracked,
+                    occluded,
+                    stale,
+                    never_seen,
+                }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Report;
+    use crate::testing::{input, log};
+    use microsim_message::{Pose, ToolSample, ToolState, ToolStates, ToolStatus};
+
+    fn sample(time: f64, x: f64, tracked: bool) -> ToolSample {
+        ToolSample {
+            tool: "right".into(),
+            time,
+            tracked,
+            pose: Pose {
+                position: [x, 0.0, 0.0],
+                ..Pose::default()
+            },
+            opening: 0.0,
+        }
+    }
+
+    /// By hand, with dyadic numbers so that all is exact. Median interval 1/4, so that 1 is a gap and 1/2 is none; the
+    /// sample that was not tracked ends a segment too. The device's clock starts at 100 in tick 4 of 1/8 s.
+    #[test]
+    fn no_speed_across_a_gap() {
+        let points = [
+            (100.0, 0.0, true),
+            (100.25, 1.0, true),
+            (100.5, 3.0, true),
+            (101.5, 50.0, true), // 1 s later: a gap
+            (101.75, 51.0, true),
+            (102.0, 51.0, false), // not seen
+            (102.25, 90.0, true),
+            (102.75, 91.0, true), // twice the median: jitter
+            (103.0, 93.0, true),
+        ];
+        let samples: Vec<_> = points.map(|(t, x, tracked)| sample(t, x, tracked)).into();
+        let log = log(&samples.iter().map(|s| s as _).collect::<Vec<_>>());
+        let report = Report::build(&input(), [(4, &log[..])]);
+        let [series] = &report.series[..] else {
+            panic!("{:?}", report.series)
+        };
+        assert_eq!(
+            series.time,
+            [0.5, 0.75, 1.0, 2.0, 2.25, 2.75, 3.25, 3.5],
+            "first sample at its tick, distances by the device's clock"
+        );
+        assert_eq!(series.segment, [0, 0, 0, 1, 1, 2, 2, 2]);
+        assert_eq!(
+            series.speed,
+            [
+                None,
+                Some(4.0),
+                Some(8.0),
+                None,
+                Some(4.0),
+                None,
+                Some(2.0),
+                Some(8.0)
+            ]
+        );
+    }
+
+    /// A clock that stands still gives no speed, and never an infinite one.
+    #[test]
+    fn no_speed_without_time() {
+        let log = log(&[
+            &sample(0.0, 0.0, true),
+            &sample(1.0, 1.0, true),
+            &sample(1.0, 2.0, true),
+        ]);
+        let report = Report::build(&input(), [(0, &log[..])]);
+        assert_eq!(report.series[0].speed, [None, Some(1.0), None]);
+    }
+
+    /// Ticks of 1/8 s: never seen in ticks 0 and 1, tracked in 2 to 5 (no message in between), occluded in 6.
+    #[test]
+    fn states_hold_until_the_next_message() {
+        let states = |status| {
+            log(&[&ToolStates {
+                tools: vec![ToolState {
+                    tool: "right".into(),
+                    model: "forceps".into(),
+                    status,
+                    pose: Pose::default(),
+                    opening: 0.0,
+                }],
+            }])
+        };
+        let logs = [
+            (0, states(ToolStatus::NeverSeen)),
+            (2, states(ToolStatus::Tracked)),
+            (6, states(ToolStatus::Occluded)),
+        ];
+        let report = Report::build(&input(), logs.iter().map(|(tick, log)| (*tick, &log[..])));
+        let presence = &report.presence[0];
+        assert_eq!(presence.model, "forceps");
+        let times = [
+            presence.never_seen,
+            presence.tracked,
+            presence.occluded,
+            presence.stale,
+        ];
+        assert_eq!(times, [0.25, 0.5, 0.125, 0.0]);
+    }
+}

@@ -1,0 +1,246 @@
+//! How numbers are shown to people: round steps on axes, sensible digits, both decimal signs. Only here are digits cut off;
+//! JSON and CSV keep every bit.
+
+use microsim_message::LocalText;
+
+/// Round numbers along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ticks {
+    /// The numbers, rising.
+    pub values: Vec<f64>,
+    /// Digits after the point that they need.
+    pub decimals: usize,
+}
+
+/// About `wanted` round numbers between `lo` and `hi`, at distances of 1, 2 or 5 times a power of ten. Both ends finite and
+/// `lo` < `hi`.
+pub fn ticks(lo: f64, hi: f64, wanted: usize) -> Ticks {
+    let raw = (hi - lo) / wanted as f64;
+    let mut power = exponent(raw);
+    let factor = match raw / power_of_ten(power) {
+        m if m <= 1.0 => 1.0,
+        m if m <= 2.0 => 2.0,
+        m if m <= 5.0 => 5.0,
+        _ => {
+            power += 1;
+            1.0
+        }
+    };
+    let step = factor * power_of_ten(power);
+    // A tick that round-off puts beside an end is meant to be on it.
+    let slack = 1e-9;
+    let first = (lo / step - slack).ceil() as i64;
+    let last = (hi / step + slack).floor() as i64;
+    Ticks {
+        values: (first..=last).map(|k| k as f64 * step).collect(),
+        decimals: (-power).max(0) as usize,
+    }
+}
+
+/// Largest e with 10^e ≤ |x|; 0 for 0 and for what is not finite.
+fn exponent(x: f64) -> i32 {
+    // The printer finds it exactly, on every machine.
+    format!("{x:e}")
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0)
+}
+
+fn power_of_ten(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().expect("a decimal number")
+}
+
+/// A number with this many decimals, in both languages: a true minus sign, groups of three from five digits on.
+pub fn fixed(value: f64, decimals: usize) -> LocalText {
+    if !value.is_finite() {
+        return both("–");
+    }
+    let plain = format!("{:.decimals$}", value.abs());
+    let (whole, fraction) = plain.split_once('.').unwrap_or((&plain, ""));
+    let mut text = String::new();
+    if value < 0.0 && plain.bytes().any(|b| b.is_ascii_digit() && b != b'0') {
+        text.push('−');
+    }
+    for (k, digit) in whole.chars().enumerate() {
+        if k > 0 && whole.len() > 4 && (whole.len() - k).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    if fraction.is_empty() {
+        return both(&text);
+    }
+    LocalText {
+        de: format!("{text},{fraction}"),
+        en: format!("{text}.{fraction}"),
+    }
+}
+
+/// A value as people read it: three digits, but no more decimals than its unit deserves.
+pub fn shown(value: f64, unit: &str) -> LocalText {
+    with_unit(fixed(value, decimals(value, unit)), unit)
+}
+
+/// A value and its limits. A value outside must not look as if it were on the limit: digits are added until they differ.
+pub fn against_limits(
+    value: Option<f64>,
+    limits: &[f64],
+    unit: &str,
+    within: Option<bool>,
+) -> (Option<LocalText>, Vec<LocalText>) {
+    let mut extra = 0;
+    let text = |value: f64, extra| fixed(value, decimals(value, unit) + extra);
+    let limit = |limit: f64, extra| trimmed(text(limit, extra));
+    while let Some(value) = value
+        && within == Some(false)
+        && extra < 9
+        && limits
+            .iter()
+            .any(|&l| trimmed(text(value, extra)) == limit(l, extra))
+    {
+        extra += 1;
+    }
+    (
+        value.map(|value| with_unit(text(value, extra), unit)),
+        limits
+            .iter()
+            .map(|&l| with_unit(limit(l, extra), unit))
+            .collect(),
+    )
+}
+
+/// Decimals for three digits, at most as many as make sense in the unit.
+fn decimals(value: f64, unit: &str) -> usize {
+    let most = match unit {
+        // A count, or a dimensionless number.
+        "" | "1" if value == value.trunc() => 0,
+        "" | "1" => 2,
+        "s" | "%" | "°" | "µm" | "mN" => 1,
+        "mm³" => 0,
+        _ => 3,
+    };
+    let digits = 2 - exponent(value);
+    // A small value keeps at least its first digit.
+    let least = if value == 0.0 { 0 } else { -exponent(value) };
+    (digits.clamp(0, most).max(least.clamp(0, 9))) as usize
+}
+
+/// Without zeros at the end of the fraction.
+fn trimmed(text: LocalText) -> LocalText {
+    let cut = |text: String, sign| {
+        if text.contains(sign) {
+            text.trim_end_matches('0').trim_end_matches(sign).into()
+        } else {
+            text
+        }
+    };
+    LocalText {
+        de: cut(text.de, ','),
+        en: cut(text.en, '.'),
+    }
+}
+
+fn with_unit(number: LocalText, unit: &str) -> LocalText {
+    let space = match unit {
+        "" | "1" => return number,
+        "°" => "",
+        _ => "\u{a0}",
+    };
+    LocalText {
+        de: format!("{}{space}{unit}", number.de),
+        en: format!("{}{space}{unit}", number.en),
+    }
+}
+
+fn both(text: &str) -> LocalText {
+    LocalText {
+        de: text.into(),
+        en: text.into(),
+    }
+}
+
+/// A moment in Coordinated Universal Time, to the minute; `seconds` since 1970.
+pub fn date_time(seconds: u64) -> LocalText {
+    // Days to a date of the Gregorian calendar, in years that begin in March, so that the leap day is the last one
+    // (H. Hinnant, chrono-Compatible Low-Level Date Algorithms, civil_from_days).
+    let days = seconds / 86_400 + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted + 2) / 5 + 1;
+    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    let (hour, minute) = (seconds / 3_600 % 24, seconds / 60 % 60);
+    LocalText {
+        de: format!("{day:02}.{month:02}.{year}, {hour:02}:{minute:02} UTC"),
+        en: format!("{year}-{month:02}-{day:02}, {hour:02}:{minute:02} UTC"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round() {
+        // By hand: steps of 1, 2 or 5 times a power of ten, no more than wanted + 1 of them, ends included.
+        for (lo, hi, wanted, values, decimals) in [
+            (0.0, 10.0, 5, vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0], 0),
+            (0.0, 0.3, 3, vec![0.0, 0.1, 0.2, 0.3], 1),
+            (-7.0, 12.0, 4, vec![-5.0, 0.0, 5.0, 10.0], 0),
+            (98.3, 99.1, 2, vec![98.5, 99.0], 1),
+            (0.0, 6.0, 1, vec![0.0], 0),
+        ] {
+            let got = ticks(lo, hi, wanted);
+            assert_eq!(got.decimals, decimals, "{lo}..{hi}");
+            let shown: Vec<_> = got.values.iter().map(|v| fixed(*v, decimals)).collect();
+            let expected: Vec<_> = values.iter().map(|v| fixed(*v, decimals)).collect();
+            assert_eq!(shown, expected, "{lo}..{hi}");
+        }
+    }
+
+    #[test]
+    fn numbers_in_both_languages() {
+        for (value, unit, de, en) in [
+            (1109.963, "mm", "1110\u{a0}mm", "1110\u{a0}mm"),
+            (12.345, "mm", "12,3\u{a0}mm", "12.3\u{a0}mm"),
+            (47.0, "s", "47,0\u{a0}s", "47.0\u{a0}s"),
+            (-2.104, "", "−2,10", "−2.10"),
+            (17.0, "", "17", "17"),
+            (31.4, "°", "31,4°", "31.4°"),
+            (23_456.7, "mm³", "23\u{202f}457\u{a0}mm³", "23\u{202f}457\u{a0}mm³"),
+            (0.00123, "mm", "0,001\u{a0}mm", "0.001\u{a0}mm"),
+            (-0.0, "s", "0,0\u{a0}s", "0.0\u{a0}s"),
+            (f64::NAN, "s", "–\u{a0}s", "–\u{a0}s"),
+        ] {
+            let text = shown(value, unit);
+            assert_eq!((&text.de[..], &text.en[..]), (de, en), "{value} {unit}");
+        }
+    }
+
+    /// 60.04 s and 60 s would both read 60.0 s; a failed metric must show the difference, a passed one need not.
+    #[test]
+    fn a_value_outside_does_not_look_like_the_limit() {
+        let (value, limits) = against_limits(Some(60.04), &[60.0], "s", Some(false));
+        assert_eq!(value.map(|v| v.en), Some("60.04\u{a0}s".into()));
+        assert_eq!(limits[0].en, "60\u{a0}s");
+        let (value, _) = against_limits(Some(59.96), &[60.0], "s", Some(true));
+        assert_eq!(value.map(|v| v.en), Some("60.0\u{a0}s".into()));
+    }
+
+    /// From any calendar; `date -u -d @N` gives the same.
+    #[test]
+    fn moments() {
+        for (seconds, en) in [
+            (0, "1970-01-01, 00:00 UTC"),
+            (951_782_399, "2000-02-28, 23:59 UTC"),
+            (951_782_400, "2000-02-29, 00:00 UTC"),
+            (1_700_000_000, "2023-11-14, 22:13 UTC"),
+            (1_735_689_600, "2025-01-01, 00:00 UTC"),
+        ] {
+            assert_eq!(date_time(seconds).en, en);
+        }
+    }
+}

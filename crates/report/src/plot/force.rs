@@ -1,0 +1,58 @@
+//! Contact force over time, one strip for each pair of tool and body.
+
+use super::{
+    Axis, MAX_POINTS, WIDTH, colour_class, from_zero, grid, line, open, range, svg_text, thin,
+    time_label,
+};
+use crate::ForceSeries;
+use crate::html::{escape, in_both};
+use std::fmt::Write;
+
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 988.0;
+const ABOVE: f64 = 24.0;
+const STRIP: f64 = 110.0;
+const BETWEEN: f64 = 44.0;
+
+/// Draws each pair over `0..end` \[s\]; `colour_of` gives the place of a tool in the order of colours.
+pub fn force_plot(forces: &[ForceSeries], end: f64, colour_of: impl Fn(&str) -> usize) -> String {
+    let last = range(forces.iter().flat_map(|s| s.time.iter().copied()))
+        .map_or(end, |(_, last)| last.max(end));
+    let x = Axis::new((0.0, if last > 0.0 { last } else { 1.0 }), (LEFT, RIGHT));
+    let height = ABOVE + forces.len() as f64 * (STRIP + BETWEEN) - 4.0;
+    let mut out = String::new();
+    let title = in_both("Kontaktkraft über der Zeit", "Contact force over time");
+    open(&mut out, WIDTH, height, &title);
+    for (k, series) in forces.iter().enumerate() {
+        let top = ABOVE + k as f64 * (STRIP + BETWEEN);
+        strip(&mut out, &x, top, series, &colour_class(colour_of(&series.tool)));
+    }
+    let bottom = ABOVE + forces.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
+    time_label(&mut out, &x, bottom + 34.0);
+    out.push_str("</svg>");
+    out
+}
+
+fn strip(out: &mut String, x: &Axis, top: f64, series: &ForceSeries, colour: &str) {
+    let bottom = top + STRIP;
+    let both = series.peak.iter().chain(&series.force).copied();
+    let largest = range(both).map_or(0.0, |(_, largest)| largest);
+    // Millinewtons up to a newton.
+    let (factor, unit) = if largest < 1.0 { (1e3, "mN") } else { (1.0, "N") };
+    let y = Axis::new(from_zero(largest * factor), (bottom, top));
+    grid(out, x, &y, (12, 4));
+    for (class, values) in [("peak", &series.peak), ("curve", &series.force)] {
+        let drawn = thin::extremes(values, MAX_POINTS)
+            .into_iter()
+            .map(|i| (series.contact[i], x.at(series.time[i]), y.at(values[i] * factor)));
+        let _ = write!(out, "<path class=\"{class} {colour}\" d=\"{}\"/>", line(drawn));
+    }
+    svg_text(out, (LEFT - 7.0, top - 9.0), "label", "end", &in_both(unit, unit));
+    let _ = write!(
+        out,
+        "<text class=\"name {colour}\" x=\"{LEFT:.1}\" y=\"{:.1}\">{} → {}</text>",
+        top - 8.0,
+        escape(&series.tool),
+        escape(&series.body)
+    );
+}

@@ -1,0 +1,106 @@
+//! Speed of the tools over time, one strip for each, with gaps and events.
+
+use super::{
+    Axis, MAX_POINTS, WIDTH, colour_class, from_zero, grid, line, open, range, svg_text, thin,
+    time_label,
+};
+use crate::html::{escape, in_both};
+use crate::{EventRecord, ToolSeries};
+use std::fmt::Write;
+
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 988.0;
+const ABOVE: f64 = 30.0;
+const STRIP: f64 = 130.0;
+const BETWEEN: f64 = 44.0;
+/// Numbers of events closer than this would overlap.
+const NUMBER_WIDTH: f64 = 17.0;
+
+/// Draws the speed of each tool over `0..end` \[s\] and marks the events by their numbers, from 1.
+pub fn speed_plot(series: &[ToolSeries], events: &[EventRecord], end: f64) -> String {
+    let height = ABOVE + series.len() as f64 * (STRIP + BETWEEN) - 4.0;
+    let last = range(series.iter().flat_map(|s| s.time.iter().copied()))
+        .map_or(end, |(_, last)| last.max(end));
+    let x = Axis::new((0.0, if last > 0.0 { last } else { 1.0 }), (LEFT, RIGHT));
+    let mut out = String::new();
+    let title = in_both(
+        "Geschwindigkeit der Instrumente über der Zeit",
+        "Speed of the instruments over time",
+    );
+    open(&mut out, WIDTH, height, &title);
+    for (k, series) in series.iter().enumerate() {
+        let top = ABOVE + k as f64 * (STRIP + BETWEEN);
+        strip(&mut out, &x, top, series, k);
+    }
+    let bottom = ABOVE + series.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
+    event_marks(&mut out, &x, bottom, events);
+    time_label(&mut out, &x, bottom + 34.0);
+    out.push_str("</svg>");
+    out
+}
+
+fn strip(out: &mut String, x: &Axis, top: f64, series: &ToolSeries, k: usize) {
+    // Samples with a speed: time [s], speed [mm/s], segment.
+    let points: Vec<(f64, f64, u32)> = (0..series.time.len())
+        .filter_map(|i| {
+            let speed = series.speed[i].filter(|speed| speed.is_finite())?;
+            Some((series.time[i], speed * 1e3, series.segment[i]))
+        })
+        .collect();
+    let speeds: Vec<f64> = points.iter().map(|point| point.1).collect();
+    let largest = range(speeds.iter().copied()).map_or(0.0, |(_, largest)| largest);
+    let bottom = top + STRIP;
+    let y = Axis::new(from_zero(largest), (bottom, top));
+
+    for i in 1..series.time.len() {
+        if series.segment[i] != series.segment[i - 1] {
+            let (from, to) = (x.at(series.time[i - 1]), x.at(series.time[i]));
+            let _ = write!(
+                out,
+                "<rect class=\"gap\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{STRIP:.1}\"/>",
+                (to - from).max(1.0)
+            );
+        }
+    }
+    grid(out, x, &y, (12, 4));
+    let drawn = thin::extremes(&speeds, MAX_POINTS)
+        .into_iter()
+        .map(|i| (points[i].2, x.at(points[i].0), y.at(points[i].1)));
+    let _ = write!(
+        out,
+        "<path class=\"curve {}\" d=\"{}\"/>",
+        colour_class(k),
+        line(drawn)
+    );
+    let unit = in_both("mm/s", "mm/s");
+    svg_text(out, (LEFT - 7.0, top - 9.0), "label", "end", &unit);
+    let _ = write!(
+        out,
+        "<text class=\"name {}\" x=\"{LEFT:.1}\" y=\"{:.1}\">{}</text>",
+        colour_class(k),
+        top - 8.0,
+        escape(&series.tool)
+    );
+}
+
+fn event_marks(out: &mut String, x: &Axis, bottom: f64, events: &[EventRecord]) {
+    let mut free_from = LEFT + 60.0;
+    for (k, event) in events.iter().enumerate() {
+        let at = x.at(event.session_time);
+        let _ = write!(
+            out,
+            "<path class=\"event\" d=\"M{at:.1} {ABOVE:.1}V{bottom:.1}\"/>"
+        );
+        if at - NUMBER_WIDTH / 2.0 >= free_from {
+            let _ = write!(
+                out,
+                "<circle class=\"event-disc\" cx=\"{at:.1}\" cy=\"{:.1}\" r=\"8\"/>\
+                 <text class=\"event-number\" x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                ABOVE - 12.0,
+                ABOVE - 8.2,
+                k + 1
+            );
+            free_from = at + NUMBER_WIDTH / 2.0;
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The report as data.
+
+use crate::{DeviceRecord, ForceSeries, ToolPresence, ToolSeries};
+use microsim_message::{CategoryScore, LevelPhase, LocalText, LogLevel, MetricRecord};
+use serde::{Deserialize, Serialize};
+
+/// What is known of a session besides its messages.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ReportInput {
+    /// Version of MicroSim that ran the session.
+    pub version: String,
+    /// Wall clock at the start, seconds since 1970.
+    pub started: u64,
+    /// Who trained.
+    pub trainee: Option<String>,
+    /// Id of the module.
+    pub module: String,
+    /// Name of the module.
+    pub module_title: LocalText,
+    /// Number of the level, from 1.
+    pub level: u32,
+    /// Name of the level.
+    pub level_title: LocalText,
+    /// The task in a sentence.
+    pub level_summary: LocalText,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Length of a tick \[s\].
+    pub tick_s: f64,
+    /// Where the input came from, as it was given.
+    pub input: String,
+    /// Whether ticks were paced by the wall clock.
+    pub realtime: bool,
+    /// What was left out of the computation; if anything, the run is no result.
+    pub without: Vec<String>,
+    /// State hash at the end; `None` if there was no clean end.
+    pub state_hash: Option<String>,
+    /// What is wrong with the session file (cut, damaged), if anything.
+    pub complaint: Option<String>,
+    /// Plugins that failed, a sentence each.
+    pub failures: Vec<String>,
+    /// Ticks that began late (paced runs).
+    pub late_ticks: u64,
+    /// Name of the session file.
+    pub session_file: String,
+    /// The command that replays it.
+    pub replay_command: String,
+}
+
+/// How a session ended for the trainee.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The module says so.
+    Passed,
+    /// The module says so, with reasons.
+    Failed,
+    /// Ended by the operator.
+    Aborted,
+    /// The module gave no result: the run was killed or a plugin failed.
+    Incomplete,
+}
+
+/// All that a report shows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Version of these fields: 1.
+    pub format: u32,
+    /// What is known of the session.
+    pub session: ReportInput,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Whether the verdict counts: it is passed or failed, and nothing was left out of the computation.
+    pub counts: bool,
+    /// Ids of the reasons why it failed, exactly those of the module's result.
+    pub failed: Vec<String>,
+    /// The reasons in words, in the order of `failed`.
+    pub reasons: Vec<LocalText>,
+    /// Running time of the level, pauses not counted \[s\]; without a result as far as is known.
+    pub duration: f64,
+    /// Simulated time of all ticks \[s\].
+    pub simulated: f64,
+    /// Last known phase of the level.
+    pub phase: LevelPhase,
+    /// Targets reached.
+    pub targets_done: u32,
+    /// Targets of the level.
+    pub targets: u32,
+    /// Mean of the categories, 0…100; `None` without a result.
+    pub score: Option<f64>,
+    /// Scores by category.
+    pub categories: Vec<CategoryScore>,
+    /// All metrics of the result.
+    pub metrics: Vec<MetricEntry>,
+    /// The raw input, device by device.
+    pub input: Vec<DeviceRecord>,
+    /// How long each tool was tracked.
+    pub presence: Vec<ToolPresence>,
+    /// Motion of each tool in the field.
+    pub series: Vec<ToolSeries>,
+    /// Contact force of each tool on each body that it touched.
+    pub forces: Vec<ForceSeries>,
+    /// What happened.
+    pub events: Vec<EventRecord>,
+    /// Bodies that diverged and were computed again.
+    pub recoveries: Vec<RecoveryRecord>,
+    /// Warnings and errors of the plugins, and messages that could not be read.
+    pub warnings: Vec<Warning>,
+}
+
+/// A metric of the result, with its numbers in the unit that people read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MetricEntry {
+    /// As the module gave it; value and limit in the SI unit.
+    #[serde(flatten)]
+    pub record: MetricRecord,
+    /// Value in `display_unit`.
+    pub display_value: Option<f64>,
+    /// Smallest value that passes, in `display_unit`.
+    pub display_min: Option<f64>,
+    /// Largest value that passes, in `display_unit`.
+    pub display_max: Option<f64>,
+}
+
+impl From<MetricRecord> for MetricEntry {
+    fn from(record: MetricRecord) -> Self {
+        let shown = |value: Option<f64>| value.map(|value| value * record.display_factor);
+        let limit = record.limit.as_ref();
+        Self {
+            display_value: shown(record.value),
+            display_min: shown(limit.and_then(|limit| limit.min)),
+            display_max: shown(limit.and_then(|limit| limit.max)),
+            record,
+        }
+    }
+}
+
+/// An event of the level.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EventRecord {
+    /// Id, say `target-done`.
+    pub id: String,
+    /// Running time of the level \[s\].
+    pub time: f64,
+    /// Simulated time since the session began \[s\].
+    pub session_time: f64,
+    /// One sentence.
+    pub text: LocalText,
+}
+
+/// A body diverged, was rolled back and computed again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecoveryRecord {
+    /// Simulated time since the session began \[s\].
+    pub session_time: f64,
+    /// Body.
+    pub body: String,
+    /// What was wrong.
+    pub cause: String,
+    /// Sub-steps of the tick that worked.
+    pub substeps: u32,
+}
+
+/// A line that the operator should know; equal lines are one with a count.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Warning {
+    /// Simulated time since the session began, of the first one \[s\].
+    pub session_time: f64,
+    /// `error` or `warn`.
+    pub level: LogLevel,
+    /// One sentence.
+    pub text: String,
+    /// How often.
+    pub count: u64,
+}

@@ -1,0 +1,116 @@
+//! When a body has diverged (DESIGN 3, containment).
+
+use crate::scene::{Body, Scene, SceneState};
+use microsim_geometry::signed_volume;
+use microsim_tissue::{Control, State};
+
+/// Energy may exceed what there was and what gravity and tools brought by this share of it. The measure itself oscillates by
+/// hω/2, which is 0.6 for the fastest modes at the recommended step.
+const ENERGY_MARGIN: f64 = 1.0;
+
+/// Below −1 times its rest volume an element is turned inside out as far as its springs can hold it there.
+const INVERTED: f64 = -1.0;
+
+/// How a body diverged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Divergence {
+    /// A number is not finite.
+    NotFinite,
+    /// The energy grew by more than gravity and tools can explain.
+    EnergyGrowth,
+    /// An element is inverted beyond recovery.
+    Inversion,
+}
+
+/// A body that diverged, whatever the sub-steps. The scene stands at the start of the tick, its last good state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diverged {
+    /// Index of the body.
+    pub body: usize,
+    /// Name of the body.
+    pub body_name: String,
+    /// The step of the last try at which it was found; one beyond the last when at the end of the tick.
+    pub step: u32,
+    /// Simulated time of it [s].
+    pub time: f64,
+    /// How.
+    pub what: Divergence,
+}
+
+impl std::fmt::Display for Diverged {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let what = match self.what {
+            Divergence::NotFinite => "has numbers that are not finite",
+            Divergence::EnergyGrowth => "gains energy without cause",
+            Divergence::Inversion => "has an element inverted beyond recovery",
+        };
+        write!(f, "body '{}' {what} at {:.6} s, step {} of the tick", self.body_name, self.time, self.step)
+    }
+}
+
+impl std::error::Error for Diverged {}
+
+/// What is watched of one body during a tick.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch {
+    /// Energy at the start [J].
+    start_energy: f64,
+    /// Work of contact, each step and node counted positive [J].
+    pub work: f64,
+    /// Whether an old overlap was undone: it changes the energy by an amount that is not followed.
+    pub overlap_undone: bool,
+}
+
+impl Watch {
+    pub fn new(body: &Body, state: &State) -> Self {
+        Self { start_energy: state.energies(&body.model).total(), work: 0.0, overlap_undone: false }
+    }
+
+    /// Looks at a body at the end of a tick.
+    pub fn judge(&self, body: &Body, start: &State, end: &State, control: &Control) -> Option<Divergence> {
+        let energy = end.energies(&body.model).total();
+        // What gravity brought: Σ m g·(p_end − p_start).
+        let fall: f64 = body
+            .model
+            .masses()
+            .iter()
+            .zip(start.positions.iter().zip(&end.positions))
+            .map(|(m, (from, to))| m * control.gravity.dot(&(to - from)))
+            .sum();
+        let brought = self.start_energy + fall.abs() + self.work;
+        let allowed = brought * (1.0 + ENERGY_MARGIN) + body.energy_scale;
+        if !energy.is_finite() {
+            return Some(Divergence::NotFinite);
+        }
+        if !self.overlap_undone && energy > allowed {
+            return Some(Divergence::EnergyGrowth);
+        }
+        let inverted = body.model.volumes().iter().any(|element| {
+            let [a, b, c, d] = element.nodes.map(|node| &end.positions[node as usize]);
+            signed_volume(a, b, c, d) < INVERTED * element.rest_volume
+        });
+        inverted.then_some(Divergence::Inversion)
+    }
+}
+
+/// A failed try of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Failure {
+    pub body: usize,
+    pub step: u32,
+    pub what: Divergence,
+}
+
+impl Scene {
+    /// The error for a tick that failed finally; goes back to `start`.
+    pub(crate) fn diverged(&mut self, start: SceneState, failure: Failure, step_s: f64) -> Diverged {
+        self.state = start;
+        Diverged {
+            body: failure.body,
+            body_name: self.bodies[failure.body].name.clone(),
+            step: failure.step,
+            time: self.state.time + f64::from(failure.step) * step_s,
+            what: failure.what,
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! The one place where calls cross: bytes become types, panics become faults.
+
+use crate::{Fault, Parallel, Plugin, Services, Tick};
+use abi_stable::{
+    sabi_trait::TD_Opaque,
+    std_types::{ROption, RResult, RSlice, RStr, RVec},
+};
+use microsim_abi::{
+    BlockOut, Call, Fault as AbiFault, FaultKind, Output, ParallelFor, PluginBox, PluginObject,
+    PluginObject_TO,
+};
+use microsim_bus::BlockView;
+use microsim_message::{Setup, decode_bytes};
+use std::cell::{Cell, RefCell};
+use std::mem::ManuallyDrop;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Once;
+
+thread_local! {
+    static CROSSING: Cell<bool> = const { Cell::new(false) };
+    static PANIC: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Keeps the place of a panic for the fault's text instead of printing it; panics elsewhere go on as before.
+fn install_panic_hook() {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let previous = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            if CROSSING.get() {
+                PANIC.with_borrow_mut(|text| *text = info.to_string());
+            } else {
+                previous(info);
+            }
+        }));
+    });
+}
+
+fn guarded<T>(call: impl FnOnce() -> Result<T, Fault>) -> RResult<T, AbiFault> {
+    CROSSING.set(true);
+    let result = catch_unwind(AssertUnwindSafe(call));
+    CROSSING.set(false);
+    match result {
+        Ok(Ok(value)) => RResult::ROk(value),
+        Ok(Err(fault)) => RResult::RErr(fault.to_abi()),
+        Err(_) => {
+            let text = PANIC.take().replace('\n', " ");
+            RResult::RErr(AbiFault { kind: FaultKind::Panic, text: text.into() })
+        }
+    }
+}
+
+/// What stands behind the boundary: a plugin that is not called again once it has panicked.
+struct Boundary<P> {
+    plugin: ManuallyDrop<P>,
+    panicked: bool,
+}
+
+impl<P> Drop for Boundary<P> {
+    fn drop(&mut self) {
+        // A panic here has nobody to be reported to, and must not cross.
+        // SAFETY: dropped once, here.
+        let _ = guarded(|| Ok(unsafe { ManuallyDrop::drop(&mut self.plugin) }));
+    }
+}
+
+impl<P: Plugin> Boundary<P> {
+    fn cross<T>(&mut self, call: impl FnOnce(&mut P) -> Result<T, Fault>) -> RResult<T, AbiFault> {
+        if self.panicked {
+            let text = "called again after a panic".into();
+            return RResult::RErr(AbiFault { kind: FaultKind::Panic, text });
+        }
+        let result = guarded(|| call(&mut self.plugin));
+        self.panicked = matches!(&result, RResult::RErr(f) if f.kind == FaultKind::Panic);
+        result
+    }
+}
+
+impl<P: Plugin> PluginObject for Boundary<P> {
+    fn initialise(
+        &mut self,
+        setup: RSlice<'_, u8>,
+        parallel: ROption<ParallelFor>,
+    ) -> RResult<(), AbiFault> {
+        self.cross(|plugin| {
+            let setup: Setup = decode_bytes(setup.as_slice())?;
+            let parallel = Parallel::from_host(parallel.into_option());
+            plugin.initialise(&setup, Services { parallel })
+        })
+    }
+
+    fn reset(&mut self) -> RResult<(), AbiFault> {
+        self.cross(|plugin| plugin.reset())
+    }
+
+    fn process(&mut self, call: Call<'_>) -> RResult<Output, AbiFault> {
+        self.cross(|plugin| {
+            let blocks = call.blocks.as_slice().iter().map(|b| {
+                BlockView::new(b.words.as_slice()).map_err(|e| Fault::new(e.to_string()))
+            });
+            let mut tick = Tick {
+                index: call.tick,
+                time_ns: call.time_ns,
+                tick_ns: call.tick_ns,
+                steps: call.steps,
+                messages: call.messages.as_slice(),
+                blocks: blocks.collect::<Result<_, _>>()?,
+                out: Vec::new(),
+                out_blocks: Vec::new(),
+            };
+            plugin.process(&mut tick)?;
+            let blocks = tick.out_blocks.into_iter();
+            Ok(Output {
+                messages: tick.out.into(),
+                blocks: blocks.map(|(kind, words)| BlockOut { kind, words: words.into() }).collect(),
+            })
+        })
+    }
+
+    fn save(&mut self) -> RResult<RVec<u8>, AbiFault> {
+        self.cross(|plugin| Ok(plugin.save().into()))
+    }
+
+    fn restore(&mut self, state: RSlice<'_, u8>) -> RResult<(), AbiFault> {
+        self.cross(|plugin| plugin.restore(state.as_slice()))
+    }
+
+    fn extension(
+        &mut self,
+        name: RStr<'_>,
+        request: RSlice<'_, u8>,
+    ) -> RResult<ROption<RVec<u8>>, AbiFault> {
+        self.cross(|plugin| {
+            let answer = plugin.extension(name.as_str(), request.as_slice())?;
+            Ok(answer.map(RVec::from).into())
+        })
+    }
+
+    fn stop(&mut self) -> RResult<(), AbiFault> {
+        self.cross(|plugin| plugin.stop())
+    }
+}
+
+/// Constructs a plugin behind the boundary.
+pub fn create<P: Plugin>() -> RResult<PluginBox, AbiFault> {
+    install_panic_hook();
+    guarded(|| {
+        let plugin = ManuallyDrop::new(P::new());
+        let boundary = Boundary { plugin, panicked: false };
+        Ok(PluginObject_TO::from_value(boundary, TD_Opaque))
+    })
+}

@@ -1,0 +1,68 @@
+//! The host's parallel loop, safe.
+
+use microsim_abi::{ParallelBody, ParallelFor};
+use std::any::Any;
+use std::ffi::c_void;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Mutex;
+
+/// Runs the parts of a loop on the host's threads, or one after the other where the host gives none. What a part
+/// computes must not depend on which thread does it: sums belong to fixed parts and are added in a fixed order.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Parallel(Option<Host>);
+
+#[derive(Clone, Copy)]
+struct Host(ParallelFor);
+
+impl std::fmt::Debug for Host {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("host")
+    }
+}
+
+struct Job<'a> {
+    body: &'a (dyn Fn(usize) + Sync),
+    panic: Mutex<Option<Box<dyn Any + Send>>>,
+}
+
+unsafe extern "C" fn call_part(data: *const c_void, part: u32) {
+    // SAFETY: `data` is the `Job` that `for_each` keeps alive until `run` returns.
+    let job = unsafe { &*data.cast::<Job<'_>>() };
+    if let Err(panic) = catch_unwind(AssertUnwindSafe(|| (job.body)(part as usize))) {
+        *job.panic.lock().unwrap_or_else(|e| e.into_inner()) = Some(panic);
+    }
+}
+
+impl Parallel {
+    /// One part after the other.
+    pub fn serial() -> Self {
+        Self(None)
+    }
+
+    pub(crate) fn from_host(parallel: Option<ParallelFor>) -> Self {
+        Self(parallel.map(Host))
+    }
+
+    /// Calls `body(part)` for every part in `0..parts` and returns when all are done. A panic of a part comes out here.
+    pub fn for_each(&self, parts: usize, body: &(dyn Fn(usize) + Sync)) {
+        let Some(Host(host)) = self.0 else {
+            (0..parts).for_each(body);
+            return;
+        };
+        let job = Job { body, panic: Mutex::new(None) };
+        // SAFETY: the host calls `call_part` with this pointer only until `run` returns; `job` lives longer, and `body`
+        // may be called from several threads.
+        unsafe {
+            (host.run)(
+                host.context,
+                u32::try_from(parts).expect("fewer than 2^32 parts"),
+                ParallelBody { call: call_part },
+                (&raw const job).cast(),
+            );
+        }
+        let panic = job.panic.into_inner().unwrap_or_else(|e| e.into_inner());
+        if let Some(panic) = panic {
+            resume_unwind(panic);
+        }
+    }
+}

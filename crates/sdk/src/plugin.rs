@@ -1,0 +1,49 @@
+//! The safe face of the plugin contract.
+
+use crate::{Fault, Parallel, Tick};
+use microsim_message::Setup;
+
+/// What the host offers beyond messages. Log and progress are messages ([`Tick::log`]); files of the plugin's own and
+/// the seed stand in its [`Setup`].
+#[derive(Debug)]
+pub struct Services {
+    /// Parallel loop; serial where the host gives none (training modules, observers, tests).
+    pub parallel: Parallel,
+}
+
+/// A plugin of any kind. What it does is decided by the messages that it hears and publishes; its manifest declares
+/// them. Which thread calls what, and in which state, stands in the crate `abi`: one thread at a time, never
+/// re-entrantly.
+///
+/// A plugin reads no clock and no random source but a [`crate::RandomStream`]: the same messages in give the same
+/// messages out, to the bit. Input sources are the exception: what they publish is recorded.
+pub trait Plugin: Send + Sized + 'static {
+    /// Constructs cheaply: no files, no threads, no large memory.
+    fn new() -> Self;
+
+    /// Reads its set-up and allocates.
+    fn initialise(&mut self, setup: &Setup, services: Services) -> Result<(), Fault>;
+
+    /// Goes back to the state right after `initialise`.
+    fn reset(&mut self) -> Result<(), Fault>;
+
+    /// One tick: hears, thinks, publishes.
+    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault>;
+
+    /// All that evolves, as bytes; equal states give equal bytes. The state hash, replay and restoring rest on it.
+    /// Observers (renderer, recorder) have no state that a run may depend on and return none.
+    fn save(&self) -> Vec<u8>;
+
+    /// The opposite of [`Plugin::save`], in this or another process, after `initialise` with an equal set-up.
+    fn restore(&mut self, state: &[u8]) -> Result<(), Fault>;
+
+    /// The last call: closes files, ends threads.
+    fn stop(&mut self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// An ability that came after this trait was fixed, by name. `None`: not here.
+    fn extension(&mut self, _name: &str, _request: &[u8]) -> Result<Option<Vec<u8>>, Fault> {
+        Ok(None)
+    }
+}

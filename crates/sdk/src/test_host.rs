@@ -1,0 +1,189 @@
+//! Runs one plugin in-process, without any file, through the same boundary as a loaded library. Every crossing goes
+//! through a copy of the bytes, so that a plugin which keeps a pointer, or tells the tick by anything but its
+//! messages, is found out here.
+
+use crate::{Fault, Plugin, boundary};
+use abi_stable::std_types::{ROption, RResult, RSlice};
+use microsim_abi::{Block as AbiBlock, Call, Fault as AbiFault, FaultKind, PluginBox};
+use microsim_bus::{EndpointId, Frames, KindInfo, Limits, Router};
+use microsim_message::{Message, Setup, core_kinds, decode, encode, push};
+
+/// The test's own place on the bus.
+const TESTER: &str = "tester";
+
+/// What a plugin published in one tick.
+#[derive(Clone, Debug, Default)]
+pub struct Heard {
+    messages: Vec<u8>,
+    blocks: Vec<Vec<u64>>,
+}
+
+impl Heard {
+    /// The messages of one kind, oldest first.
+    pub fn all<M: Message>(&self) -> Vec<M> {
+        Frames::new(&self.messages)
+            .filter_map(Result::ok)
+            .filter_map(|f| decode(&f))
+            .map(|m| m.expect("the plugin's own message"))
+            .collect()
+    }
+
+    /// The newest message of one kind.
+    pub fn last<M: Message>(&self) -> Option<M> {
+        self.all().pop()
+    }
+
+    /// The blocks as words.
+    pub fn blocks(&self) -> &[Vec<u64>] {
+        &self.blocks
+    }
+}
+
+/// An in-process host for one plugin.
+pub struct TestHost<P: Plugin> {
+    object: PluginBox,
+    router: Router,
+    plugin: EndpointId,
+    tester: EndpointId,
+    setup: Setup,
+    tick: u64,
+    moving: bool,
+    plugin_type: std::marker::PhantomData<P>,
+}
+
+fn open<T>(result: RResult<T, AbiFault>) -> Result<T, Fault> {
+    result.into_result().map_err(|fault| Fault {
+        text: fault.text.into_string(),
+        unavailable: fault.kind == FaultKind::Unavailable,
+    })
+}
+
+impl<P: Plugin> TestHost<P> {
+    /// Creates and initialises the plugin. `publishes` and `subscribes` are those of its manifest, `own_kinds` the
+    /// message kinds that it brings.
+    pub fn new(
+        publishes: &[&str],
+        subscribes: &[&str],
+        own_kinds: &[KindInfo],
+        setup: Setup,
+    ) -> Result<Self, Fault> {
+        let kinds = core_kinds().into_iter().chain(own_kinds.iter().cloned());
+        let all: Vec<String> = kinds.clone().map(|k| k.name).collect();
+        let names = |list: &[&str]| list.iter().map(|s| s.to_string()).collect::<Vec<_>>();
+        let fault = |e: microsim_bus::RouterError| Fault::new(e.to_string());
+        let mut router = Router::new(Limits::default(), kinds).map_err(fault)?;
+        let tester = router.register(TESTER, &all, &all).map_err(fault)?;
+        let mut publishes = names(publishes);
+        publishes.extend(["host.log".into(), "host.progress".into()]);
+        let plugin = router
+            .register(&setup.name, &publishes, &names(subscribes))
+            .map_err(fault)?;
+        let mut host = Self {
+            object: open(boundary::create::<P>())?,
+            router,
+            plugin,
+            tester,
+            setup,
+            tick: 0,
+            moving: false,
+            plugin_type: std::marker::PhantomData,
+        };
+        host.initialise()?;
+        Ok(host)
+    }
+
+    fn initialise(&mut self) -> Result<(), Fault> {
+        let setup = encode(&self.setup);
+        open(self.object.initialise(RSlice::from_slice(&setup), ROption::RNone))
+    }
+
+    /// From now on every tick moves the plugin to a fresh instance by `save` and `restore`: whatever it does not save
+    /// is lost, as it would be after a crash.
+    pub fn moving(mut self) -> Self {
+        self.moving = true;
+        self
+    }
+
+    /// Publishes a message that the plugin hears in the next tick (if it subscribes to its kind).
+    pub fn send<M: Message>(&mut self, message: &M) {
+        let mut bytes = Vec::new();
+        push(&mut bytes, message);
+        let time = self.tick * self.setup.tick_ns;
+        self.router.publish(self.tester, time, &bytes).expect("a known kind and room in the queue");
+    }
+
+    /// Publishes a block.
+    pub fn send_block(&mut self, words: &[u64]) {
+        self.router.publish_block(self.tester, words[1], words).expect("a good block");
+    }
+
+    /// One tick: what the plugin published, or its fault. A publication that the manifest does not declare is a fault.
+    pub fn tick(&mut self) -> Result<Heard, Fault> {
+        if self.moving {
+            let state = self.save()?;
+            self.object = open(boundary::create::<P>())?;
+            self.initialise()?;
+            self.restore(&state)?;
+        }
+        let messages = self.router.take_messages(self.plugin);
+        let blocks = self.router.blocks_for(self.plugin);
+        let blocks: Vec<_> = blocks.iter().map(|b| (b.view().kind(), b.words().to_vec())).collect();
+        let blocks: Vec<_> = blocks
+            .iter()
+            .map(|(kind, words)| AbiBlock { kind: *kind, words: RSlice::from_slice(words) })
+            .collect();
+        let time_ns = (self.tick + 1) * self.setup.tick_ns;
+        let output = open(self.object.process(Call {
+            tick: self.tick,
+            time_ns,
+            tick_ns: self.setup.tick_ns,
+            steps: self.setup.steps,
+            messages: RSlice::from_slice(&messages),
+            blocks: RSlice::from_slice(&blocks),
+        }))?;
+        self.tick += 1;
+        let mut heard = Heard::default();
+        let violation = |v: microsim_bus::Violation| Fault::new(v.to_string());
+        self.router.publish(self.plugin, time_ns, &output.messages).map_err(violation)?;
+        for block in &output.blocks {
+            self.router.publish_block(self.plugin, block.kind, &block.words).map_err(violation)?;
+            heard.blocks.push(block.words.to_vec());
+        }
+        self.router.take_log();
+        self.router.take_messages(self.tester);
+        heard.messages = output.messages.to_vec();
+        Ok(heard)
+    }
+
+    /// Ticks until a message of kind `M` comes, at most `ticks` times.
+    pub fn tick_until<M: Message>(&mut self, ticks: u64) -> Result<Option<M>, Fault> {
+        for _ in 0..ticks {
+            if let Some(message) = self.tick()?.last() {
+                return Ok(Some(message));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The plugin's state.
+    pub fn save(&mut self) -> Result<Vec<u8>, Fault> {
+        Ok(open(self.object.save())?.to_vec())
+    }
+
+    /// Puts the plugin into a saved state.
+    pub fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
+        let copy = state.to_vec();
+        open(self.object.restore(RSlice::from_slice(&copy)))
+    }
+
+    /// Back to the state after `initialise`.
+    pub fn reset(&mut self) -> Result<(), Fault> {
+        self.tick = 0;
+        open(self.object.reset())
+    }
+
+    /// The last call.
+    pub fn stop(&mut self) -> Result<(), Fault> {
+        open(self.object.stop())
+    }
+}

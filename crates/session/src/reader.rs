@@ -1,0 +1,507 @@
+//! Reading a session file: every complete frame, and how the file ends.
+
+use std::error::Error;
+use std::fmt;
+
+use crate::{
+    FORMAT_VERSION, HEADER_CHECKED, HEADER_LENGTH, KIND_END, MAGIC, MAX_PAYLOAD, PRELUDE_LENGTH,
+};
+
+/// One complete frame, as it was appended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// Where it begins in the file `[byte]`.
+    pub offset: usize,
+    /// What the payload is, in the caller's terms; [`KIND_END`] closes the file.
+    pub kind: u8,
+    /// Its number in the file, from 0.
+    pub sequence: u64,
+    /// The tick at which it was written.
+    pub tick: u64,
+    /// What was recorded.
+    pub payload: &'a [u8],
+}
+
+/// What a session file holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reading<'a> {
+    /// All frames before the end of the file, or before the first tear or damage, in the order of the file.
+    pub frames: Vec<Frame<'a>>,
+    /// How the file ends.
+    pub ending: Ending,
+}
+
+impl Reading<'_> {
+    /// The tick of the last complete frame.
+    pub fn last_tick(&self) -> Option<u64> {
+        self.frames.last().map(|frame| frame.tick)
+    }
+}
+
+/// How a session file ends. `after_tick` is the tick of the last frame before the place, `None` if there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// With a frame of kind [`KIND_END`]: the session is complete.
+    Clean,
+    /// Between two frames, without an end: the process was killed.
+    Open,
+    /// Inside a frame: the process was killed, or the disk was full, while it was written.
+    Torn {
+        /// Where the incomplete frame begins `[byte]`.
+        offset: usize,
+        /// See [`Ending`].
+        after_tick: Option<u64>,
+        /// Number of bytes of the incomplete frame.
+        bytes_lost: usize,
+    },
+    /// With bytes that no writer has written like this. Nothing behind the place is read.
+    Damaged {
+        /// Where the damaged frame begins `[byte]`.
+        offset: usize,
+        /// See [`Ending`].
+        after_tick: Option<u64>,
+        /// Number of bytes from `offset` to the end of the file.
+        bytes_lost: usize,
+        /// What is wrong.
+        what: Damage,
+    },
+}
+
+/// What is wrong with a damaged frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Damage {
+    /// The checksum of its header does not fit.
+    Header,
+    /// The checksum of its payload does not fit.
+    Payload,
+    /// Its length exceeds [`MAX_PAYLOAD`].
+    Length(u32),
+    /// A frame is missing, repeated or in the wrong place.
+    Sequence {
+        /// The number that the frame should have.
+        expected: u64,
+        /// The number that it has.
+        found: u64,
+    },
+    /// Bytes follow the frame that closes the file.
+    BehindEnd,
+}
+
+/// Why bytes are not a session file at all.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotASession {
+    /// They end, after this many bytes, before the first frame could begin: nothing was recorded.
+    TooShort(usize),
+    /// They begin with something else.
+    Magic,
+    /// The file has this format version, which is not [`FORMAT_VERSION`].
+    Version(u32),
+}
+
+/// Reads all complete frames of a session file.
+///
+/// Stops at the first tear or damage and says where that is; whatever `bytes` are, there is no panic, and memory is
+/// needed for the list of frames only, whose length their checked headers bound.
+///
+/// # Errors
+/// [`NotASession`] if the prelude is missing, so that there is no frame to look for.
+pub fn read(bytes: &[u8]) -> Result<Reading<'_>, NotASession> {
+    let (magic, rest) = bytes.split_at(bytes.len().min(MAGIC.len()));
+    if !MAGIC.starts_with(magic) {
+        return Err(NotASession::Magic);
+    }
+    let Some((version, _)) = rest.split_first_chunk() else {
+        return Err(NotASession::TooShort(bytes.len()));
+    };
+    let version = u32::from_le_bytes(*version);
+    if version != FORMAT_VERSION {
+        return Err(NotASession::Version(version));
+    }
+
+    let mut frames = Vec::new();
+    let ending = read_frames(bytes, &mut frames);
+    Ok(Reading { frames, ending })
+}
+
+/// Appends all complete frames to `frames` and says how the file ends.
+fn read_frames<'a>(bytes: &'a [u8], frames: &mut Vec<Frame<'a>>) -> Ending {
+    let mut offset = PRELUDE_LENGTH;
+    loop {
+        let last = frames.last();
+        let after_tick = last.map(|frame| frame.tick);
+        let bytes_lost = bytes.len() - offset;
+        let torn = Ending::Torn {
+            offset,
+            after_tick,
+            bytes_lost,
+        };
+        let damaged = |what| Ending::Damaged {
+            offset,
+            after_tick,
+            bytes_lost,
+            what,
+        };
+
+        let is_closed = last.is_some_and(|frame| frame.kind == KIND_END);
+        match (bytes_lost, is_closed) {
+            (0, true) => return Ending::Clean,
+            (0, false) => return Ending::Open,
+            (_, true) => return damaged(Damage::BehindEnd),
+            (_, false) => {}
+        }
+
+        // The header, before anything in it is believed.
+        let Some((header, behind)) = bytes[offset..].split_first_chunk::<HEADER_LENGTH>() else {
+            return torn;
+        };
+        if crc32fast::hash(&header[..HEADER_CHECKED])
+            != u32::from_le_bytes(field(header, HEADER_CHECKED))
+        {
+            return damaged(Damage::Header);
+        }
+        let length = u32::from_le_bytes(field(header, 0));
+        let kind = header[4];
+        let sequence = u64::from_le_bytes(field(header, 5));
+        let tick = u64::from_le_bytes(field(header, 13));
+        let payload_checksum = u32::from_le_bytes(field(header, 21));
+        let expected = frames.len() as u64;
+        if sequence != expected {
+            return damaged(Damage::Sequence {
+                expected,
+                found: sequence,
+            });
+        }
+        if length as usize > MAX_PAYLOAD {
+            return damaged(Damage::Length(length));
+        }
+
+        let Some(payload) = behind.get(..length as usize) else {
+            return torn;
+        };
+        if crc32fast::hash(payload) != payload_checksum {
+            return damaged(Damage::Payload);
+        }
+        frames.push(Frame {
+            offset,
+            kind,
+            sequence,
+            tick,
+            payload,
+        });
+        offset += HEADER_LENGTH + payload.len();
+    }
+}
+
+/// The `N` bytes of a header from a fixed offset on, which lies inside it for every caller above.
+fn field<const N: usize>(header: &[u8; HEADER_LENGTH], offset: usize) -> [u8; N] {
+    std::array::from_fn(|index| header[offset + index])
+}
+
+impl fmt::Display for Ending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Clean => write!(f, "the session is complete"),
+            Self::Open => write!(f, "the session has no end: its process was killed"),
+            Self::Torn {
+                offset,
+                after_tick,
+                bytes_lost,
+            } => {
+                write!(
+                    f,
+                    "the session breaks off inside a frame at byte {offset}, "
+                )?;
+                write_place(f, after_tick)?;
+                write!(f, ": {bytes_lost} bytes are incomplete")
+            }
+            Self::Damaged {
+                offset,
+                after_tick,
+                bytes_lost,
+                what,
+            } => {
+                write!(f, "the session is damaged at byte {offset}, ")?;
+                write_place(f, after_tick)?;
+                write!(f, ": {what}; {bytes_lost} bytes from there on are not read")
+            }
+        }
+    }
+}
+
+fn write_place(f: &mut fmt::Formatter<'_>, after_tick: Option<u64>) -> fmt::Result {
+    match after_tick {
+        Some(tick) => write!(f, "after tick {tick}"),
+        None => write!(f, "before its first frame"),
+    }
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Header => write!(f, "the checksum of a frame's header does not fit"),
+            Self::Payload => write!(f, "the checksum of a frame's payload does not fit"),
+            Self::Length(length) => {
+                write!(
+                    f,
+                    "a frame claims {length} bytes, more than the {MAX_PAYLOAD} allowed"
+                )
+            }
+            Self::Sequence { expected, found } => {
+                write!(f, "expected frame number {expected}, found {found}")
+            }
+            Self::BehindEnd => write!(f, "bytes follow the end of the session"),
+        }
+    }
+}
+
+impl fmt::Display for NotASession {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooShort(length) => write!(
+                f,
+                "not a session file: it has {length} bytes and ends before its first frame, nothing was recorded"
+            ),
+            Self::Magic => write!(
+                f,
+                "not a session file: it does not begin with the line \"{}\"",
+                String::from_utf8_lossy(MAGIC).trim_end()
+            ),
+            Self::Version(found) => write!(
+                f,
+                "a session file of format version {found}; this program reads version {FORMAT_VERSION}"
+            ),
+        }
+    }
+}
+
+impl Error for NotASession {}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Writer;
+
+    /// Kind, tick and payload of each frame of the small file that the tests cut and damage.
+    const FRAMES: [(u8, u64, &[u8]); 5] = [
+        (1, 0, b"configuration"),
+        (2, 1, b""),
+        (2, 1, b"\0\0\0\0"),
+        (9, 250, b"a longer payload, so that cuts fall inside"),
+        (KIND_END, 251, b"!"),
+    ];
+
+    /// The file, and the offset at which each of its frames begins, with the file's length at last.
+    fn small_file() -> (Vec<u8>, Vec<usize>) {
+        let mut writer = Writer::create(Vec::new()).unwrap();
+        let mut boundaries = vec![PRELUDE_LENGTH];
+        for (kind, tick, payload) in FRAMES {
+            writer.append(kind, tick, payload).unwrap();
+            boundaries.push(boundaries[boundaries.len() - 1] + HEADER_LENGTH + payload.len());
+        }
+        (writer.into_inner(), boundaries)
+    }
+
+    fn assert_first_frames(frames: &[Frame], count: usize, boundaries: &[usize], context: &str) {
+        assert_eq!(frames.len(), count, "{context}");
+        for (index, frame) in frames.iter().enumerate() {
+            let (kind, tick, payload) = FRAMES[index];
+            let expected = Frame {
+                offset: boundaries[index],
+                kind,
+                sequence: index as u64,
+                tick,
+                payload,
+            };
+            assert_eq!(*frame, expected, "{context}");
+        }
+    }
+
+    #[test]
+    fn what_was_written_is_read() {
+        let (bytes, boundaries) = small_file();
+        let reading = read(&bytes).unwrap();
+        assert_first_frames(&reading.frames, FRAMES.len(), &boundaries, "whole file");
+        assert_eq!(reading.ending, Ending::Clean);
+        assert_eq!(reading.last_tick(), Some(251));
+    }
+
+    /// Every cut: all frames that were complete before it are recovered, and the ending says what it was.
+    #[test]
+    fn every_prefix_gives_its_complete_frames() {
+        let (bytes, boundaries) = small_file();
+        for cut in 0..bytes.len() {
+            let context = format!("cut at byte {cut}");
+            let reading = match read(&bytes[..cut]) {
+                Ok(reading) => reading,
+                Err(error) => {
+                    assert!(cut < PRELUDE_LENGTH, "{context}: {error}");
+                    assert_eq!(error, NotASession::TooShort(cut));
+                    continue;
+                }
+            };
+            let complete = boundaries
+                .iter()
+                .filter(|&&boundary| boundary <= cut)
+                .count()
+                - 1;
+            assert_first_frames(&reading.frames, complete, &boundaries, &context);
+            let expected = if boundaries[complete] == cut {
+                Ending::Open
+            } else {
+                Ending::Torn {
+                    offset: boundaries[complete],
+                    after_tick: complete.checked_sub(1).map(|index| FRAMES[index].1),
+                    bytes_lost: cut - boundaries[complete],
+                }
+            };
+            assert_eq!(reading.ending, expected, "{context}");
+        }
+    }
+
+    /// Every flipped bit: noticed, placed at the start of the frame that holds it, and never taken for a tear.
+    #[test]
+    fn every_flipped_bit_is_noticed_and_placed() {
+        let (mut bytes, boundaries) = small_file();
+        let length = bytes.len();
+        for bit in 0..8 * length {
+            let context = format!("bit {} of byte {}", bit % 8, bit / 8);
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            match read(&bytes) {
+                Err(error) => {
+                    let expected = if bit / 8 < MAGIC.len() {
+                        NotASession::Magic
+                    } else {
+                        NotASession::Version(FORMAT_VERSION ^ (1 << (bit - 8 * MAGIC.len())))
+                    };
+                    assert_eq!(error, expected, "{context}");
+                }
+                Ok(reading) => {
+                    let hit = boundaries
+                        .iter()
+                        .filter(|&&boundary| boundary <= bit / 8)
+                        .count()
+                        - 1;
+                    assert_first_frames(&reading.frames, hit, &boundaries, &context);
+                    let what = if bit / 8 < boundaries[hit] + HEADER_LENGTH {
+                        Damage::Header
+                    } else {
+                        Damage::Payload
+                    };
+                    let expected = Ending::Damaged {
+                        offset: boundaries[hit],
+                        after_tick: hit.checked_sub(1).map(|index| FRAMES[index].1),
+                        bytes_lost: length - boundaries[hit],
+                        what,
+                    };
+                    assert_eq!(reading.ending, expected, "{context}");
+                }
+            }
+            bytes[bit / 8] ^= 1 << (bit % 8);
+        }
+    }
+
+    #[test]
+    fn a_missing_frame_is_noticed() {
+        let (mut bytes, boundaries) = small_file();
+        bytes.drain(boundaries[1]..boundaries[2]);
+        let reading = read(&bytes).unwrap();
+        assert_first_frames(&reading.frames, 1, &boundaries, "without frame 1");
+        let Ending::Damaged { offset, what, .. } = reading.ending else {
+            panic!("{:?}", reading.ending);
+        };
+        assert_eq!(offset, boundaries[1]);
+        assert_eq!(
+            what,
+            Damage::Sequence {
+                expected: 1,
+                found: 2
+            }
+        );
+    }
+
+    #[test]
+    fn a_repeated_end_is_noticed() {
+        let (mut bytes, boundaries) = small_file();
+        bytes.extend_from_within(boundaries[4]..);
+        let reading = read(&bytes).unwrap();
+        assert_first_frames(&reading.frames, 5, &boundaries, "end twice");
+        assert_eq!(
+            reading.ending.to_string(),
+            format!(
+                "the session is damaged at byte {}, after tick 251: bytes follow the end of the session; 30 bytes \
+                 from there on are not read",
+                boundaries[5]
+            )
+        );
+    }
+
+    /// A length beyond the limit, with checksums that are right, is refused before it is followed.
+    #[test]
+    fn an_oversized_length_is_damage() {
+        let (mut bytes, boundaries) = small_file();
+        let start = boundaries[0];
+        let length = MAX_PAYLOAD as u32 + 1;
+        bytes[start..start + 4].copy_from_slice(&length.to_le_bytes());
+        let checksum = crc32fast::hash(&bytes[start..start + HEADER_CHECKED]);
+        bytes[start + HEADER_CHECKED..start + HEADER_LENGTH]
+            .copy_from_slice(&checksum.to_le_bytes());
+        let reading = read(&bytes).unwrap();
+        assert!(reading.frames.is_empty());
+        assert_eq!(
+            reading.ending,
+            Ending::Damaged {
+                offset: start,
+                after_tick: None,
+                bytes_lost: bytes.len() - start,
+                what: Damage::Length(length),
+            }
+        );
+    }
+
+    #[test]
+    fn other_files_are_refused_in_words() {
+        let error = read(b"t_s,x_mm,y_mm,z_mm").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "not a session file: it does not begin with the line \"MicroSim session\""
+        );
+        let error = read(b"MicroSim session\n\x07\0\0\0").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "a session file of format version 7; this program reads version 1"
+        );
+    }
+
+    proptest! {
+        /// Whatever follows a valid beginning: no panic, the beginning is read, and all bytes are accounted for.
+        #[test]
+        fn any_bytes_are_read_without_panic(
+            keep in 0_usize..250,
+            noise in prop::collection::vec(any::<u8>(), 0..300),
+        ) {
+            let (file, boundaries) = small_file();
+            let keep = keep.min(file.len());
+            let mut bytes = file[..keep].to_vec();
+            bytes.extend_from_slice(&noise);
+            if let Ok(reading) = read(&bytes) {
+                let complete = boundaries.iter().filter(|&&boundary| boundary <= keep).count().saturating_sub(1);
+                prop_assert!(reading.frames.len() >= complete);
+                let end = reading
+                    .frames
+                    .last()
+                    .map_or(PRELUDE_LENGTH, |frame| frame.offset + HEADER_LENGTH + frame.payload.len());
+                match reading.ending {
+                    Ending::Clean | Ending::Open => prop_assert_eq!(end, bytes.len()),
+                    Ending::Torn { offset, bytes_lost, .. } | Ending::Damaged { offset, bytes_lost, .. } => {
+                        prop_assert_eq!(offset, end);
+                        prop_assert_eq!(offset + bytes_lost, bytes.len());
+                    }
+                }
+            } else {
+                prop_assert!(keep < PRELUDE_LENGTH);
+            }
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Finds the plugins, modules and levels below a root folder, in an order that does not depend on the file system.
+
+use crate::document::Loaded;
+use crate::error::{ConfigError, KeyPath};
+use crate::manifest::{Manifest, PluginKind, load_manifest};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What lies below a root folder.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    /// From `plugins/*/plugin.toml`, by folder.
+    pub plugins: Vec<Loaded<Manifest>>,
+    /// From `modules/*/module.toml`, by folder.
+    pub modules: Vec<ModuleFolder>,
+}
+
+/// A training module with its levels.
+#[derive(Clone, Debug)]
+pub struct ModuleFolder {
+    /// What the module says of itself.
+    pub manifest: Loaded<Manifest>,
+    /// `levels/level1.toml`, `levels/level2.toml` …: level N is element N − 1.
+    pub levels: Vec<PathBuf>,
+}
+
+/// Finds plugins and modules below `root`; what is wrong with one of them is a complaint and hides only that one.
+pub fn discover(root: &Path) -> (Tree, Vec<ConfigError>) {
+    let mut errors = Vec::new();
+    let plugins = manifests(&root.join("plugins"), "plugin.toml", &mut errors);
+    let modules = manifests(&root.join("modules"), "module.toml", &mut errors);
+    for loaded in plugins.iter().chain(&modules) {
+        check_kind(loaded, &mut errors);
+    }
+    check_names(&plugins, &modules, &mut errors);
+    check_used_plugins(&plugins, &modules, &mut errors);
+    let modules = modules
+        .into_iter()
+        .map(|manifest| {
+            let path = manifest.document.path();
+            let folder = path.parent().unwrap_or(root).join("levels");
+            let levels = levels(&folder, &mut errors);
+            ModuleFolder { manifest, levels }
+        })
+        .collect();
+    (Tree { plugins, modules }, errors)
+}
+
+/// The manifests `name` in the folders of `folder`.
+fn manifests(folder: &Path, name: &str, errors: &mut Vec<ConfigError>) -> Vec<Loaded<Manifest>> {
+    let mut found = Vec::new();
+    for path in entries(folder, errors).iter().filter(|path| path.is_dir()) {
+        match load_manifest(&path.join(name)) {
+            Ok(manifest) => found.push(manifest),
+            Err(complaints) => errors.extend(complaints.0),
+        }
+    }
+    found
+}
+
+/// What lies in a folder, sorted by name, without hidden entries.
+fn entries(folder: &Path, errors: &mut Vec<ConfigError>) -> Vec<PathBuf> {
+    let listing = match fs::read_dir(folder) {
+        Ok(listing) => listing,
+        Err(error) => {
+            let found = format!("a folder that cannot be read ({error})");
+            errors.push(whole_file(folder, &found, "a folder"));
+            return Vec::new();
+        }
+    };
+    let mut paths: Vec<PathBuf> = listing
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| !file_name(path).starts_with('.'))
+        .collect();
+    paths.sort();
+    paths
+}
+
+/// `plugin.toml` is for plugins, `module.toml` for modules.
+fn check_kind(loaded: &Loaded<Manifest>, errors: &mut Vec<ConfigError>) {
+    let file = file_name(&loaded.document.path());
+    let is_module = loaded.settings.kind == PluginKind::Module;
+    if is_module != (file == "module.toml") {
+        let key = KeyPath::root().key("kind");
+        let (found, expected) = if is_module {
+            (
+                "`module`",
+                "another kind, as a module has its manifest in module.toml",
+            )
+        } else {
+            (
+                "the kind of a plugin",
+                "`module`, as a plugin has its manifest in plugin.toml",
+            )
+        };
+        errors.push(loaded.document.error_at(&key, found, expected));
+    }
+}
+
+/// A name means one plugin or module.
+fn check_names(
+    plugins: &[Loaded<Manifest>],
+    modules: &[Loaded<Manifest>],
+    errors: &mut Vec<ConfigError>,
+) {
+    let all: Vec<&Loaded<Manifest>> = plugins.iter().chain(modules).collect();
+    for (i, loaded) in all.iter().enumerate() {
+        let name = &loaded.settings.name;
+        if let Some(first) = all[..i]
+            .iter()
+            .find(|earlier| earlier.settings.name == *name)
+        {
+            let found = format!(
+                "`{name}`, which {} has already",
+                first.document.path().display()
+            );
+            let expected = "a name that no other plugin or module has";
+            errors.push(
+                loaded
+                    .document
+                    .error_at(&KeyPath::root().key("name"), &found, expected),
+            );
+        }
+    }
+}
+
+/// The plugins that a module uses are there.
+fn check_used_plugins(
+    plugins: &[Loaded<Manifest>],
+    modules: &[Loaded<Manifest>],
+    errors: &mut Vec<ConfigError>,
+) {
+    let known: Vec<&str> = plugins
+        .iter()
+        .map(|plugin| plugin.settings.name.as_str())
+        .collect();
+    for module in modules {
+        for (i, name) in module.settings.plugins.iter().enumerate() {
+            if !known.contains(&name.as_str()) {
+                let hint = crate::read::did_you_mean(name, known.iter().copied());
+                let key = KeyPath::root().key("plugins").at(i);
+                let expected = format!("the name of a plugin below plugins/{hint}");
+                errors.push(
+                    module
+                        .document
+                        .error_at(&key, &format!("`{name}`"), &expected),
+                );
+            }
+        }
+    }
+}
+
+/// The levels in a folder by their number, which runs from 1 without holes.
+fn levels(folder: &Path, errors: &mut Vec<ConfigError>) -> Vec<PathBuf> {
+    let mut numbered: Vec<(u32, PathBuf)> = Vec::new();
+    for path in entries(folder, errors) {
+        match level_number(&file_name(&path)) {
+            Some(number) => numbered.push((number, path)),
+            None => errors.push(whole_file(
+                &path,
+                "a file that is no level",
+                "only level<N>.toml here, with N from 1",
+            )),
+        }
+    }
+    if numbered.is_empty() && folder.is_dir() {
+        errors.push(whole_file(
+            folder,
+            "a folder without levels",
+            "level1.toml at least",
+        ));
+    }
+    // By number, not by name: level10 comes after level9.
+    numbered.sort();
+    for (i, (number, path)) in numbered.iter().enumerate() {
+        if *number as usize != i + 1 {
+            let missing = format!(
+                "level{}.toml before it, as levels are numbered from 1 without holes",
+                i + 1
+            );
+            errors.push(whole_file(path, &format!("level {number}"), &missing));
+            break;
+        }
+    }
+    numbered.into_iter().map(|(_, path)| path).collect()
+}
+
+/// N of `level<N>.toml`, written without leading zeros, from 1.
+fn level_number(file_name: &str) -> Option<u32> {
+    let digits = file_name.strip_prefix("level")?.strip_suffix(".toml")?;
+    let number: u32 = digits.parse().ok()?;
+    (number >= 1 && number.to_string() == digits).then_some(number)
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default()
+}
+
+fn whole_file(path: &Path, found: &str, expected: &str) -> ConfigError {
+    ConfigError {
+        file: path.display().to_string(),
+        position: None,
+        key: KeyPath::root(),
+        found: found.to_owned(),
+        expected: expected.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_is_named_by_its_number() {
+        let cases = [
+            ("level1.toml", Some(1)),
+            ("level12.toml", Some(12)),
+            ("level0.toml", None),
+            ("level01.toml", None),
+            ("level.toml", None),
+            ("level+1.toml", None),
+            ("level1.toml~", None),
+            ("level99999999999.toml", None),
+        ];
+        for (name, number) in cases {
+            assert_eq!(level_number(name), number, "{name}");
+        }
+    }
+}

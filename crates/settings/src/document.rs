@@ -1,0 +1,180 @@
+//! A file that has been read: its text, its values in SI, and the place of each.
+
+use crate::error::{ConfigError, ConfigErrors, KeyPath};
+use crate::read::Reader;
+use crate::schema::{Kind, Schema};
+use crate::tree::Node;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Where settings came from: enough to hash them, to record them and to complain about them later with file:line.
+#[derive(Clone, Debug)]
+pub struct Document {
+    file: String,
+    text: String,
+    root: Node,
+    value: Value,
+}
+
+/// Typed settings with their origin.
+#[derive(Clone, Debug)]
+pub struct Loaded<T> {
+    /// The settings, checked, in SI.
+    pub settings: T,
+    /// The file that they were read from.
+    pub document: Document,
+}
+
+impl Document {
+    /// Reads a text by a schema. `file` is the name that complaints use. All complaints are collected.
+    pub fn read(text: &str, file: &str, schema: &Schema) -> Result<Document, ConfigErrors> {
+        let reading = Reading::new(text, file, schema)?;
+        reading.document()
+    }
+
+    /// The file as it was named when it was read.
+    pub fn path(&self) -> PathBuf {
+        PathBuf::from(&self.file)
+    }
+
+    /// The text as it was read, byte for byte.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The values in SI, with the defaults filled in.
+    pub fn value(&self) -> &Value {
+        &self.value
+    }
+
+    /// A complaint about the value at `key`, for checks that need more than this file.
+    pub fn error_at(&self, key: &KeyPath, found: &str, expected: &str) -> ConfigError {
+        ConfigError {
+            file: self.file.clone(),
+            position: Some(self.root.position(key)),
+            key: key.clone(),
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        }
+    }
+}
+
+/// A file on its way from text to typed settings: the checks that go beyond single values work on this.
+pub(crate) struct Reading {
+    document: Document,
+    errors: Vec<ConfigError>,
+}
+
+impl Reading {
+    /// Reads a text by a schema. Fails at once only if the text is no TOML; otherwise complaints are kept for the end.
+    pub fn new(text: &str, file: &str, schema: &Schema) -> Result<Reading, ConfigErrors> {
+        let root = Node::parse(text, file).map_err(sorted)?;
+        let mut reader = Reader {
+            file,
+            errors: Vec::new(),
+        };
+        let value = reader.table(&root, &schema.keys, &KeyPath::root());
+        let errors = reader.errors;
+        let document = Document {
+            file: file.to_owned(),
+            text: text.to_owned(),
+            root,
+            value: value.unwrap_or_default(),
+        };
+        Ok(Reading { document, errors })
+    }
+
+    /// The values so far. What was wrong is missing (or null in a list), so checks ask for everything with `get`.
+    pub fn value(&self) -> &Value {
+        &self.document.value
+    }
+
+    /// Whether something stands at `key` in the file, right or wrong.
+    pub fn is_written(&self, key: &KeyPath) -> bool {
+        self.document.root.get(key).is_some()
+    }
+
+    /// Notes what is wrong with the value at `key`.
+    pub fn complain(&mut self, key: &KeyPath, found: &str, expected: &str) {
+        let error = self.document.error_at(key, found, expected);
+        self.errors.push(error);
+    }
+
+    /// Reads the value at `key`, a [`Kind::Dependent`] one, as the kind that is known now. Nothing happens without it.
+    pub fn refine(&mut self, key: &KeyPath, kind: &Kind) -> Option<Value> {
+        let place = find_mut(&mut self.document.value, key)?;
+        let node = self.document.root.get(key)?;
+        let mut reader = Reader {
+            file: &self.document.file,
+            errors: Vec::new(),
+        };
+        let value = reader.value(node, kind, key);
+        *place = value.clone().unwrap_or_default();
+        self.errors.append(&mut reader.errors);
+        value
+    }
+
+    /// What was read, unless there was a complaint.
+    pub fn document(self) -> Result<Document, ConfigErrors> {
+        if self.errors.is_empty() {
+            Ok(self.document)
+        } else {
+            Err(sorted(self.errors))
+        }
+    }
+
+    /// The typed settings, unless there was a complaint.
+    pub fn finish<T: DeserializeOwned>(self) -> Result<Loaded<T>, ConfigErrors> {
+        let document = self.document()?;
+        match serde_json::from_value(document.value.clone()) {
+            Ok(settings) => Ok(Loaded { settings, document }),
+            // A test holds schema and types together, so this is for a schema of somebody else's.
+            Err(error) => {
+                let found = format!("settings that do not fit their type ({error})");
+                let expected = "what the schema says";
+                let error = document.error_at(&KeyPath::root(), &found, expected);
+                Err(ConfigErrors(vec![error]))
+            }
+        }
+    }
+}
+
+/// The text of a file; `expected` says what should be there, for the complaint that it is not.
+pub(crate) fn load_text(path: &Path, expected: &str) -> Result<String, ConfigErrors> {
+    let complain = |found: String| {
+        ConfigErrors(vec![ConfigError {
+            file: path.display().to_string(),
+            position: None,
+            key: KeyPath::root(),
+            found,
+            expected: expected.to_owned(),
+        }])
+    };
+    let bytes = std::fs::read(path).map_err(|error| {
+        complain(match error.kind() {
+            std::io::ErrorKind::NotFound => "no such file".to_owned(),
+            _ => format!("a file that cannot be read ({error})"),
+        })
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        complain(format!("a file that is not UTF-8 at byte {at}"))
+    })
+}
+
+/// In the order of their places.
+fn sorted(mut errors: Vec<ConfigError>) -> ConfigErrors {
+    errors.sort_by_key(|error| error.position);
+    ConfigErrors(errors)
+}
+
+fn find_mut<'a>(value: &'a mut Value, key: &KeyPath) -> Option<&'a mut Value> {
+    use crate::error::Step;
+    key.steps()
+        .iter()
+        .try_fold(value, |value, step| match step {
+            Step::Key(key) => value.get_mut(key),
+            Step::Index(index) => value.get_mut(index),
+        })
+}

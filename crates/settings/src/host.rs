@@ -1,0 +1,191 @@
+//! `config/host.toml`: how the host runs sessions, whatever is trained.
+
+use crate::document::{Loaded, Reading, load_text};
+use crate::error::ConfigErrors;
+use crate::schema::{Form, Key, Kind, Schema};
+use crate::unit::Unit;
+use serde::Deserialize;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// How the host runs sessions.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Host {
+    /// What is written of a session.
+    pub session: SessionSettings,
+    /// What is drawn of a session.
+    pub picture: PictureSettings,
+    /// What happens when the machine is too slow.
+    pub late: LateSettings,
+    /// The queues of the bus.
+    pub queue: QueueSettings,
+}
+
+/// What is written of a session.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SessionSettings {
+    /// Folder of the session files, seen from the folder that holds `config`.
+    pub directory: String,
+    /// Simulated time between two hashes of the whole state \[s\].
+    pub state_hash_every: f64,
+    /// Simulated time after which what was recorded is handed to the operating system \[s\].
+    pub flush_every: f64,
+}
+
+/// What is drawn of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PictureSettings {
+    /// Pictures per simulated second \[Hz\].
+    pub rate: f64,
+    /// Width \[px\].
+    pub width: u32,
+    /// Height \[px\].
+    pub height: u32,
+}
+
+/// What happens in real time when ticks come late.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LateSettings {
+    /// A tick that begins later than this is counted as late \[s\].
+    pub tolerance: f64,
+    /// Behind by more than this, the clock is set back instead of catching up, and the time lost is recorded \[s\].
+    pub give_up: f64,
+    /// Share of late ticks above which the report says that the session did not run in real time.
+    pub report_share: f64,
+}
+
+/// The queues of the bus.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct QueueSettings {
+    /// Messages that a queue holds.
+    pub capacity: u32,
+    /// Another capacity for single message kinds.
+    pub capacity_of: BTreeMap<String, u32>,
+    /// Bytes that a single message may have.
+    pub message_bytes: u32,
+}
+
+impl QueueSettings {
+    /// Messages that the queue of this message kind holds.
+    pub fn capacity_of(&self, kind: &str) -> u32 {
+        self.capacity_of.get(kind).copied().unwrap_or(self.capacity)
+    }
+}
+
+/// The schema of the host's file.
+pub fn host_schema() -> Schema {
+    let time = |min, max| Kind::quantity(Unit::Time, min, max);
+    let pixels = || Kind::Integer { min: 16, max: 8192 };
+    let capacity = || Kind::Integer {
+        min: 1,
+        max: 1_000_000,
+    };
+    let session = vec![
+        Key::with_default(
+            "directory",
+            Kind::Text,
+            "Folder of the session files, seen from the folder that holds config/.",
+            "sessions",
+        ),
+        Key::with_default(
+            "state_hash_every",
+            time(0.001, 60.0),
+            "Simulated time between two hashes of the whole state.",
+            0.25,
+        ),
+        Key::with_default(
+            "flush_every",
+            time(0.001, 0.1),
+            "Simulated time after which what was recorded is handed to the operating system: what a killed process may lose.",
+            0.05,
+        ),
+    ];
+    let picture = vec![
+        Key::with_default(
+            "rate",
+            Kind::quantity(Unit::Frequency, 0.1, 240.0),
+            "Pictures per simulated second.",
+            25.0,
+        ),
+        Key::with_default("width", pixels(), "Width in pixels.", 1280),
+        Key::with_default("height", pixels(), "Height in pixels.", 720),
+    ];
+    let late = vec![
+        Key::with_default(
+            "tolerance",
+            time(0.0001, 1.0),
+            "A tick that begins later than this is counted as late.",
+            0.002,
+        ),
+        Key::with_default(
+            "give_up",
+            time(0.01, 60.0),
+            "Behind by more than this, the clock is set back instead of catching up, and the time lost is recorded.",
+            0.25,
+        ),
+        Key::with_default(
+            "report_share",
+            Kind::quantity(Unit::Ratio, 0.0, 1.0),
+            "Share of late ticks above which the report says that the session did not run in real time.",
+            0.01,
+        ),
+    ];
+    let capacity_of = Kind::Map {
+        keys: Form::Message,
+        of: Box::new(capacity()),
+    };
+    let queue = vec![
+        Key::with_default(
+            "capacity",
+            capacity(),
+            "Messages that a queue of the bus holds.",
+            1024,
+        ),
+        Key::with_default(
+            "capacity_of",
+            capacity_of,
+            "Another capacity for single message kinds.",
+            json!({}),
+        ),
+        Key::with_default(
+            "message_bytes",
+            Kind::Integer {
+                min: 1024,
+                max: 1 << 30,
+            },
+            "Bytes that a single message may have.",
+            64 << 20,
+        ),
+    ];
+    Schema {
+        name: "host".to_owned(),
+        doc: "config/host.toml: how the host runs sessions, whatever is trained.".to_owned(),
+        keys: vec![
+            Key::table("session", session, "What is written of a session."),
+            Key::table("picture", picture, "What is drawn of a session."),
+            Key::table(
+                "late",
+                late,
+                "What happens in real time when ticks come late.",
+            ),
+            Key::table("queue", queue, "The queues of the bus."),
+        ],
+    }
+}
+
+/// Reads the host's file from a text; `file` is the name that complaints use.
+pub fn read_host(text: &str, file: &str) -> Result<Loaded<Host>, ConfigErrors> {
+    Reading::new(text, file, &host_schema())?.finish()
+}
+
+/// Reads the host's file at `path`.
+pub fn load_host(path: &Path) -> Result<Loaded<Host>, ConfigErrors> {
+    let text = load_text(path, "the settings of the host (config/host.toml)")?;
+    read_host(&text, &path.display().to_string())
+}

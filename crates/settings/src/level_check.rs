@@ -1,0 +1,294 @@
+//! What a level must fulfil beyond its single values: names, references, the module's reasons, consistent limits.
+
+use crate::check::{items, refers, texts, unique};
+use crate::document::Reading;
+use crate::error::KeyPath;
+use crate::level::{KnownMetric, expanded_names};
+use crate::manifest::{Direction, Manifest};
+use crate::schema::Kind;
+use crate::unit::Unit;
+use serde_json::Value;
+
+/// Complains about all that is wrong in a level that was read by its schema.
+pub(crate) fn check(reading: &mut Reading, manifest: &Manifest, known_metrics: &[KnownMetric<'_>]) {
+    check_tick(reading);
+    check_names(reading);
+    check_shapes(reading);
+    check_parents(reading);
+    check_clamps(reading);
+    check_contacts(reading);
+    check_physics(reading);
+    check_limits(reading, manifest, known_metrics);
+}
+
+fn check_tick(reading: &mut Reading) {
+    let Some(tick) = reading.value()["clock"]["tick"].as_f64() else {
+        return;
+    };
+    // A decimal with at most six places is the f64 nearest to a whole number divided by 10⁶: no tolerance is needed.
+    if (tick * 1e6).round() / 1e6 != tick {
+        let found = Unit::Time.describe(tick);
+        reading.complain(
+            &KeyPath::root().key("clock").key("tick"),
+            &found,
+            "a whole number of microseconds",
+        );
+    }
+}
+
+/// Tools, objects and bodies stand in one scene graph: no two have the same name.
+fn check_names(reading: &mut Reading) {
+    let mut taken: Vec<String> = Vec::new();
+    for list in ["tool", "object", "body"] {
+        for (i, names) in scene_names(reading.value(), list) {
+            if let Some(twice) = names.iter().find(|name| taken.contains(name)) {
+                let found = format!("`{twice}` a second time");
+                let key = KeyPath::root().key(list).at(i).key("name");
+                reading.complain(
+                    &key,
+                    &found,
+                    "a name that no other tool, object or body has",
+                );
+            }
+            taken.extend(names);
+        }
+    }
+}
+
+/// The names that each element of a list brings into the scene.
+fn scene_names(level: &Value, list: &str) -> Vec<(usize, Vec<String>)> {
+    items(level, list)
+        .filter_map(|(i, item)| {
+            Some((
+                i,
+                expanded_names(item["name"].as_str()?, item["count"].as_u64()),
+            ))
+        })
+        .collect()
+}
+
+fn check_shapes(reading: &mut Reading) {
+    for (i, shape) in texts(reading.value(), "object", "shape") {
+        let object = KeyPath::root().key("object").at(i);
+        let needed: &[&str] = match shape.as_str() {
+            "sphere" => &["radius"],
+            "capsule" => &["radius", "length"],
+            _ => &["half_size"],
+        };
+        for size in ["radius", "length", "half_size"] {
+            let key = object.key(size);
+            match (needed.contains(&size), reading.is_written(&key)) {
+                (true, false) => {
+                    reading.complain(&key, "nothing", &format!("`{size}`, which a {shape} needs"))
+                }
+                (false, true) => reading.complain(
+                    &key,
+                    &format!("`{size}`"),
+                    &format!("no `{size}`, as the object is a {shape}"),
+                ),
+                _ => {}
+            }
+        }
+    }
+}
+
+fn check_parents(reading: &mut Reading) {
+    let objects = scene_names(reading.value(), "object");
+    let parents = texts(reading.value(), "object", "parent");
+    let names: Vec<&str> = objects
+        .iter()
+        .flat_map(|(_, names)| names)
+        .map(String::as_str)
+        .collect();
+    let owner = |name: &str| {
+        objects
+            .iter()
+            .find(|(_, names)| names.iter().any(|n| n == name))
+            .map(|(i, _)| *i)
+    };
+    for (i, parent) in &parents {
+        let key = KeyPath::root().key("object").at(*i).key("parent");
+        refers(reading, &key, parent, "an object", &names);
+        // Up the chain of parents: whoever comes back to himself stands in a cycle. Longer than the list is a cycle too,
+        // of others, which they complain about.
+        let mut above = owner(parent);
+        for _ in 0..objects.len() {
+            if above == Some(*i) {
+                reading.complain(
+                    &key,
+                    &format!("`{parent}`, which hangs on this object itself"),
+                    "a parent outside of its own children",
+                );
+                break;
+            }
+            let next = parents.iter().find(|(child, _)| Some(*child) == above);
+            above = next.and_then(|(_, parent)| owner(parent));
+        }
+    }
+}
+
+fn check_clamps(reading: &mut Reading) {
+    let mut empty = Vec::new();
+    for (b, body) in items(reading.value(), "body") {
+        for (c, clamp) in items(body, "clamp") {
+            let below = |axis: usize| {
+                let corner = |name: &str| clamp[name][axis].as_f64();
+                corner("min")
+                    .zip(corner("max"))
+                    .is_none_or(|(min, max)| min < max)
+            };
+            if !(0..3).all(below) {
+                empty.push(
+                    KeyPath::root()
+                        .key("body")
+                        .at(b)
+                        .key("clamp")
+                        .at(c)
+                        .key("max"),
+                );
+            }
+        }
+    }
+    for key in empty {
+        reading.complain(
+            &key,
+            "a region that is empty",
+            "each coordinate of `max` above that of `min`",
+        );
+    }
+}
+
+fn check_contacts(reading: &mut Reading) {
+    let tools = texts(reading.value(), "tool", "name");
+    let bodies = texts(reading.value(), "body", "name");
+    for (field, thing, known) in [("tool", "a tool", &tools), ("body", "a body", &bodies)] {
+        let known: Vec<&str> = known.iter().map(|(_, name)| name.as_str()).collect();
+        for (i, name) in texts(reading.value(), "contact", field) {
+            let key = KeyPath::root().key("contact").at(i).key(field);
+            refers(reading, &key, &name, thing, &known);
+        }
+    }
+    let pairs: Vec<(usize, Value)> = items(reading.value(), "contact")
+        .map(|(i, pair)| (i, pair.clone()))
+        .collect();
+    for (i, pair) in &pairs {
+        if !pair.is_null() && pairs[..*i].iter().any(|(_, earlier)| earlier == pair) {
+            let key = KeyPath::root().key("contact").at(*i);
+            reading.complain(
+                &key,
+                "the same pair a second time",
+                "each pair of tool and body once",
+            );
+        }
+    }
+}
+
+fn check_physics(reading: &mut Reading) {
+    let root = KeyPath::root();
+    let (physics, body) = (root.key("physics"), root.key("body"));
+    match (reading.is_written(&physics), reading.is_written(&body)) {
+        (false, true) => {
+            reading.complain(&physics, "nothing", "a table [physics], which bodies need")
+        }
+        (true, false) => {
+            reading.complain(&physics, "a table", "no physics, as there are no bodies")
+        }
+        _ => {}
+    }
+}
+
+fn check_limits(reading: &mut Reading, manifest: &Manifest, known_metrics: &[KnownMetric<'_>]) {
+    let root = KeyPath::root();
+    let limits = texts(reading.value(), "limit", "metric");
+    unique(reading, &root, &limits, "limit", "metric");
+
+    let own = manifest.metric.iter().map(|metric| KnownMetric {
+        id: &metric.id,
+        unit: metric.unit,
+        direction: metric.direction,
+    });
+    let metrics: Vec<KnownMetric<'_>> = known_metrics.iter().copied().chain(own).collect();
+    let ids: Vec<&str> = metrics.iter().map(|metric| metric.id).collect();
+    for (i, id) in limits {
+        let limit = root.key("limit").at(i);
+        match metrics.iter().find(|metric| metric.id == id) {
+            Some(metric) => check_limit(reading, &limit, metric),
+            None => refers(reading, &limit.key("metric"), &id, "a metric", &ids),
+        }
+    }
+
+    let reasons: Vec<&str> = manifest
+        .reason
+        .iter()
+        .map(|reason| reason.id.as_str())
+        .collect();
+    for (i, reason) in texts(reading.value(), "limit", "reason") {
+        refers(
+            reading,
+            &root.key("limit").at(i).key("reason"),
+            &reason,
+            "a reason in the module's manifest",
+            &reasons,
+        );
+    }
+}
+
+/// Reads the values of a limit in the unit of its metric and compares them.
+fn check_limit(reading: &mut Reading, limit: &KeyPath, metric: &KnownMetric<'_>) {
+    let kind = match metric.unit {
+        Unit::Count => Kind::quantity(metric.unit, 0.0, f64::INFINITY),
+        unit => Kind::quantity(unit, f64::NEG_INFINITY, f64::INFINITY),
+    };
+    let fields = ["min", "max", "full", "zero"];
+    let [min, max, full, zero] = fields.map(|field| {
+        let value = reading.refine(&limit.key(field), &kind);
+        value.and_then(|value| value.as_f64())
+    });
+    let [has_min, has_max, has_full, has_zero] =
+        fields.map(|field| reading.is_written(&limit.key(field)));
+
+    if !has_min && !has_max {
+        reading.complain(limit, "a limit without bounds", "`min` or `max`");
+    }
+    if min.zip(max).is_some_and(|(min, max)| min > max) {
+        reading.complain(
+            &limit.key("min"),
+            "a `min` above `max`",
+            "a range that is not empty",
+        );
+    }
+    if has_full != has_zero {
+        let (there, missing) = if has_full {
+            ("full", "zero")
+        } else {
+            ("zero", "full")
+        };
+        reading.complain(
+            &limit.key(there),
+            &format!("`{there}` without `{missing}`"),
+            "both or neither",
+        );
+    }
+    let Some((full, zero)) = full.zip(zero) else {
+        return;
+    };
+    let (consistent, expected) = match metric.direction {
+        Direction::Lower => (
+            full < zero,
+            "`full` below `zero`, as lower values of the metric are better",
+        ),
+        Direction::Higher => (
+            full > zero,
+            "`full` above `zero`, as higher values of the metric are better",
+        ),
+        Direction::Inform => (full != zero, "`full` other than `zero`"),
+    };
+    if !consistent {
+        let found = format!(
+            "{} for 100 points and {} for 0",
+            metric.unit.describe(full),
+            metric.unit.describe(zero)
+        );
+        reading.complain(&limit.key("full"), &found, expected);
+    }
+}

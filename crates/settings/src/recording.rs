@@ -1,0 +1,306 @@
+//! The TOML of the same name beside a CSV: which columns are time, position, quaternion and opening, in which units.
+
+use crate::check::{items, unique};
+use crate::document::{Loaded, Reading, load_text};
+use crate::error::{ConfigErrors, KeyPath};
+use crate::schema::{Form, Key, Kind, Schema};
+use crate::unit::Unit;
+use serde::Deserialize;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// What the columns of a recording mean.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingMap {
+    /// What stands between two columns: one character.
+    pub delimiter: String,
+    /// Terms under which it may be used.
+    pub licence: String,
+    /// Where it comes from.
+    pub source: String,
+    /// A longer time between two samples splits the motion \[s\].
+    pub gap: f64,
+    /// The column of time.
+    pub time: TimeColumn,
+    /// The devices in it.
+    pub device: Vec<DeviceColumns>,
+}
+
+/// The column of time.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeColumn {
+    /// Its heading.
+    pub column: String,
+    /// A symbol of [`Unit::Time`], see [`Unit::to_si`].
+    pub unit: String,
+}
+
+/// The columns of one device.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeviceColumns {
+    /// Name of the device.
+    pub name: String,
+    /// Headings of x, y and z.
+    pub position: [String; 3],
+    /// A symbol of [`Unit::Length`], see [`Unit::to_si`].
+    pub position_unit: String,
+    /// Headings of x, y, z and w.
+    pub quaternion: [String; 4],
+    /// The column of the opening, if the device has one.
+    pub opening: Option<OpeningColumn>,
+    /// Heading of a column that is 0 while the device is not seen.
+    pub visible: Option<String>,
+}
+
+/// The column of an opening.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OpeningColumn {
+    /// Its heading.
+    pub column: String,
+    /// Value that means closed.
+    pub closed: f64,
+    /// Value that means fully open; other than `closed`.
+    pub open: f64,
+}
+
+impl RecordingMap {
+    /// The delimiter as the byte that it is.
+    pub fn delimiter_byte(&self) -> u8 {
+        self.delimiter.bytes().next().unwrap_or(b',')
+    }
+}
+
+impl OpeningColumn {
+    /// The opening from 0 closed to 1 open that a value of the column means; values beyond the ends count as the ends.
+    pub fn opening(&self, value: f64) -> f64 {
+        ((value - self.closed) / (self.open - self.closed)).clamp(0.0, 1.0)
+    }
+}
+
+/// The schema of the map beside a recording.
+pub fn recording_schema() -> Schema {
+    let symbols = |unit: Unit| Kind::Choice(unit.symbols().map(str::to_owned).collect());
+    let columns = |len| Kind::List {
+        of: Box::new(Kind::Text),
+        min: len,
+        max: len,
+    };
+    let ratio = || Kind::quantity(Unit::Ratio, -1e9, 1e9);
+    let time = vec![
+        Key::required("column", Kind::Text, "Its heading."),
+        Key::required("unit", symbols(Unit::Time), "Unit of its values."),
+    ];
+    let opening = vec![
+        Key::required("column", Kind::Text, "Its heading."),
+        Key::with_default("closed", ratio(), "Value that means closed.", 0.0),
+        Key::with_default("open", ratio(), "Value that means fully open.", 1.0),
+    ];
+    let device = vec![
+        Key::required("name", Kind::Name(Form::Identifier), "Name of the device."),
+        Key::required(
+            "position",
+            columns(3),
+            "Headings of the columns x, y and z.",
+        ),
+        Key::required(
+            "position_unit",
+            symbols(Unit::Length),
+            "Unit of the position.",
+        ),
+        Key::required(
+            "quaternion",
+            columns(4),
+            "Headings of the columns x, y, z and w.",
+        ),
+        Key::optional(
+            "opening",
+            Kind::Table(opening),
+            "The column of the opening, if the device has one.",
+        ),
+        Key::optional(
+            "visible",
+            Kind::Text,
+            "Heading of a column that is 0 while the device is not seen.",
+        ),
+    ];
+    let devices = Kind::List {
+        of: Box::new(Kind::Table(device)),
+        min: 1,
+        max: 32,
+    };
+    Schema {
+        name: "recording".to_owned(),
+        doc: "The TOML of the same name beside a CSV: what its columns mean.".to_owned(),
+        keys: vec![
+            Key::with_default(
+                "delimiter",
+                Kind::choice(&[",", ";", "\t", "|", " "]),
+                "What stands between two columns.",
+                ",",
+            ),
+            Key::required(
+                "licence",
+                Kind::Text,
+                "Terms under which it may be used; SPDX where there is one.",
+            ),
+            Key::required("source", Kind::Text, "Where it comes from."),
+            Key::with_default(
+                "gap",
+                Kind::quantity(Unit::Time, 0.001, 10.0),
+                "A longer time between two samples splits the motion.",
+                0.1,
+            ),
+            Key::required("time", Kind::Table(time), "The column of time."),
+            Key::required("device", devices, "The devices in it."),
+        ],
+    }
+}
+
+/// Reads the map of a recording from a text; `file` is the name that complaints use.
+pub fn read_recording_map(text: &str, file: &str) -> Result<Loaded<RecordingMap>, ConfigErrors> {
+    let mut reading = Reading::new(text, file, &recording_schema())?;
+    let root = KeyPath::root();
+    let names = crate::check::texts(reading.value(), "device", "name");
+    unique(&mut reading, &root, &names, "device", "name");
+
+    let columns = column_names(reading.value());
+    for (i, (key, name)) in columns.iter().enumerate() {
+        if columns[..i].iter().any(|(_, earlier)| earlier == name) {
+            reading.complain(
+                key,
+                &format!("the column `{name}` a second time"),
+                "each column for one thing",
+            );
+        }
+    }
+    let openings: Vec<(usize, Value)> = items(reading.value(), "device")
+        .map(|(i, device)| (i, device["opening"].clone()))
+        .collect();
+    for (i, opening) in openings {
+        let ends = opening["closed"].as_f64().zip(opening["open"].as_f64());
+        if ends.is_some_and(|(closed, open)| closed == open) {
+            let key = root.key("device").at(i).key("opening");
+            reading.complain(
+                &key,
+                "one value for closed and open",
+                "`closed` other than `open`",
+            );
+        }
+    }
+    reading.finish()
+}
+
+/// Every column that a map names, with its place.
+fn column_names(map: &Value) -> Vec<(KeyPath, String)> {
+    let root = KeyPath::root();
+    let mut columns = vec![(root.key("time").key("column"), &map["time"]["column"])];
+    for (i, device) in items(map, "device") {
+        let path = root.key("device").at(i);
+        for field in ["position", "quaternion"] {
+            columns.extend(items(device, field).map(|(c, name)| (path.key(field).at(c), name)));
+        }
+        columns.push((
+            path.key("opening").key("column"),
+            &device["opening"]["column"],
+        ));
+        columns.push((path.key("visible"), &device["visible"]));
+    }
+    columns
+        .into_iter()
+        .filter_map(|(key, name)| Some((key, name.as_str()?.to_owned())))
+        .collect()
+}
+
+/// Where the map of a recording lies: beside it, under the same name with `.toml`.
+pub fn recording_map_path(csv: &Path) -> PathBuf {
+    csv.with_extension("toml")
+}
+
+/// Reads the map beside the CSV at `csv`. Without one the complaint names the file that is missing; what to write there
+/// is said by [`recording_map_help`].
+pub fn load_recording_map(csv: &Path) -> Result<Loaded<RecordingMap>, ConfigErrors> {
+    let path = recording_map_path(csv);
+    let expected = format!("the column map of {}", csv.display());
+    read_recording_map(&load_text(&path, &expected)?, &path.display().to_string())
+}
+
+/// Tells how to write the map of a recording that has none, with an example made of its header.
+pub fn recording_map_help(csv: &Path, header_columns: &[&str]) -> String {
+    let map = recording_map_path(csv);
+    let header = header_columns.join(", ");
+    let example = example_map(header_columns);
+    format!(
+        "{}: a recording needs a column map, the file {} beside it.\n\
+         Its header is: {header}\n\
+         Write into that file, and put right what is guessed wrong:\n\n{example}",
+        csv.display(),
+        map.display(),
+    )
+}
+
+/// A map that fits the header as far as its headings tell; what they do not tell is filled with the usual names.
+fn example_map(header: &[&str]) -> String {
+    let (time, time_unit) = guess(header, &["t", "time", "timestamp"], Unit::Time);
+    let axes = ["x", "y", "z"].map(|axis| {
+        let names = [
+            axis.to_owned(),
+            format!("p{axis}"),
+            format!("pos_{axis}"),
+            format!("position_{axis}"),
+        ];
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        guess(header, &names, Unit::Length)
+    });
+    let turns = ["x", "y", "z", "w"].map(|axis| {
+        let names = [
+            format!("q{axis}"),
+            format!("q_{axis}"),
+            format!("quaternion_{axis}"),
+            format!("rot_{axis}"),
+        ];
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        guess(header, &names, Unit::Ratio).0
+    });
+    let quoted = |names: &[&str]| {
+        let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+        names.join(", ")
+    };
+    let position = quoted(&axes.each_ref().map(|(name, _)| name.as_str()));
+    let quaternion = quoted(&turns.each_ref().map(String::as_str));
+    let length_unit = &axes[0].1;
+    format!(
+        "delimiter = \",\"\n\
+         licence = \"terms under which the recording may be used\"\n\
+         source = \"where it comes from\"\n\n\
+         [time]\ncolumn = {time:?}\nunit = \"{time_unit}\"\n\n\
+         [[device]]\nname = \"stylus\"\nposition = [{position}]\nposition_unit = \"{length_unit}\"\n\
+         quaternion = [{quaternion}]\n"
+    )
+}
+
+/// The heading that is one of `names`, bare or with a unit as in `x_mm`, and that unit; the first name and the SI unit if
+/// there is none.
+fn guess(header: &[&str], names: &[&str], unit: Unit) -> (String, String) {
+    for heading in header {
+        let lower = heading.trim().to_lowercase();
+        for name in names {
+            let Some(rest) = lower.strip_prefix(name) else {
+                continue;
+            };
+            let suffix = rest.trim_matches(|c: char| !c.is_alphanumeric());
+            if rest.is_empty() || unit.symbols().any(|symbol| symbol == suffix) {
+                let symbol = if suffix.is_empty() {
+                    unit.symbol()
+                } else {
+                    suffix
+                };
+                return (heading.trim().to_owned(), symbol.to_owned());
+            }
+        }
+    }
+    (names[0].to_owned(), unit.symbol().to_owned())
+}

@@ -1,0 +1,271 @@
+//! A scripted trainee: timed poses and openings of each tool.
+
+use crate::check::{items, texts, unique};
+use crate::document::{Loaded, Reading, load_text};
+use crate::error::{ConfigErrors, KeyPath};
+use crate::schema::{Form, Key, Kind, Schema};
+use crate::unit::Unit;
+use serde::Deserialize;
+use std::path::Path;
+
+/// A scripted trainee.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Script {
+    /// Samples per second \[Hz\].
+    pub rate: f64,
+    /// How a tool moves between two keys.
+    pub interpolation: Interpolation,
+    /// The tools that move.
+    pub tool: Vec<ScriptTool>,
+}
+
+/// How a tool moves between two keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// From rest to rest, as a hand does: s = 10τ³ − 15τ⁴ + 6τ⁵.
+    MinimumJerk,
+    /// At constant speed.
+    Linear,
+}
+
+/// One scripted tool.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScriptTool {
+    /// Slot, which is also the name of the device that the script plays.
+    pub name: String,
+    /// Its poses, times increasing.
+    pub key: Vec<ScriptKey>,
+}
+
+/// Where a tool is at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "ScriptKeyFile")]
+pub struct ScriptKey {
+    /// Since the start \[s\].
+    pub t: f64,
+    /// Of the tip, in the field frame \[m\].
+    pub position: [f64; 3],
+    /// Rotation x, y, z, w: field from tool.
+    pub orientation: [f64; 4],
+    /// From 0 closed to 1 open.
+    pub opening: f64,
+    /// Whether the device sees it.
+    pub visible: bool,
+}
+
+/// A key as the file has it: with a direction or an orientation, which is checked before.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScriptKeyFile {
+    t: f64,
+    position: [f64; 3],
+    direction: Option<[f64; 3]>,
+    orientation: Option<[f64; 4]>,
+    opening: f64,
+    visible: bool,
+}
+
+impl TryFrom<ScriptKeyFile> for ScriptKey {
+    type Error = &'static str;
+
+    fn try_from(file: ScriptKeyFile) -> Result<Self, Self::Error> {
+        let orientation = match (file.direction, file.orientation) {
+            (Some(direction), None) => orientation_of_direction(direction),
+            (None, Some(orientation)) => orientation,
+            _ => return Err("either `direction` or `orientation`"),
+        };
+        Ok(ScriptKey {
+            t: file.t,
+            position: file.position,
+            orientation,
+            opening: file.opening,
+            visible: file.visible,
+        })
+    }
+}
+
+/// The shortest rotation x, y, z, w that turns +z into `direction`, which has length 1.
+///
+/// With n = z × d and c = z·d the quaternion (n, 1 + c) has the right axis and half the angle, because
+/// |n| / (1 + c) = sin φ / (1 + cos φ) = tan(φ/2). Straight down every horizontal axis is as short: x is taken.
+pub fn orientation_of_direction(direction: [f64; 3]) -> [f64; 4] {
+    let [x, y, z] = direction;
+    // 1 + z loses its digits near z = −1; it equals (x² + y²) / (1 − z), which keeps them.
+    let one_plus_z = if z < 0.0 {
+        (x * x + y * y) / (1.0 - z)
+    } else {
+        1.0 + z
+    };
+    let (n_x, n_y, w) = (-y, x, one_plus_z);
+    let length = (n_x * n_x + n_y * n_y + w * w).sqrt();
+    if length > 0.0 {
+        [n_x / length, n_y / length, 0.0, w / length]
+    } else {
+        [1.0, 0.0, 0.0, 0.0]
+    }
+}
+
+/// The schema of a script.
+pub fn script_schema() -> Schema {
+    let key = vec![
+        Key::required(
+            "t",
+            Kind::quantity(Unit::Time, 0.0, 3600.0),
+            "Time since the start; later than that of the key before.",
+        ),
+        Key::required(
+            "position",
+            Kind::vector3(Unit::Length, 1.0),
+            "Of the tip, in the field frame.",
+        ),
+        Key::optional(
+            "direction",
+            Kind::Direction,
+            "From the tip to the handle, in the field frame; the shortest turn from +z. Either this or `orientation`.",
+        ),
+        Key::optional(
+            "orientation",
+            Kind::Quaternion,
+            "Rotation [x, y, z, w] that turns tool directions into field directions.",
+        ),
+        Key::with_default(
+            "opening",
+            Kind::quantity(Unit::Ratio, 0.0, 1.0),
+            "From 0 closed to 1 open.",
+            0.0,
+        ),
+        Key::with_default(
+            "visible",
+            Kind::Bool,
+            "Whether the device sees the tool from this time on.",
+            true,
+        ),
+    ];
+    let keys = Kind::List {
+        of: Box::new(Kind::Table(key)),
+        min: 1,
+        max: 10_000,
+    };
+    let tool = vec![
+        Key::required(
+            "name",
+            Kind::Name(Form::Identifier),
+            "Slot of the tool, which is also the name of the device that the script plays.",
+        ),
+        Key::required("key", keys, "Its poses in the order of time."),
+    ];
+    let interpolation = Kind::choice(&["minimum-jerk", "linear"]);
+    Schema {
+        name: "script".to_owned(),
+        doc: "A scripted trainee: timed poses and openings of each tool.".to_owned(),
+        keys: vec![
+            Key::with_default(
+                "rate",
+                Kind::quantity(Unit::Frequency, 1.0, 1000.0),
+                "Samples per second.",
+                62.5,
+            ),
+            Key::with_default(
+                "interpolation",
+                interpolation,
+                "How a tool moves between two keys: from rest to rest as a hand does, or at constant speed.",
+                "minimum-jerk",
+            ),
+            Key::list("tool", Kind::Table(tool), 8, "The tools that move."),
+        ],
+    }
+}
+
+/// Reads a script from a text; `file` is the name that complaints use.
+pub fn read_script(text: &str, file: &str) -> Result<Loaded<Script>, ConfigErrors> {
+    let mut reading = Reading::new(text, file, &script_schema())?;
+    let names = texts(reading.value(), "tool", "name");
+    unique(&mut reading, &KeyPath::root(), &names, "tool", "name");
+
+    let times: Vec<(KeyPath, Option<f64>, bool)> = items(reading.value(), "tool")
+        .flat_map(|(tool, value)| {
+            items(value, "key").map(move |(i, key)| {
+                (
+                    KeyPath::root().key("tool").at(tool).key("key").at(i),
+                    key["t"].as_f64(),
+                    i == 0,
+                )
+            })
+        })
+        .collect();
+    let mut latest = f64::NEG_INFINITY;
+    for (path, t, first) in times {
+        if first {
+            latest = f64::NEG_INFINITY;
+        }
+        if let Some(t) = t {
+            if t <= latest {
+                let expected = format!(
+                    "a time after that of the key before, {}",
+                    Unit::Time.describe(latest)
+                );
+                reading.complain(&path.key("t"), &Unit::Time.describe(t), &expected);
+            }
+            latest = t;
+        }
+        let [direction, orientation] =
+            ["direction", "orientation"].map(|field| reading.is_written(&path.key(field)));
+        if direction == orientation {
+            let found = match direction {
+                true => "both `direction` and `orientation`",
+                false => "neither `direction` nor `orientation`",
+            };
+            reading.complain(&path, found, "one of them");
+        }
+    }
+    reading.finish()
+}
+
+/// Reads the script at `path`.
+pub fn load_script(path: &Path) -> Result<Loaded<Script>, ConfigErrors> {
+    let text = load_text(path, "a scripted trainee (TOML)")?;
+    read_script(&text, &path.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// q z q⁻¹ = (2(xz + wy), 2(yz − wx), 1 − 2(x² + y²)), written out from the rotation matrix of a unit quaternion.
+    fn turned_z([x, y, z, w]: [f64; 4]) -> [f64; 3] {
+        [
+            2.0 * (x * z + w * y),
+            2.0 * (y * z - w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ]
+    }
+
+    #[test]
+    fn the_shortest_turn_carries_z_into_the_direction() {
+        let third = 1.0 / 3.0_f64.sqrt();
+        for direction in [
+            [0.0, 0.0, 1.0],
+            [1.0, 0.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [third, -third, third],
+            [0.6, 0.0, -0.8],
+            [0.0, 0.0, -1.0],
+            [1e-9, 0.0, -1.0],
+        ] {
+            let q = orientation_of_direction(direction);
+            let turned = turned_z(q);
+            for (a, b) in turned.iter().zip(direction) {
+                // Each component is a sum of a few products of numbers up to 1.
+                assert!(
+                    (a - b).abs() < 8.0 * f64::EPSILON,
+                    "{direction:?} {q:?} {turned:?}"
+                );
+            }
+            // No turn about z itself: that is what makes it the shortest.
+            assert_eq!(q[2], 0.0);
+        }
+    }
+}

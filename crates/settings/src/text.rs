@@ -1,0 +1,78 @@
+//! Small values that several kinds of file share.
+
+use serde::{Deserialize, Serialize};
+
+/// A text for people, in both languages of the program.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LocalText {
+    /// German.
+    pub de: String,
+    /// English.
+    pub en: String,
+}
+
+/// A colour in sRGB, 8 bits each, written `#rrggbb`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Colour {
+    /// Red.
+    pub red: u8,
+    /// Green.
+    pub green: u8,
+    /// Blue.
+    pub blue: u8,
+}
+
+impl TryFrom<String> for Colour {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.strip_prefix('#')
+            .filter(|digits| digits.len() == 6)
+            .and_then(|digits| u32::from_str_radix(digits, 16).ok())
+            .map(|rgb| {
+                let [_, red, green, blue] = rgb.to_be_bytes();
+                Colour { red, green, blue }
+            })
+            .ok_or_else(|| format!("`{text}` is no colour"))
+    }
+}
+
+impl From<Colour> for String {
+    fn from(colour: Colour) -> Self {
+        format!("#{:02x}{:02x}{:02x}", colour.red, colour.green, colour.blue)
+    }
+}
+
+/// How a surface answers light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Finish {
+    /// Diffuse only.
+    Matte,
+    /// Wet tissue: diffuse with a small sharp highlight.
+    Moist,
+    /// Polished steel.
+    Metal,
+}
+
+impl Finish {
+    /// As files write them.
+    pub const NAMES: [&str; 3] = ["matte", "moist", "metal"];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_keep_their_bytes() {
+        let colour = Colour::try_from("#c0ff01".to_owned()).expect("a colour");
+        assert_eq!((colour.red, colour.green, colour.blue), (0xc0, 0xff, 0x01));
+        assert_eq!(String::from(colour), "#c0ff01");
+        for wrong in ["c0ff01", "#c0ff0", "#c0ff0g", "#+0ff01x"] {
+            assert!(Colour::try_from(wrong.to_owned()).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! `config/tools/NAME.toml`: the shape of an instrument as posed capsules.
+//!
+//! Tool frame: origin at the tip, +z from the tip to the handle. The jaws turn about the line through `hinge` along y;
+//! the left one opens towards +x, the right one towards −x, each by half of the opening angle. The file shows them closed.
+
+use crate::check::{items, texts, unique};
+use crate::document::{Loaded, Reading, load_text};
+use crate::error::{ConfigErrors, KeyPath};
+use crate::schema::{Form, Key, Kind, Schema};
+use crate::text::{Colour, Finish, LocalText};
+use crate::unit::Unit;
+use serde::Deserialize;
+use serde_json::json;
+use std::path::Path;
+
+/// The shape of an instrument.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tool {
+    /// What it is and where its sizes come from.
+    pub doc: String,
+    /// For people: its name.
+    pub title: LocalText,
+    /// Point that counts as the tip, in the tool frame \[m\].
+    pub tip: [f64; 3],
+    /// A point of the axis about which the jaws turn, in the tool frame \[m\]; only with jaws.
+    pub hinge: Option<[f64; 3]>,
+    /// Angle between the jaws when fully open \[rad\]; only with jaws.
+    pub opening_angle: Option<f64>,
+    /// Colour.
+    pub colour: Colour,
+    /// How its surface answers light.
+    pub finish: Finish,
+    /// Its parts.
+    pub capsule: Vec<ToolCapsule>,
+}
+
+/// A part of an instrument: all points within `radius` of the segment from `a` to `b`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolCapsule {
+    /// Its name.
+    pub name: String,
+    /// End of the segment, in the tool frame, closed \[m\].
+    pub a: [f64; 3],
+    /// Other end of the segment \[m\].
+    pub b: [f64; 3],
+    /// \[m\]
+    pub radius: f64,
+    /// What it moves with.
+    pub jaw: Jaw,
+}
+
+/// What a part of an instrument moves with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Jaw {
+    /// With the shaft.
+    Fixed,
+    /// With the jaw that opens towards +x.
+    Left,
+    /// With the jaw that opens towards −x.
+    Right,
+}
+
+/// The schema of a tool.
+pub fn tool_schema() -> Schema {
+    let point = || Kind::vector3(Unit::Length, 0.5);
+    let capsule = vec![
+        Key::required("name", Kind::Name(Form::Identifier), "Its name."),
+        Key::required(
+            "a",
+            point(),
+            "End of its segment, in the tool frame, tool closed.",
+        ),
+        Key::required("b", point(), "Other end of its segment."),
+        Key::required(
+            "radius",
+            Kind::quantity(Unit::Length, 1e-6, 0.05),
+            "Of the capsule about the segment.",
+        ),
+        Key::with_default(
+            "jaw",
+            Kind::choice(&["fixed", "left", "right"]),
+            "What it moves with: the shaft, the jaw that opens towards +x, or the one towards -x.",
+            "fixed",
+        ),
+    ];
+    let parts = Kind::List {
+        of: Box::new(Kind::Table(capsule)),
+        min: 1,
+        max: 32,
+    };
+    Schema {
+        name: "tool".to_owned(),
+        doc: "config/tools/NAME.toml: the shape of an instrument. Tool frame: origin at the tip, +z from tip to handle.".to_owned(),
+        keys: vec![
+            Key::required("doc", Kind::Text, "What it is and where its sizes come from."),
+            Key::required("title", Kind::LocalText, "Its name for people."),
+            Key::with_default("tip", point(), "Point that counts as the tip, in the tool frame.", json!([0.0, 0.0, 0.0])),
+            Key::optional("hinge", point(), "A point of the axis about which the jaws turn; the axis is along y. Only and always with jaws."),
+            Key::optional("opening_angle", Kind::quantity(Unit::Angle, 0.0, 90_f64.to_radians()), "Angle between the jaws when fully open. Only and always with jaws."),
+            Key::with_default("colour", Kind::Colour, "Colour, sRGB.", "#b8bcc2"),
+            Key::with_default("finish", Kind::choice(&Finish::NAMES), "How its surface answers light.", "metal"),
+            Key::required("capsule", parts, "Its parts."),
+        ],
+    }
+}
+
+/// Reads a tool from a text; `file` is the name that complaints use.
+pub fn read_tool(text: &str, file: &str) -> Result<Loaded<Tool>, ConfigErrors> {
+    let mut reading = Reading::new(text, file, &tool_schema())?;
+    let root = KeyPath::root();
+    let names = texts(reading.value(), "capsule", "name");
+    unique(&mut reading, &root, &names, "capsule", "name");
+
+    let jaws = items(reading.value(), "capsule")
+        .any(|(_, part)| matches!(part["jaw"].as_str(), Some("left" | "right")));
+    for field in ["hinge", "opening_angle"] {
+        let key = root.key(field);
+        match (jaws, reading.is_written(&key)) {
+            (true, false) => {
+                reading.complain(&key, "nothing", &format!("`{field}`, which jaws need"))
+            }
+            (false, true) => reading.complain(
+                &key,
+                &format!("`{field}`"),
+                &format!("no `{field}`, as there are no jaws"),
+            ),
+            _ => {}
+        }
+    }
+    reading.finish()
+}
+
+/// Reads the tool at `path`.
+pub fn load_tool(path: &Path) -> Result<Loaded<Tool>, ConfigErrors> {
+    let text = load_text(path, "the shape of a tool (config/tools/NAME.toml)")?;
+    read_tool(&text, &path.display().to_string())
+}

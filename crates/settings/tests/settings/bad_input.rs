@@ -1,0 +1,89 @@
+//! Bad inputs and the exact words about them: `tests/examples/bad-input.txt`.
+//!
+//! Each case there is a kind of file, a part of its full example (`- `), what stands there instead (`+ `, `\n` for a line
+//! break), and then every complaint. Places were counted in the examples; the words were read by a person.
+
+use crate::{KNOWN_METRICS, example, manifest, read};
+use microsim_settings::*;
+
+#[test]
+fn each_mistake_is_named_with_its_place() {
+    let cases = include_str!("../examples/bad-input.txt");
+    let mut count = 0;
+    for case in cases.trim_end().split("\n\n") {
+        let lines: Vec<&str> = case.lines().collect();
+        let [kind, from, to, expected @ ..] = lines.as_slice() else {
+            panic!("a case of fewer than three lines: {case}");
+        };
+        let part = |line: &str, sign: &str| -> String {
+            let part = line.strip_prefix(sign).expect("`- ` or `+ `");
+            part.replace("\\n", "\n")
+        };
+        let (from, to) = (part(from, "- "), part(to, "+ "));
+        assert!(example(kind).contains(&from), "not in the example: {case}");
+        let errors = read(kind, &example(kind).replacen(&from, &to, 1)).expect_err(case);
+        let printed: Vec<String> = errors.0.iter().map(ToString::to_string).collect();
+        assert_eq!(printed, expected, "{case}");
+        count += 1;
+    }
+    // A separator lost in the file would hide cases.
+    assert_eq!(
+        count,
+        cases.lines().filter(|line| line.starts_with("- ")).count()
+    );
+}
+
+/// What `load_*` says of a file that cannot be read as text.
+#[test]
+fn a_file_that_is_missing_or_no_text_is_named_with_what_it_should_be() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = folder.path().join("x.toml");
+    let name = missing.display();
+    let csv = folder.path().join("x.csv");
+    let message = |errors: Option<ConfigErrors>| errors.expect("no file").to_string();
+    let cases = [
+        (
+            message(load_manifest(&missing).err()),
+            "the manifest of a plugin (plugin.toml) or module (module.toml)".to_owned(),
+        ),
+        (
+            message(load_level(&missing, &manifest(), &KNOWN_METRICS).err()),
+            "a level of the module `touch-spheres` (level<N>.toml)".to_owned(),
+        ),
+        (
+            message(load_tool(&missing).err()),
+            "the shape of a tool (config/tools/NAME.toml)".to_owned(),
+        ),
+        (
+            message(load_translator(&missing).err()),
+            "the map from devices to tools (config/translator.toml)".to_owned(),
+        ),
+        (
+            message(load_recording_map(&csv).err()),
+            format!("the column map of {}", csv.display()),
+        ),
+        (
+            message(load_script(&missing).err()),
+            "a scripted trainee (TOML)".to_owned(),
+        ),
+        (
+            message(load_host(&missing).err()),
+            "the settings of the host (config/host.toml)".to_owned(),
+        ),
+    ];
+    for (message, expected) in cases {
+        assert_eq!(
+            message,
+            format!("{name}: found no such file, expected {expected}")
+        );
+    }
+
+    std::fs::write(&missing, b"a = \"\xff\"").expect("a file can be written");
+    let message = message(load_host(&missing).err());
+    let found = "a file that is not UTF-8 at byte 5";
+    let expected = "the settings of the host (config/host.toml)";
+    assert_eq!(
+        message,
+        format!("{name}: found {found}, expected {expected}")
+    );
+}

@@ -1,0 +1,216 @@
+//! Full examples give the values that they say, and the files that the project ships are right.
+
+use crate::{KNOWN_METRICS, example, manifest};
+use microsim_settings::*;
+use std::path::{Path, PathBuf};
+
+/// The folder that holds `config` and `assets`.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+#[test]
+fn a_level_is_read_in_si() {
+    let level = read_level(example("level"), "level1.toml", &manifest(), &KNOWN_METRICS);
+    let level = level.expect("the example is right").settings;
+    assert_eq!(level.clock.tick_us(), 8000);
+    assert_eq!(level.view.tilt, 15_f64.to_radians());
+    let names = ["sphere-1", "sphere-2", "sphere-3", "sphere-4"];
+    assert_eq!(level.object[0].names(), names);
+    assert_eq!(level.object[0].shape, Shape::Sphere { radius: 0.0012 });
+    assert_eq!(level.object[0].position, [0.001, 0.0, 0.002]);
+    assert_eq!(String::from(level.object[0].colour), "#c04030");
+    let half_size = [0.01, 0.01, 0.0005];
+    assert_eq!(level.object[1].shape, Shape::Box { half_size });
+    // Defaults of an object.
+    assert_eq!(level.object[1].orientation, [0.0, 0.0, 0.0, 1.0]);
+    assert!(level.object[1].active && level.object[1].finish == Finish::Matte);
+    let capsule = Shape::Capsule {
+        radius: 0.0005,
+        length: 0.004,
+    };
+    assert_eq!(level.object[2].shape, capsule);
+    assert_eq!(level.body[0].cells, [20, 4, 2]);
+    assert_eq!(level.body[0].material.stretch_modulus, 25e3);
+    assert_eq!(level.body[0].clamp[0].min, [-0.011, -0.003, -0.002]);
+    let gravity = level.physics.expect("there is a body").gravity;
+    assert_eq!(gravity, [0.0, 0.0, -9.81]);
+    // In the unit of the metric: seconds, radians.
+    assert_eq!(level.limit[0].max, Some(120.0));
+    assert_eq!(level.limit[1].max, Some(15_f64.to_radians()));
+    assert_eq!(level.limit[1].min, Some(0.0));
+    assert_eq!(level.module["dwell"], 2.0);
+    assert_eq!(level.module["rounds"], 3);
+    assert_eq!(
+        level.module["approach"],
+        serde_json::json!([0.0, 0.001, 0.002])
+    );
+}
+
+#[test]
+fn a_small_level_is_filled_with_defaults() {
+    let text = "title = {de='a', en='b'}\nsummary = {de='a', en='b'}\nclock.tick = '16 ms'\nmodule.rounds = 2\n";
+    let level = read_level(text, "level1.toml", &manifest(), &[]);
+    let level = level.expect("nothing else is required").settings;
+    assert_eq!(level.clock.steps, 1);
+    assert_eq!(level.view.field, 0.025);
+    assert_eq!(level.metrics.idle_speed, 0.0005);
+    assert_eq!(level.physics, None);
+    // Default of the manifest, in SI.
+    assert_eq!(level.module["dwell"], 1.0);
+    assert_eq!(
+        level.module["approach"],
+        serde_json::json!([0.0, 0.0, 0.005])
+    );
+}
+
+#[test]
+fn a_script_gives_orientations() {
+    let script = read_script(example("script"), "script.toml");
+    let script = script.expect("the example is right").settings;
+    let [first, second] = script.tool[0].key.as_slice() else {
+        panic!("two keys");
+    };
+    // (0, −1, 1)/√2 is z turned by 45° about x: q = (sin 22.5°, 0, 0, cos 22.5°) = (0.38268…, 0, 0, 0.92387…).
+    let expected = [0.3826834323650898, 0.0, 0.0, 0.9238795325112867];
+    for (a, b) in first.orientation.iter().zip(expected) {
+        assert!(
+            (a - b).abs() <= 4.0 * f64::EPSILON,
+            "{:?}",
+            first.orientation
+        );
+    }
+    assert_eq!(second.opening, 0.5);
+    assert!(!second.visible);
+}
+
+#[test]
+fn openings_come_from_where_the_file_says() {
+    let translator = read_translator(example("translator"), "f.toml");
+    let devices = translator.expect("the example is right").settings.device;
+    assert_eq!(devices[0].opening.fixed(), Some(0.25));
+    assert_eq!(devices[1].opening.fixed(), Some(1.0));
+
+    let map = read_recording_map(example("recording"), "f.toml");
+    let map = map.expect("the example is right").settings;
+    assert_eq!(map.delimiter_byte(), b';');
+    let opening = map.device[0].opening.as_ref().expect("a column");
+    // From closed = 100 to open = 0.
+    let values = [120.0, 100.0, 25.0, 0.0].map(|value| opening.opening(value));
+    assert_eq!(values, [0.0, 0.0, 0.75, 1.0]);
+}
+
+#[test]
+fn shipped_files_are_right() {
+    let config = root().join("config");
+    let host = load_host(&config.join("host.toml")).expect("host");
+    // The file states each default, so it reads as the empty one.
+    let empty = read_host("", "f.toml").expect("all has defaults");
+    assert_eq!(host.settings, empty.settings);
+
+    let translator = load_translator(&config.join("translator.toml")).expect("translator");
+    let stylus = &translator.settings.device[0];
+    // Farthest corner of the recording's box (DOMAIN: x −73..25, y −88..−16, z −22..85 mm) in the field of ±11 mm.
+    for (axis, (low, high)) in [(-0.073, 0.025), (-0.088, -0.016), (-0.022, 0.085)]
+        .iter()
+        .enumerate()
+    {
+        for end in [low, high] {
+            let field = stylus.scale * (end - stylus.origin[axis]);
+            assert!(field.abs() <= 0.011, "axis {axis}: {field}");
+        }
+    }
+
+    for name in ["forceps", "micro-scissors", "probe"] {
+        let tool = load_tool(&config.join(format!("tools/{name}.toml")))
+            .expect(name)
+            .settings;
+        // The tip is where the parts end: none reaches below it, one touches its plane.
+        let lowest = tool.capsule.iter().map(|c| c.a[2].min(c.b[2]) - c.radius);
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        assert!(
+            (lowest - tool.tip[2]).abs() <= 1e-9 * 0.025,
+            "{name}: {lowest}"
+        );
+    }
+
+    let csv = root().join("assets/recordings/cataract-stylus/stylus.csv");
+    let map = load_recording_map(&csv).expect("map").settings;
+    let header = std::fs::read_to_string(&csv).expect("the recording");
+    let header: Vec<&str> = header
+        .lines()
+        .next()
+        .expect("a header")
+        .split(',')
+        .collect();
+    let device = &map.device[0];
+    let named = [&map.time.column]
+        .into_iter()
+        .chain(&device.position)
+        .chain(&device.quaternion);
+    for column in named {
+        assert!(header.contains(&column.as_str()), "{column}");
+    }
+    assert_eq!(Unit::Length.to_si(1.0, &device.position_unit), Some(0.001));
+}
+
+#[test]
+fn a_recording_without_map_is_told_how_to_write_it() {
+    let header = ["t_s", "x_mm", "y_mm", "z_mm", "qx", "qy", "qz", "qw"];
+    let help = recording_map_help(Path::new("rec/hand.csv"), &header);
+    let start = "rec/hand.csv: a recording needs a column map, the file rec/hand.toml beside it.\n\
+                 Its header is: t_s, x_mm, y_mm, z_mm, qx, qy, qz, qw\n";
+    assert!(help.starts_with(start), "{help}");
+    // The example in it is a map that can be read, with the columns and units of the header.
+    let (_, example) = help.split_once("\n\n").expect("an example");
+    let map = read_recording_map(example, "hand.toml")
+        .expect("the example is right")
+        .settings;
+    assert_eq!(
+        (map.time.column.as_str(), map.time.unit.as_str()),
+        ("t_s", "s")
+    );
+    assert_eq!(map.device[0].position, ["x_mm", "y_mm", "z_mm"]);
+    assert_eq!(map.device[0].position_unit, "mm");
+    assert_eq!(map.device[0].quaternion, ["qx", "qy", "qz", "qw"]);
+
+    // Other habits, and headings that say nothing.
+    for (header, time, x, unit) in [
+        (
+            vec!["Time [ms]", "pos_x", "pos_y", "pos_z"],
+            ("Time [ms]", "ms"),
+            "pos_x",
+            "m",
+        ),
+        (vec!["a", "b", "c\"d"], ("t", "s"), "x", "m"),
+        (vec![], ("t", "s"), "x", "m"),
+    ] {
+        let help = recording_map_help(Path::new("hand.csv"), &header);
+        let (_, example) = help.split_once("\n\n").expect("an example");
+        let map = read_recording_map(example, "hand.toml")
+            .expect("readable")
+            .settings;
+        assert_eq!((map.time.column.as_str(), map.time.unit.as_str()), time);
+        assert_eq!(map.device[0].position[0], x);
+        assert_eq!(map.device[0].position_unit, unit);
+    }
+}
+
+#[test]
+fn a_document_keeps_its_text_and_its_places() {
+    let loaded = read_tool(example("tool"), "config/tools/x.toml").expect("the example is right");
+    let document = &loaded.document;
+    assert_eq!(document.text(), example("tool"));
+    let key = KeyPath::root().key("capsule").at(1).key("radius");
+    let error = document.error_at(&key, "a thin jaw", "a thick one");
+    let line = 1
+        + example("tool")
+            .lines()
+            .position(|line| line.contains("right-arm"))
+            .expect("there")
+        + 4;
+    let expected = format!(
+        "config/tools/x.toml:{line}:10: key `capsule[1].radius`: found a thin jaw, expected a thick one"
+    );
+    assert_eq!(error.to_string(), expected);
+}

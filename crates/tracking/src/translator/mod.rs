@@ -1,0 +1,230 @@
+//! From devices to tools: the translator (chapter 5.2.1 of the dissertation).
+//!
+//! A device knows nothing of tools and a tool nothing of devices: a [`Mapping`] says which device drives which tool, and
+//! how the device frame lies in the field. With p the position and q the orientation of a sample,
+//!
+//! ```text
+//! position in field = field_offset + scale · R(field_from_device) · (p − device_origin)
+//! field_from_tool   = field_from_device · q · body_from_tool
+//! ```
+//!
+//! The scale acts on positions alone: a hand that moves 10 mm may move the tip 1 mm, but turns it as far as itself. The
+//! position of a sample is taken as that of the tip; where a tracker follows another point of the instrument, the
+//! lever to the tip has to be applied before.
+//!
+//! # Clocks
+//! Samples carry the time of their device. Whether a tool is still fed is judged by when they *arrive* in the session's
+//! time, since the two clocks need not agree.
+
+mod mapping;
+mod state;
+
+use std::error::Error;
+use std::fmt;
+
+pub use mapping::{Mapping, MappingProblem, Opening, TranslatorError};
+pub use state::{StateMismatch, ToolPose, ToolState, ToolStatus, TranslatorState};
+
+use crate::rotation::{checked_unit, product, rotated};
+use crate::{QuaternionError, Sample};
+use state::ToolMemory;
+
+/// Turns samples of devices into poses of tools, and remembers the last of each.
+///
+/// The mappings are constant; all that changes is the [`TranslatorState`].
+#[derive(Clone, Debug)]
+pub struct Translator {
+    mappings: Vec<Mapping>,
+    stale_after_s: f64,
+    state: TranslatorState,
+}
+
+/// A sample as a pose of the tool that its device drives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TranslatedSample {
+    /// Name of the tool.
+    pub tool: String,
+    /// Its pose in the field.
+    pub pose: ToolPose,
+}
+
+/// A sample that cannot be used. It has been counted for its tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refusal {
+    /// Name of the tool.
+    pub tool: String,
+    /// Name of the device.
+    pub device: String,
+    /// Time of the sample by the device's clock `[s]`.
+    pub time_s: f64,
+    /// What is wrong with it.
+    pub fault: SampleFault,
+}
+
+/// What is wrong with a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SampleFault {
+    /// Its time is not finite.
+    Time,
+    /// Its position is not finite, or becomes so in the field.
+    Position,
+    /// Its opening is not finite.
+    Opening,
+    /// Its orientation is none.
+    Orientation(QuaternionError),
+}
+
+impl Translator {
+    /// A translator whose tools stand in the order of their mappings and have not been seen yet. A tool is stale when
+    /// for more than `stale_after_s` `[s]` no sample of its device has arrived.
+    ///
+    /// # Errors
+    /// [`TranslatorError`] if a mapping breaks a rule of [`Mapping`], if two share a tool or a device, or if
+    /// `stale_after_s` is not a finite positive number.
+    pub fn new(mut mappings: Vec<Mapping>, stale_after_s: f64) -> Result<Self, TranslatorError> {
+        if !(stale_after_s.is_finite() && stale_after_s > 0.0) {
+            return Err(TranslatorError::StaleAfter(stale_after_s));
+        }
+        mapping::check(&mut mappings)?;
+        let state = TranslatorState::new(&mappings);
+        Ok(Self {
+            mappings,
+            stale_after_s,
+            state,
+        })
+    }
+
+    /// Takes one sample that has arrived at `now_s` `[s]` of the session; arrivals come in the order of their times.
+    ///
+    /// Gives the pose of the tool that the device drives; `None` if it drives none, or was not visible.
+    ///
+    /// # Errors
+    /// [`Refusal`] for a visible sample with values that are no pose. Its tool is then occluded and keeps its last pose.
+    pub fn feed(
+        &mut self,
+        sample: &Sample,
+        now_s: f64,
+    ) -> Result<Option<TranslatedSample>, Refusal> {
+        let Some(index) = self
+            .mappings
+            .iter()
+            .position(|mapping| mapping.device == *sample.device)
+        else {
+            return Ok(None);
+        };
+        let mapping = &self.mappings[index];
+        let memory = &mut self.state.tools[index];
+        if !sample.visible {
+            memory.arrived(now_s, self.stale_after_s, ToolMemory::lose);
+            return Ok(None);
+        }
+        match translate(mapping, sample, memory.opening()) {
+            Ok(pose) => {
+                memory.arrived(now_s, self.stale_after_s, |memory| memory.see(pose));
+                Ok(Some(TranslatedSample {
+                    tool: mapping.tool.clone(),
+                    pose,
+                }))
+            }
+            Err(fault) => {
+                memory.arrived(now_s, self.stale_after_s, ToolMemory::refuse);
+                Err(Refusal {
+                    tool: mapping.tool.clone(),
+                    device: mapping.device.clone(),
+                    time_s: sample.time_s,
+                    fault,
+                })
+            }
+        }
+    }
+
+    /// The mappings, in the order of the tools.
+    pub fn mappings(&self) -> &[Mapping] {
+        &self.mappings
+    }
+
+    /// All tools as they are at `now_s` `[s]` of the session, in the order of their mappings.
+    pub fn states(&self, now_s: f64) -> Vec<ToolState> {
+        self.state
+            .tools
+            .iter()
+            .map(|memory| memory.at(now_s, self.stale_after_s))
+            .collect()
+    }
+
+    /// All that changes while samples arrive, to be saved.
+    pub fn state(&self) -> &TranslatorState {
+        &self.state
+    }
+
+    /// Goes on from a saved state.
+    ///
+    /// # Errors
+    /// [`StateMismatch`], with nothing changed, if the state was saved with other tools.
+    pub fn restore(&mut self, state: TranslatorState) -> Result<(), StateMismatch> {
+        state.check(&self.mappings)?;
+        self.state = state;
+        Ok(())
+    }
+
+    /// Forgets all samples, as if new.
+    pub fn reset(&mut self) {
+        self.state = TranslatorState::new(&self.mappings);
+    }
+}
+
+/// The pose of the mapped tool for a visible sample; `opening` is kept where the device should say it and does not.
+fn translate(mapping: &Mapping, sample: &Sample, opening: f64) -> Result<ToolPose, SampleFault> {
+    if !sample.time_s.is_finite() {
+        return Err(SampleFault::Time);
+    }
+    let device_from_body = checked_unit(sample.orientation).map_err(SampleFault::Orientation)?;
+
+    let from_origin = std::array::from_fn(|i| sample.position[i] - mapping.device_origin[i]);
+    let turned = rotated(mapping.field_from_device, from_origin);
+    let position: [f64; 3] =
+        std::array::from_fn(|i| mapping.field_offset[i] + mapping.scale * turned[i]);
+    if !position.iter().all(|component| component.is_finite()) {
+        return Err(SampleFault::Position);
+    }
+
+    let field_from_body = product(mapping.field_from_device, device_from_body);
+    let opening = match (mapping.opening, sample.opening) {
+        (Opening::Constant(opening), _) => opening,
+        (Opening::Device { .. }, None) => opening,
+        (Opening::Device { closed, open }, Some(reading)) => {
+            let share = (reading - closed) / (open - closed);
+            if !share.is_finite() {
+                return Err(SampleFault::Opening);
+            }
+            share.clamp(0.0, 1.0)
+        }
+    };
+    Ok(ToolPose {
+        position,
+        orientation: product(field_from_body, mapping.body_from_tool),
+        opening,
+        sample_time_s: sample.time_s,
+    })
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "tool \"{}\": the sample of device \"{}\" at its time {} s is refused: ",
+            self.tool, self.device, self.time_s
+        )?;
+        match self.fault {
+            SampleFault::Time => write!(f, "time is not finite"),
+            SampleFault::Position => write!(f, "position is not finite"),
+            SampleFault::Opening => write!(f, "opening is not finite"),
+            SampleFault::Orientation(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl Error for Refusal {}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,199 @@
+//! What the translator remembers of each tool, and what it says of it.
+
+use std::error::Error;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::Mapping;
+
+/// How well a tool is known. "Connected" is not "tracked": a tool whose pose is old or missing never looks fine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToolStatus {
+    /// No valid sample has arrived yet.
+    NeverSeen,
+    /// The last sample is recent and valid.
+    Tracked,
+    /// The last sample is recent, but its device was not visible or its values were refused.
+    Occluded,
+    /// No sample has arrived for too long.
+    Stale,
+}
+
+/// Where a tool was, by one valid sample.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolPose {
+    /// Position of the tip in the field frame `[m]`.
+    pub position: [f64; 3],
+    /// `field_from_tool`: unit quaternion x, y, z, w.
+    pub orientation: [f64; 4],
+    /// 0 closed to 1 open.
+    pub opening: f64,
+    /// Time of the sample by the device's clock `[s]`.
+    pub sample_time_s: f64,
+}
+
+/// A tool at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToolState {
+    /// Its name.
+    pub tool: String,
+    /// How well it is known.
+    pub status: ToolStatus,
+    /// Since when it has this status, in the session's time `[s]`.
+    pub since_s: f64,
+    /// Its last valid pose; `None` exactly if it was never seen.
+    pub pose: Option<ToolPose>,
+    /// Number of samples refused so far.
+    pub refused: u64,
+}
+
+/// All that a translator remembers, to be saved and restored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TranslatorState {
+    pub(super) tools: Vec<ToolMemory>,
+}
+
+/// A saved state does not belong to this translator.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StateMismatch {
+    /// The tools of the translator.
+    pub expected: Vec<String>,
+    /// The tools of the saved state.
+    pub found: Vec<String>,
+}
+
+/// What is remembered of one tool.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct ToolMemory {
+    tool: String,
+    pose: Option<ToolPose>,
+    /// When the last sample of any sort arrived, in the session's time `[s]`.
+    last_arrival_s: Option<f64>,
+    /// Whether that sample was valid.
+    seen: bool,
+    /// Since when the status that `seen` stands for has held, in the session's time `[s]`.
+    since_s: f64,
+    refused: u64,
+}
+
+impl TranslatorState {
+    pub(super) fn new(mappings: &[Mapping]) -> Self {
+        let tools = mappings
+            .iter()
+            .map(|mapping| ToolMemory {
+                tool: mapping.tool.clone(),
+                pose: None,
+                last_arrival_s: None,
+                seen: false,
+                since_s: 0.0,
+                refused: 0,
+            })
+            .collect();
+        Self { tools }
+    }
+
+    pub(super) fn check(&self, mappings: &[Mapping]) -> Result<(), StateMismatch> {
+        let expected: Vec<String> = mappings
+            .iter()
+            .map(|mapping| mapping.tool.clone())
+            .collect();
+        let found: Vec<String> = self
+            .tools
+            .iter()
+            .map(|memory| memory.tool.clone())
+            .collect();
+        if expected == found {
+            Ok(())
+        } else {
+            Err(StateMismatch { expected, found })
+        }
+    }
+}
+
+impl ToolMemory {
+    /// The last opening; open before any.
+    pub(super) fn opening(&self) -> f64 {
+        self.pose.map_or(1.0, |pose| pose.opening)
+    }
+
+    /// Notes the arrival of a sample, and by `change` what it says.
+    pub(super) fn arrived(
+        &mut self,
+        now_s: f64,
+        stale_after_s: f64,
+        change: impl FnOnce(&mut Self),
+    ) {
+        let before = self.status(now_s, stale_after_s);
+        self.last_arrival_s = Some(now_s);
+        change(self);
+        if self.status(now_s, stale_after_s) != before {
+            self.since_s = now_s;
+        }
+    }
+
+    pub(super) fn see(&mut self, pose: ToolPose) {
+        self.seen = true;
+        self.pose = Some(pose);
+    }
+
+    pub(super) fn lose(&mut self) {
+        self.seen = false;
+    }
+
+    pub(super) fn refuse(&mut self) {
+        self.seen = false;
+        self.refused += 1;
+    }
+
+    pub(super) fn at(&self, now_s: f64, stale_after_s: f64) -> ToolState {
+        let status = self.status(now_s, stale_after_s);
+        let since_s = match (status, self.last_arrival_s) {
+            (ToolStatus::Stale, Some(arrival_s)) => arrival_s + stale_after_s,
+            _ => self.since_s,
+        };
+        ToolState {
+            tool: self.tool.clone(),
+            status,
+            since_s,
+            pose: self.pose,
+            refused: self.refused,
+        }
+    }
+
+    fn status(&self, now_s: f64, stale_after_s: f64) -> ToolStatus {
+        let is_stale = self
+            .last_arrival_s
+            .is_some_and(|arrival_s| now_s - arrival_s > stale_after_s);
+        match (self.pose, is_stale, self.seen) {
+            (None, _, _) => ToolStatus::NeverSeen,
+            (Some(_), true, _) => ToolStatus::Stale,
+            (Some(_), false, true) => ToolStatus::Tracked,
+            (Some(_), false, false) => ToolStatus::Occluded,
+        }
+    }
+}
+
+impl fmt::Display for ToolStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NeverSeen => "never seen",
+            Self::Tracked => "tracked",
+            Self::Occluded => "occluded",
+            Self::Stale => "stale",
+        })
+    }
+}
+
+impl fmt::Display for StateMismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the saved state has the tools [{}], expected [{}]",
+            self.found.join(", "),
+            self.expected.join(", ")
+        )
+    }
+}
+
+impl Error for StateMismatch {}

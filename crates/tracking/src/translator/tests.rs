@@ -1,0 +1,547 @@
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use proptest::prelude::*;
+
+use super::*;
+
+const IDENTITY: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+/// A quarter turn about x: y goes to z.
+const QUARTER_X: [f64; 4] = [FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2];
+/// A quarter turn about z: x goes to y.
+const QUARTER_Z: [f64; 4] = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
+
+fn sample(time_s: f64, position: [f64; 3], orientation: [f64; 4]) -> Sample {
+    Sample {
+        visible: true,
+        position,
+        orientation,
+        ..Sample::not_visible("stylus".into(), time_s)
+    }
+}
+
+fn hidden(time_s: f64) -> Sample {
+    Sample::not_visible("stylus".into(), time_s)
+}
+
+fn translator(mapping: Mapping) -> Translator {
+    Translator::new(vec![mapping], 0.5).unwrap()
+}
+
+fn pose_of(mapping: &Mapping, sample: &Sample) -> ToolPose {
+    translator(mapping.clone())
+        .feed(sample, 0.0)
+        .unwrap()
+        .unwrap()
+        .pose
+}
+
+fn close<const N: usize>(found: [f64; N], expected: [f64; N], tolerance: f64) -> bool {
+    (0..N).all(|i| (found[i] - expected[i]).abs() <= tolerance)
+}
+
+/// The rotation matrix of a quaternion in its textbook form, as a reference that shares no code with the translator.
+fn turned(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let [x, y, z, w] = q;
+    let rows = [
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - z * w),
+            2.0 * (x * z + y * w),
+        ],
+        [
+            2.0 * (x * y + z * w),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - x * w),
+        ],
+        [
+            2.0 * (x * z - y * w),
+            2.0 * (y * z + x * w),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ];
+    rows.map(|row| dot(row, v))
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// By hand: (p − origin) = (1, 2, 3) mm; about z by a quarter turn (−2, 1, 3); halved (−1, 0.5, 1.5); plus the offset.
+#[test]
+fn position_by_hand() {
+    let mapping = Mapping {
+        device_origin: [0.010, 0.020, 0.030],
+        field_offset: [0.100, 0.200, 0.300],
+        field_from_device: QUARTER_Z,
+        scale: 0.5,
+        ..Mapping::identity("stylus", "forceps")
+    };
+    let pose = pose_of(&mapping, &sample(7.0, [0.011, 0.022, 0.033], IDENTITY));
+    assert!(
+        close(pose.position, [0.099, 0.2005, 0.3015], 4.0 * f64::EPSILON),
+        "{pose:?}"
+    );
+    assert_eq!(pose.sample_time_s, 7.0);
+}
+
+/// By hand: the tool's x axis lies along the handle's y; the device turns that to z about its x; the field turns about z
+/// and leaves it. The scale has no part in it.
+#[test]
+fn orientation_by_hand() {
+    let mapping = Mapping {
+        field_from_device: QUARTER_Z,
+        body_from_tool: QUARTER_Z,
+        scale: 0.125,
+        ..Mapping::identity("stylus", "forceps")
+    };
+    let pose = pose_of(&mapping, &sample(0.0, [0.0; 3], QUARTER_X));
+    let axis = |axis| turned(pose.orientation, axis);
+    let rounding = 16.0 * f64::EPSILON;
+    assert!(close(axis([1.0, 0.0, 0.0]), [0.0, 0.0, 1.0], rounding));
+    // y of the tool: −x of the handle, −x of the device, −y of the field.
+    assert!(close(axis([0.0, 1.0, 0.0]), [0.0, -1.0, 0.0], rounding));
+}
+
+#[test]
+fn identity_mapping_changes_nothing() {
+    let position = [0.1, -0.2, 0.3];
+    let sample = Sample {
+        opening: Some(0.25),
+        ..sample(1.0, position, QUARTER_X)
+    };
+    let translated = translator(Mapping::identity("stylus", "forceps")).feed(&sample, 0.0);
+    let TranslatedSample { tool, pose } = translated.unwrap().unwrap();
+    assert_eq!(tool, "forceps");
+    assert_eq!((pose.position, pose.opening), (position, 0.25));
+    assert!(close(pose.orientation, QUARTER_X, 2.0 * f64::EPSILON));
+}
+
+#[test]
+fn openings() {
+    let opening = |opening, readings: &[Option<f64>]| -> Vec<f64> {
+        let mut translator = translator(Mapping {
+            opening,
+            ..Mapping::identity("stylus", "forceps")
+        });
+        readings
+            .iter()
+            .map(|&opening| {
+                let sample = Sample {
+                    opening,
+                    ..sample(0.0, [0.0; 3], IDENTITY)
+                };
+                translator.feed(&sample, 0.0).unwrap().unwrap().pose.opening
+            })
+            .collect()
+    };
+    assert_eq!(
+        opening(Opening::Constant(0.5), &[None, Some(0.75)]),
+        [0.5, 0.5]
+    );
+    // Without a reading: open at first, then as it was.
+    assert_eq!(
+        opening(Opening::DEVICE, &[None, Some(0.25), None]),
+        [1.0, 0.25, 0.25]
+    );
+    // A handle that reads 0.75 closed and 0.25 open, linear between, and no further beyond.
+    let handle = Opening::Device {
+        closed: 0.75,
+        open: 0.25,
+    };
+    assert_eq!(
+        opening(
+            handle,
+            &[Some(0.75), Some(0.625), Some(0.25), Some(0.0), Some(1.0)]
+        ),
+        [0.0, 0.25, 1.0, 1.0, 0.0]
+    );
+}
+
+/// One tool through all statuses. The device's clock is 100 s ahead of the session's, which plays no part.
+#[test]
+fn statuses_over_a_timeline() {
+    use ToolStatus::{NeverSeen, Occluded, Stale, Tracked};
+    let mut translator = translator(Mapping::identity("stylus", "forceps"));
+    let seen = |now_s: f64, x| Some(sample(now_s + 100.0, [x, 0.0, 0.0], IDENTITY));
+    let lost = |now_s: f64| Some(hidden(now_s + 100.0));
+    let broken = |now_s: f64| Some(sample(now_s + 100.0, [f64::NAN, 0.0, 0.0], IDENTITY));
+
+    // Session time, the sample that arrives then, and what is said afterwards: status, since when, x, refused.
+    let timeline = [
+        (0.0, None, (NeverSeen, 0.0, None, 0)),
+        (1.0, lost(1.0), (NeverSeen, 0.0, None, 0)),
+        (1.25, broken(1.25), (NeverSeen, 0.0, None, 1)),
+        (9.0, None, (NeverSeen, 0.0, None, 1)),
+        (10.0, seen(10.0, 1.0), (Tracked, 10.0, Some(1.0), 1)),
+        (10.25, seen(10.25, 2.0), (Tracked, 10.0, Some(2.0), 1)),
+        // Not longer than 0.5 s without a sample.
+        (10.75, None, (Tracked, 10.0, Some(2.0), 1)),
+        (10.75, lost(10.75), (Occluded, 10.75, Some(2.0), 1)),
+        (11.0, broken(11.0), (Occluded, 10.75, Some(2.0), 2)),
+        (11.25, seen(11.25, 3.0), (Tracked, 11.25, Some(3.0), 2)),
+        (12.0, None, (Stale, 11.75, Some(3.0), 2)),
+        (20.0, None, (Stale, 11.75, Some(3.0), 2)),
+        (21.0, seen(21.0, 4.0), (Tracked, 21.0, Some(4.0), 2)),
+        (21.25, broken(21.25), (Occluded, 21.25, Some(4.0), 3)),
+        (22.0, None, (Stale, 21.75, Some(4.0), 3)),
+        (23.0, lost(23.0), (Occluded, 23.0, Some(4.0), 3)),
+    ];
+    for (now_s, sample, expected) in timeline {
+        if let Some(sample) = sample {
+            // The refusals are looked at in a test of their own.
+            let _ = translator.feed(&sample, now_s);
+        }
+        let states = translator.states(now_s);
+        let [state] = states.as_slice() else {
+            panic!("{states:?}");
+        };
+        let x = state.pose.map(|pose| pose.position[0]);
+        assert_eq!(
+            (state.status, state.since_s, x, state.refused),
+            expected,
+            "at {now_s} s"
+        );
+    }
+}
+
+#[test]
+fn refusals_say_what_and_where() {
+    let good = sample(2.5, [0.0; 3], IDENTITY);
+    let cases = [
+        (
+            Sample {
+                time_s: f64::NAN,
+                ..good.clone()
+            },
+            "at its time NaN s is refused: time is not finite",
+        ),
+        (
+            Sample {
+                position: [0.0, f64::INFINITY, 0.0],
+                ..good.clone()
+            },
+            "at its time 2.5 s is refused: position is not finite",
+        ),
+        (
+            Sample {
+                orientation: [0.0; 4],
+                ..good.clone()
+            },
+            "at its time 2.5 s is refused: quaternion is zero, expected a unit quaternion",
+        ),
+        (
+            Sample {
+                orientation: [f64::NAN, 0.0, 0.0, 1.0],
+                ..good.clone()
+            },
+            "at its time 2.5 s is refused: quaternion is not finite",
+        ),
+        (
+            Sample {
+                orientation: [0.0, 0.0, 0.0, 2.0],
+                ..good.clone()
+            },
+            "at its time 2.5 s is refused: quaternion has norm 2, expected 1 within 0.001",
+        ),
+        (
+            Sample {
+                opening: Some(f64::NAN),
+                ..good.clone()
+            },
+            "at its time 2.5 s is refused: opening is not finite",
+        ),
+    ];
+    for (index, (bad, expected)) in cases.into_iter().enumerate() {
+        let mut translator = translator(Mapping::identity("stylus", "forceps"));
+        translator.feed(&good, 0.0).unwrap();
+        let before = translator.states(0.0)[0].pose;
+        let refusal = translator.feed(&bad, 0.25).unwrap_err();
+        let expected = format!("tool \"forceps\": the sample of device \"stylus\" {expected}");
+        assert_eq!(refusal.to_string(), expected, "case {index}");
+        let state = &translator.states(0.25)[0];
+        assert_eq!(
+            (state.status, state.refused),
+            (ToolStatus::Occluded, 1),
+            "case {index}"
+        );
+        assert_eq!(state.pose, before, "case {index}");
+    }
+}
+
+/// Values of a device that was not visible are not looked at.
+#[test]
+fn hidden_sample_may_hold_anything() {
+    let mut translator = translator(Mapping::identity("stylus", "forceps"));
+    let sample = Sample {
+        position: [f64::NAN; 3],
+        orientation: [0.0; 4],
+        ..hidden(0.0)
+    };
+    assert_eq!(translator.feed(&sample, 0.0), Ok(None));
+    assert_eq!(translator.states(0.0)[0].refused, 0);
+}
+
+/// One recording drives forceps or scissors by its mapping alone; a device without a mapping drives nothing.
+#[test]
+fn devices_and_tools_meet_in_the_mapping() {
+    let mappings = vec![
+        Mapping::identity("other", "scissors"),
+        Mapping::identity("stylus", "forceps"),
+    ];
+    let mut translator = Translator::new(mappings, 0.5).unwrap();
+    translator
+        .feed(&sample(0.0, [1.0; 3], IDENTITY), 0.0)
+        .unwrap();
+    let stranger = Sample {
+        device: "stranger".into(),
+        ..sample(0.0, [1.0; 3], IDENTITY)
+    };
+    assert_eq!(translator.feed(&stranger, 0.0), Ok(None));
+    let states = translator.states(0.0);
+    let found: Vec<(&str, ToolStatus)> = states
+        .iter()
+        .map(|state| (state.tool.as_str(), state.status))
+        .collect();
+    assert_eq!(
+        found,
+        [
+            ("scissors", ToolStatus::NeverSeen),
+            ("forceps", ToolStatus::Tracked)
+        ]
+    );
+}
+
+/// A translator that is saved, made anew and restored says the same as one that went on, at every later moment.
+#[test]
+fn saved_state_goes_on() {
+    let mapping = Mapping {
+        field_from_device: QUARTER_Z,
+        scale: 0.1,
+        ..Mapping::identity("stylus", "forceps")
+    };
+    let mut original = translator(mapping.clone());
+    original
+        .feed(&sample(0.1, [0.1, 0.2, 0.3], QUARTER_X), 0.1)
+        .unwrap();
+    original
+        .feed(&sample(0.2, [f64::NAN; 3], QUARTER_X), 0.2)
+        .unwrap_err();
+
+    let bytes = serde_json::to_vec(original.state()).unwrap();
+    let mut restored = translator(mapping);
+    restored
+        .restore(serde_json::from_slice(&bytes).unwrap())
+        .unwrap();
+    for now_s in [0.2, 0.3, 0.9] {
+        assert_eq!(
+            restored.states(now_s),
+            original.states(now_s),
+            "at {now_s} s"
+        );
+    }
+    let next = sample(1.0, [0.3, 0.2, 0.1], QUARTER_X);
+    assert_eq!(restored.feed(&next, 1.0), original.feed(&next, 1.0));
+    assert_eq!(restored.state(), original.state());
+
+    let mut other = translator(Mapping::identity("stylus", "scissors"));
+    let error = other.restore(original.state().clone()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the saved state has the tools [forceps], expected [scissors]"
+    );
+
+    original.reset();
+    assert_eq!(original.states(2.0)[0].status, ToolStatus::NeverSeen);
+    assert_eq!(original.states(2.0)[0].refused, 0);
+}
+
+#[test]
+fn bad_mappings_are_refused_in_words() {
+    let good = Mapping::identity("stylus", "forceps");
+    let with = |change: fn(&mut Mapping)| {
+        let mut mapping = good.clone();
+        change(&mut mapping);
+        vec![mapping]
+    };
+    let cases = [
+        (
+            vec![good.clone(), Mapping::identity("other", "forceps")],
+            "the tool has two mappings, expected one",
+        ),
+        (
+            vec![Mapping::identity("stylus", "scissors"), good.clone()],
+            "device \"stylus\" drives another tool already",
+        ),
+        (
+            with(|m| m.device_origin[1] = f64::NAN),
+            "device_origin is not finite",
+        ),
+        (
+            with(|m| m.field_offset[2] = f64::INFINITY),
+            "field_offset is not finite",
+        ),
+        (
+            with(|m| m.scale = 0.0),
+            "scale is 0, expected a finite positive number",
+        ),
+        (
+            with(|m| m.scale = f64::NAN),
+            "scale is NaN, expected a finite positive number",
+        ),
+        (
+            with(|m| m.field_from_device = [0.0; 4]),
+            "field_from_device: quaternion is zero, expected a unit quaternion",
+        ),
+        (
+            with(|m| m.body_from_tool = [3.0, 0.0, 4.0, 0.0]),
+            "body_from_tool: quaternion has norm 5, expected 1 within 0.001",
+        ),
+        (
+            with(|m| m.opening = Opening::Constant(2.0)),
+            "opening is 2, expected 0 (closed) to 1 (open)",
+        ),
+        (
+            with(|m| {
+                m.opening = Opening::Device {
+                    closed: 0.5,
+                    open: 0.5,
+                }
+            }),
+            "opening is closed at 0.5 and open at 0.5, expected two different finite numbers",
+        ),
+    ];
+    for (mappings, expected) in cases {
+        let error = Translator::new(mappings, 0.5).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!("mapping of tool \"forceps\": {expected}")
+        );
+    }
+    let error = Translator::new(vec![good], 0.0).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "tools are stale after 0 s, expected a finite positive number"
+    );
+}
+
+fn any_point() -> impl Strategy<Value = [f64; 3]> {
+    prop::array::uniform3(-1.0_f64..1.0)
+}
+
+/// Any orientation, by axis angles, so that it is a unit quaternion without a division.
+fn any_orientation() -> impl Strategy<Value = [f64; 4]> {
+    prop::array::uniform3(-PI..PI).prop_map(|[a, b, c]| {
+        let half = |angle: f64| (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
+        let ((sa, ca), (sb, cb), (sc, cc)) = (half(a), half(b), half(c));
+        [
+            sa * cb * cc + ca * sb * sc,
+            ca * sb * cc - sa * cb * sc,
+            ca * cb * sc + sa * sb * cc,
+            ca * cb * cc - sa * sb * sc,
+        ]
+    })
+}
+
+fn any_mapping() -> impl Strategy<Value = Mapping> {
+    (
+        any_point(),
+        any_point(),
+        any_orientation(),
+        any_orientation(),
+        0.01_f64..10.0,
+    )
+        .prop_map(
+            |(device_origin, field_offset, field_from_device, body_from_tool, scale)| Mapping {
+                device_origin,
+                field_offset,
+                field_from_device,
+                body_from_tool,
+                scale,
+                ..Mapping::identity("stylus", "forceps")
+            },
+        )
+}
+
+/// All lengths of the properties are below 4 m in the device, so below 4·scale + 2 m in the field; each result passes
+/// fewer than 32 roundings of values of that size.
+fn rounding(mapping: &Mapping) -> f64 {
+    32.0 * f64::EPSILON * (4.0 * mapping.scale + 2.0)
+}
+
+proptest! {
+    #[test]
+    fn distances_scale_and_angles_stay(
+        mapping in any_mapping(),
+        points in prop::array::uniform3(any_point()),
+    ) {
+        let field = points.map(|point| pose_of(&mapping, &sample(0.0, point, IDENTITY)).position);
+        let [a, b, c] = points;
+        let [fa, fb, fc] = field;
+        let tolerance = rounding(&mapping);
+        prop_assert!((length(minus(fb, fa)) - mapping.scale * length(minus(b, a))).abs() <= tolerance);
+        // The inner product of two edges holds their angle; an error of each edge enters times the other's length.
+        let found = dot(minus(fb, fa), minus(fc, fa));
+        let expected = mapping.scale * mapping.scale * dot(minus(b, a), minus(c, a));
+        prop_assert!((found - expected).abs() <= 2.0 * tolerance * (4.0 * mapping.scale + 2.0));
+    }
+
+    #[test]
+    fn origin_goes_to_the_offset(mapping in any_mapping()) {
+        let pose = pose_of(&mapping, &sample(0.0, mapping.device_origin, IDENTITY));
+        prop_assert_eq!(pose.position, mapping.field_offset);
+    }
+
+    /// Translating twice is translating once by the composed mapping.
+    #[test]
+    fn mappings_compose(first in any_mapping(), second in any_mapping(), point in any_point(), turn in any_orientation()) {
+        let middle = pose_of(&first, &sample(0.0, point, turn));
+        let twice = pose_of(&second, &sample(0.0, middle.position, middle.orientation));
+        let composed = Mapping {
+            field_offset: pose_of(&second, &sample(0.0, first.field_offset, IDENTITY)).position,
+            field_from_device: product(second.field_from_device, first.field_from_device),
+            scale: second.scale * first.scale,
+            body_from_tool: product(first.body_from_tool, second.body_from_tool),
+            ..first.clone()
+        };
+        let once = pose_of(&composed, &sample(0.0, point, turn));
+        let tolerance = second.scale * rounding(&first) + rounding(&second) + rounding(&composed);
+        prop_assert!(close(once.position, twice.position, tolerance), "{once:?} {twice:?}");
+        prop_assert!(close(once.orientation, twice.orientation, 32.0 * f64::EPSILON));
+    }
+
+    /// The orientation is the three rotations one after the other, by their matrices.
+    #[test]
+    fn orientation_is_the_product_of_its_parts(mapping in any_mapping(), turn in any_orientation(), vector in any_point()) {
+        let pose = pose_of(&mapping, &sample(0.0, [0.0; 3], turn));
+        let expected = turned(mapping.field_from_device, turned(turn, turned(mapping.body_from_tool, vector)));
+        prop_assert!(close(turned(pose.orientation, vector), expected, 64.0 * f64::EPSILON));
+    }
+
+    /// Whatever a sample holds: no panic, and no pose but a finite one with a unit orientation.
+    #[test]
+    fn no_sample_makes_a_broken_pose(
+        position in prop::array::uniform3(prop::num::f64::ANY),
+        orientation in prop_oneof![prop::array::uniform4(prop::num::f64::ANY), any_orientation()],
+        time_s in prop::num::f64::ANY,
+        opening in prop::option::of(prop::num::f64::ANY),
+    ) {
+        let mut translator = translator(Mapping { scale: 2.0, ..Mapping::identity("stylus", "forceps") });
+        let sample = Sample { opening, ..sample(time_s, position, orientation) };
+        if let Ok(Some(TranslatedSample { pose, .. })) = translator.feed(&sample, 0.0) {
+            prop_assert!(pose.position.iter().all(|component| component.is_finite()));
+            let norm = pose.orientation.iter().map(|component| component * component).sum::<f64>();
+            prop_assert!((norm - 1.0).abs() <= 32.0 * f64::EPSILON);
+            prop_assert!((0.0..=1.0).contains(&pose.opening) && pose.sample_time_s.is_finite());
+        } else {
+            prop_assert_eq!(translator.states(0.0)[0].refused, 1);
+        }
+    }
+}

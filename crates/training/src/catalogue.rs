@@ -1,0 +1,309 @@
+//! The metrics that need motion alone: one table, and the ids by which it is used.
+
+use std::borrow::Cow;
+
+use crate::metric::{Category, Direction, MetricDefinition};
+use crate::text::Text;
+
+/// Ids of the motion metrics.
+pub mod id {
+    /// Running time of the level [s].
+    pub const TIME: &str = "time";
+    /// Path of the tips [m].
+    pub const PATH_LENGTH: &str = "path-length";
+    /// Shortest sensible path over path [1].
+    pub const ECONOMY: &str = "economy";
+    /// Sum of all turns of the tools [rad].
+    pub const ANGULAR_PATH: &str = "angular-path";
+    /// Box around the tip positions [m³].
+    pub const WORKING_VOLUME: &str = "working-volume";
+    /// Share of time at rest [1].
+    pub const IDLE_SHARE: &str = "idle-share";
+    /// Number of movements [1].
+    pub const MOVEMENTS: &str = "movements";
+    /// Spectral arc length [1].
+    pub const SPARC: &str = "sparc";
+    /// Log dimensionless jerk [1].
+    pub const LDLJ: &str = "ldlj";
+    /// RMS in the tremor band [m].
+    pub const TREMOR: &str = "tremor";
+    /// Share of time in which both tools move [1].
+    pub const BIMANUAL_SHARE: &str = "bimanual-share";
+    /// Correlation of both tools' speeds [1].
+    pub const SPEED_CORRELATION: &str = "speed-correlation";
+    /// Difference of both tools' paths over their sum [1].
+    pub const PATH_ASYMMETRY: &str = "path-asymmetry";
+}
+
+/// Every metric that needs motion alone, in the order in which `motion_metrics` reports them.
+pub static MOTION_METRICS: [MetricDefinition; 13] = [
+    MetricDefinition {
+        id: Cow::Borrowed(id::TIME),
+        title: Text::new("Zeit", "Time"),
+        unit: Cow::Borrowed("s"),
+        display_unit: Cow::Borrowed("s"),
+        display_factor: 1.0,
+        decimals: 1,
+        direction: Direction::LowerIsBetter,
+        category: Category::Efficiency,
+        formula: Cow::Borrowed("time/1"),
+        source: Cow::Borrowed("running time of the level without pauses"),
+        advice: Text::new(
+            "Legen Sie die Reihenfolge der Schritte fest, bevor Sie beginnen; Tempo kommt mit dem Ablauf.",
+            "Decide on the order of the steps before you begin; speed comes with a fixed sequence.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::PATH_LENGTH),
+        title: Text::new("Weglänge", "Path length"),
+        unit: Cow::Borrowed("m"),
+        display_unit: Cow::Borrowed("mm"),
+        display_factor: 1e3,
+        decimals: 1,
+        direction: Direction::LowerIsBetter,
+        category: Category::Efficiency,
+        formula: Cow::Borrowed("path-length/1"),
+        source: Cow::Borrowed(
+            "sum of |p(k+1) - p(k)| inside contiguous segments; correlates with global rating, r = -0.37 (Grober 2003)",
+        ),
+        advice: Text::new(
+            "Führen Sie die Spitze auf direktem Weg zum Ziel und ruhen Sie nahe am Arbeitsfeld.",
+            "Take the tip to the target directly and rest close to the field.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::ECONOMY),
+        title: Text::new("Bewegungsökonomie", "Economy of motion"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed("%"),
+        display_factor: 100.0,
+        decimals: 0,
+        direction: Direction::HigherIsBetter,
+        category: Category::Efficiency,
+        formula: Cow::Borrowed("economy/1"),
+        source: Cow::Borrowed("shortest sensible path of the level / path length"),
+        advice: Text::new(
+            "Sehen Sie zum nächsten Ziel, bevor Sie sich bewegen, und vermeiden Sie Umwege.",
+            "Look at the next target before you move, and avoid detours.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::ANGULAR_PATH),
+        title: Text::new("Winkelweg", "Angular path"),
+        unit: Cow::Borrowed("rad"),
+        display_unit: Cow::Borrowed("°"),
+        display_factor: 180.0 / std::f64::consts::PI,
+        decimals: 0,
+        direction: Direction::LowerIsBetter,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("angular-path/1"),
+        source: Cow::Borrowed("sum of 2 acos|q(k) q(k+1)| inside contiguous segments"),
+        advice: Text::new(
+            "Richten Sie das Instrument vor dem Kontakt aus und rollen Sie es zwischen den Fingern, statt die Hand zu drehen.",
+            "Align the instrument before contact and roll it between the fingers instead of turning the hand.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::WORKING_VOLUME),
+        title: Text::new("Arbeitsraum", "Working volume"),
+        unit: Cow::Borrowed("m³"),
+        display_unit: Cow::Borrowed("mm³"),
+        display_factor: 1e9,
+        decimals: 0,
+        direction: Direction::LowerIsBetter,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("working-volume-box/1"),
+        source: Cow::Borrowed("volume of the axis-parallel box around all tip positions"),
+        advice: Text::new(
+            "Bleiben Sie mit der Spitze im Arbeitsfeld, auch zwischen zwei Schritten.",
+            "Keep the tip within the field, between two steps as well.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::IDLE_SHARE),
+        title: Text::new("Ruheanteil", "Idle share"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed("%"),
+        display_factor: 100.0,
+        decimals: 0,
+        direction: Direction::LowerIsBetter,
+        category: Category::Efficiency,
+        formula: Cow::Borrowed("idle-share/1"),
+        source: Cow::Borrowed(
+            "share of time with a smoothed speed below v0; separates attendings from juniors (Lyon 2025)",
+        ),
+        advice: Text::new(
+            "Planen Sie den nächsten Schritt, während Sie den jetzigen beenden.",
+            "Plan the next step while you finish the present one.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::MOVEMENTS),
+        title: Text::new("Anzahl der Bewegungen", "Number of movements"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed(""),
+        display_factor: 1.0,
+        decimals: 0,
+        direction: Direction::LowerIsBetter,
+        category: Category::Efficiency,
+        formula: Cow::Borrowed("movements-gauss-hysteresis/1"),
+        source: Cow::Borrowed(
+            "upward crossings of v_th by the smoothed speed, hysteresis v_th/2 (ICSAD idea); correlates with global rating, r = -0.47 (Grober 2003)",
+        ),
+        advice: Text::new(
+            "Machen Sie aus mehreren kleinen Korrekturen eine ruhige Bewegung.",
+            "Make one calm movement out of several small corrections.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::SPARC),
+        title: Text::new("Glattheit (SPARC)", "Smoothness (SPARC)"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed(""),
+        display_factor: 1.0,
+        decimals: 2,
+        direction: Direction::HigherIsBetter,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("sparc/1"),
+        source: Cow::Borrowed(
+            "spectral arc length of the speed, 10 Hz, threshold 0.05 (Balasubramanian 2012/2015)",
+        ),
+        advice: Text::new(
+            "Beschleunigen und bremsen Sie gleichmäßig, ohne Halt auf dem Weg.",
+            "Speed up and slow down evenly, without stops on the way.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::LDLJ),
+        title: Text::new("Glattheit (Ruck, LDLJ)", "Smoothness (jerk, LDLJ)"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed(""),
+        display_factor: 1.0,
+        decimals: 2,
+        direction: Direction::HigherIsBetter,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("ldlj/1"),
+        source: Cow::Borrowed("log dimensionless jerk of the speed (Balasubramanian 2015)"),
+        advice: Text::new(
+            "Stützen Sie die Hand ab und halten Sie das Instrument locker, damit es nicht ruckt.",
+            "Support your hand and hold the instrument lightly, so that it does not jerk.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::TREMOR),
+        title: Text::new("Tremor (8–12 Hz)", "Tremor (8–12 Hz)"),
+        unit: Cow::Borrowed("m"),
+        display_unit: Cow::Borrowed("µm"),
+        display_factor: 1e6,
+        decimals: 0,
+        direction: Direction::LowerIsBetter,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("tremor-hann-rms/1"),
+        source: Cow::Borrowed(
+            "detrended, Hann window, power density of x, y, z summed, root of the integral over 8..12 Hz; 49 µm RMS still (Riviere 1997)",
+        ),
+        advice: Text::new(
+            "Legen Sie Handkante und Unterarm auf, atmen Sie ruhig und greifen Sie mit weniger Kraft.",
+            "Rest the edge of the hand and the forearm, breathe calmly and grip with less force.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::BIMANUAL_SHARE),
+        title: Text::new("Beidhändiger Anteil", "Bimanual share"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed("%"),
+        display_factor: 100.0,
+        decimals: 0,
+        direction: Direction::HigherIsBetter,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("bimanual-share/1"),
+        source: Cow::Borrowed(
+            "share of the common time in which the smoothed speeds of both tools are at least v0",
+        ),
+        advice: Text::new(
+            "Lassen Sie die andere Hand mitarbeiten: Sie richtet aus, während die erste sich nähert.",
+            "Let the other hand take part: it presents while the first one approaches.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::SPEED_CORRELATION),
+        title: Text::new("Korrelation der Geschwindigkeiten", "Correlation of speeds"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed(""),
+        display_factor: 1.0,
+        decimals: 2,
+        direction: Direction::Informative,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("speed-correlation/1"),
+        source: Cow::Borrowed(
+            "Pearson's correlation of the smoothed speeds of both tools over their common time",
+        ),
+        advice: Text::new(
+            "Üben Sie, beide Hände zugleich zu bewegen und zugleich ruhen zu lassen.",
+            "Practise moving both hands together and resting them together.",
+        ),
+    },
+    MetricDefinition {
+        id: Cow::Borrowed(id::PATH_ASYMMETRY),
+        title: Text::new("Ungleichheit der Wege", "Asymmetry of paths"),
+        unit: Cow::Borrowed("1"),
+        display_unit: Cow::Borrowed("%"),
+        display_factor: 100.0,
+        decimals: 0,
+        direction: Direction::Range,
+        category: Category::InstrumentHandling,
+        formula: Cow::Borrowed("path-asymmetry/1"),
+        source: Cow::Borrowed(
+            "|L1 - L2| / (L1 + L2) of the path lengths of both tools; 0 is even, 1 one hand alone",
+        ),
+        advice: Text::new(
+            "Verteilen Sie die Arbeit auf beide Hände, wie die Aufgabe es verlangt.",
+            "Share the work between both hands as the task demands.",
+        ),
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_definition_is_complete_and_unique() {
+        for (index, metric) in MOTION_METRICS.iter().enumerate() {
+            let texts = [
+                &metric.title.de,
+                &metric.title.en,
+                &metric.advice.de,
+                &metric.advice.en,
+                &metric.source,
+                &metric.unit,
+            ];
+            assert!(texts.iter().all(|text| !text.is_empty()), "{}", metric.id);
+            assert!(
+                metric.display_factor.is_finite() && metric.display_factor > 0.0,
+                "{}",
+                metric.id
+            );
+            assert!(
+                metric
+                    .formula
+                    .rsplit_once('/')
+                    .is_some_and(|(_, version)| version == "1"),
+                "{}",
+                metric.id
+            );
+            assert!(
+                metric.advice.de.ends_with('.') && metric.advice.en.ends_with('.'),
+                "{}",
+                metric.id
+            );
+            assert!(
+                MOTION_METRICS[..index]
+                    .iter()
+                    .all(|other| other.id != metric.id),
+                "{}",
+                metric.id
+            );
+        }
+    }
+}

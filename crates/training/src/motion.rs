@@ -1,0 +1,367 @@
+//! The motion of one tool as it was measured: an append-only log of samples, split into segments where tracking was lost.
+//!
+//! A gap is a gap: nothing in this crate joins the sample before it to the sample after it. The log is written by the
+//! module once per tick and belongs to its saved state, hence the plain byte form.
+
+use std::fmt;
+
+/// One measured pose of a tool, tip in the field frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Device time [s].
+    pub time: f64,
+    /// Tip position in the field frame [m].
+    pub position: [f64; 3],
+    /// Orientation, field from tool, quaternion x y z w; need not be of unit length, must not be zero.
+    pub orientation: [f64; 4],
+    /// Opening of the jaws, 0 closed .. 1 open; `None` for a tool without jaws.
+    pub opening: Option<f64>,
+}
+
+/// Why a sample was refused. The log is unchanged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MotionError {
+    /// The named field holds NaN or infinity.
+    NotFinite(&'static str),
+    /// The sample is not later than the last one.
+    TimeNotIncreasing {
+        /// Time of the last sample [s].
+        last: f64,
+        /// Time of the refused sample [s].
+        next: f64,
+    },
+    /// The quaternion has no direction (zero, or so long that its square overflows).
+    NoOrientation,
+    /// The opening lies outside 0..1.
+    OpeningOutOfRange(f64),
+}
+
+impl fmt::Display for MotionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MotionError::NotFinite(field) => {
+                write!(f, "motion sample: {field} is not a finite number")
+            }
+            MotionError::TimeNotIncreasing { last, next } => {
+                write!(
+                    f,
+                    "motion sample: time {next} s does not come after {last} s"
+                )
+            }
+            MotionError::NoOrientation => {
+                write!(f, "motion sample: the quaternion has no direction")
+            }
+            MotionError::OpeningOutOfRange(opening) => {
+                write!(f, "motion sample: opening {opening} lies outside 0..1")
+            }
+        }
+    }
+}
+
+impl std::error::Error for MotionError {}
+
+/// Why bytes are not a motion log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MotionBytesError {
+    /// The bytes are not as long as their header says.
+    Length {
+        /// Length by the header, `None` when the header itself is cut or absurd.
+        expected: Option<usize>,
+        /// Length found.
+        found: usize,
+    },
+    /// A flag, or a gap mark, has a value that `to_bytes` never writes.
+    Mark,
+    /// A sample that `push` would refuse.
+    Sample {
+        /// Its index.
+        index: usize,
+        /// The reason.
+        error: MotionError,
+    },
+}
+
+impl fmt::Display for MotionBytesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MotionBytesError::Length {
+                expected: Some(expected),
+                found,
+            } => {
+                write!(f, "motion log: {found} bytes found, {expected} expected")
+            }
+            MotionBytesError::Length {
+                expected: None,
+                found,
+            } => {
+                write!(f, "motion log: the header in {found} bytes cannot be read")
+            }
+            MotionBytesError::Mark => write!(f, "motion log: a flag or gap mark is invalid"),
+            MotionBytesError::Sample { index, error } => {
+                write!(f, "motion log: sample {index}: {error}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for MotionBytesError {}
+
+/// Everything that one tool did, in order of device time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MotionLog {
+    samples: Vec<Sample>,
+    /// Indices of samples before which tracking was marked as lost; strictly increasing, each in 1..samples.len().
+    breaks: Vec<usize>,
+    /// The next sample starts a new segment.
+    gap_pending: bool,
+}
+
+/// Sample count, break count, pending flag.
+const HEADER_BYTES: usize = 8 + 8 + 1;
+/// Nine numbers and a flag: 1 with an opening, 0 without.
+const SAMPLE_BYTES: usize = 9 * 8 + 1;
+const BREAK_BYTES: usize = 8;
+
+impl MotionLog {
+    /// An empty log.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Appends a sample.
+    pub fn push(&mut self, sample: Sample) -> Result<(), MotionError> {
+        check(&sample, self.samples.last())?;
+        if self.gap_pending {
+            self.breaks.push(self.samples.len());
+            self.gap_pending = false;
+        }
+        self.samples.push(sample);
+        Ok(())
+    }
+
+    /// Says that the tool was not tracked (or the level paused) since the last sample: the next one starts a new segment,
+    /// however close its time. Without an earlier sample there is nothing to separate from, and nothing happens.
+    pub fn mark_gap(&mut self) {
+        self.gap_pending = !self.samples.is_empty();
+    }
+
+    /// All samples.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// The contiguous stretches: split wherever two samples lie more than `gap` [s] apart, and at every marked gap.
+    pub fn segments(&self, gap: f64) -> Vec<&[Sample]> {
+        let mut segments = Vec::new();
+        let mut breaks = self.breaks.iter().copied().peekable();
+        let mut start = 0;
+        for index in 1..self.samples.len() {
+            let marked = breaks.next_if_eq(&index).is_some();
+            if marked || self.samples[index].time - self.samples[index - 1].time > gap {
+                segments.push(&self.samples[start..index]);
+                start = index;
+            }
+        }
+        if start < self.samples.len() {
+            segments.push(&self.samples[start..]);
+        }
+        segments
+    }
+
+    /// The log as bytes, little-endian: sample count u64, break count u64, pending flag u8; per sample time, position,
+    /// orientation, opening (9 f64, the opening 0 if absent) and a flag u8 (1: has an opening); the breaks as u64.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let length =
+            HEADER_BYTES + self.samples.len() * SAMPLE_BYTES + self.breaks.len() * BREAK_BYTES;
+        let mut bytes = Vec::with_capacity(length);
+        bytes.extend((self.samples.len() as u64).to_le_bytes());
+        bytes.extend((self.breaks.len() as u64).to_le_bytes());
+        bytes.push(u8::from(self.gap_pending));
+        for sample in &self.samples {
+            let [x, y, z] = sample.position;
+            let [qx, qy, qz, qw] = sample.orientation;
+            for value in [
+                sample.time,
+                x,
+                y,
+                z,
+                qx,
+                qy,
+                qz,
+                qw,
+                sample.opening.unwrap_or(0.0),
+            ] {
+                bytes.extend(value.to_le_bytes());
+            }
+            bytes.push(u8::from(sample.opening.is_some()));
+        }
+        for &index in &self.breaks {
+            bytes.extend((index as u64).to_le_bytes());
+        }
+        bytes
+    }
+
+    /// The log that [`to_bytes`](Self::to_bytes) wrote. Accepts nothing else: the bytes of an accepted log are the same again.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, MotionBytesError> {
+        let mut reader = Reader { bytes };
+        let header = (reader.take_u64(), reader.take_u64(), reader.take_u8());
+        let (Some(sample_count), Some(break_count), Some(pending)) = header else {
+            return Err(MotionBytesError::Length {
+                expected: None,
+                found: bytes.len(),
+            });
+        };
+        let expected = length_of(sample_count, break_count);
+        if expected != Some(bytes.len()) {
+            return Err(MotionBytesError::Length {
+                expected,
+                found: bytes.len(),
+            });
+        }
+
+        // From here on the length is right, so that every read succeeds; a cut is still an error, never a panic.
+        let cut = MotionBytesError::Length {
+            expected,
+            found: bytes.len(),
+        };
+        let mut log = MotionLog {
+            samples: Vec::with_capacity(sample_count as usize),
+            ..Self::default()
+        };
+        for index in 0..sample_count as usize {
+            let mut values = [0.0; 9];
+            for value in &mut values {
+                *value = f64::from_bits(reader.take_u64().ok_or(cut)?);
+            }
+            let [time, x, y, z, qx, qy, qz, qw, opening] = values;
+            let opening = match reader.take_u8().ok_or(cut)? {
+                0 if opening.to_bits() == 0 => None,
+                1 => Some(opening),
+                _ => return Err(MotionBytesError::Mark),
+            };
+            let sample = Sample {
+                time,
+                position: [x, y, z],
+                orientation: [qx, qy, qz, qw],
+                opening,
+            };
+            check(&sample, log.samples.last())
+                .map_err(|error| MotionBytesError::Sample { index, error })?;
+            log.samples.push(sample);
+        }
+        let mut previous = 0;
+        for _ in 0..break_count {
+            let index = reader.take_u64().ok_or(cut)?;
+            if index <= previous || index >= sample_count {
+                return Err(MotionBytesError::Mark);
+            }
+            log.breaks.push(index as usize);
+            previous = index;
+        }
+        log.gap_pending = match pending {
+            0 => false,
+            1 if sample_count > 0 => true,
+            _ => return Err(MotionBytesError::Mark),
+        };
+        Ok(log)
+    }
+}
+
+/// Length of a contiguous stretch of samples [m]: Σ|p_{k+1} − p_k| (DOMAIN 2).
+pub fn path_length(segment: &[Sample]) -> f64 {
+    segment
+        .windows(2)
+        .map(|pair| distance(pair[0].position, pair[1].position))
+        .sum()
+}
+
+/// Angle [rad], 0..π, of the rotation between two orientations: 2·acos|a·b| of the unit quaternions.
+///
+/// Computed as 4·atan2(|a ∓ b|, |a ± b|), the same angle without the cancellation of acos near 1: with quaternions
+/// rounded to 10⁻⁶, as recordings have them, acos would turn every sample of a tool at rest into up to 10⁻³ rad.
+pub fn rotation_angle(a: [f64; 4], b: [f64; 4]) -> f64 {
+    let (a, b) = (unit(a), unit(b));
+    let mut difference = 0.0;
+    let mut sum = 0.0;
+    for axis in 0..4 {
+        difference += (a[axis] - b[axis]) * (a[axis] - b[axis]);
+        sum += (a[axis] + b[axis]) * (a[axis] + b[axis]);
+    }
+    // q and −q are the same orientation: the nearer of the two is meant.
+    4.0 * libm::atan2(difference.min(sum).sqrt(), difference.max(sum).sqrt())
+}
+
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    (x * x + y * y + z * z).sqrt()
+}
+
+fn norm_squared(q: [f64; 4]) -> f64 {
+    q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]
+}
+
+fn unit(q: [f64; 4]) -> [f64; 4] {
+    let norm = norm_squared(q).sqrt();
+    q.map(|component| component / norm)
+}
+
+fn check(sample: &Sample, last: Option<&Sample>) -> Result<(), MotionError> {
+    if !sample.time.is_finite() {
+        return Err(MotionError::NotFinite("time"));
+    }
+    if !sample.position.iter().all(|value| value.is_finite()) {
+        return Err(MotionError::NotFinite("position"));
+    }
+    if !sample.orientation.iter().all(|value| value.is_finite()) {
+        return Err(MotionError::NotFinite("orientation"));
+    }
+    if !norm_squared(sample.orientation).is_normal() {
+        return Err(MotionError::NoOrientation);
+    }
+    if let Some(opening) = sample.opening {
+        if opening.is_nan() {
+            return Err(MotionError::NotFinite("opening"));
+        }
+        if !(0.0..=1.0).contains(&opening) {
+            return Err(MotionError::OpeningOutOfRange(opening));
+        }
+    }
+    match last {
+        Some(last) if sample.time <= last.time => Err(MotionError::TimeNotIncreasing {
+            last: last.time,
+            next: sample.time,
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn length_of(sample_count: u64, break_count: u64) -> Option<usize> {
+    let samples = usize::try_from(sample_count)
+        .ok()?
+        .checked_mul(SAMPLE_BYTES)?;
+    let breaks = usize::try_from(break_count)
+        .ok()?
+        .checked_mul(BREAK_BYTES)?;
+    HEADER_BYTES.checked_add(samples)?.checked_add(breaks)
+}
+
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn take_u64(&mut self) -> Option<u64> {
+        let (head, rest) = self.bytes.split_first_chunk()?;
+        self.bytes = rest;
+        Some(u64::from_le_bytes(*head))
+    }
+
+    fn take_u8(&mut self) -> Option<u8> {
+        let (&head, rest) = self.bytes.split_first()?;
+        self.bytes = rest;
+        Some(head)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;
