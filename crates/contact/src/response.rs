@@ -141,11 +141,20 @@ struct Candidates {
 impl Candidates {
     /// Broad phase: by a box around the tool, then by a ball around each triangle. The margin leaves room for what the
     /// passes move.
-    fn find(body: &BodySurface<'_>, capsules: &[CapsuleMotion], positions: &[Vector3<f64>]) -> Self {
+    fn find(
+        body: &BodySurface<'_>,
+        capsules: &[CapsuleMotion],
+        positions: &[Vector3<f64>],
+    ) -> Self {
         let margin = CANDIDATE_MARGIN * body.mean_edge_length;
-        let bounds = capsules.iter().fold(Aabb::empty(), |all, capsule| all.union(&capsule.end.bounds()));
+        let bounds = capsules.iter().fold(Aabb::empty(), |all, capsule| {
+            all.union(&capsule.end.bounds())
+        });
         let bounds = bounds.inflated(margin);
-        let mut candidates = Self { triangles: Vec::new(), nodes: Vec::new() };
+        let mut candidates = Self {
+            triangles: Vec::new(),
+            nodes: Vec::new(),
+        };
         // On which sides of the box each node lies; a triangle with a side common to its corners is away.
         let mut sides = vec![0u8; positions.len()];
         let mut common = u8::MAX;
@@ -163,8 +172,11 @@ impl Candidates {
         for (index, triangle) in body.surface.triangles.iter().enumerate() {
             let [a, b, c] = triangle.map(|node| node as usize);
             if sides[a] & sides[b] & sides[c] == 0 {
-                let corners = [&positions[a], &positions[b], &positions[c]];
-                if capsules.iter().any(|capsule| in_reach(corners, &capsule.end, margin)) {
+                let corners = [positions[a], positions[b], positions[c]];
+                if capsules
+                    .iter()
+                    .any(|capsule| in_reach(&corners, &capsule.end, margin))
+                {
                     candidates.triangles.push(index as u32);
                 }
             }
@@ -201,7 +213,10 @@ fn triangle_pass(
         touches: f64,
     }
     let mut sums: BTreeMap<u32, Sum> = BTreeMap::new();
-    let mut deepest = Deepest { relative_distance: 0.0, depth: 0.0 };
+    let mut deepest = Deepest {
+        relative_distance: 0.0,
+        depth: 0.0,
+    };
     for &triangle in &candidates.triangles {
         let nodes = &body.surface.triangles[triangle as usize];
         for (index, capsule) in capsules.iter().enumerate() {
@@ -209,7 +224,12 @@ fn triangle_pass(
             else {
                 continue;
             };
-            let Touch { normal, depth, distance, old_share } = found.touch;
+            let Touch {
+                normal,
+                depth,
+                distance,
+                old_share,
+            } = found.touch;
             let shares = distribute(
                 nodes.map(|node| body.inverse_masses[node as usize]),
                 found.barycentric,
@@ -286,8 +306,8 @@ fn node_pass(
 
 /// Factors b_i w_i / Σ_j w_j b_j² by which each node of a triangle takes part in a correction.
 ///
-/// When the point lies almost at a clamped node the free ones would have to move far for it: the factors are scaled by
-/// 3·Σ_free b², which is at least 1 for a triangle without clamps, so that no node moves more than three times the depth.
+/// When the point lies almost at a clamped node, a free one would have to go 1/b times the depth for it: the factors are
+/// scaled by 3·Σ_free b², which is at least 1 for a triangle without clamps, and the passes do the rest.
 fn distribute(w: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     let sum: f64 = (0..3).map(|k| w[k] * b[k] * b[k]).sum();
     if sum <= 0.0 {

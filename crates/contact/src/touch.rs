@@ -46,7 +46,7 @@ pub(crate) fn touch_triangle(
     memory: &ContactMemory,
 ) -> Option<TriangleTouch> {
     let corners = nodes.map(|node| positions[node as usize]);
-    if !in_reach(corners.each_ref(), &capsule.end, 0.0) {
+    if !in_reach(&corners, &capsule.end, 0.0) {
         return None;
     }
     let closest = closest_segment_triangle(&capsule.end.a, &capsule.end.b, &corners);
@@ -106,11 +106,26 @@ pub(crate) fn touch_node(
     ))
 }
 
-/// Whether a ball around the triangle comes within `margin` [m] of the capsule: a quick no for most triangles.
-pub(crate) fn in_reach(corners: [&Vector3<f64>; 3], capsule: &Capsule, margin: f64) -> bool {
+/// Whether a triangle may come within `margin` [m] of the capsule: a quick no for most. It is away when a ball around it is, or
+/// when the whole axis lies further than the radius on one side of its plane.
+pub(crate) fn in_reach(corners: &[Vector3<f64>; 3], capsule: &Capsule, margin: f64) -> bool {
+    let reach = capsule.radius + margin;
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+    let (a, b) = (
+        (capsule.a - corners[0]).dot(&normal),
+        (capsule.b - corners[0]).dot(&normal),
+    );
+    let nearest = a.min(b).max(-a.max(b));
+    if nearest > 0.0 && nearest * nearest > reach * reach * normal.norm_squared() {
+        return false;
+    }
     let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-    let ball = corners.iter().map(|corner| (*corner - centre).norm_squared()).fold(0.0, f64::max).sqrt();
-    let reach = capsule.radius + ball + margin;
+    let ball = corners
+        .iter()
+        .map(|corner| (corner - centre).norm_squared())
+        .fold(0.0, f64::max)
+        .sqrt();
+    let reach = reach + ball;
     (centre - capsule.axis_point(&centre).point).norm_squared() <= reach * reach
 }
 

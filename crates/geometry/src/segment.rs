@@ -56,25 +56,8 @@ pub fn closest_segments(
     b0: &Vector3<f64>,
     b1: &Vector3<f64>,
 ) -> SegmentsClosest {
-    let (u, v, w) = (a1 - a0, b1 - b0, a0 - b0);
-    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
-    let determinant = uu * vv - uv * uv;
-    if determinant > PARALLEL_SIN_SQUARED * uu * vv {
-        let (uw, vw) = (u.dot(&w), v.dot(&w));
-        let s = (uv * vw - vv * uw) / determinant;
-        let t = (uu * vw - uv * uw) / determinant;
-        if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
-            return SegmentsClosest {
-                first: SegmentPoint {
-                    point: a0 + u * s,
-                    t: s,
-                },
-                second: SegmentPoint {
-                    point: b0 + v * t,
-                    t,
-                },
-            };
-        }
+    if let Some(inside) = closest_inside(a0, a1, b0, b1) {
+        return inside;
     }
     let candidates = [
         SegmentsClosest {
@@ -101,6 +84,34 @@ pub fn closest_segments(
         }
     }
     best
+}
+
+/// The closest points of two lines where both lie on the segments; then no end point is closer.
+pub(crate) fn closest_inside(
+    a0: &Vector3<f64>,
+    a1: &Vector3<f64>,
+    b0: &Vector3<f64>,
+    b1: &Vector3<f64>,
+) -> Option<SegmentsClosest> {
+    let (u, v, w) = (a1 - a0, b1 - b0, a0 - b0);
+    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
+    let determinant = uu * vv - uv * uv;
+    if determinant <= PARALLEL_SIN_SQUARED * uu * vv {
+        return None;
+    }
+    let (uw, vw) = (u.dot(&w), v.dot(&w));
+    let s = (uv * vw - vv * uw) / determinant;
+    let t = (uu * vw - uv * uw) / determinant;
+    ((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then(|| SegmentsClosest {
+        first: SegmentPoint {
+            point: a0 + u * s,
+            t: s,
+        },
+        second: SegmentPoint {
+            point: b0 + v * t,
+            t,
+        },
+    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Closest points of triangles.
 
-use crate::segment::{SegmentPoint, closest_on_segment, closest_segments};
+use crate::segment::{SegmentPoint, closest_inside, closest_on_segment};
 use nalgebra::Vector3;
 
 /// A triangle whose sin² between two edges is below this has no usable plane; its edges decide alone.
@@ -73,7 +73,7 @@ pub fn closest_on_triangle(p: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> Tr
 }
 
 /// The closest points of the segment `a`–`b` and a triangle: the true closest feature among the crossing point, the
-/// end points against the triangle, and the segment against the edges.
+/// end points against the triangle, the corners against the segment, and the segment against the insides of the edges.
 pub fn closest_segment_triangle(
     a: &Vector3<f64>,
     b: &Vector3<f64>,
@@ -86,20 +86,32 @@ pub fn closest_segment_triangle(
         on_segment: SegmentPoint { point: *a, t: 0.0 },
         on_triangle: closest_on_triangle(a, triangle),
     };
-    let far_end = SegmentTriangle {
+    let mut consider = |candidate: SegmentTriangle| {
+        if candidate.distance_squared() < best.distance_squared() {
+            best = candidate;
+        }
+    };
+    consider(SegmentTriangle {
         on_segment: SegmentPoint { point: *b, t: 1.0 },
         on_triangle: closest_on_triangle(b, triangle),
-    };
-    if far_end.distance_squared() < best.distance_squared() {
-        best = far_end;
-    }
-    for edge in 0..3 {
-        let pair = closest_segments(a, b, &triangle[edge], &triangle[(edge + 1) % 3]);
-        if pair.distance_squared() < best.distance_squared() {
-            best = SegmentTriangle {
+    });
+    for corner in 0..3 {
+        let (start, end) = (&triangle[corner], &triangle[(corner + 1) % 3]);
+        consider(SegmentTriangle {
+            on_segment: closest_on_segment(start, a, b),
+            on_triangle: edge_point(
+                &SegmentPoint {
+                    point: *start,
+                    t: 0.0,
+                },
+                corner,
+            ),
+        });
+        if let Some(pair) = closest_inside(a, b, start, end) {
+            consider(SegmentTriangle {
                 on_segment: pair.first,
-                on_triangle: edge_point(&pair.second, edge),
-            };
+                on_triangle: edge_point(&pair.second, corner),
+            });
         }
     }
     best

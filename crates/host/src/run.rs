@@ -1,9 +1,9 @@
 //! A run at the edge: pacing, controls, recording, pictures, the end. The only place of the host that reads the wall
 //! clock.
 //!
-//! **Rule for late ticks** (paced runs): no tick is skipped or shortened. A tick that is due waits for its time; one
-//! that is late by more than `max_late` ticks moves the schedule, so that the simulation slows down instead of
-//! racing to catch up. Late ticks are counted and reported.
+//! **Rule for late ticks** (paced runs): no tick is skipped or shortened. A tick that begins late is counted, and the next
+//! ones follow without a pause until the lag is made up; a lag beyond [`Realtime::give_up`] moves the schedule, so that
+//! the simulation falls behind the wall clock instead of racing after it.
 
 use crate::engine::{Checkpoint, Engine, Feed, TickOutput};
 use crate::fault::Failure;
@@ -29,14 +29,23 @@ const ENDING_NS: u64 = 2_000_000_000;
 /// Version of the records in a session.
 const RECORD_FORMAT: u32 = 1;
 
+/// Pacing by the wall clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Realtime {
+    /// A tick that begins later than this is counted as late.
+    pub tolerance: Duration,
+    /// Behind by more than this, the schedule moves.
+    pub give_up: Duration,
+}
+
 /// How to run a plan.
 pub struct RunOptions<'a> {
     /// Threads of the parallel loop.
     pub threads: usize,
     /// Bounds of the bus queues.
     pub limits: Limits,
-    /// Pace ticks by the wall clock; the number is the largest tolerated lateness in ticks.
-    pub realtime: Option<u64>,
+    /// Pace ticks by the wall clock.
+    pub realtime: Option<Realtime>,
     /// Pictures, if wanted.
     pub pictures: Option<PicturePlan>,
     /// Go on from here.
@@ -169,10 +178,10 @@ impl Recorder {
 
 /// Paces ticks by the wall clock.
 struct Pace {
+    rule: Realtime,
     start: Instant,
     next: Instant,
     tick: Duration,
-    max_late: u64,
     late: u64,
 }
 
@@ -181,9 +190,9 @@ impl Pace {
         let now = Instant::now();
         if now < self.next {
             std::thread::sleep(self.next - now);
-        } else if now > self.next + self.tick {
+        } else if now - self.next > self.rule.tolerance {
             self.late += 1;
-            if now > self.next + self.tick * u32::try_from(self.max_late).unwrap_or(u32::MAX) {
+            if now - self.next > self.rule.give_up {
                 self.next = now;
             }
         }
@@ -314,13 +323,9 @@ impl Course<'_> {
         outcome: &mut RunOutcome,
     ) -> Result<Ended, Failure> {
         let now = Instant::now();
-        let mut pace = options.realtime.map(|max_late| Pace {
-            start: now,
-            next: now,
-            tick: Duration::from_nanos(plan.tick_ns),
-            max_late,
-            late: 0,
-        });
+        let tick = Duration::from_nanos(plan.tick_ns);
+        let mut pace =
+            options.realtime.map(|rule| Pace { rule, start: now, next: now, tick, late: 0 });
         let sources = plan.plugins.iter().filter(|p| p.kind == PluginKind::Source).count();
         let mut ears = Ears::default();
         let mut controls = Vec::new();

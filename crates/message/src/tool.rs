@@ -103,7 +103,7 @@ pub struct TissueRecovery {
     pub body: String,
     /// What was wrong.
     pub cause: String,
-    /// Sub-steps of the tick that worked.
+    /// Sub-steps of the tick that worked; 0 if none did and the body was held at its last good state.
     pub substeps: u32,
 }
 

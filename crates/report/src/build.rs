@@ -160,3 +160,75 @@ impl Reading {
 fn read<M: Message>(frame: &Frame<'_>) -> Result<Option<M>, DecodeError> {
     decode(frame).transpose()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{failed_result, input, log};
+    use crate::{Report, Verdict};
+    use microsim_bus::push_frame;
+    use microsim_message::{Log, LogLevel};
+
+    /// The JSON form comes back as it was, and a program finds the ids of the reasons as one plain list.
+    #[test]
+    fn json_comes_back_with_exactly_the_failed_ids() {
+        let log = log(&[&failed_result(&["depth", "dwell-too-short"])]);
+        let report = Report::build(&input(), [(0, &log[..])]);
+        let json = report.to_json();
+        let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        assert_eq!(
+            value["failed"],
+            serde_json::json!(["depth", "dwell-too-short"])
+        );
+        assert_eq!(value["verdict"], "failed");
+        assert_eq!(value["counts"], true);
+        // 0.75 m, shown in mm.
+        assert_eq!(value["metrics"][1]["value"], 0.75);
+        assert_eq!(value["metrics"][1]["display_value"], 750.0);
+        assert_eq!(value["metrics"][1]["limit"]["provisional"], true);
+        assert_eq!(value["session"]["module"], "touch-spheres");
+        let back: Report = serde_json::from_str(&json).expect("the report");
+        assert_eq!(back, report);
+    }
+
+    #[test]
+    fn an_aborted_run_does_not_count() {
+        let mut result = failed_result(&["aborted"]);
+        result.aborted = true;
+        let log = log(&[&result]);
+        let report = Report::build(&input(), [(0, &log[..])]);
+        assert_eq!((report.verdict, report.counts), (Verdict::Aborted, false));
+    }
+
+    /// Unknown kinds are skipped; a payload that is no log line, and a cut frame, are said; equal lines are counted; what
+    /// is not a warning is left out.
+    #[test]
+    fn what_cannot_be_read_is_said() {
+        let line = |level| Log {
+            level,
+            text: "late".into(),
+        };
+        let mut bytes = log(&[
+            &line(LogLevel::Warn),
+            &line(LogLevel::Info),
+            &line(LogLevel::Warn),
+        ]);
+        push_frame(&mut bytes, 1, 1, b"a kind of a module's own");
+        push_frame(&mut bytes, microsim_bus::kind_id("host.log"), 1, b"junk");
+        bytes.extend_from_slice(b"cut");
+        let report = Report::build(&input(), [(0, &[][..]), (1, &bytes[..])]);
+        let lines: Vec<_> = report
+            .warnings
+            .iter()
+            .map(|w| (w.level, w.count, w.session_time))
+            .collect();
+        assert_eq!(
+            lines,
+            [
+                (LogLevel::Warn, 2, 0.125),
+                (LogLevel::Error, 1, 0.125),
+                (LogLevel::Error, 1, 0.125)
+            ]
+        );
+        assert!(report.warnings[1].text.contains("host.log"));
+    }
+}

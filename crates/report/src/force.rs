@@ -18,8 +18,10 @@ pub struct ForceSeries {
     pub force: Vec<f64>,
     /// Largest magnitude within the tick \[N\].
     pub peak: Vec<f64>,
-    /// Largest penetration found before it was resolved \[m\].
+    /// Deepest penetration that was left after a step \[m\].
     pub depth: Vec<f64>,
+    /// Largest displacement of a touched node from its rest position along the force \[m\].
+    pub indentation: Vec<f64>,
 }
 
 /// Gathers the contacts of each pair, pairs in the order of their first contact.
@@ -56,6 +58,7 @@ impl ForceCollector {
             series.force.push((x * x + y * y + z * z).sqrt());
             series.peak.push(contact.peak);
             series.depth.push(contact.depth);
+            series.indentation.push(contact.indentation);
             *last = tick;
         }
     }

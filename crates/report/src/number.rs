@@ -12,12 +12,11 @@ pub struct Ticks {
     pub decimals: usize,
 }
 
-/// About `wanted` round numbers between `lo` and `hi`, at distances of 1, 2 or 5 times a power of ten. Both ends finite and
-/// `lo` < `hi`.
-pub fn ticks(lo: f64, hi: f64, wanted: usize) -> Ticks {
-    let raw = (hi - lo) / wanted as f64;
-    let mut power = exponent(raw);
-    let factor = match raw / power_of_ten(power) {
+/// The round numbers between `lo` and `hi` at a distance of 1, 2 or 5 times a power of ten: the smallest one that is at
+/// least `least`. All finite, `least` above 0.
+pub fn ticks(lo: f64, hi: f64, least: f64) -> Ticks {
+    let mut power = exponent(least);
+    let factor = match least / power_of_ten(power) {
         m if m <= 1.0 => 1.0,
         m if m <= 2.0 => 2.0,
         m if m <= 5.0 => 5.0,
@@ -170,7 +169,11 @@ pub fn date_time(seconds: u64) -> LocalText {
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let shifted = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
+    let month = if shifted < 10 {
+        shifted + 3
+    } else {
+        shifted - 9
+    };
     let year = era * 400 + year_of_era + u64::from(month <= 2);
     let (hour, minute) = (seconds / 3_600 % 24, seconds / 60 % 60);
     LocalText {
@@ -185,15 +188,15 @@ mod tests {
 
     #[test]
     fn ticks_are_round() {
-        // By hand: steps of 1, 2 or 5 times a power of ten, no more than wanted + 1 of them, ends included.
-        for (lo, hi, wanted, values, decimals) in [
-            (0.0, 10.0, 5, vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0], 0),
-            (0.0, 0.3, 3, vec![0.0, 0.1, 0.2, 0.3], 1),
-            (-7.0, 12.0, 4, vec![-5.0, 0.0, 5.0, 10.0], 0),
-            (98.3, 99.1, 2, vec![98.5, 99.0], 1),
-            (0.0, 6.0, 1, vec![0.0], 0),
+        // By hand.
+        for (lo, hi, least, values, decimals) in [
+            (0.0, 10.0, 2.0, vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0], 0),
+            (0.0, 0.3, 0.07, vec![0.0, 0.1, 0.2, 0.3], 1),
+            (-7.0, 12.0, 4.75, vec![-5.0, 0.0, 5.0, 10.0], 0),
+            (98.3, 99.1, 0.4, vec![98.5, 99.0], 1),
+            (1.0, 9.0, 20.0, vec![], 0),
         ] {
-            let got = ticks(lo, hi, wanted);
+            let got = ticks(lo, hi, least);
             assert_eq!(got.decimals, decimals, "{lo}..{hi}");
             let shown: Vec<_> = got.values.iter().map(|v| fixed(*v, decimals)).collect();
             let expected: Vec<_> = values.iter().map(|v| fixed(*v, decimals)).collect();
@@ -210,7 +213,12 @@ mod tests {
             (-2.104, "", "−2,10", "−2.10"),
             (17.0, "", "17", "17"),
             (31.4, "°", "31,4°", "31.4°"),
-            (23_456.7, "mm³", "23\u{202f}457\u{a0}mm³", "23\u{202f}457\u{a0}mm³"),
+            (
+                23_456.7,
+                "mm³",
+                "23\u{202f}457\u{a0}mm³",
+                "23\u{202f}457\u{a0}mm³",
+            ),
             (0.00123, "mm", "0,001\u{a0}mm", "0.001\u{a0}mm"),
             (-0.0, "s", "0,0\u{a0}s", "0.0\u{a0}s"),
             (f64::NAN, "s", "–\u{a0}s", "–\u{a0}s"),

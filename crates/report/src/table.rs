@@ -64,7 +64,7 @@ impl Report {
     }
 
     /// All series in full, one row for each sample. `series` is `motion` (tool, position, speed; `part` is the segment) or
-    /// `force` (tool, body, force, peak, depth; `part` is the contact); columns of the other one are empty.
+    /// `force` (tool, body, force, peak, depth, indentation; `part` is the contact); columns of the other one are empty.
     pub fn series_csv(&self) -> String {
         let mut table = Table::new(&[
             "series",
@@ -79,6 +79,7 @@ impl Report {
             "force_n",
             "peak_n",
             "depth_m",
+            "indentation_m",
         ]);
         let empty = String::new;
         for motion in &self.series {
@@ -93,6 +94,7 @@ impl Report {
                     y.to_string(),
                     z.to_string(),
                     cell(motion.speed[k]),
+                    empty(),
                     empty(),
                     empty(),
                     empty(),
@@ -114,6 +116,7 @@ impl Report {
                     magnitude.to_string(),
                     force.peak[k].to_string(),
                     force.depth[k].to_string(),
+                    force.indentation[k].to_string(),
                 ]);
             }
         }
@@ -179,7 +182,10 @@ mod tests {
         assert_eq!(column(&csv, "value")[0].parse(), Ok(0.1 + 0.2));
         assert_eq!(column(&csv, "display_max")[1].parse(), Ok(500.0));
         assert_eq!(column(&csv, "within"), ["true", "false", ""]);
-        assert_eq!(column(&csv, "not_applicable_en")[2], "no instrument was tracked");
+        assert_eq!(
+            column(&csv, "not_applicable_en")[2],
+            "no instrument was tracked"
+        );
     }
 
     #[test]

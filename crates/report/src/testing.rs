@@ -124,5 +124,6 @@ pub fn contact(tool: &str, body: &str, force: [f64; 3]) -> ContactForce {
         impulse: 0.0,
         point: [0.0; 3],
         depth: 1e-4,
+        indentation: 0.0,
     }
 }

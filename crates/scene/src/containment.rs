@@ -37,14 +37,24 @@ pub struct Diverged {
     pub what: Divergence,
 }
 
-impl std::fmt::Display for Diverged {
+impl std::fmt::Display for Divergence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let what = match self.what {
+        f.write_str(match self {
             Divergence::NotFinite => "has numbers that are not finite",
             Divergence::EnergyGrowth => "gains energy without cause",
             Divergence::Inversion => "has an element inverted beyond recovery",
-        };
-        write!(f, "body '{}' {what} at {:.6} s, step {} of the tick", self.body_name, self.time, self.step)
+        })
+    }
+}
+
+impl std::fmt::Display for Diverged {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let what = self.what;
+        write!(
+            f,
+            "body '{}' {what} at {:.6} s, step {} of the tick",
+            self.body_name, self.time, self.step
+        )
     }
 }
 
@@ -63,11 +73,21 @@ pub(crate) struct Watch {
 
 impl Watch {
     pub fn new(body: &Body, state: &State) -> Self {
-        Self { start_energy: state.energies(&body.model).total(), work: 0.0, overlap_undone: false }
+        Self {
+            start_energy: state.energies(&body.model).total(),
+            work: 0.0,
+            overlap_undone: false,
+        }
     }
 
     /// Looks at a body at the end of a tick.
-    pub fn judge(&self, body: &Body, start: &State, end: &State, control: &Control) -> Option<Divergence> {
+    pub fn judge(
+        &self,
+        body: &Body,
+        start: &State,
+        end: &State,
+        control: &Control,
+    ) -> Option<Divergence> {
         let energy = end.energies(&body.model).total();
         // What gravity brought: Σ m g·(p_end − p_start).
         let fall: f64 = body
@@ -103,7 +123,12 @@ pub(crate) struct Failure {
 
 impl Scene {
     /// The error for a tick that failed finally; goes back to `start`.
-    pub(crate) fn diverged(&mut self, start: SceneState, failure: Failure, step_s: f64) -> Diverged {
+    pub(crate) fn diverged(
+        &mut self,
+        start: SceneState,
+        failure: Failure,
+        step_s: f64,
+    ) -> Diverged {
         self.state = start;
         Diverged {
             body: failure.body,

@@ -81,7 +81,10 @@ impl std::fmt::Display for SceneError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Name { kind, name } => {
-                write!(f, "each {kind} needs a name of its own, '{name}' is empty or stands twice")
+                write!(
+                    f,
+                    "each {kind} needs a name of its own, '{name}' is empty or stands twice"
+                )
             }
             Self::Mesh { body, source } => write!(f, "body '{body}': {source}"),
             Self::Material { body, source } => write!(f, "material of body '{body}': {source}"),
@@ -91,7 +94,10 @@ impl std::fmt::Display for SceneError {
                 "clamp {index} of body '{body}' holds no node (boxes are in the body's frame, min must not exceed max)"
             ),
             Self::Tool { tool, part: None } => write!(f, "tool '{tool}' has no capsule"),
-            Self::Tool { tool, part: Some(part) } => write!(
+            Self::Tool {
+                tool,
+                part: Some(part),
+            } => write!(
                 f,
                 "capsule {part} of tool '{tool}' needs finite ends, a radius above 0 m and a hinge axis that is not zero"
             ),
@@ -100,7 +106,12 @@ impl std::fmt::Display for SceneError {
             }
             Self::Gravity => write!(f, "gravity must be three finite numbers in m/s²"),
             Self::Tick { tick_s } => write!(f, "a tick must be longer than 0 s, not {tick_s} s"),
-            Self::StepTooLong { body, step_s, stable_step_s, required_steps } => write!(
+            Self::StepTooLong {
+                body,
+                step_s,
+                stable_step_s,
+                required_steps,
+            } => write!(
                 f,
                 "a step of {:.3} µs is beyond the stability limit of body '{body}', {:.3} µs: use at least {required_steps} steps per tick",
                 step_s * 1e6,

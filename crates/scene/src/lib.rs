@@ -23,3 +23,6 @@ pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{BodySpec, BoxSpec, CapsuleSpec, Generator, HingeSpec, SceneSpec, ToolSpec};
 pub use tool::ToolMotion;
+
+#[cfg(test)]
+mod tests;

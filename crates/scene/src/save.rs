@@ -36,9 +36,15 @@ impl std::fmt::Display for RestoreError {
         match self {
             Self::NotAScene => write!(f, "the bytes are not a saved scene"),
             Self::Version { found } => {
-                write!(f, "the scene was saved in format {found}, this program reads format {VERSION}")
+                write!(
+                    f,
+                    "the scene was saved in format {found}, this program reads format {VERSION}"
+                )
             }
-            Self::OtherScene => write!(f, "the saved scene has other bodies, meshes or contact pairs"),
+            Self::OtherScene => write!(
+                f,
+                "the saved scene has other bodies, meshes or contact pairs"
+            ),
             Self::Length => write!(f, "the saved scene is cut short or has bytes too many"),
             Self::NotFinite => write!(f, "the saved scene holds numbers that are not finite"),
         }
@@ -58,7 +64,10 @@ impl Scene {
         for body in &self.state.bodies {
             put_u32(&mut bytes, body.positions.len() as u32);
             put_f64(&mut bytes, body.step);
-            body.positions.iter().chain(&body.velocities).for_each(|v| put_vector(&mut bytes, v));
+            body.positions
+                .iter()
+                .chain(&body.velocities)
+                .for_each(|v| put_vector(&mut bytes, v));
         }
         put_u32(&mut bytes, self.state.memories.len() as u32);
         for memory in &self.state.memories {
@@ -90,9 +99,17 @@ impl Scene {
             let nodes = body.model.node_count();
             reader.expect(nodes)?;
             let step = reader.f64()?;
-            let positions = (0..nodes).map(|_| reader.vector()).collect::<Result<_, _>>()?;
-            let velocities = (0..nodes).map(|_| reader.vector()).collect::<Result<_, _>>()?;
-            bodies.push(State { positions, velocities, step });
+            let positions = (0..nodes)
+                .map(|_| reader.vector())
+                .collect::<Result<_, _>>()?;
+            let velocities = (0..nodes)
+                .map(|_| reader.vector())
+                .collect::<Result<_, _>>()?;
+            bodies.push(State {
+                positions,
+                velocities,
+                step,
+            });
         }
         reader.expect(self.pairs.len())?;
         let mut memories = Vec::with_capacity(self.pairs.len());
@@ -107,7 +124,11 @@ impl Scene {
         if !reader.bytes.is_empty() {
             return Err(RestoreError::Length);
         }
-        self.state = SceneState { bodies, memories, time };
+        self.state = SceneState {
+            bodies,
+            memories,
+            time,
+        };
         Ok(())
     }
 }
@@ -130,7 +151,10 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn take(&mut self, count: usize) -> Result<&'a [u8], RestoreError> {
-        let (head, tail) = self.bytes.split_at_checked(count).ok_or(RestoreError::Length)?;
+        let (head, tail) = self
+            .bytes
+            .split_at_checked(count)
+            .ok_or(RestoreError::Length)?;
         self.bytes = tail;
         Ok(head)
     }
@@ -147,7 +171,11 @@ impl<'a> Reader<'a> {
 
     fn f64(&mut self) -> Result<f64, RestoreError> {
         let value = f64::from_le_bytes(self.array()?);
-        if value.is_finite() { Ok(value) } else { Err(RestoreError::NotFinite) }
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(RestoreError::NotFinite)
+        }
     }
 
     fn vector(&mut self) -> Result<Vector3<f64>, RestoreError> {
@@ -156,6 +184,10 @@ impl<'a> Reader<'a> {
 
     /// A number that has to be `count`.
     fn expect(&mut self, count: usize) -> Result<(), RestoreError> {
-        if self.u32()? as usize == count { Ok(()) } else { Err(RestoreError::OtherScene) }
+        if self.u32()? as usize == count {
+            Ok(())
+        } else {
+            Err(RestoreError::OtherScene)
+        }
     }
 }

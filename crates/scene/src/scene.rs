@@ -6,7 +6,9 @@ use crate::tool::Tool;
 use microsim_contact::ContactMemory;
 use microsim_geometry::Aabb;
 use microsim_mesh::{Surface, TetMesh};
-use microsim_tissue::{Control, Energies, Serial, SolverVerlet, SpringVolume, State, TissueModel, stability};
+use microsim_tissue::{
+    Control, Energies, Serial, SolverVerlet, SpringVolume, State, TissueModel, stability,
+};
 use nalgebra::Vector3;
 
 /// A clamp box is grown by this share of the body's mean edge length, so that a box that ends on a layer of nodes holds it
@@ -63,21 +65,45 @@ impl Scene {
         if !gravity.iter().all(|g| g.is_finite()) {
             return Err(SceneError::Gravity);
         }
-        let bodies = spec.bodies.iter().map(Body::new).collect::<Result<Vec<_>, _>>()?;
-        let tools = spec.tools.iter().map(Tool::new).collect::<Result<Vec<_>, _>>()?;
+        let bodies = spec
+            .bodies
+            .iter()
+            .map(Body::new)
+            .collect::<Result<Vec<_>, _>>()?;
+        let tools = spec
+            .tools
+            .iter()
+            .map(Tool::new)
+            .collect::<Result<Vec<_>, _>>()?;
         let pairs = find_pairs(spec)?;
         let state = SceneState {
-            bodies: bodies.iter().map(|body| State::at_rest(&body.model)).collect(),
+            bodies: bodies
+                .iter()
+                .map(|body| State::at_rest(&body.model))
+                .collect(),
             memories: vec![ContactMemory::new(); pairs.len()],
             time: 0.0,
         };
-        Ok(Self { bodies, tools, pairs, control: Control { gravity }, state })
+        Ok(Self {
+            bodies,
+            tools,
+            pairs,
+            control: Control { gravity },
+            state,
+        })
     }
 
     /// Back to the state at which the scene was built.
     pub fn reset(&mut self) {
-        self.state.bodies = self.bodies.iter().map(|body| State::at_rest(&body.model)).collect();
-        self.state.memories.iter_mut().for_each(ContactMemory::clear);
+        self.state.bodies = self
+            .bodies
+            .iter()
+            .map(|body| State::at_rest(&body.model))
+            .collect();
+        self.state
+            .memories
+            .iter_mut()
+            .for_each(ContactMemory::clear);
         self.state.time = 0.0;
     }
 
@@ -87,7 +113,10 @@ impl Scene {
             return Err(SceneError::Tick { tick_s });
         }
         let required_steps = self.required_steps(tick_s);
-        let slowest = self.bodies.iter().min_by(|a, b| a.stable_step.total_cmp(&b.stable_step));
+        let slowest = self
+            .bodies
+            .iter()
+            .min_by(|a, b| a.stable_step.total_cmp(&b.stable_step));
         match slowest {
             Some(body) if steps < required_steps => Err(SceneError::StepTooLong {
                 body: body.name.clone(),
@@ -101,7 +130,11 @@ impl Scene {
 
     /// The smallest number of solver's steps per tick of `tick_s` [s] that every body allows; at least 1.
     pub fn required_steps(&self, tick_s: f64) -> u32 {
-        let stable_step = self.bodies.iter().map(|body| body.stable_step).fold(f64::INFINITY, f64::min);
+        let stable_step = self
+            .bodies
+            .iter()
+            .map(|body| body.stable_step)
+            .fold(f64::INFINITY, f64::min);
         // The cast saturates.
         (tick_s / stable_step).ceil().max(1.0) as u32
     }
@@ -179,7 +212,9 @@ impl Scene {
     /// Whether each node of a body is clamped.
     pub fn clamped(&self, body: usize) -> Vec<bool> {
         let model = &self.bodies[body].model;
-        (0..model.node_count()).map(|node| model.is_clamped(node)).collect()
+        (0..model.node_count())
+            .map(|node| model.is_clamped(node))
+            .collect()
     }
 
     /// Number of elements of a body.
@@ -208,7 +243,14 @@ impl Scene {
     pub fn forces(&self, body: usize) -> Vec<Vector3<f64>> {
         let body_ref = &self.bodies[body];
         let mut solver = body_ref.solver.clone();
-        solver.forces(&body_ref.model, &self.state.bodies[body], &self.control, &Serial).to_vec()
+        solver
+            .forces(
+                &body_ref.model,
+                &self.state.bodies[body],
+                &self.control,
+                &Serial,
+            )
+            .to_vec()
     }
 
     /// Mean edge length of a body at rest [m]: its characteristic length.
@@ -226,14 +268,24 @@ impl Body {
     fn new(spec: &BodySpec) -> Result<Self, SceneError> {
         let name = spec.name.clone();
         let Generator::Block(block) = &spec.generator;
-        let mesh = block.mesh().map_err(|source| SceneError::Mesh { body: name.clone(), source })?;
-        let material = SpringVolume::from_moduli(spec.material)
-            .map_err(|source| SceneError::Material { body: name.clone(), source })?;
+        let mesh = block.mesh().map_err(|source| SceneError::Mesh {
+            body: name.clone(),
+            source,
+        })?;
+        let material =
+            SpringVolume::from_moduli(spec.material).map_err(|source| SceneError::Material {
+                body: name.clone(),
+                source,
+            })?;
         let origin = Vector3::from(block.center);
         let mut clamped = vec![false; mesh.positions.len()];
         let margin = CLAMP_MARGIN * mesh.mean_edge_length();
         for (index, clamp) in spec.clamps.iter().enumerate() {
-            let region = Aabb { min: clamp.min.into(), max: clamp.max.into() }.inflated(margin);
+            let region = Aabb {
+                min: clamp.min.into(),
+                max: clamp.max.into(),
+            }
+            .inflated(margin);
             let mut holds_node = false;
             for (flag, position) in clamped.iter_mut().zip(&mesh.positions) {
                 if region.contains(&(position - origin)) {
@@ -245,8 +297,11 @@ impl Body {
                 return Err(SceneError::Clamp { body: name, index });
             }
         }
-        let model = TissueModel::new(&mesh, &material, &clamped)
-            .map_err(|source| SceneError::Model { body: name.clone(), source })?;
+        let model =
+            TissueModel::new(&mesh, &material, &clamped).map_err(|source| SceneError::Model {
+                body: name.clone(),
+                source,
+            })?;
         let volume: f64 = mesh.volumes().iter().sum();
         Ok(Self {
             surface: mesh.surface(),
@@ -260,11 +315,17 @@ impl Body {
     }
 }
 
-fn check_names<'a>(kind: &'static str, names: impl Iterator<Item = &'a str>) -> Result<(), SceneError> {
+fn check_names<'a>(
+    kind: &'static str,
+    names: impl Iterator<Item = &'a str>,
+) -> Result<(), SceneError> {
     let mut seen = std::collections::BTreeSet::new();
     for name in names {
         if name.is_empty() || !seen.insert(name) {
-            return Err(SceneError::Name { kind, name: name.to_owned() });
+            return Err(SceneError::Name {
+                kind,
+                name: name.to_owned(),
+            });
         }
     }
     Ok(())
@@ -273,10 +334,22 @@ fn check_names<'a>(kind: &'static str, names: impl Iterator<Item = &'a str>) -> 
 fn find_pairs(spec: &SceneSpec) -> Result<Vec<Pair>, SceneError> {
     let mut pairs: Vec<Pair> = Vec::new();
     for (tool, body) in &spec.contact_pairs {
-        let wrong = |reason| SceneError::ContactPair { tool: tool.clone(), body: body.clone(), reason };
+        let wrong = |reason| SceneError::ContactPair {
+            tool: tool.clone(),
+            body: body.clone(),
+            reason,
+        };
         let pair = Pair {
-            tool: spec.tools.iter().position(|t| t.name == *tool).ok_or_else(|| wrong("no such tool"))?,
-            body: spec.bodies.iter().position(|b| b.name == *body).ok_or_else(|| wrong("no such body"))?,
+            tool: spec
+                .tools
+                .iter()
+                .position(|t| t.name == *tool)
+                .ok_or_else(|| wrong("no such tool"))?,
+            body: spec
+                .bodies
+                .iter()
+                .position(|b| b.name == *body)
+                .ok_or_else(|| wrong("no such body"))?,
         };
         if pairs.contains(&pair) {
             return Err(wrong("stands twice"));

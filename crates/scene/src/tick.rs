@@ -24,7 +24,7 @@ impl Scene {
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
     /// diverges the tick is repeated from its start with shorter steps, and the report says so; when that does not help the
-    /// scene stays at the start of the tick and the error says what happened.
+    /// scene stays at the start of the tick and the error says what happened; the next tick may go on from there.
     ///
     /// # Panics
     /// When `tick_s` is not a positive time or `steps` is 0: [`check_step`](Scene::check_step) refuses both.
@@ -47,13 +47,23 @@ impl Scene {
             match self.attempt(&motions, tick_s, count, exec) {
                 Ok(contacts) => {
                     self.state.time = start.time + tick_s;
-                    return Ok(TickReport { contacts, substeps, capped, recoveries, invalid_motions });
+                    return Ok(TickReport {
+                        contacts,
+                        substeps,
+                        capped,
+                        recoveries,
+                        invalid_motions,
+                    });
                 }
                 Err(found) => {
                     self.state.clone_from(&start);
                     failure = Some((found, tick_s / f64::from(count)));
                     if let Some(&next) = TRIES.get(index + 1) {
-                        recoveries.push(Recovery { body: found.body, what: found.what, factor: next });
+                        recoveries.push(Recovery {
+                            body: found.body,
+                            what: found.what,
+                            factor: next,
+                        });
                     }
                 }
             }
@@ -69,7 +79,8 @@ impl Scene {
         let mut seen = BTreeSet::new();
         let (mut valid, mut invalid) = (Vec::new(), Vec::new());
         for (index, motion) in motions.iter().enumerate() {
-            let usable = motion.tool < self.tools.len() && motion.is_finite() && seen.insert(motion.tool);
+            let usable =
+                motion.tool < self.tools.len() && motion.is_finite() && seen.insert(motion.tool);
             if !usable {
                 invalid.push(index);
             } else if motion.active {
@@ -88,7 +99,11 @@ impl Scene {
             for pair in self.pairs.iter().filter(|pair| pair.tool == motion.tool) {
                 let (body, state) = (&self.bodies[pair.body], &self.state.bodies[pair.body]);
                 // Far from the body a tool may be as fast as it likes. The body itself may come nearer by its own speed.
-                let speed = state.velocities.iter().map(|v| v.norm()).fold(0.0, f64::max);
+                let speed = state
+                    .velocities
+                    .iter()
+                    .map(|v| v.norm())
+                    .fold(0.0, f64::max);
                 let edge = body.model.mean_edge_length();
                 let reach = Aabb::of(&state.positions).inflated(edge + speed * tick_s);
                 if !reach.overlaps(&swept) {
@@ -99,7 +114,10 @@ impl Scene {
             }
         }
         let needed = needed.ceil();
-        (needed.min(f64::from(MAX_SUBSTEPS)) as u32, needed > f64::from(MAX_SUBSTEPS))
+        (
+            needed.min(f64::from(MAX_SUBSTEPS)) as u32,
+            needed > f64::from(MAX_SUBSTEPS),
+        )
     }
 
     /// One try of a tick in `count` steps.
@@ -111,8 +129,12 @@ impl Scene {
         exec: &dyn Executor,
     ) -> Result<Vec<ContactReport>, Failure> {
         let start = self.state.bodies.clone();
-        let mut watches: Vec<Watch> =
-            self.bodies.iter().zip(&start).map(|(body, state)| Watch::new(body, state)).collect();
+        let mut watches: Vec<Watch> = self
+            .bodies
+            .iter()
+            .zip(&start)
+            .map(|(body, state)| Watch::new(body, state))
+            .collect();
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let h = tick_s / f64::from(count);
         for step in 0..count {
@@ -125,14 +147,23 @@ impl Scene {
             for (body, watch) in watches.iter_mut().enumerate() {
                 self.step_body(body, &tools, h, exec, watch, &mut tallies);
                 if !self.state.bodies[body].is_finite() {
-                    return Err(Failure { body, step, what: Divergence::NotFinite });
+                    return Err(Failure {
+                        body,
+                        step,
+                        what: Divergence::NotFinite,
+                    });
                 }
             }
         }
         for (index, watch) in watches.iter().enumerate() {
             let end = &self.state.bodies[index];
-            if let Some(what) = watch.judge(&self.bodies[index], &start[index], end, &self.control) {
-                return Err(Failure { body: index, step: count, what });
+            if let Some(what) = watch.judge(&self.bodies[index], &start[index], end, &self.control)
+            {
+                return Err(Failure {
+                    body: index,
+                    step: count,
+                    what,
+                });
             }
         }
         Ok(self.contact_reports(&tallies, tick_s))
@@ -148,14 +179,24 @@ impl Scene {
         watch: &mut Watch,
         tallies: &mut [Tally],
     ) {
-        let Body { model, solver, surface, .. } = &mut self.bodies[body_index];
+        let Body {
+            model,
+            solver,
+            surface,
+            ..
+        } = &mut self.bodies[body_index];
         let state = &mut self.state.bodies[body_index];
         let predicted = solver.predict(model, state, &self.control, h, exec);
 
         // Each tool sees where the ones before it have led the nodes.
         let mut targets: Vec<Vector3<f64>> = Vec::new();
         let mut responses: Vec<(usize, Response)> = Vec::new();
-        for (index, pair) in self.pairs.iter().enumerate().filter(|(_, pair)| pair.body == body_index) {
+        for (index, pair) in self
+            .pairs
+            .iter()
+            .enumerate()
+            .filter(|(_, pair)| pair.body == body_index)
+        {
             let memory = &mut self.state.memories[index];
             let Some(capsules) = &tools[pair.tool] else {
                 memory.clear();
@@ -192,7 +233,8 @@ impl Scene {
             let mut total = Vector3::zeros();
             for moved in &response.nodes {
                 let node = moved.node as usize;
-                let force = solver.contact_force(model, moved.node, &(moved.correction - moved.overlap));
+                let force =
+                    solver.contact_force(model, moved.node, &(moved.correction - moved.overlap));
                 total += force;
                 tally.touched(moved.node, &force, &targets[node], h);
                 watch.work += force.dot(&(targets[node] - state.positions[node])).abs();
@@ -206,17 +248,28 @@ impl Scene {
     }
 
     fn contact_reports(&self, tallies: &[Tally], tick_s: f64) -> Vec<ContactReport> {
-        let touched = self.pairs.iter().zip(tallies).filter(|(_, tally)| !tally.nodes.is_empty());
+        let touched = self
+            .pairs
+            .iter()
+            .zip(tallies)
+            .filter(|(_, tally)| !tally.nodes.is_empty());
         let reports = touched.map(|(pair, tally)| {
             let positions = &self.state.bodies[pair.body].positions;
             let rest = self.bodies[pair.body].model.rest_positions();
-            let direction = tally.impulse.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+            let direction = tally
+                .impulse
+                .try_normalize(0.0)
+                .unwrap_or_else(Vector3::zeros);
             let indentation = tally
                 .nodes
                 .iter()
                 .map(|&node| (positions[node as usize] - rest[node as usize]).dot(&direction))
                 .fold(0.0, f64::max);
-            let point = if tally.weight > 0.0 { tally.weighted_point / tally.weight } else { tally.last_point };
+            let point = if tally.weight > 0.0 {
+                tally.weighted_point / tally.weight
+            } else {
+                tally.last_point
+            };
             ContactReport {
                 tool: pair.tool,
                 body: pair.body,

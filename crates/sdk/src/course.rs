@@ -48,6 +48,7 @@ struct State {
     aborted: bool,
     finished: bool,
     told: Option<(LevelPhase, u32)>,
+    shortest_path: Option<f64>,
 }
 
 /// The course of one level.
@@ -57,6 +58,7 @@ pub struct Course {
     machine: training::LevelMachine,
     logs: Vec<(String, MotionLog)>,
     parameters: training::MetricParameters,
+    given_shortest_path: Option<f64>,
     shortest_path: Option<f64>,
     definitions: Vec<MetricDefinition>,
     limits: Vec<training::Limit>,
@@ -167,6 +169,7 @@ impl Course {
             logs: config.tools.iter().map(|t| (t.name.clone(), MotionLog::new())).collect(),
             machine,
             parameters,
+            given_shortest_path: given.shortest_path,
             shortest_path: given.shortest_path,
             definitions,
             limits,
@@ -193,6 +196,7 @@ impl Course {
         self.reasons.clear();
         (self.input_ended, self.aborted, self.finished) = (false, false, false);
         self.told = None;
+        self.shortest_path = self.given_shortest_path;
         Ok(())
     }
 
@@ -455,6 +459,7 @@ impl Course {
             aborted: self.aborted,
             finished: self.finished,
             told: self.told,
+            shortest_path: self.shortest_path,
         })
     }
 
@@ -474,6 +479,7 @@ impl Course {
         (self.input_ended, self.aborted, self.finished) =
             (state.input_ended, state.aborted, state.finished);
         self.told = state.told;
+        self.shortest_path = state.shortest_path;
         Ok(())
     }
 }

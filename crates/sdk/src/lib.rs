@@ -21,7 +21,7 @@ mod tick;
 
 pub use course::{Course, CourseConfig};
 pub use fault::Fault;
-pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow};
+pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as name_id};
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
 pub use parallel::Parallel;

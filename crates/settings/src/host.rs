@@ -2,11 +2,9 @@
 
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
-use crate::schema::{Form, Key, Kind, Schema};
+use crate::schema::{Key, Kind, Schema};
 use crate::unit::Unit;
 use serde::Deserialize;
-use serde_json::json;
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// How the host runs sessions.
@@ -31,8 +29,6 @@ pub struct SessionSettings {
     pub directory: String,
     /// Simulated time between two hashes of the whole state \[s\].
     pub state_hash_every: f64,
-    /// Simulated time after which what was recorded is handed to the operating system \[s\].
-    pub flush_every: f64,
 }
 
 /// What is drawn of a session.
@@ -53,39 +49,24 @@ pub struct PictureSettings {
 pub struct LateSettings {
     /// A tick that begins later than this is counted as late \[s\].
     pub tolerance: f64,
-    /// Behind by more than this, the clock is set back instead of catching up, and the time lost is recorded \[s\].
+    /// Behind by more than this, the schedule moves instead of catching up \[s\].
     pub give_up: f64,
-    /// Share of late ticks above which the report says that the session did not run in real time.
-    pub report_share: f64,
 }
 
 /// The queues of the bus.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QueueSettings {
     /// Messages that a queue holds.
-    pub capacity: u32,
-    /// Another capacity for single message kinds.
-    pub capacity_of: BTreeMap<String, u32>,
-    /// Bytes that a single message may have.
-    pub message_bytes: u32,
-}
-
-impl QueueSettings {
-    /// Messages that the queue of this message kind holds.
-    pub fn capacity_of(&self, kind: &str) -> u32 {
-        self.capacity_of.get(kind).copied().unwrap_or(self.capacity)
-    }
+    pub messages: u32,
+    /// Bytes that a queue holds.
+    pub bytes: u32,
 }
 
 /// The schema of the host's file.
 pub fn host_schema() -> Schema {
     let time = |min, max| Kind::quantity(Unit::Time, min, max);
     let pixels = || Kind::Integer { min: 16, max: 8192 };
-    let capacity = || Kind::Integer {
-        min: 1,
-        max: 1_000_000,
-    };
     let session = vec![
         Key::with_default(
             "directory",
@@ -99,22 +80,16 @@ pub fn host_schema() -> Schema {
             "Simulated time between two hashes of the whole state.",
             0.25,
         ),
-        Key::with_default(
-            "flush_every",
-            time(0.001, 0.1),
-            "Simulated time after which what was recorded is handed to the operating system: what a killed process may lose.",
-            0.05,
-        ),
     ];
     let picture = vec![
         Key::with_default(
             "rate",
             Kind::quantity(Unit::Frequency, 0.1, 240.0),
             "Pictures per simulated second.",
-            25.0,
+            1.0,
         ),
-        Key::with_default("width", pixels(), "Width in pixels.", 1280),
-        Key::with_default("height", pixels(), "Height in pixels.", 720),
+        Key::with_default("width", pixels(), "Width in pixels.", 800),
+        Key::with_default("height", pixels(), "Height in pixels.", 800),
     ];
     let late = vec![
         Key::with_default(
@@ -126,41 +101,28 @@ pub fn host_schema() -> Schema {
         Key::with_default(
             "give_up",
             time(0.01, 60.0),
-            "Behind by more than this, the clock is set back instead of catching up, and the time lost is recorded.",
+            "Behind by more than this, the schedule moves instead of catching up.",
             0.25,
         ),
-        Key::with_default(
-            "report_share",
-            Kind::quantity(Unit::Ratio, 0.0, 1.0),
-            "Share of late ticks above which the report says that the session did not run in real time.",
-            0.01,
-        ),
     ];
-    let capacity_of = Kind::Map {
-        keys: Form::Message,
-        of: Box::new(capacity()),
-    };
     let queue = vec![
         Key::with_default(
-            "capacity",
-            capacity(),
-            "Messages that a queue of the bus holds.",
-            1024,
-        ),
-        Key::with_default(
-            "capacity_of",
-            capacity_of,
-            "Another capacity for single message kinds.",
-            json!({}),
-        ),
-        Key::with_default(
-            "message_bytes",
+            "messages",
             Kind::Integer {
-                min: 1024,
+                min: 16,
+                max: 1_000_000,
+            },
+            "Messages that the queue of one plugin holds.",
+            4096,
+        ),
+        Key::with_default(
+            "bytes",
+            Kind::Integer {
+                min: 65_536,
                 max: 1 << 30,
             },
-            "Bytes that a single message may have.",
-            64 << 20,
+            "Bytes that the queue of one plugin holds.",
+            4 << 20,
         ),
     ];
     Schema {

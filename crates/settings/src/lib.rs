@@ -3,7 +3,7 @@
 //! One declarative engine ([`Schema`], [`Kind`], [`Unit`]) serves both the files of the program and the keys that a
 //! training module declares in its manifest. It rejects unknown keys, wrong units and values out of range, fills in
 //! defaults, and gives every quantity in SI. From the same schema come the JSON Schema ([`json_schema`]) and the reference
-//! ([`reference`]). What is not here: any decision what the settings do, and any file that is not configuration.
+//! ([`reference()`]). What is not here: any decision what the settings do, and any file that is not configuration.
 //!
 //! Each kind of file has `*_schema`, `read_*` (from a text), `load_*` (from a path) and a typed struct. Complaints are
 //! collected: one reading names all that is wrong in a file.

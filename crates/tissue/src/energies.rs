@@ -19,7 +19,7 @@ pub fn length_energy(p: [&Vector3<f64>; 2], rest_length: f64, stiffness: f64) ->
 #[inline]
 pub fn length_gradient(p: [&Vector3<f64>; 2], rest_length: f64, stiffness: f64) -> Vector3<f64> {
     let along = p[1] - p[0];
-    let length = along.norm();
+    let length = along.norm_squared().sqrt();
     if length <= COLLAPSED * rest_length {
         return Vector3::zeros();
     }

@@ -199,7 +199,20 @@ impl Plugin for Physics {
         let (length, steps) = (tick.length(), tick.steps());
         let scene = self.scene()?;
         let report = scene.tick(&motions, length, steps, &executor);
-        let report = report.map_err(|error| Fault::new(error.to_string()))?;
+        let report = match report {
+            Ok(report) => report,
+            // The scene stands at its last good state; the trainee sees tissue that does not move for a tick, and the
+            // report says so.
+            Err(diverged) => {
+                tick.log(LogLevel::Error, diverged.to_string());
+                tick.publish(&TissueRecovery {
+                    body: diverged.body_name.clone(),
+                    cause: format!("{}; held at its last good state for this tick", diverged.what),
+                    substeps: 0,
+                });
+                return self.publish_bodies(tick);
+            }
+        };
         let contacts: Vec<ContactForce> = report
             .contacts
             .iter()
@@ -214,6 +227,10 @@ impl Plugin for Physics {
                 indentation: contact.indentation_m,
             })
             .collect();
+        for motion in &report.invalid_motions {
+            let tool = &tools[motions[*motion].tool].tool;
+            tick.log(LogLevel::Warn, format!("tool \"{tool}\" has no valid pose and touches nothing in this tick"));
+        }
         for recovery in &report.recoveries {
             let body = scene.body_name(recovery.body).to_owned();
             tick.publish(&TissueRecovery {

@@ -188,15 +188,36 @@ fn an_old_overlap_is_undone_in_small_steps_and_marked_as_such() {
     );
 
     // A moving tool takes the surface along by its whole way, however far; only what was inside before is limited.
-    let node = scene.mesh.positions.iter().position(|p| p.norm() < 1e-12 * CELL).unwrap();
+    let node = scene
+        .mesh
+        .positions
+        .iter()
+        .position(|p| p.norm() < 1e-12 * CELL)
+        .unwrap();
     for (way, old) in [(0.5, 0.4), (0.8, 0.1), (0.9, 0.0), (1.5, 0.0)] {
         let lift = Vector3::z() * (way * CELL);
-        motion.start = Capsule { a: motion.end.a + lift, b: motion.end.b + lift, ..motion.end };
+        motion.start = Capsule {
+            a: motion.end.a + lift,
+            b: motion.end.b + lift,
+            ..motion.end
+        };
         let position = &scene.mesh.positions[node];
-        let touch = touch_node(&scene.body(), position, node as u32, 0, &motion, &ContactMemory::new()).unwrap();
+        let touch = touch_node(
+            &scene.body(),
+            position,
+            node as u32,
+            0,
+            &motion,
+            &ContactMemory::new(),
+        )
+        .unwrap();
         let undone = (old * CELL).min(limit);
         let expected = (0.9 - old) * CELL + undone;
-        assert!((touch.distance - expected).abs() < 1e-12 * CELL, "{way}: {} {expected}", touch.distance);
+        assert!(
+            (touch.distance - expected).abs() < 1e-12 * CELL,
+            "{way}: {} {expected}",
+            touch.distance
+        );
         assert!((touch.old_share - undone / expected).abs() < 1e-9);
     }
 }

@@ -25,7 +25,13 @@ pub fn force_plot(forces: &[ForceSeries], end: f64, colour_of: impl Fn(&str) -> 
     open(&mut out, WIDTH, height, &title);
     for (k, series) in forces.iter().enumerate() {
         let top = ABOVE + k as f64 * (STRIP + BETWEEN);
-        strip(&mut out, &x, top, series, &colour_class(colour_of(&series.tool)));
+        strip(
+            &mut out,
+            &x,
+            top,
+            series,
+            &colour_class(colour_of(&series.tool)),
+        );
     }
     let bottom = ABOVE + forces.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
     time_label(&mut out, &x, bottom + 34.0);
@@ -38,16 +44,34 @@ fn strip(out: &mut String, x: &Axis, top: f64, series: &ForceSeries, colour: &st
     let both = series.peak.iter().chain(&series.force).copied();
     let largest = range(both).map_or(0.0, |(_, largest)| largest);
     // Millinewtons up to a newton.
-    let (factor, unit) = if largest < 1.0 { (1e3, "mN") } else { (1.0, "N") };
+    let (factor, unit) = if largest < 1.0 {
+        (1e3, "mN")
+    } else {
+        (1.0, "N")
+    };
     let y = Axis::new(from_zero(largest * factor), (bottom, top));
-    grid(out, x, &y, (12, 4));
+    grid(out, x, &y, (70.0, 26.0));
     for (class, values) in [("peak", &series.peak), ("curve", &series.force)] {
-        let drawn = thin::extremes(values, MAX_POINTS)
-            .into_iter()
-            .map(|i| (series.contact[i], x.at(series.time[i]), y.at(values[i] * factor)));
-        let _ = write!(out, "<path class=\"{class} {colour}\" d=\"{}\"/>", line(drawn));
+        let drawn = thin::extremes(values, MAX_POINTS).into_iter().map(|i| {
+            (
+                series.contact[i],
+                x.at(series.time[i]),
+                y.at(values[i] * factor),
+            )
+        });
+        let _ = write!(
+            out,
+            "<path class=\"{class} {colour}\" d=\"{}\"/>",
+            line(drawn)
+        );
     }
-    svg_text(out, (LEFT - 7.0, top - 9.0), "label", "end", &in_both(unit, unit));
+    svg_text(
+        out,
+        (LEFT - 7.0, top - 9.0),
+        "label",
+        "end",
+        &in_both(unit, unit),
+    );
     let _ = write!(
         out,
         "<text class=\"name {colour}\" x=\"{LEFT:.1}\" y=\"{:.1}\">{} → {}</text>",

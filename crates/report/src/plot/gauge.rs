@@ -11,6 +11,9 @@ pub fn gauge(metric: &MetricEntry) -> String {
     let (Some(value), Some(within)) = (metric.display_value, metric.record.within) else {
         return String::new();
     };
+    if !value.is_finite() {
+        return String::new();
+    }
     let limits = [metric.display_min, metric.display_max];
     let shown = [Some(0.0), Some(value)].into_iter().chain(limits).flatten();
     let Some((lo, hi)) = range(shown).filter(|(lo, hi)| lo < hi) else {
@@ -19,7 +22,10 @@ pub fn gauge(metric: &MetricEntry) -> String {
     // Room for the mark at either end, and for what is allowed beyond the limit.
     let room = 0.12 * (hi - lo);
     let x = Axis::new(
-        (if lo < 0.0 { lo - room } else { lo }, if hi > 0.0 { hi + room } else { hi }),
+        (
+            if lo < 0.0 { lo - room } else { lo },
+            if hi > 0.0 { hi + room } else { hi },
+        ),
         (4.0, WIDTH - 4.0),
     );
     let place = |limit: Option<f64>, end: f64| limit.map_or(end, |limit| x.at(limit));
@@ -36,6 +42,9 @@ pub fn gauge(metric: &MetricEntry) -> String {
         let _ = write!(out, "<path class=\"limit\" d=\"M{at:.1} 2V14\"/>");
     }
     let (at, class) = (x.at(value), if within { "good" } else { "bad" });
-    let _ = write!(out, "<circle class=\"{class}\" cx=\"{at:.1}\" cy=\"8\" r=\"4.5\"/></svg>");
+    let _ = write!(
+        out,
+        "<circle class=\"{class}\" cx=\"{at:.1}\" cy=\"8\" r=\"4.5\"/></svg>"
+    );
     out
 }

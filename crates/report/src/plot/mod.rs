@@ -13,7 +13,7 @@ pub use path::path_plots;
 pub use speed::speed_plot;
 
 use crate::html::{escape, in_both};
-use crate::number::{fixed, ticks};
+use crate::number::{Ticks, fixed, ticks};
 use microsim_message::LocalText;
 use std::fmt::Write;
 
@@ -45,6 +45,13 @@ impl Axis {
     fn at(&self, value: f64) -> f64 {
         let share = (value - self.values.0) / (self.values.1 - self.values.0);
         self.places.0 + share * (self.places.1 - self.places.0)
+    }
+
+    /// Round numbers along it, at least `apart` units of the drawing from each other.
+    fn ticks(&self, apart: f64) -> Ticks {
+        let (lo, hi) = self.values;
+        let scale = (hi - lo) / (self.places.1 - self.places.0).abs();
+        ticks(lo, hi, apart * scale)
     }
 }
 
@@ -114,19 +121,26 @@ fn open(out: &mut String, width: f64, height: f64, title: &LocalText) {
     );
 }
 
-/// Grid lines with numbers: values to the left of the area, times below it.
-fn grid(out: &mut String, x: &Axis, y: &Axis, wanted: (usize, usize)) {
+/// Grid lines with numbers: values to the left of the area, times below it. `apart`: least distances of the lines along
+/// both axes, in the units of the drawing.
+fn grid(out: &mut String, x: &Axis, y: &Axis, apart: (f64, f64)) {
     let ((left, right), (bottom, top)) = (x.places, y.places);
-    let rows = ticks(y.values.0, y.values.1, wanted.1);
+    let rows = y.ticks(apart.1);
     for &value in &rows.values {
         let at = y.at(value);
-        let _ = write!(out, "<path class=\"grid\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>");
+        let _ = write!(
+            out,
+            "<path class=\"grid\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>"
+        );
         tick_label(out, left - 7.0, at + 4.0, "end", value, rows.decimals);
     }
-    let columns = ticks(x.values.0, x.values.1, wanted.0);
+    let columns = x.ticks(apart.0);
     for &value in &columns.values {
         let at = x.at(value);
-        let _ = write!(out, "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>");
+        let _ = write!(
+            out,
+            "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>"
+        );
         tick_label(out, at, bottom + 16.0, "middle", value, columns.decimals);
     }
     let _ = write!(
@@ -137,7 +151,10 @@ fn grid(out: &mut String, x: &Axis, y: &Axis, wanted: (usize, usize)) {
 
 /// The label of a time axis.
 fn time_label(out: &mut String, x: &Axis, y: f64) {
-    let text = in_both("Zeit seit Beginn der Sitzung [s]", "time since the session began [s]");
+    let text = in_both(
+        "Zeit seit Beginn der Sitzung [s]",
+        "time since the session began [s]",
+    );
     svg_text(out, (x.places.1, y), "label", "end", &text);
 }
 
@@ -154,10 +171,7 @@ mod tests {
             (1, f64::NAN, 3.0),
             (1, 4.0, 4.0),
         ];
-        assert_eq!(
-            line(points),
-            "M0.0 0.0h0L1.0 1.0M2.0 2.0h0M4.0 4.0h0"
-        );
+        assert_eq!(line(points), "M0.0 0.0h0L1.0 1.0M2.0 2.0h0M4.0 4.0h0");
     }
 
     #[test]

@@ -12,6 +12,8 @@ const LEFT: f64 = 50.0;
 const RIGHT: f64 = 478.0;
 const ABOVE: f64 = 24.0;
 const BELOW: f64 = 40.0;
+/// Least distance of grid lines.
+const APART: f64 = 42.0;
 const LEAST_HEIGHT: f64 = 150.0;
 const MOST_HEIGHT: f64 = 380.0;
 
@@ -26,8 +28,8 @@ pub fn path_plots(series: &[ToolSeries]) -> Option<[String; 2]> {
     // A little air around the paths; a tool that stood still gets a millimetre around it.
     let widest = extent(x).max(extent(y)).max(extent(z));
     let air = if widest > 0.0 { 0.08 * widest } else { 1.0 };
-    let scale = ((RIGHT - LEFT) / (extent(x) + air))
-        .min(MOST_HEIGHT / (extent(y).max(extent(z)) + air));
+    let scale =
+        ((RIGHT - LEFT) / (extent(x) + air)).min(MOST_HEIGHT / (extent(y).max(extent(z)) + air));
     let view = |axis: usize, vertical: (f64, f64), name: &str, title: LocalText| {
         let height = ((extent(vertical) + air) * scale).max(LEAST_HEIGHT);
         let around = |(lo, hi): (f64, f64), pixels: f64| {
@@ -39,8 +41,24 @@ pub fn path_plots(series: &[ToolSeries]) -> Option<[String; 2]> {
         draw(series, axis, &x, &y, name, &title)
     };
     Some([
-        view(1, y, "y", in_both("Ansicht von oben: Wege in x und y", "Top view: paths in x and y")),
-        view(2, z, "z", in_both("Ansicht von der Seite: Wege in x und z", "Side view: paths in x and z")),
+        view(
+            1,
+            y,
+            "y",
+            in_both(
+                "Ansicht von oben: Wege in x und y",
+                "Top view: paths in x and y",
+            ),
+        ),
+        view(
+            2,
+            z,
+            "z",
+            in_both(
+                "Ansicht von der Seite: Wege in x und z",
+                "Side view: paths in x and z",
+            ),
+        ),
     ])
 }
 
@@ -55,13 +73,18 @@ fn draw(
     let bottom = y.places.0;
     let mut out = String::new();
     open(&mut out, WIDTH, bottom + BELOW, title);
-    let rows = ((bottom - ABOVE) / 55.0) as usize;
-    grid(&mut out, x, y, (7, rows.max(2)));
+    grid(&mut out, x, y, (APART, APART));
     let label = |text: &str| LocalText {
         de: text.into(),
         en: text.into(),
     };
-    svg_text(&mut out, (RIGHT, bottom + 33.0), "label", "end", &label("x [mm]"));
+    svg_text(
+        &mut out,
+        (RIGHT, bottom + 33.0),
+        "label",
+        "end",
+        &label("x [mm]"),
+    );
     let above = label(&format!("{name} [mm]"));
     svg_text(&mut out, (LEFT, ABOVE - 9.0), "label", "middle", &above);
     for (k, series) in series.iter().enumerate() {
@@ -75,7 +98,11 @@ fn draw(
             (series.segment[i], px, py)
         });
         let colour = colour_class(k);
-        let _ = write!(out, "<path class=\"trail {colour}\" d=\"{}\"/>", line(drawn));
+        let _ = write!(
+            out,
+            "<path class=\"trail {colour}\" d=\"{}\"/>",
+            line(drawn)
+        );
     }
     // Above all lines: where each tool began (ring) and ended (square).
     for (k, series) in series.iter().enumerate() {

@@ -13,6 +13,8 @@ const RIGHT: f64 = 988.0;
 const ABOVE: f64 = 30.0;
 const STRIP: f64 = 130.0;
 const BETWEEN: f64 = 44.0;
+/// What the bold line averages over \[s\].
+const MEAN_WINDOW: f64 = 0.5;
 /// Numbers of events closer than this would overlap.
 const NUMBER_WIDTH: f64 = 17.0;
 
@@ -43,7 +45,7 @@ fn strip(out: &mut String, x: &Axis, top: f64, series: &ToolSeries, k: usize) {
     // Samples with a speed: time [s], speed [mm/s], segment.
     let points: Vec<(f64, f64, u32)> = (0..series.time.len())
         .filter_map(|i| {
-            let speed = series.speed[i].filter(|speed| speed.is_finite())?;
+            let speed = series.speed[i].filter(|speed| (speed + series.time[i]).is_finite())?;
             Some((series.time[i], speed * 1e3, series.segment[i]))
         })
         .collect();
@@ -62,15 +64,17 @@ fn strip(out: &mut String, x: &Axis, top: f64, series: &ToolSeries, k: usize) {
             );
         }
     }
-    grid(out, x, &y, (12, 4));
-    let drawn = thin::extremes(&speeds, MAX_POINTS)
-        .into_iter()
-        .map(|i| (points[i].2, x.at(points[i].0), y.at(points[i].1)));
+    grid(out, x, &y, (70.0, 26.0));
+    let place = |i: usize, speed: f64| (points[i].2, x.at(points[i].0), y.at(speed));
+    let raw = thin::extremes(&speeds, MAX_POINTS);
+    let means = moving_means(&points);
+    let calm = thin::evenly(points.len(), MAX_POINTS);
+    let colour = colour_class(k);
     let _ = write!(
         out,
-        "<path class=\"curve {}\" d=\"{}\"/>",
-        colour_class(k),
-        line(drawn)
+        "<path class=\"pale {colour}\" d=\"{}\"/><path class=\"curve {colour}\" d=\"{}\"/>",
+        line(raw.into_iter().map(|i| place(i, speeds[i]))),
+        line(calm.into_iter().map(|i| place(i, means[i])))
     );
     let unit = in_both("mm/s", "mm/s");
     svg_text(out, (LEFT - 7.0, top - 9.0), "label", "end", &unit);
@@ -81,6 +85,29 @@ fn strip(out: &mut String, x: &Axis, top: f64, series: &ToolSeries, k: usize) {
         top - 8.0,
         escape(&series.tool)
     );
+}
+
+/// For each of the points (time, speed, segment) the mean speed of its segment within half of [`MEAN_WINDOW`] before and
+/// after it: for the eye only, no metric rests on it.
+fn moving_means(points: &[(f64, f64, u32)]) -> Vec<f64> {
+    let (mut from, mut to, mut sum) = (0, 0, 0.0);
+    points
+        .iter()
+        .map(|&(time, _, segment)| {
+            while to < points.len()
+                && points[to].2 == segment
+                && points[to].0 <= time + MEAN_WINDOW / 2.0
+            {
+                sum += points[to].1;
+                to += 1;
+            }
+            while points[from].2 != segment || points[from].0 < time - MEAN_WINDOW / 2.0 {
+                sum -= points[from].1;
+                from += 1;
+            }
+            sum / (to - from) as f64
+        })
+        .collect()
 }
 
 fn event_marks(out: &mut String, x: &Axis, bottom: f64, events: &[EventRecord]) {
@@ -102,5 +129,24 @@ fn event_marks(out: &mut String, x: &Axis, bottom: f64, events: &[EventRecord]) 
             );
             free_from = at + NUMBER_WIDTH / 2.0;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::moving_means;
+
+    /// By hand: the window reaches a quarter of a second to both sides and never into another segment.
+    #[test]
+    fn means_stay_in_their_segment() {
+        let points = [
+            (0.0, 1.0, 0),
+            (0.25, 2.0, 0),
+            (0.5, 6.0, 0),
+            (0.625, 100.0, 1),
+            (0.75, 200.0, 1),
+            (1.5, 7.0, 1),
+        ];
+        assert_eq!(moving_means(&points), [1.5, 3.0, 4.0, 150.0, 150.0, 7.0]);
     }
 }

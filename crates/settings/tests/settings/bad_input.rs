@@ -1,7 +1,8 @@
 //! Bad inputs and the exact words about them: `tests/examples/bad-input.txt`.
 //!
 //! Each case there is a kind of file, a part of its full example (`- `), what stands there instead (`+ `, `\n` for a line
-//! break), and then every complaint. Places were counted in the examples; the words were read by a person.
+//! break), and then every complaint. The complaints were taken from the reader and read through against the examples;
+//! since then they hold it to its words.
 
 use crate::{KNOWN_METRICS, example, manifest, read};
 use microsim_settings::*;
@@ -16,10 +17,11 @@ fn each_mistake_is_named_with_its_place() {
             panic!("a case of fewer than three lines: {case}");
         };
         let part = |line: &str, sign: &str| -> String {
-            let part = line.strip_prefix(sign).expect("`- ` or `+ `");
+            let part = line.strip_prefix(sign).expect("`-` or `+`");
+            let part = part.strip_prefix(' ').unwrap_or_default();
             part.replace("\\n", "\n")
         };
-        let (from, to) = (part(from, "- "), part(to, "+ "));
+        let (from, to) = (part(from, "-"), part(to, "+"));
         assert!(example(kind).contains(&from), "not in the example: {case}");
         let errors = read(kind, &example(kind).replacen(&from, &to, 1)).expect_err(case);
         let printed: Vec<String> = errors.0.iter().map(ToString::to_string).collect();

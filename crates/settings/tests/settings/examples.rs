@@ -54,7 +54,8 @@ fn a_small_level_is_filled_with_defaults() {
     let level = level.expect("nothing else is required").settings;
     assert_eq!(level.clock.steps, 1);
     assert_eq!(level.view.field, 0.025);
-    assert_eq!(level.metrics.idle_speed, 0.0005);
+    // Lower end of the published speed of fine work, 0.1 to 0.5 mm/s (PMC3559009).
+    assert_eq!(level.metrics.idle_speed, 0.0001);
     assert_eq!(level.physics, None);
     // Default of the manifest, in SI.
     assert_eq!(level.module["dwell"], 1.0);
@@ -110,7 +111,7 @@ fn shipped_files_are_right() {
 
     let translator = load_translator(&config.join("translator.toml")).expect("translator");
     let stylus = &translator.settings.device[0];
-    // Farthest corner of the recording's box (DOMAIN: x −73..25, y −88..−16, z −22..85 mm) in the field of ±11 mm.
+    // Farthest corner of the recording's box (x −73..25, y −88..−16, z −22..85 mm) in the field of ±11 mm.
     for (axis, (low, high)) in [(-0.073, 0.025), (-0.088, -0.016), (-0.022, 0.085)]
         .iter()
         .enumerate()

@@ -1,11 +1,11 @@
 //! Closed forms, conservation, landing, same bits.
 
 use super::*;
-use crate::state::NodeTarget;
 use crate::executor::Serial;
 use crate::material::{SpringVolume, SpringVolumeSpec};
 use crate::model::Spring;
 use crate::stability::{gershgorin_bound, power_iteration};
+use crate::state::NodeTarget;
 use microsim_mesh::Block;
 
 const NO_GRAVITY: Control = Control {
@@ -163,7 +163,9 @@ fn a_free_node_loses_speed_exactly_as_the_exponential() {
     // The velocity kept is that of the middle of the last step.
     let expected = Vector3::new(0.1, -0.2, 0.3) * libm::exp(-120.0 * h * (steps as f64 - 0.5));
     // One rounding per step.
-    assert!((state.velocities[0] - expected).norm() <= steps as f64 * f64::EPSILON * expected.norm());
+    assert!(
+        (state.velocities[0] - expected).norm() <= steps as f64 * f64::EPSILON * expected.norm()
+    );
 }
 
 #[test]
@@ -360,7 +362,10 @@ fn undoing_an_overlap_moves_a_node_without_speeding_it_up() {
     };
     let mut solver = SolverVerlet::new(&model);
     solver.predict(&model, &state, &NO_GRAVITY, 1e-4, &Serial);
-    assert_eq!(solver.contact_force(&model, 0, &(shift - target.overlap)), Vector3::zeros());
+    assert_eq!(
+        solver.contact_force(&model, 0, &(shift - target.overlap)),
+        Vector3::zeros()
+    );
     solver.finish(
         &model,
         &mut state,
@@ -386,7 +391,8 @@ fn impulse_of_contact_is_the_change_of_momentum() {
     };
     let mut solver = SolverVerlet::new(&model);
     solver.predict(&model, &state, &NO_GRAVITY, 1e-4, &Serial);
-    let impulse = solver.contact_force(&model, 0, &(target.target - solver.predicted[0])) * solver.kick;
+    let impulse =
+        solver.contact_force(&model, 0, &(target.target - solver.predicted[0])) * solver.kick;
     solver.finish(
         &model,
         &mut state,
@@ -437,4 +443,19 @@ fn threads_do_not_change_a_bit() {
         state
     });
     assert_eq!(serial, threaded);
+}
+
+#[test]
+fn forces_in_place_and_in_parts_are_the_same_bits() {
+    let (model, state) = block([4, 3, 3], true, 0.0, 0.1);
+    let control = Control {
+        gravity: Vector3::new(0.1, 0.2, -9.81),
+    };
+    let mut solver = SolverVerlet::new(&model);
+    solver.forces_in_place(&model, &state, &control);
+    let in_place = solver.forces.clone();
+    for parts in [1, 2, 7] {
+        solver.forces_in_parts(&model, &state, &control, parts, &Serial);
+        assert_eq!(solver.forces, in_place);
+    }
 }

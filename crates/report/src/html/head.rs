@@ -1,0 +1,213 @@
+//! The top of the page: what was trained, how it ended and why, and whether that counts.
+
+use super::text::{escape, in_both, say, spans};
+use crate::number::{date_time, fixed, shown};
+use crate::{Report, Verdict};
+use microsim_message::LevelPhase;
+use std::fmt::Write;
+
+/// Module, level, verdict, reasons, warnings that come before everything else, and the scores.
+pub fn head(out: &mut String, report: &Report) {
+    let session = &report.session;
+    out.push_str("<header>\n<div class=\"bar\"><span class=\"brand\">MicroSim</span>\
+        <nav><label for=\"language-en\">English</label><label for=\"language-de\">Deutsch</label></nav></div>\n");
+    let _ = write!(
+        out,
+        "<h1>{}</h1>\n<p class=\"level\">{} {} · {}</p>\n<p class=\"task\">{}</p>\n<p class=\"facts\">",
+        spans(&session.module_title),
+        say("Stufe", "Level"),
+        session.level,
+        spans(&session.level_title),
+        spans(&session.level_summary),
+    );
+    if let Some(trainee) = &session.trainee {
+        let _ = write!(out, "<b>{}</b> · ", escape(trainee));
+    }
+    let _ = write!(
+        out,
+        "{} · {} <code>{}</code></p>\n</header>\n",
+        spans(&date_time(session.started)),
+        say("Eingabe", "input"),
+        escape(&session.input)
+    );
+    banners(out, report);
+    verdict(out, report);
+    categories(out, report);
+}
+
+/// Reasons to distrust or disregard the run.
+fn banners(out: &mut String, report: &Report) {
+    let session = &report.session;
+    let mut banner = |class: &str, title: String, text: String| {
+        let _ = writeln!(
+            out,
+            "<div class=\"banner {class}\" role=\"alert\"><b>{title}</b> {text}</div>"
+        );
+    };
+    if !session.without.is_empty() {
+        banner(
+            "stop",
+            say("Kein Ergebnis.", "No result."),
+            say(
+                &format!(
+                    "Dieser Lauf wurde ohne {} gerechnet und zählt nicht.",
+                    session.without.join(", ")
+                ),
+                &format!(
+                    "This run was computed without {} and does not count.",
+                    session.without.join(", ")
+                ),
+            ),
+        );
+    }
+    if report.verdict == Verdict::Incomplete {
+        let end = shown(report.simulated, "s");
+        let phase = phase(report.phase);
+        banner(
+            "stop",
+            say("Unvollständig.", "Incomplete."),
+            say(
+                &format!(
+                    "Die Aufzeichnung endet nach {} (Zustand: {}), bevor es ein Ergebnis gab. \
+                     Was bis dahin geschah, steht unten.",
+                    end.de, phase.de
+                ),
+                &format!(
+                    "The record ends after {} (state: {}), before there was a result. \
+                     What happened until then is shown below.",
+                    end.en, phase.en
+                ),
+            ),
+        );
+    }
+    if let Some(complaint) = &session.complaint {
+        banner(
+            "warn",
+            say(
+                "Sitzungsdatei abgebrochen oder beschädigt.",
+                "Session file cut or damaged.",
+            ),
+            escape(complaint),
+        );
+    }
+    for failure in &session.failures {
+        banner(
+            "warn",
+            say("Ein Plugin ist ausgefallen.", "A plugin failed."),
+            escape(failure),
+        );
+    }
+}
+
+fn phase(phase: LevelPhase) -> microsim_message::LocalText {
+    match phase {
+        LevelPhase::Introduction => in_both("Einführung", "introduction"),
+        LevelPhase::Running => in_both("läuft", "running"),
+        LevelPhase::Paused => in_both("Pause", "paused"),
+        LevelPhase::Passed => in_both("bestanden", "passed"),
+        LevelPhase::Failed => in_both("nicht bestanden", "failed"),
+    }
+}
+
+fn verdict(out: &mut String, report: &Report) {
+    let (class, symbol, word) = match report.verdict {
+        Verdict::Passed => ("passed", "✓", in_both("Bestanden", "Passed")),
+        Verdict::Failed => ("failed", "✗", in_both("Nicht bestanden", "Not passed")),
+        Verdict::Aborted => ("open", "■", in_both("Abgebrochen", "Aborted")),
+        Verdict::Incomplete => ("open", "?", in_both("Kein Ergebnis", "No result")),
+    };
+    let class = if report.session.without.is_empty() {
+        class
+    } else {
+        "open"
+    };
+    let _ = write!(
+        out,
+        "<section class=\"verdict {class}\">\n<div class=\"symbol\" aria-hidden=\"true\">{symbol}</div>\n\
+         <div class=\"words\"><p class=\"word\">{}",
+        spans(&word)
+    );
+    if !report.session.without.is_empty() {
+        let _ = write!(
+            out,
+            " <small>{}</small>",
+            say("(zählt nicht)", "(does not count)")
+        );
+    }
+    out.push_str("</p>\n");
+    let sentence = match report.verdict {
+        Verdict::Passed => say(
+            "Alle Ziele erreicht, alle anwendbaren Grenzwerte eingehalten.",
+            "All targets reached, all applicable limits kept.",
+        ),
+        Verdict::Aborted => say(
+            "Der Lauf wurde von Hand beendet; er sagt nichts über die Übende oder den Übenden.",
+            "The run was ended by hand; it says nothing about the trainee.",
+        ),
+        Verdict::Failed | Verdict::Incomplete => String::new(),
+    };
+    if !sentence.is_empty() {
+        let _ = writeln!(out, "<p>{sentence}</p>");
+    }
+    if !report.failed.is_empty() {
+        out.push_str("<ul class=\"reasons\">");
+        for (k, id) in report.failed.iter().enumerate() {
+            // A reason without words is at least named.
+            let words = report.reasons.get(k).map_or_else(|| escape(id), spans);
+            let _ = write!(out, "<li>{words} <code>{}</code></li>", escape(id));
+        }
+        out.push_str("</ul>\n");
+    }
+    out.push_str("</div>\n<dl class=\"tiles\">");
+    let mut tile = |name: String, value: String| {
+        let _ = write!(out, "<div><dt>{name}</dt><dd>{value}</dd></div>");
+    };
+    if let Some(score) = report.score {
+        let of = "<small> / 100</small>";
+        tile(
+            say("Punkte", "Score"),
+            format!("{}{of}", spans(&fixed(score, 0))),
+        );
+    }
+    tile(
+        say("Ziele", "Targets"),
+        format!(
+            "{}<small> / {}</small>",
+            report.targets_done, report.targets
+        ),
+    );
+    tile(say("Zeit", "Time"), spans(&shown(report.duration, "s")));
+    out.push_str("</dl>\n</section>\n");
+}
+
+fn categories(out: &mut String, report: &Report) {
+    if report.categories.is_empty() {
+        return;
+    }
+    super::section(out, "Punkte nach Bereichen", "Score by category");
+    out.push_str("<div class=\"bars\">\n");
+    for category in &report.categories {
+        let width = if category.score.is_finite() {
+            category.score.clamp(0.0, 100.0)
+        } else {
+            0.0
+        };
+        let _ = writeln!(
+            out,
+            "<div class=\"row\"><span>{}</span><span class=\"rail\"><span style=\"width:{width:.1}%\"></span></span>\
+             <b>{}</b></div>",
+            spans(&category.title),
+            spans(&fixed(category.score, 0))
+        );
+    }
+    let _ = write!(
+        out,
+        "</div>\n<p class=\"note\">{}</p>\n</section>\n",
+        say(
+            "Die Punkte (0–100) zeigen den Fortschritt. Bestanden ist eine Stufe nur, wenn jeder einzelne Grenzwert \
+             eingehalten ist; Punkte gleichen nichts aus.",
+            "The score (0–100) shows progress. A level is passed only if every single limit is kept; points make up for \
+             nothing.",
+        )
+    );
+}

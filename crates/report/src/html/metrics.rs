@@ -1,0 +1,170 @@
+//! The table of metrics: those with a limit first, then those for information.
+
+use super::text::{escape, say, spans};
+use crate::number::{against_limits, fixed};
+use crate::plot::gauge;
+use crate::{MetricEntry, Report};
+use std::fmt::Write;
+
+/// Both tables; nothing without a result.
+pub fn metrics(out: &mut String, report: &Report) {
+    let (judged, informative): (Vec<_>, Vec<_>) = report
+        .metrics
+        .iter()
+        .partition(|m| m.record.limit.is_some());
+    if !judged.is_empty() {
+        super::section(out, "Messgrößen mit Grenzwert", "Metrics with a limit");
+        table(out, report, &judged, true);
+        out.push_str("</section>\n");
+    }
+    if !informative.is_empty() {
+        super::section(out, "Weitere Messgrößen", "Further metrics");
+        let _ = writeln!(
+            out,
+            "<p class=\"note\">{}</p>",
+            say(
+                "In dieser Stufe ohne Grenzwert; sie gehen nicht in das Urteil ein.",
+                "Without a limit in this level; the verdict does not rest on them.",
+            )
+        );
+        table(out, report, &informative, false);
+        out.push_str("</section>\n");
+    }
+}
+
+fn table(out: &mut String, report: &Report, metrics: &[&MetricEntry], judged: bool) {
+    let _ = write!(
+        out,
+        "<table class=\"metrics\">\n<thead><tr><th>{}</th><th class=\"n\">{}</th>",
+        say("Messgröße", "Metric"),
+        say("Wert", "Value")
+    );
+    if judged {
+        let _ = write!(
+            out,
+            "<th>{}</th><th>{}</th><th class=\"n\">{}</th>",
+            say("Grenzwert", "Limit"),
+            say("Urteil", "Mark"),
+            say("Punkte", "Score")
+        );
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    for metric in metrics {
+        row(out, report, metric, judged);
+    }
+    out.push_str("</tbody>\n</table>\n");
+}
+
+fn row(out: &mut String, report: &Report, metric: &MetricEntry, judged: bool) {
+    let record = &metric.record;
+    let limits: Vec<f64> = [metric.display_min, metric.display_max]
+        .into_iter()
+        .flatten()
+        .collect();
+    let (value, limit_texts) = against_limits(
+        metric.display_value,
+        &limits,
+        &record.display_unit,
+        record.within,
+    );
+    let class = if record.within == Some(false) {
+        " class=\"outside\""
+    } else {
+        ""
+    };
+    let _ = write!(out, "<tr{class}><td><b>{}</b>", spans(&record.title));
+    if let Some(category) = report.categories.iter().find(|c| c.id == record.category) {
+        let _ = write!(
+            out,
+            " <span class=\"tag\">{}</span>",
+            spans(&category.title)
+        );
+    }
+    let _ = write!(out, "<p class=\"advice\">{}</p>", spans(&record.advice));
+    let _ = write!(
+        out,
+        "<p class=\"small\">{}{}<br><code>{}</code> · {}",
+        direction(&record.direction),
+        limit_note(record.limit.as_ref().map(|limit| &limit.source[..])),
+        escape(&record.formula),
+        escape(&record.source)
+    );
+    out.push_str("</p></td>");
+    match (&value, &record.not_applicable) {
+        (Some(value), _) => {
+            let _ = write!(out, "<td class=\"n value\">{}</td>", spans(value));
+        }
+        (None, reason) => {
+            let reason = reason.as_ref().map(spans).unwrap_or_default();
+            let _ = write!(
+                out,
+                "<td class=\"none\">{}<br><small>{reason}</small></td>",
+                say("nicht anwendbar", "not applicable")
+            );
+        }
+    }
+    if judged {
+        let mut texts = limit_texts.iter();
+        let words = match (metric.display_min, metric.display_max) {
+            (Some(_), Some(_)) => {
+                let both: Vec<_> = texts.map(spans).collect();
+                both.join(" … ")
+            }
+            (Some(_), None) => texts
+                .next()
+                .map_or(String::new(), |t| format!("≥ {}", spans(t))),
+            (None, Some(_)) => texts
+                .next()
+                .map_or(String::new(), |t| format!("≤ {}", spans(t))),
+            (None, None) => "–".into(),
+        };
+        let _ = write!(out, "<td class=\"limits\">{words}");
+        if record.limit.as_ref().is_some_and(|limit| limit.provisional) {
+            let _ = write!(
+                out,
+                "<span class=\"provisional\">{}</span>",
+                say("vorläufig", "provisional")
+            );
+        }
+        out.push_str(&gauge(metric));
+        let mark = match record.within {
+            Some(true) => format!(
+                "<span class=\"mark good\">✓ {}</span>",
+                say("erfüllt", "ok")
+            ),
+            Some(false) => format!(
+                "<span class=\"mark bad\">✗ {}</span>",
+                say("verfehlt", "failed")
+            ),
+            None => "<span class=\"mark\">–</span>".into(),
+        };
+        let score = record
+            .score
+            .map_or_else(|| "–".into(), |score| spans(&fixed(score, 0)));
+        let _ = write!(out, "</td><td>{mark}</td><td class=\"n\">{score}</td>");
+    }
+    out.push_str("</tr>\n");
+}
+
+fn direction(direction: &str) -> String {
+    match direction {
+        "lower-is-better" => say("weniger ist besser", "lower is better"),
+        "higher-is-better" => say("mehr ist besser", "higher is better"),
+        "range" => say("die Mitte ist besser", "the middle is better"),
+        "informative" => say("zur Kenntnis", "for information"),
+        other => escape(other),
+    }
+}
+
+fn limit_note(limit_source: Option<&str>) -> String {
+    match limit_source {
+        Some(source) if !source.is_empty() => {
+            format!(
+                " · {}: {}",
+                say("Grenzwert nach", "limit from"),
+                escape(source)
+            )
+        }
+        _ => String::new(),
+    }
+}

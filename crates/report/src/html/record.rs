@@ -1,0 +1,256 @@
+//! The course, the input, what went wrong, and where all of it comes from.
+
+use super::section;
+use super::text::{escape, say, spans};
+use crate::Report;
+use crate::number::{fixed, shown};
+use microsim_message::LogLevel;
+use std::fmt::Write;
+
+/// Lines of warnings that are shown; the JSON form has all.
+const MAX_WARNINGS: usize = 100;
+
+/// What happened, with the numbers that mark it in the drawing of speed.
+pub fn events(out: &mut String, report: &Report) {
+    if report.events.is_empty() {
+        return;
+    }
+    section(out, "Verlauf", "Course");
+    out.push_str("<ol class=\"events\">\n");
+    for event in &report.events {
+        let _ = writeln!(
+            out,
+            "<li><time>{}</time><span>{} <code>{}</code></span></li>",
+            spans(&shown(event.time, "s")),
+            spans(&event.text),
+            escape(&event.id)
+        );
+    }
+    out.push_str("</ol>\n</section>\n");
+}
+
+/// The raw input of each device and how long each tool was tracked.
+pub fn input(out: &mut String, report: &Report) {
+    section(out, "Eingabe", "Input");
+    if report.input.is_empty() {
+        let _ = writeln!(
+            out,
+            "<p>{}</p>",
+            say("Es kam kein Messwert an.", "No sample arrived.")
+        );
+    } else {
+        devices(out, report);
+    }
+    if !report.presence.is_empty() {
+        presence(out, report);
+    }
+    out.push_str("</section>\n");
+}
+
+fn devices(out: &mut String, report: &Report) {
+    let _ = write!(
+        out,
+        "<p class=\"note\">{}</p>\n<table>\n<thead><tr>",
+        say(
+            "Die rohen Messwerte im Koordinatensystem des Geräts, vor jeder Umrechnung. Über Lücken hinweg wird nichts \
+             verbunden.",
+            "The raw samples in the device's own frame, before any translation. Nothing is joined across gaps.",
+        )
+    );
+    for (k, (de, en)) in [
+        ("Gerät", "Device"),
+        ("Messwerte", "Samples"),
+        ("Verdeckt", "Occluded"),
+        ("Abschnitte", "Segments"),
+        ("Lücken", "Gaps"),
+        ("Längste Lücke", "Longest gap"),
+        ("Weg", "Path"),
+        ("Rate", "Rate"),
+        ("Dauer", "Duration"),
+        ("Erfasst", "Tracked"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let class = if k == 0 { "" } else { " class=\"n\"" };
+        let _ = write!(out, "<th{class}>{}</th>", say(de, en));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    for device in &report.input {
+        let _ = write!(out, "<tr><td><b>{}</b></td>", escape(&device.device));
+        let count = |n: usize| fixed(n as f64, 0);
+        let millimetres = fixed(device.path_mm, 3);
+        let with_unit =
+            |text: microsim_message::LocalText, unit: &str| format!("{}\u{a0}{unit}", spans(&text));
+        let rate = device.rate_hz.map(|rate| with_unit(fixed(rate, 1), "Hz"));
+        for cell in [
+            spans(&count(device.samples)),
+            spans(&count(device.occluded_samples)),
+            spans(&count(device.segments)),
+            spans(&count(device.gaps)),
+            with_unit(fixed(device.longest_gap_s, 2), "s"),
+            with_unit(millimetres, "mm"),
+            rate.unwrap_or_else(|| "–".into()),
+            with_unit(fixed(device.duration_s, 1), "s"),
+            with_unit(fixed(device.tracked_s, 1), "s"),
+        ] {
+            let _ = write!(out, "<td class=\"n\">{cell}</td>");
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody>\n</table>\n");
+}
+
+/// A bar for each tool: tracked, occluded, stale, never seen.
+fn presence(out: &mut String, report: &Report) {
+    let _ = write!(
+        out,
+        "<h3>{}</h3>\n<div class=\"bars presence\">\n",
+        say(
+            "Instrumente im Bild der Erfassung",
+            "Were the instruments seen?"
+        )
+    );
+    for tool in &report.presence {
+        let parts = [
+            ("tracked", tool.tracked, "erfasst", "tracked"),
+            ("occluded", tool.occluded, "verdeckt", "occluded"),
+            ("stale", tool.stale, "veraltet", "stale"),
+            ("unseen", tool.never_seen, "noch nie gesehen", "never seen"),
+        ];
+        let total: f64 = parts.iter().map(|part| part.1).sum();
+        let total = if total > 0.0 { total } else { 1.0 };
+        let _ = write!(
+            out,
+            "<div class=\"row\"><span><b>{}</b> <small>{}</small></span><span class=\"rail\">",
+            escape(&tool.tool),
+            escape(&tool.model)
+        );
+        for (class, time, ..) in parts {
+            let _ = write!(
+                out,
+                "<span class=\"{class}\" style=\"width:{:.2}%\"></span>",
+                100.0 * time / total
+            );
+        }
+        out.push_str("</span><span class=\"shares\">");
+        for (class, time, de, en) in parts.into_iter().filter(|part| part.1 > 0.0) {
+            let _ = write!(
+                out,
+                "<span><span class=\"key {class}\"></span>{} {}</span>",
+                say(de, en),
+                spans(&shown(100.0 * time / total, "%"))
+            );
+        }
+        out.push_str("</span></div>\n");
+    }
+    out.push_str("</div>\n");
+}
+
+/// Recoveries of tissue, warnings and errors.
+pub fn incidents(out: &mut String, report: &Report) {
+    if !report.recoveries.is_empty() {
+        section(out, "Neu gerechnetes Gewebe", "Tissue computed again");
+        let _ = write!(
+            out,
+            "<p class=\"note\">{}</p>\n<ul>\n",
+            say(
+                "Diese Körper gerieten rechnerisch außer Kontrolle, wurden zurückgesetzt und feiner gerechnet.",
+                "The computation of these bodies got out of hand; they were set back and computed in finer steps.",
+            )
+        );
+        for recovery in &report.recoveries {
+            let _ = writeln!(
+                out,
+                "<li><time>{}</time> <b>{}</b>: {} ({} {})</li>",
+                spans(&shown(recovery.session_time, "s")),
+                escape(&recovery.body),
+                escape(&recovery.cause),
+                recovery.substeps,
+                say("Teilschritte", "sub-steps")
+            );
+        }
+        out.push_str("</ul>\n</section>\n");
+    }
+    if report.warnings.is_empty() {
+        return;
+    }
+    section(out, "Warnungen", "Warnings");
+    out.push_str("<ul>\n");
+    for warning in report.warnings.iter().take(MAX_WARNINGS) {
+        let level = match warning.level {
+            LogLevel::Error => say("Fehler", "Error"),
+            _ => say("Warnung", "Warning"),
+        };
+        let _ = write!(
+            out,
+            "<li><time>{}</time> <b>{level}:</b> {}",
+            spans(&shown(warning.session_time, "s")),
+            escape(&warning.text)
+        );
+        if warning.count > 1 {
+            let _ = write!(out, " <span class=\"tag\">× {}</span>", warning.count);
+        }
+        out.push_str("</li>\n");
+    }
+    if let Some(more) = report
+        .warnings
+        .len()
+        .checked_sub(MAX_WARNINGS)
+        .filter(|&n| n > 0)
+    {
+        let _ = writeln!(out, "<li>… {more} {}</li>", say("weitere", "more"));
+    }
+    out.push_str("</ul>\n</section>\n");
+}
+
+/// All that is needed to see the same session again.
+pub fn provenance(out: &mut String, report: &Report) {
+    let session = &report.session;
+    let _ = write!(
+        out,
+        "<footer>\n<h2>{}</h2>\n<dl>",
+        say("Herkunft", "Provenance")
+    );
+    let mut fact = |name: String, value: String| {
+        let _ = writeln!(out, "<dt>{name}</dt><dd>{value}</dd>");
+    };
+    let code = |text: &str| format!("<code>{}</code>", escape(text));
+    fact("MicroSim".into(), code(&session.version));
+    fact(
+        say("Modul, Stufe", "Module, level"),
+        format!("{} {}", code(&session.module), session.level),
+    );
+    fact(say("Startwert", "Seed"), code(&session.seed.to_string()));
+    let mut tick = spans(&shown(session.tick_s * 1e3, "ms"));
+    if session.realtime {
+        let _ = write!(
+            tick,
+            ", {}; {}: {}",
+            say("in Echtzeit", "in real time"),
+            say("verspätete Takte", "late ticks"),
+            session.late_ticks
+        );
+    }
+    fact(say("Takt", "Tick"), tick);
+    fact(
+        say("Zustandsprüfsumme", "State hash"),
+        session.state_hash.as_deref().map_or_else(
+            || say("keine: kein sauberes Ende", "none: no clean end"),
+            code,
+        ),
+    );
+    fact(
+        say("Sitzungsdatei", "Session file"),
+        code(&session.session_file),
+    );
+    fact(say("Wiedergabe", "Replay"), code(&session.replay_command));
+    let _ = write!(
+        out,
+        "</dl>\n<p>{}</p>\n</footer>\n",
+        say(
+            "Dieselben Eingaben ergeben bei der Wiedergabe dieselben Zahlen bis aufs letzte Bit.",
+            "Replayed, the same inputs give the same numbers to the last bit.",
+        )
+    );
+}

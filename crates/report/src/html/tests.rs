@@ -1,0 +1,208 @@
+//! What the page must and must not hold.
+
+use crate::testing::{contact, failed_result, input, log, text};
+use crate::{Report, ReportInput, Verdict};
+use microsim_message::{
+    ContactForces, InputSample, LevelEvent, LevelPhase, LevelState, Log, LogLevel, Pose,
+    TissueRecovery, ToolSample,
+};
+
+const ATTACK: &str = "<script src=\"https://evil.example/x.js\">'&</script>";
+
+fn tool_sample(tool: &str, time: f64) -> ToolSample {
+    ToolSample {
+        tool: tool.into(),
+        time,
+        tracked: true,
+        pose: Pose {
+            position: [1e-3 * time, 2e-3 * time * time, 0.0],
+            ..Pose::default()
+        },
+        opening: 0.0,
+    }
+}
+
+/// Every text of a session at once, each of them hostile.
+fn hostile() -> Report {
+    let mut result = failed_result(&[ATTACK]);
+    result.reasons = vec![text(ATTACK)];
+    result.categories[0].title = text(ATTACK);
+    for metric in &mut result.metrics {
+        metric.title = text(ATTACK);
+        metric.advice = text(ATTACK);
+        metric.display_unit = ATTACK.into();
+        metric.formula = ATTACK.into();
+        metric.source = ATTACK.into();
+        metric.direction = ATTACK.into();
+        metric.not_applicable = metric.not_applicable.as_ref().map(|_| text(ATTACK));
+        if let Some(limit) = &mut metric.limit {
+            limit.source = ATTACK.into();
+        }
+    }
+    let hostile_input = ReportInput {
+        version: ATTACK.into(),
+        trainee: Some(ATTACK.into()),
+        module: ATTACK.into(),
+        module_title: text(ATTACK),
+        level_title: text(ATTACK),
+        level_summary: text(ATTACK),
+        input: ATTACK.into(),
+        without: vec![ATTACK.into()],
+        state_hash: Some(ATTACK.into()),
+        complaint: Some(ATTACK.into()),
+        failures: vec![ATTACK.into()],
+        session_file: ATTACK.into(),
+        replay_command: ATTACK.into(),
+        ..input()
+    };
+    let log = log(&[
+        &InputSample {
+            device: ATTACK.into(),
+            device_time: 0.0,
+            visible: true,
+            pose: Pose::default(),
+            opening: None,
+        },
+        &tool_sample(ATTACK, 0.0),
+        &tool_sample(ATTACK, 1.0),
+        &ContactForces {
+            contacts: vec![contact(ATTACK, ATTACK, [1.0, 0.0, 0.0])],
+        },
+        &LevelEvent {
+            id: ATTACK.into(),
+            time: 1.0,
+            text: text(ATTACK),
+        },
+        &TissueRecovery {
+            body: ATTACK.into(),
+            cause: ATTACK.into(),
+            substeps: 2,
+        },
+        &Log {
+            level: LogLevel::Warn,
+            text: ATTACK.into(),
+        },
+        &result,
+    ]);
+    Report::build(&hostile_input, [(0, &log[..])])
+}
+
+#[test]
+fn all_text_is_escaped() {
+    let html = hostile().to_html();
+    assert!(!html.contains("<script"));
+    assert!(!html.contains("evil.example/x.js\""));
+    assert!(html.contains("&lt;script src=&quot;https://evil.example/x.js&quot;&gt;&#39;&amp;"));
+}
+
+/// Addresses may stand in plain text only: no attribute, no style sheet refers to anything outside.
+#[test]
+fn the_page_loads_nothing() {
+    let html = hostile().to_html();
+    for (at, _) in html.match_indices("://") {
+        let before = &html[..at];
+        let in_tag = before.rfind('<') > before.rfind('>');
+        assert!(!in_tag, "{}", &html[at.saturating_sub(80)..at + 20]);
+    }
+    for word in [
+        "url(", "@import", "src=\"", "href=", "<link", "<img", "<iframe",
+    ] {
+        assert!(!html.contains(word), "{word}");
+    }
+}
+
+/// Each element that is opened is closed, in order.
+#[test]
+fn elements_are_balanced() {
+    let html = hostile().to_html();
+    let body = &html[html.find("<body").expect("a body")..];
+    let mut open: Vec<&str> = Vec::new();
+    for tag in body.split('<').skip(1).filter_map(|t| t.split('>').next()) {
+        let name = tag.split([' ', '/']).next().unwrap_or_default();
+        if let Some(closed) = tag.strip_prefix('/') {
+            assert_eq!(
+                open.pop(),
+                Some(closed).filter(|c| *c != "html"),
+                "</{closed}>"
+            );
+            if closed == "body" {
+                return;
+            }
+        } else if !tag.ends_with('/') && !["input", "br"].contains(&name) {
+            open.push(name);
+        }
+    }
+    panic!("no </body>; open: {open:?}");
+}
+
+#[test]
+fn a_failed_session_says_why() {
+    let log = log(&[&failed_result(&["depth", "too-slow"])]);
+    let report = Report::build(&input(), [(0, &log[..])]);
+    let html = report.to_html();
+    assert!(html.contains("class=\"verdict failed\"") && html.contains("Not passed"));
+    assert!(html.contains("Reason depth.") && html.contains("Reason too-slow."));
+    assert!(html.contains("provisional") && html.contains("no instrument was tracked"));
+    // One metric kept its limit of 500 mm, one did not, one could not be measured.
+    assert_eq!(html.matches("mark good").count(), 1);
+    assert_eq!(html.matches("mark bad").count(), 1);
+    assert!(html.contains("≤ 500\u{a0}mm") && html.contains("750\u{a0}mm"));
+    assert!(!html.contains("class=\"banner"));
+}
+
+#[test]
+fn a_run_without_something_is_no_result() {
+    let mut result = failed_result(&[]);
+    result.passed = true;
+    let log = log(&[&result]);
+    let without = ReportInput {
+        without: vec!["physics".into()],
+        ..input()
+    };
+    let report = Report::build(&without, [(0, &log[..])]);
+    assert_eq!((report.verdict, report.counts), (Verdict::Passed, false));
+    let html = report.to_html();
+    assert!(html.contains("This run was computed without physics and does not count."));
+    assert!(html.contains("(does not count)") && !html.contains("verdict passed"));
+}
+
+/// Killed in tick 8 (of 1/8 s each): what is known stands there, and that there is no result.
+#[test]
+fn an_incomplete_session_is_shown_as_such() {
+    let state = LevelState {
+        phase: LevelPhase::Running,
+        running: 0.75,
+        targets_done: 1,
+        targets: 5,
+    };
+    let cut = ReportInput {
+        complaint: Some("cut after 512 bytes".into()),
+        state_hash: None,
+        ..input()
+    };
+    let first = log(&[&state]);
+    let report = Report::build(&cut, [(0, &first[..]), (7, &[][..])]);
+    assert_eq!(
+        (report.verdict, report.counts),
+        (Verdict::Incomplete, false)
+    );
+    assert_eq!((report.duration, report.simulated), (0.75, 1.0));
+    assert_eq!((report.targets_done, report.targets), (1, 5));
+    assert_eq!((report.score, report.failed.len()), (None, 0));
+    let html = report.to_html();
+    assert!(html.contains("The record ends after 1.0\u{a0}s (state: running)"));
+    assert!(html.contains("cut after 512 bytes") && html.contains("none: no clean end"));
+}
+
+/// A session of nothing at all, and one with a tool that never moved, are pages too.
+#[test]
+fn nothing_is_drawn_out_of_nothing() {
+    let empty = Report::build(&input(), []).to_html();
+    assert!(empty.contains("No sample arrived.") && !empty.contains("<svg"));
+    let log = log(&[&tool_sample("right", 0.0)]);
+    let lone = Report::build(&input(), [(0, &log[..])]).to_html();
+    let drawings = &lone[lone.find("<svg").expect("a drawing")..];
+    for nonsense in ["NaN", ">inf", "\"inf", "Minf", "Linf"] {
+        assert!(!drawings.contains(nonsense), "{nonsense}");
+    }
+}

@@ -1,0 +1,226 @@
+//! What is refused, divided, repeated or rolled back.
+
+use super::*;
+
+#[test]
+fn a_step_beyond_the_limit_is_refused_with_the_number_that_is_enough() {
+    let scene = Scene::new(&strip([10, 2, 1], false)).unwrap();
+    let required = scene.required_steps(TICK);
+    assert_eq!(required, (TICK / scene.stable_step(0)).ceil() as u32);
+    assert_eq!(scene.check_step(TICK, required), Ok(()));
+    let error = scene.check_step(TICK, required - 1).unwrap_err();
+    assert!(
+        matches!(&error, SceneError::StepTooLong { body, required_steps, .. }
+        if body == "strip" && *required_steps == required)
+    );
+    assert!(
+        error
+            .to_string()
+            .contains(&format!("at least {required} steps per tick")),
+        "{error}"
+    );
+    assert!(matches!(
+        scene.check_step(TICK, 0),
+        Err(SceneError::StepTooLong { .. })
+    ));
+    for tick_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(
+            scene.check_step(tick_s, 10),
+            Err(SceneError::Tick { .. })
+        ));
+    }
+}
+
+#[test]
+fn a_diverging_tick_is_repeated_with_shorter_steps_and_reported() {
+    let mut scene = Scene::new(&strip([10, 2, 1], false)).unwrap();
+    // hω = 1.2·(0.95..1.05) at the required number: a third of it is beyond 2, twice that is not.
+    let steps = scene.required_steps(TICK) / 3;
+    let mut recoveries = Vec::new();
+    for _ in 0..10 {
+        let report = scene.tick(&[], TICK, steps, &Serial).unwrap();
+        recoveries.extend(report.recoveries);
+    }
+    assert!(!recoveries.is_empty());
+    assert!(
+        recoveries
+            .iter()
+            .all(|r| r.body == 0 && (r.factor == 2 || r.factor == 4)),
+        "{recoveries:?}"
+    );
+    // The strip never left the neighbourhood of its rest shape: it sags by less than half a millimetre.
+    for (p, rest) in scene.positions(0).iter().zip(scene.rest_positions(0)) {
+        assert!((p - rest).norm() < 0.5e-3);
+    }
+}
+
+#[test]
+fn a_tick_that_cannot_be_saved_leaves_the_last_good_state() {
+    let mut scene = Scene::new(&strip([10, 2, 1], false)).unwrap();
+    run(&mut scene, 0..5, &Serial);
+    let good = scene.save();
+    let mut failed = None;
+    for _ in 0..20 {
+        let before = scene.save();
+        if let Err(error) = scene.tick(&[], 5.0 * TICK, 4, &Serial) {
+            assert_eq!(scene.save(), before);
+            failed = Some(error);
+            break;
+        }
+    }
+    let failed = failed.expect("steps a hundred times too long");
+    assert_eq!((failed.body, failed.body_name.as_str()), (0, "strip"));
+    assert!(failed.to_string().contains("strip"));
+    scene.restore(&good).unwrap();
+    run(&mut scene, 5..6, &Serial);
+}
+
+#[test]
+fn a_tool_that_jumps_does_not_break_the_strip() {
+    for lying in [false, true] {
+        let mut scene = Scene::new(&strip([10, 2, 1], lying)).unwrap();
+        let steps = scene.required_steps(TICK);
+        // Appears inside, jumps through, vanishes, comes back from below, jumps sideways.
+        let jumps = [
+            (0.4e-3, 0.4e-3),
+            (-250e-3, 250e-3),
+            (30e-3, -20e-3),
+            (1.2e-3, 0.0),
+            (-5e-3, 5e-3),
+        ];
+        for (from, to) in jumps {
+            let before = scene.save();
+            match scene.tick(&[push(from, to)], TICK, steps, &Serial) {
+                Ok(report) => assert!(report.invalid_motions.is_empty()),
+                // A probe that drags the strip along at 6 m/s and more may be refused; one that appears in it may not.
+                Err(error) => {
+                    assert!((to - from).abs() > 0.04, "{from} {to}: {error}");
+                    assert_eq!(scene.save(), before);
+                }
+            }
+            assert!(
+                scene
+                    .positions(0)
+                    .iter()
+                    .all(|p| p.iter().all(|c| c.is_finite()))
+            );
+        }
+        // Left alone it comes to rest again.
+        for _ in 0..80 {
+            scene.tick(&[], TICK, steps, &Serial).unwrap();
+        }
+        let worst = scene
+            .positions(0)
+            .iter()
+            .zip(scene.rest_positions(0))
+            .map(|(p, rest)| (p - rest).norm())
+            .fold(0.0, f64::max);
+        assert!(worst < 0.5e-3, "lying {lying}: {worst}");
+    }
+}
+
+#[test]
+fn a_fast_tool_gets_more_substeps_only_near_the_body() {
+    let mut scene = Scene::new(&strip([4, 1, 1], false)).unwrap();
+    let steps = scene.required_steps(TICK);
+    let mut substeps = |from: f64, to: f64| {
+        let report = scene.tick(&[push(from, to)], TICK, steps, &Serial).unwrap();
+        (report.substeps, report.capped)
+    };
+    assert_eq!(substeps(-0.3e-3, -0.2e-3), (1, false));
+    // 0.125 mm per step is allowed: 5 solver's steps' worth of that per step needs 5 sub-steps.
+    let way = 5.0 * 0.125e-3 * f64::from(steps);
+    assert_eq!(substeps(-0.3e-3 - way, -0.3e-3), (5, false));
+    assert_eq!(substeps(-100e-3 - way, -100e-3), (1, false), "far away");
+    assert_eq!(substeps(-0.3e-3 - 4.0 * way, -0.3e-3), (16, true));
+}
+
+#[test]
+fn motions_that_cannot_be_used_are_named() {
+    let mut scene = Scene::new(&strip([4, 1, 1], false)).unwrap();
+    let good = push(0.0, 0.1e-3);
+    let mut unknown = good;
+    unknown.tool = 3;
+    let mut broken = good;
+    broken.to.position.x = f64::NAN;
+    let inactive = ToolMotion {
+        active: false,
+        ..good
+    };
+    let report = scene
+        .tick(&[broken, unknown, good, good], TICK, 200, &Serial)
+        .unwrap();
+    assert_eq!(report.invalid_motions, [0, 1, 3]);
+    assert_eq!(report.contacts.len(), 1);
+    let report = scene.tick(&[inactive], TICK, 200, &Serial).unwrap();
+    assert_eq!(
+        (report.contacts.len(), report.invalid_motions.len()),
+        (0, 0)
+    );
+}
+
+#[test]
+fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
+    let good = strip([4, 1, 1], false);
+    let cases: [(fn(&mut SceneSpec), &str); 11] = [
+        (
+            |s| s.bodies.push(s.bodies[0].clone()),
+            "each body needs a name of its own, 'strip'",
+        ),
+        (
+            |s| s.tools[0].name.clear(),
+            "each tool needs a name of its own, ''",
+        ),
+        (
+            |s| s.bodies[0].material.density = -1.0,
+            "body 'strip': density is -1, allowed is > 0 kg/m³",
+        ),
+        (
+            |s| {
+                s.bodies[0].generator = Generator::Block(Block {
+                    center: [0.0; 3],
+                    size: [1.0; 3],
+                    cells: [0; 3],
+                })
+            },
+            "cell",
+        ),
+        (
+            |s| s.bodies[0].clamps[1].min[0] = 1.0,
+            "clamp 1 of body 'strip' holds no node",
+        ),
+        (
+            |s| s.tools[0].capsules.clear(),
+            "tool 'probe' has no capsule",
+        ),
+        (
+            |s| s.tools[0].capsules[0].radius = 0.0,
+            "capsule 0 of tool 'probe'",
+        ),
+        (
+            |s| {
+                s.tools[0].capsules[0].hinge = Some(HingeSpec {
+                    pivot: [0.0; 3],
+                    axis: [0.0; 3],
+                    angle: 1.0,
+                });
+            },
+            "capsule 0 of tool 'probe'",
+        ),
+        (|s| s.contact_pairs[0].1 = "vessel".into(), "no such body"),
+        (
+            |s| s.contact_pairs.push(s.contact_pairs[0].clone()),
+            "stands twice",
+        ),
+        (|s| s.gravity[1] = f64::NAN, "gravity"),
+    ];
+    for (spoil, expected) in cases {
+        let mut spec = good.clone();
+        spoil(&mut spec);
+        let text = Scene::new(&spec).unwrap_err().to_string();
+        assert!(
+            text.contains(expected),
+            "'{text}' does not say '{expected}'"
+        );
+    }
+}

@@ -1,0 +1,186 @@
+//! `cargo xtask build`: builds the program, plugins and modules and lays them out as a tree that runs as it lies.
+//!
+//! ```text
+//! target/microsim/microsim
+//!                 plugins/NAME/  plugin.toml, library, files of its own
+//!                 modules/NAME/  module.toml, library, levels/, scripts/, README.md
+//!                 config/  assets/
+//! ```
+//!
+//! Files are written only where their content differs, and by renaming: a running simulator keeps the library that it
+//! has mapped. What no longer belongs to these folders is removed; anything else below the tree, such as `sessions/`,
+//! is left alone.
+
+use crate::child;
+use crate::failure::Failure;
+use crate::workspace::Workspace;
+use std::collections::BTreeMap;
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Folders of the tree that hold exactly what the repository has.
+const FOLDERS: [&str; 4] = ["plugins", "modules", "config", "assets"];
+
+/// What a plugin's or module's folder holds for cargo alone.
+const FOR_CARGO: [&str; 7] =
+    ["Cargo.toml", "build.rs", "src", "tests", "examples", "benches", "target"];
+
+/// Path in the tree → file that belongs there.
+type Plan = BTreeMap<PathBuf, PathBuf>;
+
+/// Builds everything and brings the tree up to date.
+pub fn build(workspace: &Workspace) -> Result<(), Failure> {
+    let mut cargo = workspace.cargo();
+    cargo.args(["build", "--release", "-p", "microsim-app"]);
+    cargo.args(["-p", "microsim-plugin-*", "-p", "microsim-module-*"]);
+    if !child::run(&mut cargo)?.success() {
+        return Err(Failure::Cannot("the build failed".into()));
+    }
+    let plan = plan(&workspace.root, &workspace.release())?;
+    let tree = workspace.tree();
+    let (written, removed) = apply(&plan, &tree)?;
+    let (files, tree) = (plan.len(), tree.display());
+    eprintln!("{tree}: {files} files, {written} of them written now; {removed} removed");
+    Ok(())
+}
+
+/// What the tree has to hold, from the repository at `root` and cargo's output in `release`.
+fn plan(root: &Path, release: &Path) -> Result<Plan, Failure> {
+    let mut plan = Plan::new();
+    let program = format!("microsim{EXE_SUFFIX}");
+    plan.insert(program.clone().into(), release.join(program));
+    for (kind, manifest) in [("plugins", "plugin.toml"), ("modules", "module.toml")] {
+        for name in names(&root.join(kind))? {
+            let folder = root.join(kind).join(&name);
+            // As cargo does with the workspace's `plugins/*` and `modules/*`.
+            if !folder.join("Cargo.toml").is_file() {
+                continue;
+            }
+            let place = Path::new(kind).join(&name);
+            add_files(&mut plan, &folder, &place, &FOR_CARGO)?;
+            let library = library(&folder.join(manifest), release)?;
+            plan.insert(place.join(library.file_name().unwrap_or_default()), library);
+        }
+    }
+    add_files(&mut plan, &root.join("config"), Path::new("config"), &[])?;
+    // Pictures of the documentation are for readers of the repository.
+    add_files(&mut plan, &root.join("assets"), Path::new("assets"), &["docs"])?;
+    Ok(plan)
+}
+
+/// The library that a manifest names, as cargo has built it.
+fn library(manifest: &Path, release: &Path) -> Result<PathBuf, Failure> {
+    let text = fs::read_to_string(manifest).map_err(|e| cannot("read", manifest, &e))?;
+    let base = top_level_text(&text, "library").ok_or_else(|| {
+        let manifest = manifest.display();
+        Failure::Cannot(format!("{manifest}: no key `library` with the library's base name"))
+    })?;
+    let library = release.join(format!("{DLL_PREFIX}{base}{DLL_SUFFIX}"));
+    if library.is_file() {
+        return Ok(library);
+    }
+    Err(Failure::Cannot(format!(
+        "{}: `library = \"{base}\"`, but cargo has built no {}; expected: the package's name with underscores, and \
+         a package whose name begins with microsim-plugin- or microsim-module-",
+        manifest.display(),
+        library.display()
+    )))
+}
+
+/// A text from the part of a TOML file before its first table. The host checks manifests; here one key is looked up.
+fn top_level_text<'a>(toml: &'a str, key: &str) -> Option<&'a str> {
+    let top = toml.lines().map(str::trim).take_while(|line| !line.starts_with('['));
+    let value = top.filter_map(|line| line.split_once('=')).find(|(k, _)| k.trim() == key)?.1;
+    value.trim().strip_prefix('"')?.split_once('"').map(|(text, _)| text)
+}
+
+/// Adds all files below `from`, to lie below `to`; hidden ones and the entries in `without` stay out.
+fn add_files(plan: &mut Plan, from: &Path, to: &Path, without: &[&str]) -> Result<(), Failure> {
+    for name in names(from)? {
+        let (from, to) = (from.join(&name), to.join(&name));
+        if name.starts_with('.') || without.contains(&name.as_str()) {
+            continue;
+        }
+        if from.is_dir() {
+            add_files(plan, &from, &to, &[])?;
+        } else {
+            plan.insert(to, from);
+        }
+    }
+    Ok(())
+}
+
+/// Names in a folder, sorted.
+fn names(folder: &Path) -> Result<Vec<String>, Failure> {
+    let listing = || -> io::Result<Vec<String>> {
+        let names = fs::read_dir(folder)?.map(|entry| {
+            let name = entry?.file_name().into_string();
+            name.map_err(|_| io::Error::other("a file's name is not UTF-8"))
+        });
+        names.collect()
+    };
+    let mut names = listing().map_err(|e| cannot("read", folder, &e))?;
+    names.sort();
+    Ok(names)
+}
+
+/// Makes the tree hold what the plan says; returns how many files were written and removed.
+fn apply(plan: &Plan, tree: &Path) -> Result<(usize, usize), Failure> {
+    let mut removed = 0;
+    for folder in FOLDERS.map(PathBuf::from) {
+        if tree.join(&folder).is_dir() {
+            removed += remove_stale(plan, tree, &folder)?;
+        }
+    }
+    let mut written = 0;
+    for (place, file) in plan {
+        written += usize::from(update(file, &tree.join(place))?);
+    }
+    Ok((written, removed))
+}
+
+/// Removes files that the plan does not name, and folders that are empty then.
+fn remove_stale(plan: &Plan, tree: &Path, folder: &Path) -> Result<usize, Failure> {
+    let mut removed = 0;
+    for name in names(&tree.join(folder))? {
+        let place = folder.join(name);
+        let path = tree.join(&place);
+        if path.is_dir() {
+            removed += remove_stale(plan, tree, &place)?;
+            if names(&path)?.is_empty() {
+                fs::remove_dir(&path).map_err(|e| cannot("remove", &path, &e))?;
+            }
+        } else if !plan.contains_key(&place) {
+            fs::remove_file(&path).map_err(|e| cannot("remove", &path, &e))?;
+            removed += 1;
+        }
+    }
+    Ok(removed)
+}
+
+/// Copies a file if the target's content differs; says whether it did. Whoever has the old one open keeps it.
+fn update(from: &Path, to: &Path) -> Result<bool, Failure> {
+    let new = fs::read(from).map_err(|e| cannot("read", from, &e))?;
+    if fs::read(to).is_ok_and(|old| old == new) {
+        return Ok(false);
+    }
+    if let Some(folder) = to.parent() {
+        fs::create_dir_all(folder).map_err(|e| cannot("make", folder, &e))?;
+    }
+    let name = to.file_name().unwrap_or_default().to_string_lossy();
+    let temporary = to.with_file_name(format!(".{name}.{}", std::process::id()));
+    // `copy` keeps the permissions: the program stays executable.
+    fs::copy(from, &temporary)
+        .and_then(|_| fs::rename(&temporary, to))
+        .map_err(|e| cannot("write", to, &e))?;
+    Ok(true)
+}
+
+fn cannot(what: &str, path: &Path, error: &io::Error) -> Failure {
+    Failure::Cannot(format!("cannot {what} {}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,61 @@
+//! Where things lie: the repository, cargo's target folder and the tree that is assembled there.
+
+use crate::failure::Failure;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Name under which the integration tests are told where the assembled tree lies.
+pub const TREE_VARIABLE: &str = "MICROSIM_TREE";
+
+/// The folders of this workspace.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    /// The repository.
+    pub root: PathBuf,
+    /// Cargo's target folder.
+    pub target: PathBuf,
+}
+
+impl Workspace {
+    /// Of the running program. Cargo put it into `<target>/release`, so CARGO_TARGET_DIR and every other way to name
+    /// the target folder is honoured.
+    pub fn here() -> Result<Self, Failure> {
+        let program = std::env::current_exe()
+            .map_err(|e| Failure::Cannot(format!("this program's own place is unknown: {e}")))?;
+        let target = program.ancestors().nth(2).unwrap_or(Path::new("target"));
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        Ok(Self {
+            root: package.parent().unwrap_or(package).to_path_buf(),
+            target: target.to_path_buf(),
+        })
+    }
+
+    /// Where cargo puts what it builds.
+    pub fn release(&self) -> PathBuf {
+        self.target.join("release")
+    }
+
+    /// The tree that runs as it lies.
+    pub fn tree(&self) -> PathBuf {
+        self.target.join("microsim")
+    }
+
+    /// The simulator in the tree.
+    pub fn program(&self) -> PathBuf {
+        self.tree().join(format!("microsim{}", std::env::consts::EXE_SUFFIX))
+    }
+
+    /// Cargo, in the repository, building into the same target folder as this program.
+    pub fn cargo(&self) -> Command {
+        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        cargo.current_dir(&self.root).env("CARGO_TARGET_DIR", &self.target);
+        cargo
+    }
+
+    /// Cargo for programs that work on the assembled tree.
+    pub fn cargo_with_tree(&self) -> Command {
+        let mut cargo = self.cargo();
+        cargo.env(TREE_VARIABLE, self.tree());
+        cargo
+    }
+}
