@@ -15,7 +15,11 @@ pub fn run(command: &mut Command) -> Result<ExitStatus, Failure> {
 /// Runs a program that has to succeed; if it does not, it has said why.
 pub fn must(command: &mut Command) -> Result<(), Failure> {
     let status = run(command)?;
-    if status.success() { Ok(()) } else { Err(Failure::child(status)) }
+    if status.success() {
+        Ok(())
+    } else {
+        Err(Failure::child(status))
+    }
 }
 
 /// Becomes another program, so that signals and exit code are its own. Returns only if it cannot be started.
@@ -60,7 +64,11 @@ fn line(command: &Command, here: &Path) -> String {
         Some(stem) if stem == "cargo" => stem,
         _ => program.strip_prefix(here).unwrap_or(program).as_os_str(),
     };
-    let words: Vec<String> = [program].into_iter().chain(command.get_args()).map(word).collect();
+    let words: Vec<String> = [program]
+        .into_iter()
+        .chain(command.get_args())
+        .map(word)
+        .collect();
     words.join(" ")
 }
 
@@ -81,11 +89,22 @@ mod tests {
     #[test]
     fn the_echo_can_be_typed() {
         let mut command = Command::new("/home/a/clone/target/microsim/microsim");
-        command.args(["run", "touch-spheres", "--input", "script:my file.toml", "*", "it's", ""]);
+        command.args([
+            "run",
+            "touch-spheres",
+            "--input",
+            "script:my file.toml",
+            "*",
+            "it's",
+            "",
+        ]);
         assert_eq!(
             line(&command, Path::new("/home/a/clone")),
             r"target/microsim/microsim run touch-spheres --input 'script:my file.toml' '*' 'it'\''s' ''"
         );
-        assert_eq!(line(&Command::new("/opt/rust/bin/cargo"), Path::new("/")), "cargo");
+        assert_eq!(
+            line(&Command::new("/opt/rust/bin/cargo"), Path::new("/")),
+            "cargo"
+        );
     }
 }

@@ -24,8 +24,15 @@ use std::path::{Path, PathBuf};
 const FOLDERS: [&str; 4] = ["plugins", "modules", "config", "assets"];
 
 /// What a plugin's or module's folder holds for cargo alone.
-const FOR_CARGO: [&str; 7] =
-    ["Cargo.toml", "build.rs", "src", "tests", "examples", "benches", "target"];
+const FOR_CARGO: [&str; 7] = [
+    "Cargo.toml",
+    "build.rs",
+    "src",
+    "tests",
+    "examples",
+    "benches",
+    "target",
+];
 
 /// Path in the tree → file that belongs there.
 type Plan = BTreeMap<PathBuf, PathBuf>;
@@ -66,7 +73,12 @@ fn plan(root: &Path, release: &Path) -> Result<Plan, Failure> {
     }
     add_files(&mut plan, &root.join("config"), Path::new("config"), &[])?;
     // Pictures of the documentation are for readers of the repository.
-    add_files(&mut plan, &root.join("assets"), Path::new("assets"), &["docs"])?;
+    add_files(
+        &mut plan,
+        &root.join("assets"),
+        Path::new("assets"),
+        &["docs"],
+    )?;
     Ok(plan)
 }
 
@@ -75,7 +87,9 @@ fn library(manifest: &Path, release: &Path) -> Result<PathBuf, Failure> {
     let text = fs::read_to_string(manifest).map_err(|e| cannot("read", manifest, &e))?;
     let base = top_level_text(&text, "library").ok_or_else(|| {
         let manifest = manifest.display();
-        Failure::Cannot(format!("{manifest}: no key `library` with the library's base name"))
+        Failure::Cannot(format!(
+            "{manifest}: no key `library` with the library's base name"
+        ))
     })?;
     let library = release.join(format!("{DLL_PREFIX}{base}{DLL_SUFFIX}"));
     if library.is_file() {
@@ -91,9 +105,19 @@ fn library(manifest: &Path, release: &Path) -> Result<PathBuf, Failure> {
 
 /// A text from the part of a TOML file before its first table. The host checks manifests; here one key is looked up.
 fn top_level_text<'a>(toml: &'a str, key: &str) -> Option<&'a str> {
-    let top = toml.lines().map(str::trim).take_while(|line| !line.starts_with('['));
-    let value = top.filter_map(|line| line.split_once('=')).find(|(k, _)| k.trim() == key)?.1;
-    value.trim().strip_prefix('"')?.split_once('"').map(|(text, _)| text)
+    let top = toml
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with('['));
+    let value = top
+        .filter_map(|line| line.split_once('='))
+        .find(|(k, _)| k.trim() == key)?
+        .1;
+    value
+        .trim()
+        .strip_prefix('"')?
+        .split_once('"')
+        .map(|(text, _)| text)
 }
 
 /// Adds all files below `from`, to lie below `to`; hidden ones and the entries in `without` stay out.

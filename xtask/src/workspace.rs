@@ -42,13 +42,16 @@ impl Workspace {
 
     /// The simulator in the tree.
     pub fn program(&self) -> PathBuf {
-        self.tree().join(format!("microsim{}", std::env::consts::EXE_SUFFIX))
+        self.tree()
+            .join(format!("microsim{}", std::env::consts::EXE_SUFFIX))
     }
 
     /// Cargo, in the repository, building into the same target folder as this program.
     pub fn cargo(&self) -> Command {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        cargo.current_dir(&self.root).env("CARGO_TARGET_DIR", &self.target);
+        cargo
+            .current_dir(&self.root)
+            .env("CARGO_TARGET_DIR", &self.target);
         cargo
     }
 

@@ -1,1 +1,63 @@
-fn main() {}
+//! The `microsim` binary: command line and wiring, nothing else.
+//!
+//! Parsing only validates; the work is in one file per command. Exit status: 0 done (a failed level is a result, not an
+//! error), 1 the verdict that was asked for is negative, 2 could not run. Results go to standard output, logs and progress
+//! to standard error.
+
+mod bus;
+mod check;
+mod cli;
+mod doctor;
+mod list;
+mod output;
+mod replay;
+mod report;
+mod run;
+mod schema;
+mod session_file;
+
+use clap::Parser;
+use cli::{Cli, Command};
+use output::{Exit, Problem};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors; everything else could not run.
+            let code = if error.use_stderr() { Exit::CouldNotRun } else { Exit::Done };
+            let _ = error.print();
+            return code.into();
+        }
+    };
+    output::start_log();
+    silence_driver();
+    let result = match &cli.command {
+        Command::List(args) => list::list(&cli.place, args),
+        Command::Run(args) => run::run(&cli.place, args),
+        Command::Replay(args) => replay::replay(&cli.place, args),
+        Command::Report(args) => report::report(args),
+        Command::Bus(args) => bus::bus(&cli.place, args),
+        Command::Check(args) => check::check(&cli.place, args),
+        Command::Schema(args) => schema::schema(&cli.place, args),
+        Command::Doctor => doctor::doctor(&cli.place),
+    };
+    match result {
+        Ok(exit) => exit.into(),
+        Err(Problem::BrokenPipe) => Exit::Done.into(),
+        Err(Problem::Text(text)) => {
+            eprintln!("microsim: {text}");
+            Exit::CouldNotRun.into()
+        }
+    }
+}
+
+/// A layer of the graphics driver prints a line about a missing run-time folder at every start; it is not needed for
+/// pictures.
+fn silence_driver() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: no other thread has been started yet.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}

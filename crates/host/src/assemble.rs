@@ -6,6 +6,7 @@
 use crate::loader::file_hash;
 use crate::plan::{OwnKind, PlannedPart, PlannedPlugin, PluginKind, RunPlan};
 use crate::record::Session;
+use abi_stable::std_types::{ROption, RSlice};
 use microsim_bus::Frames;
 use microsim_message::{InputSample, LocalText, Setup, SetupFile, decode, encode};
 use microsim_settings as settings;
@@ -264,6 +265,15 @@ fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<RecordingInput, AssembleErro
     Ok((config, bytes, devices))
 }
 
+/// Checks a recording in CSV, its column map and every row, by the plugin that would play it.
+pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), AssembleError> {
+    let bytes =
+        std::fs::read(path).map_err(|e| AssembleError(format!("recording {}: {e}", path.display())))?;
+    let (config, bytes, _) = csv_input(path, bytes)?;
+    let files = vec![SetupFile { name: "recording".into(), bytes }];
+    probe(installation, SOURCE_RECORDING, config, files).map_err(AssembleError)
+}
+
 /// The input samples of a recorded session, to be played again.
 fn session_input(path: &Path, bytes: &[u8]) -> Result<RecordingInput, AssembleError> {
     let session =
@@ -371,12 +381,7 @@ impl Planner<'_> {
             ));
         }
         let folder = manifest.document.path().parent().map(Path::to_path_buf).unwrap_or_default();
-        let library = folder.join(format!(
-            "{}{}{}",
-            std::env::consts::DLL_PREFIX,
-            m.library,
-            std::env::consts::DLL_SUFFIX
-        ));
+        let library = library(m, manifest);
         let library_hash = file_hash(&library).map_err(|e| {
             AssembleError(format!(
                 "plugin \"{}\": its library {} cannot be read: {e}",
@@ -564,13 +569,7 @@ pub fn locate(installation: &Installation, recorded: &PlannedPlugin) -> Result<P
         PluginKind::Module => &installation.module(&recorded.name)?.manifest,
         _ => installation.plugin(&recorded.name)?,
     };
-    let folder = manifest.document.path().parent().map(Path::to_path_buf).unwrap_or_default();
-    let library = folder.join(format!(
-        "{}{}{}",
-        std::env::consts::DLL_PREFIX,
-        manifest.settings.library,
-        std::env::consts::DLL_SUFFIX
-    ));
+    let library = library(&manifest.settings, manifest);
     let library_hash = file_hash(&library)
         .map_err(|e| AssembleError(format!("library {}: {e}", library.display())))?;
     Ok(PlannedPlugin {
@@ -579,4 +578,85 @@ pub fn locate(installation: &Installation, recorded: &PlannedPlugin) -> Result<P
         manifest: manifest.document.text().to_owned(),
         ..recorded.clone()
     })
+}
+
+/// The renderer for a session that was recorded without one: it looks at the level as it is installed now.
+pub fn renderer_for(installation: &Installation, plan: &RunPlan) -> Result<PlannedPlugin, AssembleError> {
+    let folder = installation.module(&plan.module)?;
+    let level = installation.level(&plan.module, plan.level)?;
+    let models = tool_models(installation, &level.settings)?;
+    let request = Request {
+        module: plan.module.clone(),
+        level: plan.level,
+        input: Input::Plugin(String::new()),
+        seed: plan.seed,
+        without: Vec::new(),
+        pictures: true,
+        session: PathBuf::new(),
+    };
+    let source = SourceSetup {
+        plugin: String::new(),
+        why: String::new(),
+        config: Value::Null,
+        files: Vec::new(),
+        devices: None,
+    };
+    let planner = Planner {
+        installation,
+        request: &request,
+        level: &level,
+        manifest: &folder.manifest.settings,
+        models,
+        source: &source,
+    };
+    planner.plugin(installation.plugin(RENDERER)?, "pictures of the replay are wanted".into(), plan)
+}
+
+/// Whether pictures work on this machine; otherwise why not.
+pub fn probe_renderer(installation: &Installation) -> Result<(), String> {
+    let config = json!({
+        "view": { "field": 0.02, "centre": [0.0, 0.0, 0.0], "tilt": 0.0 },
+        "models": {}, "bodies": [], "width": 16, "height": 16,
+    });
+    probe(installation, RENDERER, config, Vec::new())
+}
+
+/// Loads and initialises one plugin, and nothing more.
+fn probe(
+    installation: &Installation,
+    name: &str,
+    config: Value,
+    files: Vec<SetupFile>,
+) -> Result<(), String> {
+    let manifest = installation.plugin(name).map_err(|e| e.to_string())?;
+    let setup =
+        Setup { name: name.into(), seed: 0, tick_ns: 1_000_000, steps: 1, level: 1, config, files };
+    let planned = PlannedPlugin {
+        name: name.into(),
+        kind: kind_of(manifest.settings.kind),
+        version: manifest.settings.version.clone(),
+        publishes: Vec::new(),
+        subscribes: Vec::new(),
+        own_kinds: Vec::new(),
+        library: library(&manifest.settings, manifest),
+        manifest: manifest.document.text().to_owned(),
+        library_hash: String::new(),
+        why: String::new(),
+        setup,
+    };
+    let mut object = crate::loader::load(&planned).map_err(|e| e.to_string())?;
+    let setup = encode(&planned.setup);
+    let result = object.initialise(RSlice::from_slice(&setup), ROption::RNone).into_result();
+    result.map_err(|fault| fault.text.into_string())
+}
+
+/// Where the library of a manifest lies.
+fn library(manifest: &Manifest, loaded: &Loaded<Manifest>) -> PathBuf {
+    let folder = loaded.document.path().parent().map(Path::to_path_buf).unwrap_or_default();
+    folder.join(format!(
+        "{}{}{}",
+        std::env::consts::DLL_PREFIX,
+        manifest.library,
+        std::env::consts::DLL_SUFFIX
+    ))
 }

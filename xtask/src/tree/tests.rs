@@ -10,15 +10,23 @@ struct Repository {
 
 impl Repository {
     fn new() -> Self {
-        let repository = Self { folder: tempfile::tempdir().unwrap() };
+        let repository = Self {
+            folder: tempfile::tempdir().unwrap(),
+        };
         for (file, text) in [
             ("plugins/objects/Cargo.toml", ""),
             ("plugins/objects/src/lib.rs", ""),
-            ("plugins/objects/plugin.toml", "name = \"objects\"\nlibrary = \"an_objects\"\n"),
+            (
+                "plugins/objects/plugin.toml",
+                "name = \"objects\"\nlibrary = \"an_objects\"\n",
+            ),
             ("plugins/objects/look/grid.csv", "1,2"),
             ("modules/hold/Cargo.toml", ""),
             ("modules/hold/examples/scripts.rs", ""),
-            ("modules/hold/module.toml", "library = \"a_hold\"\n[title]\nlibrary = \"no\"\n"),
+            (
+                "modules/hold/module.toml",
+                "library = \"a_hold\"\n[title]\nlibrary = \"no\"\n",
+            ),
             ("modules/hold/levels/level1.toml", "level"),
             ("modules/hold/scripts/level1-pass.toml", "script"),
             ("modules/hold/README.md", "read me"),
@@ -27,9 +35,12 @@ impl Repository {
             ("assets/recordings/a.csv", "t,x"),
             ("assets/docs/picture.png", "for readers"),
             ("assets/.hidden", ""),
-            ("release/microsim", "program"),
-            ("release/liban_objects.so", "objects"),
-            ("release/liba_hold.so", "hold"),
+            (&format!("release/microsim{EXE_SUFFIX}"), "program"),
+            (
+                &format!("release/{}", library_file("an_objects")),
+                "objects",
+            ),
+            (&format!("release/{}", library_file("a_hold")), "hold"),
         ] {
             repository.write(file, text);
         }
@@ -37,11 +48,6 @@ impl Repository {
     }
 
     fn path(&self, file: &str) -> PathBuf {
-        // The tests name a library as Linux does.
-        let file = match file.strip_suffix(".so").and_then(|f| f.rsplit_once("lib")) {
-            Some((folder, name)) => format!("{folder}{DLL_PREFIX}{name}{DLL_SUFFIX}"),
-            None => file.replace("release/microsim", &format!("release/microsim{EXE_SUFFIX}")),
-        };
         self.folder.path().join(file)
     }
 
@@ -56,7 +62,10 @@ impl Repository {
     }
 
     fn assemble(&self) -> Result<(usize, usize), Failure> {
-        apply(&plan(self.folder.path(), &self.path("release"))?, &self.tree())
+        apply(
+            &plan(self.folder.path(), &self.path("release"))?,
+            &self.tree(),
+        )
     }
 
     fn in_tree(&self, file: &str) -> Option<String> {
@@ -64,32 +73,36 @@ impl Repository {
     }
 }
 
+fn library_file(base: &str) -> String {
+    format!("{DLL_PREFIX}{base}{DLL_SUFFIX}")
+}
+
 fn files_below(folder: &Path) -> Vec<String> {
     let mut plan = Plan::new();
     add_files(&mut plan, folder, Path::new(""), &[]).unwrap();
-    plan.keys().map(|file| file.display().to_string().replace('\\', "/")).collect()
+    plan.keys()
+        .map(|file| file.display().to_string().replace('\\', "/"))
+        .collect()
 }
 
 #[test]
 fn the_tree_holds_what_runs_and_nothing_else() {
     let repository = Repository::new();
-    assert_eq!(repository.assemble(), Ok((10, 0)));
-    let library = |name: &str| format!("{DLL_PREFIX}{name}{DLL_SUFFIX}");
+    assert_eq!(repository.assemble(), Ok((11, 0)));
     let mut expected = vec![
         "assets/recordings/a.csv".to_owned(),
         "config/host.toml".into(),
         format!("microsim{EXE_SUFFIX}"),
         "modules/hold/README.md".into(),
         "modules/hold/levels/level1.toml".into(),
-        format!("modules/hold/{}", library("a_hold")),
+        format!("modules/hold/{}", library_file("a_hold")),
         "modules/hold/module.toml".into(),
         "modules/hold/scripts/level1-pass.toml".into(),
-        format!("plugins/objects/{}", library("an_objects")),
+        format!("plugins/objects/{}", library_file("an_objects")),
         "plugins/objects/look/grid.csv".into(),
         "plugins/objects/plugin.toml".into(),
     ];
     expected.sort();
-    // Eleven files: the count above would be wrong if one were written twice or not at all.
     assert_eq!(files_below(&repository.tree()), expected);
 }
 
@@ -100,7 +113,12 @@ fn only_what_differs_is_written() {
     assert_eq!(repository.assemble(), Ok((0, 0)));
     repository.write("modules/hold/levels/level1.toml", "harder");
     assert_eq!(repository.assemble(), Ok((1, 0)));
-    assert_eq!(repository.in_tree("modules/hold/levels/level1.toml").unwrap(), "harder");
+    assert_eq!(
+        repository
+            .in_tree("modules/hold/levels/level1.toml")
+            .unwrap(),
+        "harder"
+    );
 }
 
 #[test]
@@ -117,9 +135,18 @@ fn what_is_gone_from_the_repository_goes_from_the_tree() {
     // Five files of the module, config/host.toml and look/grid.csv.
     assert_eq!(repository.assemble(), Ok((2, 7)));
     assert!(!repository.tree().join("modules/hold").exists());
-    assert_eq!(repository.in_tree("config/host.toml/part.toml").unwrap(), "part");
-    assert_eq!(repository.in_tree("plugins/objects/look").unwrap(), "a file");
-    assert_eq!(repository.in_tree("sessions/mine.session").unwrap(), "a session");
+    assert_eq!(
+        repository.in_tree("config/host.toml/part.toml").unwrap(),
+        "part"
+    );
+    assert_eq!(
+        repository.in_tree("plugins/objects/look").unwrap(),
+        "a file"
+    );
+    assert_eq!(
+        repository.in_tree("sessions/mine.session").unwrap(),
+        "a session"
+    );
 }
 
 #[cfg(unix)]
@@ -127,13 +154,15 @@ fn what_is_gone_from_the_repository_goes_from_the_tree() {
 fn an_open_library_stays_as_it_was() {
     let repository = Repository::new();
     repository.assemble().unwrap();
-    let mut open = fs::File::open(repository.path("tree/modules/hold/liba_hold.so")).unwrap();
-    repository.write("release/liba_hold.so", "a new one");
+    let library = library_file("a_hold");
+    let in_tree = format!("modules/hold/{library}");
+    let mut open = fs::File::open(repository.tree().join(&in_tree)).unwrap();
+    repository.write(&format!("release/{library}"), "a new one");
     assert_eq!(repository.assemble(), Ok((1, 0)));
     let mut old = String::new();
     open.read_to_string(&mut old).unwrap();
     assert_eq!(old, "hold");
-    assert_eq!(repository.in_tree("modules/hold/liba_hold.so").unwrap(), "a new one");
+    assert_eq!(repository.in_tree(&in_tree).unwrap(), "a new one");
 }
 
 #[cfg(unix)]
@@ -144,7 +173,10 @@ fn the_program_stays_executable() {
     let built = repository.path("release/microsim");
     fs::set_permissions(&built, fs::Permissions::from_mode(0o755)).unwrap();
     repository.assemble().unwrap();
-    let mode = fs::metadata(repository.path("tree/microsim")).unwrap().permissions().mode();
+    let mode = fs::metadata(repository.path("tree/microsim"))
+        .unwrap()
+        .permissions()
+        .mode();
     assert_eq!(mode & 0o777, 0o755);
 }
 
@@ -152,11 +184,21 @@ fn the_program_stays_executable() {
 fn a_library_that_is_not_there_is_named() {
     let repository = Repository::new();
     repository.write("modules/hold/module.toml", "library = \"another\"\n");
-    let Err(Failure::Cannot(text)) = repository.assemble() else { panic!("assembled") };
-    assert!(text.contains("module.toml: `library = \"another\"`"), "{text}");
-    assert!(text.contains(&format!("{DLL_PREFIX}another{DLL_SUFFIX}")), "{text}");
+    let Err(Failure::Cannot(text)) = repository.assemble() else {
+        panic!("assembled")
+    };
+    assert!(
+        text.contains("module.toml: `library = \"another\"`"),
+        "{text}"
+    );
+    assert!(text.contains(&library_file("another")), "{text}");
     // The key of the table [title] is not the manifest's.
-    repository.write("modules/hold/module.toml", "name = \"hold\"\n[title]\nlibrary = \"a_hold\"\n");
-    let Err(Failure::Cannot(text)) = repository.assemble() else { panic!("assembled") };
+    repository.write(
+        "modules/hold/module.toml",
+        "name = \"hold\"\n[title]\nlibrary = \"a_hold\"\n",
+    );
+    let Err(Failure::Cannot(text)) = repository.assemble() else {
+        panic!("assembled")
+    };
     assert!(text.contains("no key `library`"), "{text}");
 }

@@ -1,0 +1,184 @@
+//! `microsim check`.
+
+use crate::cli::{CheckArgs, Place};
+use crate::output::{Exit, Problem, say, say_json};
+use crate::session_file::installation;
+use microsim_host::assemble::{Input, Installation, Request, assemble, known_metrics};
+use microsim_host::record::Session;
+use microsim_host::run::RunError;
+use microsim_host::{Engine, loader};
+use microsim_settings as settings;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// What was looked at, and what is wrong with it.
+#[derive(Default)]
+struct Findings {
+    checked: Vec<String>,
+    problems: Vec<String>,
+}
+
+impl Findings {
+    fn note(&mut self, what: String, result: Result<(), String>) {
+        if let Err(problem) = result {
+            self.problems.push(problem);
+        }
+        self.checked.push(what);
+    }
+}
+
+/// Validates files, or the whole installation.
+pub fn check(place: &Place, args: &CheckArgs) -> Result<Exit, Problem> {
+    let mut findings = Findings::default();
+    if args.paths.is_empty() {
+        check_installation(&installation(place)?, &mut findings);
+    } else {
+        for path in &args.paths {
+            findings.note(path.display().to_string(), check_file(place, path));
+        }
+    }
+    if args.json {
+        say_json(&json!({ "checked": findings.checked, "problems": findings.problems }))?;
+    } else {
+        for problem in &findings.problems {
+            say(problem)?;
+        }
+        say(format!("{} checked, {} with problems", findings.checked.len(), findings.problems.len()))?;
+    }
+    Ok(if findings.problems.is_empty() { Exit::Done } else { Exit::Negative })
+}
+
+fn check_installation(installation: &Installation, findings: &mut Findings) {
+    for complaint in &installation.complaints {
+        findings.problems.push(complaint.to_string());
+    }
+    let config = &installation.config;
+    findings.note("config/host.toml".into(), Ok(()));
+    let translator = settings::load_translator(&config.join("translator.toml"));
+    findings.note("config/translator.toml".into(), translator.map(drop).map_err(|e| e.to_string()));
+    for path in files_in(&config.join("tools"), "toml") {
+        let tool = settings::load_tool(&path);
+        findings.note(path.display().to_string(), tool.map(drop).map_err(|e| e.to_string()));
+    }
+    for folder in &installation.tree.modules {
+        let name = &folder.manifest.settings.name;
+        let scripts = folder.manifest.document.path().with_file_name("scripts");
+        let scripts = files_in(&scripts, "toml");
+        for (index, path) in folder.levels.iter().enumerate() {
+            let level = index as u32 + 1;
+            let script = scripts.iter().find(|s| {
+                s.file_name().is_some_and(|n| n == format!("level{level}-pass.toml").as_str())
+            });
+            findings.note(path.display().to_string(), check_level(installation, name, level, script));
+        }
+        for path in &scripts {
+            let script = settings::load_script(path);
+            findings.note(path.display().to_string(), script.map(drop).map_err(|e| e.to_string()));
+        }
+    }
+    for path in recordings(&installation.root.join("assets").join("recordings")) {
+        findings.note(path.display().to_string(), check_recording(installation, &path));
+    }
+}
+
+/// Loads everything that the level uses and initialises it, as a run would, without a single tick: libraries, layouts,
+/// manifests, topics, set-ups, stable steps.
+fn check_level(
+    installation: &Installation,
+    module: &str,
+    level: u32,
+    script: Option<&PathBuf>,
+) -> Result<(), String> {
+    installation.level(module, level).map_err(|e| e.to_string())?;
+    let script = script.ok_or_else(|| {
+        format!("module \"{module}\": level {level} has no script scripts/level{level}-pass.toml that passes it")
+    })?;
+    let request = Request {
+        module: module.into(),
+        level,
+        input: Input::Script(script.clone()),
+        seed: 1,
+        without: Vec::new(),
+        pictures: false,
+        session: PathBuf::new(),
+    };
+    let plan = assemble(installation, &request).map_err(|e| e.to_string())?;
+    let place = format!("module \"{module}\", level {level}");
+    let limits = crate::run::limits(installation);
+    let engine = Engine::new(&plan, limits, None, |planned| {
+        loader::load(planned).map(Some).map_err(RunError::from)
+    });
+    let mut engine = engine.map_err(|e| format!("{place}: {e}"))?;
+    match engine.stop().first() {
+        Some(failure) => Err(format!("{place}: {failure}")),
+        None => Ok(()),
+    }
+}
+
+fn check_recording(installation: &Installation, path: &Path) -> Result<(), String> {
+    microsim_host::assemble::check_recording(installation, path).map_err(|e| e.to_string())
+}
+
+/// One file by what it is: its place and name say which kind.
+fn check_file(place: &Place, path: &Path) -> Result<(), String> {
+    let text = |e: settings::ConfigErrors| e.to_string();
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let folder = path.parent().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
+    let extension = path.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
+    match (name.as_str(), folder.as_deref(), extension.as_str()) {
+        ("plugin.toml" | "module.toml", _, _) => settings::load_manifest(path).map(drop).map_err(text),
+        ("host.toml", _, _) => settings::load_host(path).map(drop).map_err(text),
+        ("translator.toml", _, _) => settings::load_translator(path).map(drop).map_err(text),
+        (_, Some("tools"), "toml") => settings::load_tool(path).map(drop).map_err(text),
+        (_, Some("scripts"), "toml") => settings::load_script(path).map(drop).map_err(text),
+        (_, Some("levels"), "toml") => {
+            let manifest = path.parent().and_then(Path::parent).map(|m| m.join("module.toml"));
+            let manifest = settings::load_manifest(&manifest.unwrap_or_default()).map_err(text)?;
+            settings::load_level(path, &manifest.settings, &known_metrics()).map(drop).map_err(text)
+        }
+        (_, _, "toml") if path.with_extension("csv").is_file() => {
+            settings::load_recording_map(&path.with_extension("csv")).map(drop).map_err(text)
+        }
+        (_, _, "csv") => match installation(place) {
+            Ok(installation) => check_recording(&installation, path),
+            Err(Problem::Text(text)) => Err(text),
+            Err(Problem::BrokenPipe) => Ok(()),
+        },
+        (_, _, "session") => {
+            let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
+            let session = Session::read(&bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+            match session.complaint {
+                Some(complaint) => Err(format!(
+                    "{}: {complaint}; {} complete ticks can be used",
+                    path.display(),
+                    session.ticks.len()
+                )),
+                None => Ok(()),
+            }
+        }
+        (_, _, "toml") => {
+            // A script may lie anywhere.
+            settings::load_script(path).map(drop).map_err(text)
+        }
+        _ => Err(format!("{}: neither TOML, CSV nor a session", path.display())),
+    }
+}
+
+/// The files of a folder with an extension, by name.
+fn files_in(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let mut files: Vec<PathBuf> = entries
+        .map(|e| e.path())
+        .filter(|p| p.is_file() && p.extension().is_some_and(|e| e == extension))
+        .collect();
+    files.sort();
+    files
+}
+
+/// The CSV files below the folder of recordings.
+fn recordings(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let mut folders: Vec<PathBuf> = entries.map(|e| e.path()).filter(|p| p.is_dir()).collect();
+    folders.sort();
+    folders.iter().flat_map(|f| files_in(f, "csv")).collect()
+}

@@ -1,0 +1,240 @@
+//! The command line: what may be said, with its help. Validates, does nothing.
+
+use clap::{Args, Parser, Subcommand};
+use microsim_host::assemble::Input;
+use std::path::PathBuf;
+
+/// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
+///
+/// Exit status: 0 done (a failed level is a result, not an error), 1 the verdict that was asked for is negative
+/// (`replay --verify`, `check`, `run --require-pass`), 2 could not run.
+#[derive(Debug, Parser)]
+#[command(name = "microsim", version, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(flatten)]
+    pub place: Place,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Where things are.
+#[derive(Debug, Args)]
+pub struct Place {
+    /// Folder with plugins/, modules/, config/ and assets/ [default: the folder of this program]
+    #[arg(long, global = true, value_name = "DIR", help_heading = "Place")]
+    pub root: Option<PathBuf>,
+    /// Use another folder instead of config/
+    #[arg(long, global = true, value_name = "DIR", help_heading = "Place")]
+    pub config: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List modules with their levels, and plugins
+    List(ListArgs),
+    /// Run a level of a module; writes session and report
+    Run(RunArgs),
+    /// Recompute a recorded session, compare it, draw pictures of it
+    Replay(ReplayArgs),
+    /// Show the result of a recorded session, as text, JSON, CSV or an HTML page
+    Report(ReportArgs),
+    /// Show which messages flow: the kinds and who speaks and hears them, or all messages of a session
+    Bus(BusArgs),
+    /// Validate config, modules, levels, scripts and recordings without running them
+    Check(CheckArgs),
+    /// Print the JSON Schema of a kind of file, for editors
+    Schema(SchemaArgs),
+    /// Say what this machine has and lacks
+    Doctor,
+}
+
+#[derive(Debug, Args)]
+pub struct ListArgs {
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  microsim run touch-spheres --input recording:assets/recordings/cataract-stylus/stylus.csv
+  microsim run push-strip --level 2 --input script:level2-pass.toml --frames pictures
+  microsim run push-strip --input script:level1-pass.toml --explain")]
+pub struct RunArgs {
+    /// Module, as `microsim list` shows it
+    pub module: String,
+    /// Level, from 1
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub level: u32,
+    /// Where the motion comes from: script:FILE, recording:FILE (CSV with its TOML, or a session) or plugin:NAME
+    #[arg(long, value_name = "SOURCE", value_parser = parse_input)]
+    pub input: Input,
+    /// Who trains
+    #[arg(long, value_name = "NAME")]
+    pub trainee: Option<String>,
+    /// Run without a window (this version has none: every run is headless)
+    #[arg(long)]
+    pub headless: bool,
+    /// Draw pictures into this folder
+    #[arg(long, value_name = "DIR")]
+    pub frames: Option<PathBuf>,
+    /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
+    #[arg(long, value_name = "HZ", requires = "frames", value_parser = parse_rate)]
+    pub frame_rate: Option<f64>,
+    /// Session file to write; it must not exist [default: a new name in the folder of config/host.toml]
+    #[arg(long, value_name = "FILE")]
+    pub session: Option<PathBuf>,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Threads for parallel work; the result does not depend on it
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub threads: u16,
+    /// Pace ticks by the wall clock; late ticks are counted, none is left out
+    #[arg(long)]
+    pub realtime: bool,
+    /// Leave a kind of plugin out, for tests; such a run is no result
+    #[arg(long, value_name = "KIND", value_parser = ["physics"])]
+    pub without: Vec<String>,
+    /// Say what would be loaded and computed, and why; runs nothing
+    #[arg(long)]
+    pub explain: bool,
+    /// Exit with status 1 unless the level is passed
+    #[arg(long)]
+    pub require_pass: bool,
+    /// Stop at a simulated time and write all that evolves into --checkpoint
+    #[arg(long, value_name = "SECONDS", requires = "checkpoint", value_parser = parse_seconds)]
+    pub stop_at: Option<f64>,
+    /// File for the state at --stop-at; it must not exist
+    #[arg(long, value_name = "FILE", requires = "stop_at")]
+    pub checkpoint: Option<PathBuf>,
+    /// Go on from a checkpoint of the same module, level, seed and input
+    #[arg(long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// Session file
+    pub session: PathBuf,
+    /// Exit with status 1 unless every tick is recomputed to the bit
+    #[arg(long)]
+    pub verify: bool,
+    /// Draw pictures into this folder
+    #[arg(long, value_name = "DIR")]
+    pub frames: Option<PathBuf>,
+    /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
+    #[arg(long, value_name = "HZ", requires = "frames", value_parser = parse_rate)]
+    pub frame_rate: Option<f64>,
+    /// Threads for parallel work
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub threads: u16,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Session file
+    pub session: PathBuf,
+    /// Write the page here
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+    /// Write the metrics as CSV here
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write motion and forces over time as CSV here
+    #[arg(long, value_name = "FILE")]
+    pub series: Option<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct BusArgs {
+    /// Session file; without one, the kinds of messages and who speaks and hears them
+    pub session: Option<PathBuf>,
+    /// Only messages of this kind
+    #[arg(long, value_name = "KIND")]
+    pub kind: Option<String>,
+    /// Only messages of this sender
+    #[arg(long, value_name = "NAME")]
+    pub from: Option<String>,
+    /// Wait for more while the session is being written
+    #[arg(long, requires = "session", conflicts_with = "json")]
+    pub follow: bool,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Files; without any, the whole installation with its libraries
+    pub paths: Vec<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// Kind of file (without one: the list); `level:MODULE` includes the keys of that module
+    pub kind: Option<String>,
+    /// Print a table for reading instead
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+fn parse_input(text: &str) -> Result<Input, String> {
+    let known = "expected script:FILE, recording:FILE or plugin:NAME";
+    match text.split_once(':') {
+        Some((_, "")) => Err(format!("nothing behind the colon; {known}")),
+        Some(("script", file)) => Ok(Input::Script(file.into())),
+        Some(("recording", file)) => Ok(Input::Recording(file.into())),
+        Some(("plugin", name)) => Ok(Input::Plugin(name.into())),
+        Some(("openigtlink", _)) => Err(format!("trackers on the network are not there yet; {known}")),
+        _ if text == "desktop" => Err(format!("mouse and keyboard are not there yet; {known}")),
+        _ => Err(format!("unknown source; {known}")),
+    }
+}
+
+fn parse_positive(text: &str, what: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err(format!("expected a positive number of {what}")),
+    }
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    parse_positive(text, "pictures per simulated second")
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    parse_positive(text, "seconds")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sources_are_parsed_or_refused_with_what_is_possible() {
+        assert_eq!(parse_input("script:a:b.toml"), Ok(Input::Script("a:b.toml".into())));
+        assert_eq!(parse_input("recording:x.csv"), Ok(Input::Recording("x.csv".into())));
+        for bad in ["", "x.csv", "script:", "desktop", "openigtlink://host:18944"] {
+            assert!(parse_input(bad).unwrap_err().contains("recording:FILE"), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! `microsim doctor`.
+
+use crate::cli::Place;
+use crate::output::{Exit, Problem, say};
+use crate::session_file::installation;
+use microsim_host::assemble::probe_renderer;
+
+/// Says what this machine has and lacks. Only what keeps runs from working makes the answer negative.
+pub fn doctor(place: &Place) -> Result<Exit, Problem> {
+    let mut healthy = true;
+    say(format!("version        {}", env!("CARGO_PKG_VERSION")))?;
+    let installation = installation(place)?;
+    say(format!("installation   {}", installation.root.display()))?;
+    let (plugins, modules) = (installation.tree.plugins.len(), installation.tree.modules.len());
+    say(format!("found          {modules} modules, {plugins} plugins"))?;
+    for complaint in &installation.complaints {
+        healthy = false;
+        say(format!("  problem      {complaint}"))?;
+    }
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    say(format!("processors     {cores}"))?;
+    let folder = crate::run::session_folder(&installation);
+    let writable = std::fs::create_dir_all(&folder).and_then(|()| {
+        let probe = folder.join(format!(".doctor-{}", std::process::id()));
+        std::fs::write(&probe, b"")?;
+        std::fs::remove_file(&probe)
+    });
+    match writable {
+        Ok(()) => say(format!("sessions       {} (writable)", folder.display()))?,
+        Err(error) => {
+            healthy = false;
+            say(format!("sessions       {} cannot be written: {error}", folder.display()))?;
+        }
+    }
+    match probe_renderer(&installation) {
+        Ok(()) => say("pictures       on")?,
+        Err(reason) => say(format!("pictures       off: {reason}"))?,
+    }
+    Ok(if healthy { Exit::Done } else { Exit::Negative })
+}

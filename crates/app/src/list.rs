@@ -1,0 +1,67 @@
+//! `microsim list`.
+
+use crate::cli::{ListArgs, Place};
+use crate::output::{Exit, Problem, say, say_json};
+use crate::session_file::installation;
+use microsim_host::assemble::known_metrics;
+use microsim_settings as settings;
+use serde_json::json;
+
+/// Modules with their levels, and plugins.
+pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
+    let installation = installation(place)?;
+    let mut modules = Vec::new();
+    for folder in &installation.tree.modules {
+        let manifest = &folder.manifest.settings;
+        let mut levels = Vec::new();
+        for (index, path) in folder.levels.iter().enumerate() {
+            match settings::load_level(path, manifest, &known_metrics()) {
+                Ok(level) => levels.push(json!({
+                    "level": index + 1,
+                    "title": level.settings.title,
+                    "summary": level.settings.summary,
+                })),
+                Err(errors) => eprintln!("microsim: {errors}"),
+            }
+        }
+        modules.push(json!({
+            "name": manifest.name,
+            "version": manifest.version,
+            "title": manifest.title,
+            "summary": manifest.summary,
+            "plugins": manifest.plugins,
+            "levels": levels,
+        }));
+    }
+    let plugins: Vec<_> = installation
+        .tree
+        .plugins
+        .iter()
+        .map(|plugin| {
+            let kind = plugin.document.value()["kind"].clone();
+            let p = &plugin.settings;
+            json!({ "name": p.name, "kind": kind, "version": p.version, "title": p.title, "summary": p.summary })
+        })
+        .collect();
+    for complaint in &installation.complaints {
+        eprintln!("microsim: {complaint}");
+    }
+    if args.json {
+        say_json(&json!({ "modules": modules, "plugins": plugins }))?;
+        return Ok(Exit::Done);
+    }
+    let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    say("Modules")?;
+    for module in &modules {
+        say(format!("  {:<16} {}", text(&module["name"]), text(&module["summary"]["en"])))?;
+        for level in module["levels"].as_array().into_iter().flatten() {
+            say(format!("    level {}  {}", level["level"], text(&level["title"]["en"])))?;
+        }
+    }
+    say("Plugins")?;
+    for plugin in &plugins {
+        let (name, kind) = (text(&plugin["name"]), text(&plugin["kind"]));
+        say(format!("  {name:<16} {kind:<11} {}", text(&plugin["summary"]["en"])))?;
+    }
+    Ok(Exit::Done)
+}

@@ -1,0 +1,65 @@
+//! `microsim replay`.
+
+use crate::cli::{Place, ReplayArgs};
+use crate::output::{Exit, Problem, say, say_json};
+use crate::run::{limits, picture_plan};
+use crate::session_file::{installation, read};
+use microsim_host::assemble::locate;
+use microsim_host::replay::{ReplayOptions, replay as recompute};
+use microsim_host::run::RunError;
+use serde_json::json;
+
+/// Recomputes a session in this process.
+pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
+    let installation = installation(place)?;
+    let mut session = read(&args.session)?;
+    let plan = &session.header.plan;
+    let pictures = args.frames.as_ref().map(|folder| {
+        picture_plan(&installation, folder, args.frame_rate, plan.tick_ns)
+    });
+    if pictures.is_some() && !plan.plugins.iter().any(|p| p.kind == microsim_host::plan::PluginKind::Renderer) {
+        let renderer = microsim_host::assemble::renderer_for(&installation, plan)?;
+        session.header.plan.plugins.push(renderer);
+    }
+    let options = ReplayOptions { threads: args.threads.into(), limits: limits(&installation), pictures };
+    let outcome = recompute(&session, options, |planned| {
+        locate(&installation, planned).map_err(|e| RunError::Host(e.to_string()))
+    })?;
+    for name in &outcome.rebuilt {
+        tracing::warn!("plugin \"{name}\" is not the build that made this recording");
+    }
+    let verified = outcome.difference.is_none();
+    if args.json {
+        say_json(&json!({
+            "session": args.session,
+            "ticks": outcome.ticks,
+            "verified": verified,
+            "first_difference": outcome.difference.as_ref().map(|d| json!({ "tick": d.tick, "what": d.what })),
+            "state_hash": outcome.state_hash,
+            "recorded_hash": outcome.recorded_hash,
+            "complaint": session.complaint,
+            "rebuilt": outcome.rebuilt,
+            "pictures": outcome.pictures.as_ref().map(|p| json!({ "written": p.written, "off": p.off })),
+        }))?;
+    } else {
+        if let Some(complaint) = &session.complaint {
+            say(format!("The recording is not complete: {complaint}"))?;
+        }
+        match &outcome.difference {
+            None => say(format!(
+                "Replayed {} ticks to the bit; state hash {}",
+                outcome.ticks, outcome.state_hash
+            ))?,
+            Some(difference) => say(format!(
+                "The replay first differs at tick {} ({:.3} s): {}",
+                difference.tick,
+                (difference.tick + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9,
+                difference.what
+            ))?,
+        }
+        if let Some(pictures) = &outcome.pictures {
+            say(crate::run::picture_line(pictures, args.frames.as_deref()))?;
+        }
+    }
+    Ok(if args.verify && !verified { Exit::Negative } else { Exit::Done })
+}

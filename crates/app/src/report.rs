@@ -1,0 +1,105 @@
+//! `microsim report`, and the files that `run` writes beside a session.
+
+use crate::cli::ReportArgs;
+use crate::output::{Exit, Problem, say, say_json};
+use crate::session_file::{read, report_of};
+use microsim_report::{Report, Verdict};
+use std::path::{Path, PathBuf};
+
+/// Writes a file, naming it when that fails.
+fn write(path: &Path, content: &str) -> Result<(), Problem> {
+    Ok(std::fs::write(path, content).map_err(|e| format!("{}: {e}", path.display()))?)
+}
+
+/// Shows the result of a session.
+pub fn report(args: &ReportArgs) -> Result<Exit, Problem> {
+    let session = read(&args.session)?;
+    let report = report_of(&session, &args.session);
+    if let Some(path) = &args.html {
+        write(path, &report.to_html())?;
+    }
+    if let Some(path) = &args.csv {
+        write(path, &report.metrics_csv())?;
+    }
+    if let Some(path) = &args.series {
+        write(path, &report.series_csv())?;
+    }
+    if args.json {
+        let value: serde_json::Value = serde_json::from_str(&report.to_json())?;
+        say_json(&value)?;
+    } else {
+        say(summary(&report))?;
+    }
+    Ok(Exit::Done)
+}
+
+/// The files beside a session: page, JSON, CSV. Returns the page's path.
+pub fn write_beside(report: &Report, session: &Path) -> Result<PathBuf, Problem> {
+    let page = session.with_extension("html");
+    write(&page, &report.to_html())?;
+    write(&session.with_extension("json"), &report.to_json())?;
+    write(&session.with_extension("metrics.csv"), &report.metrics_csv())?;
+    write(&session.with_extension("series.csv"), &report.series_csv())?;
+    Ok(page)
+}
+
+/// Name of a verdict for people.
+pub fn verdict_word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Passed => "passed",
+        Verdict::Failed => "failed",
+        Verdict::Aborted => "aborted",
+        Verdict::Incomplete => "incomplete",
+    }
+}
+
+/// The report in a few lines.
+pub fn summary(report: &Report) -> String {
+    let s = &report.session;
+    let mut lines = vec![format!("{}, level {}: {}", s.module_title.en, s.level, s.level_title.en)];
+    lines.push(format!(
+        "  {}{}, {} of {} targets, {:.1} s",
+        verdict_word(report.verdict).to_uppercase(),
+        if report.counts { "" } else { " (no result)" },
+        report.targets_done,
+        report.targets,
+        report.duration
+    ));
+    for (id, text) in report.failed.iter().zip(&report.reasons) {
+        lines.push(format!("    {id}: {}", text.en));
+    }
+    for failure in &s.failures {
+        lines.push(format!("    {failure}"));
+    }
+    if let Some(complaint) = &s.complaint {
+        lines.push(format!("    {complaint}"));
+    }
+    if let Some(score) = report.score {
+        let categories: Vec<String> =
+            report.categories.iter().map(|c| format!("{} {:.0}", c.title.en, c.score)).collect();
+        lines.push(format!("  score {score:.1} ({})", categories.join(", ")));
+    }
+    for metric in &report.metrics {
+        let Some(value) = metric.display_value else { continue };
+        let record = &metric.record;
+        let limit = match (metric.display_min, metric.display_max) {
+            (None, None) => String::new(),
+            (min, max) => {
+                let bound = |sign: &str, v: Option<f64>| v.map(|v| format!(" {sign} {v:.4}")).unwrap_or_default();
+                let mark = if record.within == Some(false) { "  OUTSIDE" } else { "" };
+                format!("  (limit{}{}){mark}", bound("at least", min), bound("at most", max))
+            }
+        };
+        lines.push(format!("  {:<28} {value:>12.4} {}{limit}", record.title.en, record.display_unit));
+    }
+    for device in &report.input {
+        lines.push(format!(
+            "  input \"{}\": {} samples, {} segments, {} gaps, path {:.3} mm",
+            device.device, device.samples, device.segments, device.gaps, device.path_mm
+        ));
+    }
+    if let Some(hash) = &s.state_hash {
+        lines.push(format!("  state hash {hash}"));
+    }
+    lines.join("\n")
+}

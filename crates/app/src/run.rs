@@ -1,0 +1,262 @@
+//! `microsim run`.
+
+use crate::cli::{Place, RunArgs};
+use crate::output::{Exit, Problem, say, say_json};
+use crate::report::{summary, verdict_word, write_beside};
+use crate::session_file::{installation, read, report_of};
+use indicatif::{ProgressBar, ProgressStyle};
+use microsim_bus::Limits;
+use microsim_host::Checkpoint;
+use microsim_host::assemble::{Installation, Request, assemble};
+use microsim_host::picture::{PicturePlan, PictureReport};
+use microsim_host::plan::RunPlan;
+use microsim_host::run::{Realtime, RunOptions, RunOutcome, run as run_plan};
+use microsim_message::{decode_bytes, encode};
+use microsim_report::Report;
+use serde_json::json;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, SystemTime};
+
+/// Bounds of the bus queues, from config/host.toml.
+pub fn limits(installation: &Installation) -> Limits {
+    let queue = installation.host.queue;
+    Limits { messages: queue.messages as usize, bytes: queue.bytes as usize }
+}
+
+/// Which pictures to draw.
+pub fn picture_plan(
+    installation: &Installation,
+    folder: &Path,
+    rate: Option<f64>,
+    tick_ns: u64,
+) -> PicturePlan {
+    let rate = rate.unwrap_or(installation.host.picture.rate);
+    let every = (1e9 / (rate * tick_ns as f64)).round();
+    PicturePlan { folder: folder.to_path_buf(), every: (every as u64).max(1) }
+}
+
+/// What came of the pictures, in one line.
+pub fn picture_line(report: &PictureReport, folder: Option<&Path>) -> String {
+    let folder = folder.map(|f| f.display().to_string()).unwrap_or_default();
+    let late = match report.left_out {
+        0 => String::new(),
+        n => format!(", {n} left out because drawing was slower than the run"),
+    };
+    match &report.off {
+        None => format!("Pictures: {} in {folder}{late}", report.written),
+        Some(reason) if report.written == 0 => format!("Pictures are off: {reason}"),
+        Some(reason) => format!("Pictures: {} in {folder}{late}, then off: {reason}", report.written),
+    }
+}
+
+/// Folder of the sessions.
+pub fn session_folder(installation: &Installation) -> PathBuf {
+    installation.root.join(&installation.host.session.directory)
+}
+
+/// A new name for a session: module, level and wall clock.
+fn new_session(installation: &Installation, args: &RunArgs) -> Result<PathBuf, Problem> {
+    let folder = session_folder(installation);
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let name = format!("{}-level{}-{}", args.module, args.level, now.as_millis());
+    Ok(folder.join(format!("{name}.session")))
+}
+
+/// Runs a level.
+pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
+    let installation = installation(place)?;
+    let session = match &args.session {
+        Some(path) => path.clone(),
+        None => new_session(&installation, args)?,
+    };
+    if session.exists() && !args.explain {
+        return Err(format!("session {} exists already; nothing is overwritten", session.display()).into());
+    }
+    let plan = assemble(&installation, &Request {
+        module: args.module.clone(),
+        level: args.level,
+        input: args.input.clone(),
+        seed: args.seed,
+        without: args.without.clone(),
+        pictures: args.frames.is_some(),
+        session: session.clone(),
+    })?;
+    if args.explain {
+        return explain(&plan, args.json);
+    }
+    let resume = args.resume.as_deref().map(read_checkpoint).transpose()?;
+    let outcome = carry_out(&installation, &plan, args, resume)?;
+    finish(&plan, args, &session, &outcome)
+}
+
+fn carry_out(
+    installation: &Installation,
+    plan: &RunPlan,
+    args: &RunArgs,
+    resume: Option<Checkpoint>,
+) -> Result<RunOutcome, Problem> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        // The second one ends the process at once; the first closes the session.
+        signal_hook::flag::register_conditional_shutdown(signal, 2, Arc::clone(&stop))?;
+        signal_hook::flag::register(signal, Arc::clone(&stop))?;
+    }
+    let bar = progress_bar();
+    let late = installation.host.late;
+    let options = RunOptions {
+        threads: args.threads.into(),
+        limits: limits(installation),
+        realtime: args.realtime.then(|| Realtime {
+            tolerance: Duration::from_secs_f64(late.tolerance),
+            give_up: Duration::from_secs_f64(late.give_up),
+        }),
+        pictures: args.frames.as_deref().map(|f| picture_plan(installation, f, args.frame_rate, plan.tick_ns)),
+        resume,
+        stop_at: args.stop_at.map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64),
+        stop: &stop,
+        trainee: args.trainee.clone(),
+        progress: &mut |time, reported| match reported {
+            Some(reported) => bar.set_message(format!("{} {:.0} %", reported.what.en, 100.0 * reported.share)),
+            None => bar.set_position((time * 10.0) as u64),
+        },
+    };
+    let outcome = run_plan(plan, options);
+    bar.finish_and_clear();
+    Ok(outcome?)
+}
+
+/// Simulated time so far, at a terminal only.
+fn progress_bar() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {pos} tenths of a second simulated, {elapsed} passed {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn read_checkpoint(path: &Path) -> Result<Checkpoint, Problem> {
+    let bytes = std::fs::read(path).map_err(|e| format!("checkpoint {}: {e}", path.display()))?;
+    Ok(decode_bytes(&bytes).map_err(|e| format!("checkpoint {}: {e}", path.display()))?)
+}
+
+fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    use std::io::Write;
+    let written = std::fs::File::create_new(path).and_then(|mut file| file.write_all(bytes));
+    Ok(written.map_err(|e| format!("{}: {e}", path.display()))?)
+}
+
+/// Writes what a run leaves behind, and tells.
+fn finish(
+    plan: &RunPlan,
+    args: &RunArgs,
+    session: &Path,
+    outcome: &RunOutcome,
+) -> Result<Exit, Problem> {
+    for complaint in &outcome.complaints {
+        eprintln!("microsim: {complaint}");
+    }
+    if let (Some(checkpoint), Some(path)) = (&outcome.checkpoint, &args.checkpoint) {
+        write_new(path, &encode(checkpoint))?;
+    }
+    // The report is made from the file, so that it shows what was really recorded.
+    let report = report_of(&read(session)?, session);
+    let page = write_beside(&report, session)?;
+    if args.json {
+        tell_json(plan, session, &page, outcome, &report)?;
+    } else {
+        tell(args, session, &page, outcome, &report)?;
+    }
+    if let Some(failure) = &outcome.failure {
+        return Err(format!("{failure}; the session so far is safe in {}", session.display()).into());
+    }
+    let passed = outcome.result.as_ref().is_some_and(|r| r.passed) && plan.counts();
+    Ok(if args.require_pass && !passed { Exit::Negative } else { Exit::Done })
+}
+
+fn tell(
+    args: &RunArgs,
+    session: &Path,
+    page: &Path,
+    outcome: &RunOutcome,
+    report: &Report,
+) -> Result<(), Problem> {
+    if outcome.checkpoint.is_some() {
+        say(format!("Stopped after {} ticks with a checkpoint", outcome.ticks))?;
+    } else {
+        say(summary(report))?;
+    }
+    if outcome.late_ticks > 0 {
+        say(format!("{} of {} ticks began late", outcome.late_ticks, outcome.ticks))?;
+    }
+    if let Some(pictures) = &outcome.pictures {
+        say(picture_line(pictures, args.frames.as_deref()))?;
+    }
+    say(format!("Session: {}", session.display()))?;
+    say(format!("Report:  {}", page.display()))
+}
+
+fn tell_json(
+    plan: &RunPlan,
+    session: &Path,
+    page: &Path,
+    outcome: &RunOutcome,
+    report: &Report,
+) -> Result<(), Problem> {
+    say_json(&json!({
+        "module": plan.module,
+        "level": plan.level,
+        "seed": plan.seed,
+        "verdict": verdict_word(report.verdict),
+        "counts": report.counts,
+        "failed": report.failed,
+        "score": report.score,
+        "targets_done": report.targets_done,
+        "targets": report.targets,
+        "ticks": outcome.ticks,
+        "late_ticks": outcome.late_ticks,
+        "state_hash": outcome.state_hash,
+        "session": session,
+        "report": page,
+        "pictures": outcome.pictures.as_ref().map(|p| json!({
+            "written": p.written, "left_out": p.left_out, "off": p.off,
+        })),
+        "failure": outcome.failure.as_ref().map(ToString::to_string),
+    }))
+}
+
+/// What would be loaded and computed, and why.
+fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
+    if as_json {
+        let plugins: Vec<_> = plan
+            .plugins
+            .iter()
+            .map(|p| json!({ "name": p.name, "kind": p.kind.name(), "why": p.why, "library": p.library }))
+            .collect();
+        let parts: Vec<_> =
+            plan.parts.iter().map(|p| json!({ "what": p.what, "name": p.name, "why": p.why })).collect();
+        say_json(&json!({
+            "module": plan.module, "level": plan.level, "tick_s": plan.tick_ns as f64 * 1e-9,
+            "steps": plan.steps, "plugins": plugins, "parts": parts, "without": plan.without,
+        }))?;
+        return Ok(Exit::Done);
+    }
+    say(format!("{}, level {}: {}", plan.module, plan.level, plan.level_title.en))?;
+    say(format!("  tick {} ms, {} solver steps in each", plan.tick_ns as f64 * 1e-6, plan.steps))?;
+    say("Loaded, in the order of a tick")?;
+    for plugin in &plan.plugins {
+        say(format!("  {:<10} {:<18} {}", plugin.kind.name(), plugin.name, plugin.why))?;
+    }
+    say("Computed and shown")?;
+    for part in &plan.parts {
+        say(format!("  {:<10} {:<18} {}", part.what, part.name, part.why))?;
+    }
+    say("Nothing else.")?;
+    Ok(Exit::Done)
+}

@@ -1,0 +1,63 @@
+//! Session files: reading them for a command, and making a report of one.
+
+use crate::cli::Place;
+use crate::output::Problem;
+use microsim_host::assemble::Installation;
+use microsim_host::record::Session;
+use microsim_report::{Report, ReportInput};
+use std::path::{Path, PathBuf};
+
+/// The installation that a command works with.
+pub fn installation(place: &Place) -> Result<Installation, Problem> {
+    let root = match &place.root {
+        Some(root) => root.clone(),
+        None => program_folder()?,
+    };
+    if !root.join("plugins").is_dir() {
+        return Err(format!(
+            "no plugins/ below {}; say with --root where MicroSim is installed (`cargo xtask build` makes target/microsim)",
+            root.display()
+        )
+        .into());
+    }
+    Ok(Installation::open(&root, place.config.as_deref())?)
+}
+
+fn program_folder() -> Result<PathBuf, Problem> {
+    let program = std::env::current_exe().map_err(|e| format!("where this program lies: {e}"))?;
+    Ok(program.parent().map(Path::to_path_buf).unwrap_or_default())
+}
+
+/// Reads a session file.
+pub fn read(path: &Path) -> Result<Session, Problem> {
+    let bytes = std::fs::read(path).map_err(|e| format!("session {}: {e}", path.display()))?;
+    Ok(Session::read(&bytes).map_err(|e| format!("session {}: {e}", path.display()))?)
+}
+
+/// The report of a session.
+pub fn report_of(session: &Session, path: &Path) -> Report {
+    let plan = &session.header.plan;
+    let input = ReportInput {
+        version: session.header.version.clone(),
+        started: session.header.started,
+        trainee: session.header.trainee.clone(),
+        module: plan.module.clone(),
+        module_title: plan.module_title.clone(),
+        level: plan.level,
+        level_title: plan.level_title.clone(),
+        level_summary: plan.level_summary.clone(),
+        seed: plan.seed,
+        tick_s: plan.tick_ns as f64 * 1e-9,
+        input: plan.input.clone(),
+        realtime: session.header.realtime,
+        without: plan.without.clone(),
+        state_hash: session.end.as_ref().map(|end| microsim_host::run::hex(&end.chain)),
+        complaint: session.complaint.clone(),
+        failures: session.failures.iter().map(ToString::to_string).collect(),
+        late_ticks: session.end.as_ref().map_or(0, |end| end.late_ticks),
+        session_file: path.display().to_string(),
+        replay_command: format!("microsim replay {} --verify", path.display()),
+    };
+    let ticks = session.ticks.iter().map(|(tick, record)| (*tick, record.log.as_slice()));
+    Report::build(&input, ticks)
+}

@@ -1,0 +1,139 @@
+//! `cargo xtask test`: every check, the same here and on a server.
+
+use crate::child;
+use crate::failure::Failure;
+use crate::setup::{self, Mode};
+use crate::tree;
+use crate::workspace::Workspace;
+use std::ffi::OsString;
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// What one phase came to.
+enum Outcome {
+    Passed,
+    Failed,
+    Skipped(&'static str),
+}
+
+/// Runs all checks; a check that fails does not keep the next from running. `harness` goes to every test program.
+pub fn check(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result<(), Failure> {
+    let mut phases = Phases::default();
+    phases.run("set-up", || {
+        setup::setup(Mode::Install).map(|()| Outcome::Passed)
+    })?;
+    phases.run("build", || tree::build(workspace).map(|()| Outcome::Passed))?;
+    phases.run("format", || format(workspace))?;
+    phases.run("tests", || tests(workspace, quick, harness))?;
+    phases.report();
+    let failed = phases.failed();
+    if failed.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::Check(format!("failed: {}", failed.join(", "))))
+}
+
+fn format(workspace: &Workspace) -> Result<Outcome, Failure> {
+    let mut version = workspace.cargo();
+    version
+        .args(["fmt", "--version"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    if !version.status().is_ok_and(|status| status.success()) {
+        return Ok(Outcome::Skipped("rustfmt is not installed"));
+    }
+    let mut cargo = workspace.cargo();
+    judge(cargo.args(["fmt", "--all", "--", "--check"]))
+}
+
+fn tests(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result<Outcome, Failure> {
+    let mut cargo = workspace.cargo_with_tree();
+    // One failing crate does not hide the others' results.
+    cargo.args(["test", "--release", "--workspace", "--no-fail-fast"]);
+    if quick {
+        cargo.args(["--exclude", "microsim-tests"]);
+    }
+    if !harness.is_empty() {
+        cargo.arg("--").args(harness);
+    }
+    judge(&mut cargo)
+}
+
+fn judge(command: &mut Command) -> Result<Outcome, Failure> {
+    let passed = child::run(command).map(|status: ExitStatus| status.success())?;
+    Ok(if passed {
+        Outcome::Passed
+    } else {
+        Outcome::Failed
+    })
+}
+
+/// The phases so far, with their times.
+#[derive(Default)]
+struct Phases(Vec<(&'static str, Duration, Outcome)>);
+
+impl Phases {
+    /// Runs a phase. Without it nothing can follow if it ends in an error: then the times so far are reported.
+    fn run(
+        &mut self,
+        name: &'static str,
+        phase: impl FnOnce() -> Result<Outcome, Failure>,
+    ) -> Result<(), Failure> {
+        let start = Instant::now();
+        let outcome = phase();
+        let taken = start.elapsed();
+        match outcome {
+            Ok(outcome) => {
+                self.0.push((name, taken, outcome));
+                Ok(())
+            }
+            Err(failure) => {
+                self.0.push((name, taken, Outcome::Failed));
+                self.report();
+                Err(failure)
+            }
+        }
+    }
+
+    fn failed(&self) -> Vec<&'static str> {
+        let failed = self
+            .0
+            .iter()
+            .filter(|(_, _, outcome)| matches!(outcome, Outcome::Failed));
+        failed.map(|(name, _, _)| *name).collect()
+    }
+
+    fn report(&self) {
+        eprintln!();
+        for (name, taken, outcome) in &self.0 {
+            let outcome = match outcome {
+                Outcome::Passed => "passed".to_owned(),
+                Outcome::Failed => "FAILED".to_owned(),
+                Outcome::Skipped(why) => format!("skipped: {why}"),
+            };
+            eprintln!("{name:<8} {:>8.1} s  {outcome}", taken.as_secs_f64());
+        }
+        let all: Duration = self.0.iter().map(|(_, taken, _)| *taken).sum();
+        eprintln!("{:<8} {:>8.1} s", "all", all.as_secs_f64());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_phase_is_named_and_an_error_ends_the_checks() {
+        let mut phases = Phases::default();
+        assert_eq!(phases.run("format", || Ok(Outcome::Failed)), Ok(()));
+        assert_eq!(phases.run("tests", || Ok(Outcome::Passed)), Ok(()));
+        assert_eq!(
+            phases.run("skipped", || Ok(Outcome::Skipped("why"))),
+            Ok(())
+        );
+        assert_eq!(phases.failed(), ["format"]);
+        let broken = || Failure::Cannot("the build failed".into());
+        assert_eq!(phases.run("build", || Err(broken())), Err(broken()));
+        assert_eq!(phases.failed(), ["format", "build"]);
+    }
+}

@@ -1,0 +1,88 @@
+//! `cargo xtask bench` and `cargo xtask soak`: measurements and long checks, by name. Each is an example of the package
+//! `microsim-tests` and works on the assembled tree.
+
+use crate::child;
+use crate::failure::Failure;
+use crate::workspace::Workspace;
+use std::ffi::OsString;
+
+/// A program with a name.
+#[derive(Debug)]
+pub struct Program {
+    /// As the command line says it.
+    pub name: &'static str,
+    /// Example of `microsim-tests`.
+    pub example: &'static str,
+    /// What it shows, for the help.
+    pub shows: &'static str,
+}
+
+/// What `bench` runs.
+pub const BENCHES: &[Program] = &[Program {
+    name: "host",
+    example: "bench_host",
+    shows: "cost per step of host, bus and recording without physics, p50 and p99",
+}];
+
+/// What `soak` runs.
+pub const SOAKS: &[Program] = &[Program {
+    name: "kills",
+    example: "soak_kills",
+    shows: "200 runs killed by `kill -9`: what of each session can be read",
+}];
+
+/// The program of a name; all of them without one. An unknown name is told the known ones.
+pub fn select(
+    programs: &'static [Program],
+    name: Option<&str>,
+) -> Result<Vec<&'static Program>, String> {
+    let wanted = |program: &&Program| name.is_none_or(|name| program.name == name);
+    let selected: Vec<_> = programs.iter().filter(wanted).collect();
+    if selected.is_empty() {
+        let names: Vec<_> = programs.iter().map(|program| program.name).collect();
+        let name = name.unwrap_or_default();
+        return Err(format!(
+            "there is no \"{name}\"; there are: {}",
+            names.join(", ")
+        ));
+    }
+    Ok(selected)
+}
+
+/// Runs a program to its end.
+pub fn run(
+    workspace: &Workspace,
+    program: &Program,
+    arguments: &[OsString],
+) -> Result<(), Failure> {
+    let mut cargo = workspace.cargo_with_tree();
+    cargo.args([
+        "run",
+        "--release",
+        "-p",
+        "microsim-tests",
+        "--example",
+        program.example,
+    ]);
+    if !arguments.is_empty() {
+        cargo.arg("--").args(arguments);
+    }
+    child::must(&mut cargo)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_is_found_by_its_name() {
+        let names =
+            |name| select(SOAKS, name).map(|s| s.iter().map(|p| p.example).collect::<Vec<_>>());
+        assert_eq!(names(Some("kills")), Ok(vec!["soak_kills"]));
+        assert_eq!(names(None).map(|all| all.len()), Ok(SOAKS.len()));
+        assert_eq!(
+            names(Some("kill")),
+            Err("there is no \"kill\"; there are: kills".into())
+        );
+    }
+}
