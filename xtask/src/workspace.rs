@@ -1,6 +1,7 @@
 //! Where things lie: the repository, cargo's target folder and the tree that is assembled there.
 
 use crate::failure::Failure;
+use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -20,12 +21,16 @@ impl Workspace {
     /// Of the running program. Cargo put it into `<target>/release`, so CARGO_TARGET_DIR and every other way to name
     /// the target folder is honoured.
     pub fn here() -> Result<Self, Failure> {
-        let program = std::env::current_exe()
+        let program = env::current_exe()
             .map_err(|e| Failure::Cannot(format!("this program's own place is unknown: {e}")))?;
         let target = program.ancestors().nth(2).unwrap_or(Path::new("target"));
-        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        // What cargo says now is right even where clones share a target folder and so this program.
+        let from_cargo =
+            env::var("CARGO_PKG_NAME").is_ok_and(|name| name == env!("CARGO_PKG_NAME"));
+        let package = env::var_os("CARGO_MANIFEST_DIR").filter(|_| from_cargo);
+        let package = PathBuf::from(package.unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into()));
         Ok(Self {
-            root: package.parent().unwrap_or(package).to_path_buf(),
+            root: package.parent().unwrap_or(&package).to_path_buf(),
             target: target.to_path_buf(),
         })
     }
@@ -43,12 +48,12 @@ impl Workspace {
     /// The simulator in the tree.
     pub fn program(&self) -> PathBuf {
         self.tree()
-            .join(format!("microsim{}", std::env::consts::EXE_SUFFIX))
+            .join(format!("microsim{}", env::consts::EXE_SUFFIX))
     }
 
     /// Cargo, in the repository, building into the same target folder as this program.
     pub fn cargo(&self) -> Command {
-        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
         cargo
             .current_dir(&self.root)
             .env("CARGO_TARGET_DIR", &self.target);
