@@ -34,7 +34,12 @@ fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
         .collect();
     let mut kinds: BTreeMap<String, (u32, bool)> = core_kinds()
         .into_iter()
-        .map(|k| (k.name, (u32::from(k.version), k.overflow == Overflow::DropOldest)))
+        .map(|k| {
+            (
+                k.name,
+                (u32::from(k.version), k.overflow == Overflow::DropOldest),
+            )
+        })
         .collect();
     for own in manifests.iter().flat_map(|m| &m.message) {
         let drops = own.overflow == microsim_settings::Overflow::DropOldest;
@@ -44,7 +49,11 @@ fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
     let mut table = Vec::new();
     for (kind, (version, drops)) in &kinds {
         let who = |list: fn(&microsim_settings::Manifest) -> &Vec<String>| -> Vec<&str> {
-            manifests.iter().filter(|m| list(m).contains(kind)).map(|m| m.name.as_str()).collect()
+            manifests
+                .iter()
+                .filter(|m| list(m).contains(kind))
+                .map(|m| m.name.as_str())
+                .collect()
         };
         table.push(json!({
             "kind": kind,
@@ -59,10 +68,22 @@ fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
         return Ok(Exit::Done);
     }
     let names = |list: &Value| {
-        let names: Vec<&str> = list.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-        if names.is_empty() { "-".to_owned() } else { names.join(", ") }
+        let names: Vec<&str> = list
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(Value::as_str)
+            .collect();
+        if names.is_empty() {
+            "-".to_owned()
+        } else {
+            names.join(", ")
+        }
     };
-    say(format!("{:<20} {:>3}  {:<12} {:<44} heard by", "kind", "v", "when full", "published by"))?;
+    say(format!(
+        "{:<20} {:>3}  {:<12} {:<44} heard by",
+        "kind", "v", "when full", "published by"
+    ))?;
     for row in &table {
         say(format!(
             "{:<20} {:>3}  {:<12} {:<44} {}",
@@ -109,11 +130,22 @@ fn messages(path: &Path, args: &BusArgs) -> Result<Exit, Problem> {
 
 fn rows(session: &Session, args: &BusArgs, skip: usize) -> Vec<Value> {
     let plan = &session.header.plan;
-    let own = plan.plugins.iter().flat_map(|p| p.own_kinds.iter().map(|k| k.name.clone()));
-    let names: BTreeMap<u64, String> =
-        core_kinds().into_iter().map(|k| k.name).chain(own).map(|name| (kind_id(&name), name)).collect();
-    let senders: Vec<&str> =
-        plan.plugins.iter().filter(|p| !p.kind.is_observer()).map(|p| p.name.as_str()).collect();
+    let own = plan
+        .plugins
+        .iter()
+        .flat_map(|p| p.own_kinds.iter().map(|k| k.name.clone()));
+    let names: BTreeMap<u64, String> = core_kinds()
+        .into_iter()
+        .map(|k| k.name)
+        .chain(own)
+        .map(|name| (kind_id(&name), name))
+        .collect();
+    let senders: Vec<&str> = plan
+        .plugins
+        .iter()
+        .filter(|p| !p.kind.is_observer())
+        .map(|p| p.name.as_str())
+        .collect();
     let mut rows = Vec::new();
     for (tick, record) in session.ticks.iter().skip(skip) {
         for frame in Frames::new(&record.log).filter_map(Result::ok) {
@@ -123,7 +155,9 @@ fn rows(session: &Session, args: &BusArgs, skip: usize) -> Vec<Value> {
                 HOST => "host",
                 sender => senders.get(sender as usize).copied().unwrap_or("?"),
             };
-            if args.kind.as_ref().is_some_and(|k| *k != kind) || args.from.as_ref().is_some_and(|f| f != from) {
+            if args.kind.as_ref().is_some_and(|k| *k != kind)
+                || args.from.as_ref().is_some_and(|f| f != from)
+            {
                 continue;
             }
             let message = to_json(frame.payload)

@@ -43,9 +43,17 @@ pub fn check(place: &Place, args: &CheckArgs) -> Result<Exit, Problem> {
         for problem in &findings.problems {
             say(problem)?;
         }
-        say(format!("{} checked, {} with problems", findings.checked.len(), findings.problems.len()))?;
+        say(format!(
+            "{} checked, {} with problems",
+            findings.checked.len(),
+            findings.problems.len()
+        ))?;
     }
-    Ok(if findings.problems.is_empty() { Exit::Done } else { Exit::Negative })
+    Ok(if findings.problems.is_empty() {
+        Exit::Done
+    } else {
+        Exit::Negative
+    })
 }
 
 fn check_installation(installation: &Installation, findings: &mut Findings) {
@@ -55,10 +63,16 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
     let config = &installation.config;
     findings.note("config/host.toml".into(), Ok(()));
     let translator = settings::load_translator(&config.join("translator.toml"));
-    findings.note("config/translator.toml".into(), translator.map(drop).map_err(|e| e.to_string()));
+    findings.note(
+        "config/translator.toml".into(),
+        translator.map(drop).map_err(|e| e.to_string()),
+    );
     for path in files_in(&config.join("tools"), "toml") {
         let tool = settings::load_tool(&path);
-        findings.note(path.display().to_string(), tool.map(drop).map_err(|e| e.to_string()));
+        findings.note(
+            path.display().to_string(),
+            tool.map(drop).map_err(|e| e.to_string()),
+        );
     }
     for folder in &installation.tree.modules {
         let name = &folder.manifest.settings.name;
@@ -67,17 +81,27 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         for (index, path) in folder.levels.iter().enumerate() {
             let level = index as u32 + 1;
             let script = scripts.iter().find(|s| {
-                s.file_name().is_some_and(|n| n == format!("level{level}-pass.toml").as_str())
+                s.file_name()
+                    .is_some_and(|n| n == format!("level{level}-pass.toml").as_str())
             });
-            findings.note(path.display().to_string(), check_level(installation, name, level, script));
+            findings.note(
+                path.display().to_string(),
+                check_level(installation, name, level, script),
+            );
         }
         for path in &scripts {
             let script = settings::load_script(path);
-            findings.note(path.display().to_string(), script.map(drop).map_err(|e| e.to_string()));
+            findings.note(
+                path.display().to_string(),
+                script.map(drop).map_err(|e| e.to_string()),
+            );
         }
     }
     for path in recordings(&installation.root.join("assets").join("recordings")) {
-        findings.note(path.display().to_string(), check_recording(installation, &path));
+        findings.note(
+            path.display().to_string(),
+            check_recording(installation, &path),
+        );
     }
 }
 
@@ -89,7 +113,9 @@ fn check_level(
     level: u32,
     script: Option<&PathBuf>,
 ) -> Result<(), String> {
-    installation.level(module, level).map_err(|e| e.to_string())?;
+    installation
+        .level(module, level)
+        .map_err(|e| e.to_string())?;
     let script = script.ok_or_else(|| {
         format!("module \"{module}\": level {level} has no script scripts/level{level}-pass.toml that passes it")
     })?;
@@ -122,22 +148,40 @@ fn check_recording(installation: &Installation, path: &Path) -> Result<(), Strin
 /// One file by what it is: its place and name say which kind.
 fn check_file(place: &Place, path: &Path) -> Result<(), String> {
     let text = |e: settings::ConfigErrors| e.to_string();
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let folder = path.parent().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
-    let extension = path.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = path
+        .file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default();
+    let folder = path
+        .parent()
+        .and_then(Path::file_name)
+        .map(|n| n.to_string_lossy().into_owned());
+    let extension = path
+        .extension()
+        .map(|e| e.to_string_lossy().into_owned())
+        .unwrap_or_default();
     match (name.as_str(), folder.as_deref(), extension.as_str()) {
-        ("plugin.toml" | "module.toml", _, _) => settings::load_manifest(path).map(drop).map_err(text),
+        ("plugin.toml" | "module.toml", _, _) => {
+            settings::load_manifest(path).map(drop).map_err(text)
+        }
         ("host.toml", _, _) => settings::load_host(path).map(drop).map_err(text),
         ("translator.toml", _, _) => settings::load_translator(path).map(drop).map_err(text),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(drop).map_err(text),
         (_, Some("scripts"), "toml") => settings::load_script(path).map(drop).map_err(text),
         (_, Some("levels"), "toml") => {
-            let manifest = path.parent().and_then(Path::parent).map(|m| m.join("module.toml"));
+            let manifest = path
+                .parent()
+                .and_then(Path::parent)
+                .map(|m| m.join("module.toml"));
             let manifest = settings::load_manifest(&manifest.unwrap_or_default()).map_err(text)?;
-            settings::load_level(path, &manifest.settings, &known_metrics()).map(drop).map_err(text)
+            settings::load_level(path, &manifest.settings, &known_metrics())
+                .map(drop)
+                .map_err(text)
         }
         (_, _, "toml") if path.with_extension("csv").is_file() => {
-            settings::load_recording_map(&path.with_extension("csv")).map(drop).map_err(text)
+            settings::load_recording_map(&path.with_extension("csv"))
+                .map(drop)
+                .map_err(text)
         }
         (_, _, "csv") => match installation(place) {
             Ok(installation) => check_recording(&installation, path),
@@ -160,13 +204,19 @@ fn check_file(place: &Place, path: &Path) -> Result<(), String> {
             // A script may lie anywhere.
             settings::load_script(path).map(drop).map_err(text)
         }
-        _ => Err(format!("{}: neither TOML, CSV nor a session", path.display())),
+        _ => Err(format!(
+            "{}: neither TOML, CSV nor a session",
+            path.display()
+        )),
     }
 }
 
 /// The files of a folder with an extension, by name.
 fn files_in(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let entries = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .filter_map(Result::ok);
     let mut files: Vec<PathBuf> = entries
         .map(|e| e.path())
         .filter(|p| p.is_file() && p.extension().is_some_and(|e| e == extension))
@@ -177,7 +227,10 @@ fn files_in(folder: &Path, extension: &str) -> Vec<PathBuf> {
 
 /// The CSV files below the folder of recordings.
 fn recordings(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let entries = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .filter_map(Result::ok);
     let mut folders: Vec<PathBuf> = entries.map(|e| e.path()).filter(|p| p.is_dir()).collect();
     folders.sort();
     folders.iter().flat_map(|f| files_in(f, "csv")).collect()

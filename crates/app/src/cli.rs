@@ -198,7 +198,9 @@ fn parse_input(text: &str) -> Result<Input, String> {
         Some(("script", file)) => Ok(Input::Script(file.into())),
         Some(("recording", file)) => Ok(Input::Recording(file.into())),
         Some(("plugin", name)) => Ok(Input::Plugin(name.into())),
-        Some(("openigtlink", _)) => Err(format!("trackers on the network are not there yet; {known}")),
+        Some(("openigtlink", _)) => Err(format!(
+            "trackers on the network are not there yet; {known}"
+        )),
         _ if text == "desktop" => Err(format!("mouse and keyboard are not there yet; {known}")),
         _ => Err(format!("unknown source; {known}")),
     }
@@ -231,10 +233,25 @@ mod tests {
 
     #[test]
     fn sources_are_parsed_or_refused_with_what_is_possible() {
-        assert_eq!(parse_input("script:a:b.toml"), Ok(Input::Script("a:b.toml".into())));
-        assert_eq!(parse_input("recording:x.csv"), Ok(Input::Recording("x.csv".into())));
-        for bad in ["", "x.csv", "script:", "desktop", "openigtlink://host:18944"] {
-            assert!(parse_input(bad).unwrap_err().contains("recording:FILE"), "{bad}");
+        assert_eq!(
+            parse_input("script:a:b.toml"),
+            Ok(Input::Script("a:b.toml".into()))
+        );
+        assert_eq!(
+            parse_input("recording:x.csv"),
+            Ok(Input::Recording("x.csv".into()))
+        );
+        for bad in [
+            "",
+            "x.csv",
+            "script:",
+            "desktop",
+            "openigtlink://host:18944",
+        ] {
+            assert!(
+                parse_input(bad).unwrap_err().contains("recording:FILE"),
+                "{bad}"
+            );
         }
     }
 }

@@ -11,8 +11,13 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
     say(format!("version        {}", env!("CARGO_PKG_VERSION")))?;
     let installation = installation(place)?;
     say(format!("installation   {}", installation.root.display()))?;
-    let (plugins, modules) = (installation.tree.plugins.len(), installation.tree.modules.len());
-    say(format!("found          {modules} modules, {plugins} plugins"))?;
+    let (plugins, modules) = (
+        installation.tree.plugins.len(),
+        installation.tree.modules.len(),
+    );
+    say(format!(
+        "found          {modules} modules, {plugins} plugins"
+    ))?;
     for complaint in &installation.complaints {
         healthy = false;
         say(format!("  problem      {complaint}"))?;
@@ -29,7 +34,10 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
         Ok(()) => say(format!("sessions       {} (writable)", folder.display()))?,
         Err(error) => {
             healthy = false;
-            say(format!("sessions       {} cannot be written: {error}", folder.display()))?;
+            say(format!(
+                "sessions       {} cannot be written: {error}",
+                folder.display()
+            ))?;
         }
     }
     match probe_renderer(&installation) {

@@ -53,15 +53,26 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
     let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     say("Modules")?;
     for module in &modules {
-        say(format!("  {:<16} {}", text(&module["name"]), text(&module["summary"]["en"])))?;
+        say(format!(
+            "  {:<16} {}",
+            text(&module["name"]),
+            text(&module["summary"]["en"])
+        ))?;
         for level in module["levels"].as_array().into_iter().flatten() {
-            say(format!("    level {}  {}", level["level"], text(&level["title"]["en"])))?;
+            say(format!(
+                "    level {}  {}",
+                level["level"],
+                text(&level["title"]["en"])
+            ))?;
         }
     }
     say("Plugins")?;
     for plugin in &plugins {
         let (name, kind) = (text(&plugin["name"]), text(&plugin["kind"]));
-        say(format!("  {name:<16} {kind:<11} {}", text(&plugin["summary"]["en"])))?;
+        say(format!(
+            "  {name:<16} {kind:<11} {}",
+            text(&plugin["summary"]["en"])
+        ))?;
     }
     Ok(Exit::Done)
 }

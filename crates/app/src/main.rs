@@ -26,7 +26,11 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no errors; everything else could not run.
-            let code = if error.use_stderr() { Exit::CouldNotRun } else { Exit::Done };
+            let code = if error.use_stderr() {
+                Exit::CouldNotRun
+            } else {
+                Exit::Done
+            };
             let _ = error.print();
             return code.into();
         }

@@ -14,14 +14,24 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
     let mut session = read(&args.session)?;
     let plan = &session.header.plan;
-    let pictures = args.frames.as_ref().map(|folder| {
-        picture_plan(&installation, folder, args.frame_rate, plan.tick_ns)
-    });
-    if pictures.is_some() && !plan.plugins.iter().any(|p| p.kind == microsim_host::plan::PluginKind::Renderer) {
+    let pictures = args
+        .frames
+        .as_ref()
+        .map(|folder| picture_plan(&installation, folder, args.frame_rate, plan.tick_ns));
+    if pictures.is_some()
+        && !plan
+            .plugins
+            .iter()
+            .any(|p| p.kind == microsim_host::plan::PluginKind::Renderer)
+    {
         let renderer = microsim_host::assemble::renderer_for(&installation, plan)?;
         session.header.plan.plugins.push(renderer);
     }
-    let options = ReplayOptions { threads: args.threads.into(), limits: limits(&installation), pictures };
+    let options = ReplayOptions {
+        threads: args.threads.into(),
+        limits: limits(&installation),
+        pictures,
+    };
     let outcome = recompute(&session, options, |planned| {
         locate(&installation, planned).map_err(|e| RunError::Host(e.to_string()))
     })?;
@@ -61,5 +71,9 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
             say(crate::run::picture_line(pictures, args.frames.as_deref()))?;
         }
     }
-    Ok(if args.verify && !verified { Exit::Negative } else { Exit::Done })
+    Ok(if args.verify && !verified {
+        Exit::Negative
+    } else {
+        Exit::Done
+    })
 }

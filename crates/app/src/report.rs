@@ -38,7 +38,10 @@ pub fn write_beside(report: &Report, session: &Path) -> Result<PathBuf, Problem>
     let page = session.with_extension("html");
     write(&page, &report.to_html())?;
     write(&session.with_extension("json"), &report.to_json())?;
-    write(&session.with_extension("metrics.csv"), &report.metrics_csv())?;
+    write(
+        &session.with_extension("metrics.csv"),
+        &report.metrics_csv(),
+    )?;
     write(&session.with_extension("series.csv"), &report.series_csv())?;
     Ok(page)
 }
@@ -56,7 +59,10 @@ pub fn verdict_word(verdict: Verdict) -> &'static str {
 /// The report in a few lines.
 pub fn summary(report: &Report) -> String {
     let s = &report.session;
-    let mut lines = vec![format!("{}, level {}: {}", s.module_title.en, s.level, s.level_title.en)];
+    let mut lines = vec![format!(
+        "{}, level {}: {}",
+        s.module_title.en, s.level, s.level_title.en
+    )];
     lines.push(format!(
         "  {}{}, {} of {} targets, {:.1} s",
         verdict_word(report.verdict).to_uppercase(),
@@ -75,22 +81,40 @@ pub fn summary(report: &Report) -> String {
         lines.push(format!("    {complaint}"));
     }
     if let Some(score) = report.score {
-        let categories: Vec<String> =
-            report.categories.iter().map(|c| format!("{} {:.0}", c.title.en, c.score)).collect();
+        let categories: Vec<String> = report
+            .categories
+            .iter()
+            .map(|c| format!("{} {:.0}", c.title.en, c.score))
+            .collect();
         lines.push(format!("  score {score:.1} ({})", categories.join(", ")));
     }
     for metric in &report.metrics {
-        let Some(value) = metric.display_value else { continue };
+        let Some(value) = metric.display_value else {
+            continue;
+        };
         let record = &metric.record;
         let limit = match (metric.display_min, metric.display_max) {
             (None, None) => String::new(),
             (min, max) => {
-                let bound = |sign: &str, v: Option<f64>| v.map(|v| format!(" {sign} {v:.4}")).unwrap_or_default();
-                let mark = if record.within == Some(false) { "  OUTSIDE" } else { "" };
-                format!("  (limit{}{}){mark}", bound("at least", min), bound("at most", max))
+                let bound = |sign: &str, v: Option<f64>| {
+                    v.map(|v| format!(" {sign} {v:.4}")).unwrap_or_default()
+                };
+                let mark = if record.within == Some(false) {
+                    "  OUTSIDE"
+                } else {
+                    ""
+                };
+                format!(
+                    "  (limit{}{}){mark}",
+                    bound("at least", min),
+                    bound("at most", max)
+                )
             }
         };
-        lines.push(format!("  {:<28} {value:>12.4} {}{limit}", record.title.en, record.display_unit));
+        lines.push(format!(
+            "  {:<28} {value:>12.4} {}{limit}",
+            record.title.en, record.display_unit
+        ));
     }
     for device in &report.input {
         lines.push(format!(

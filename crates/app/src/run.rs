@@ -23,7 +23,10 @@ use std::time::{Duration, SystemTime};
 /// Bounds of the bus queues, from config/host.toml.
 pub fn limits(installation: &Installation) -> Limits {
     let queue = installation.host.queue;
-    Limits { messages: queue.messages as usize, bytes: queue.bytes as usize }
+    Limits {
+        messages: queue.messages as usize,
+        bytes: queue.bytes as usize,
+    }
 }
 
 /// Which pictures to draw.
@@ -35,7 +38,10 @@ pub fn picture_plan(
 ) -> PicturePlan {
     let rate = rate.unwrap_or(installation.host.picture.rate);
     let every = (1e9 / (rate * tick_ns as f64)).round();
-    PicturePlan { folder: folder.to_path_buf(), every: (every as u64).max(1) }
+    PicturePlan {
+        folder: folder.to_path_buf(),
+        every: (every as u64).max(1),
+    }
 }
 
 /// What came of the pictures, in one line.
@@ -48,7 +54,10 @@ pub fn picture_line(report: &PictureReport, folder: Option<&Path>) -> String {
     match &report.off {
         None => format!("Pictures: {} in {folder}{late}", report.written),
         Some(reason) if report.written == 0 => format!("Pictures are off: {reason}"),
-        Some(reason) => format!("Pictures: {} in {folder}{late}, then off: {reason}", report.written),
+        Some(reason) => format!(
+            "Pictures: {} in {folder}{late}, then off: {reason}",
+            report.written
+        ),
     }
 }
 
@@ -61,7 +70,9 @@ pub fn session_folder(installation: &Installation) -> PathBuf {
 fn new_session(installation: &Installation, args: &RunArgs) -> Result<PathBuf, Problem> {
     let folder = session_folder(installation);
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let now = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .unwrap_or_default();
     let name = format!("{}-level{}-{}", args.module, args.level, now.as_millis());
     Ok(folder.join(format!("{name}.session")))
 }
@@ -74,17 +85,24 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
         None => new_session(&installation, args)?,
     };
     if session.exists() && !args.explain {
-        return Err(format!("session {} exists already; nothing is overwritten", session.display()).into());
+        return Err(format!(
+            "session {} exists already; nothing is overwritten",
+            session.display()
+        )
+        .into());
     }
-    let plan = assemble(&installation, &Request {
-        module: args.module.clone(),
-        level: args.level,
-        input: args.input.clone(),
-        seed: args.seed,
-        without: args.without.clone(),
-        pictures: args.frames.is_some(),
-        session: session.clone(),
-    })?;
+    let plan = assemble(
+        &installation,
+        &Request {
+            module: args.module.clone(),
+            level: args.level,
+            input: args.input.clone(),
+            seed: args.seed,
+            without: args.without.clone(),
+            pictures: args.frames.is_some(),
+            session: session.clone(),
+        },
+    )?;
     if args.explain {
         return explain(&plan, args.json);
     }
@@ -114,13 +132,22 @@ fn carry_out(
             tolerance: Duration::from_secs_f64(late.tolerance),
             give_up: Duration::from_secs_f64(late.give_up),
         }),
-        pictures: args.frames.as_deref().map(|f| picture_plan(installation, f, args.frame_rate, plan.tick_ns)),
+        pictures: args
+            .frames
+            .as_deref()
+            .map(|f| picture_plan(installation, f, args.frame_rate, plan.tick_ns)),
         resume,
-        stop_at: args.stop_at.map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64),
+        stop_at: args
+            .stop_at
+            .map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64),
         stop: &stop,
         trainee: args.trainee.clone(),
         progress: &mut |time, reported| match reported {
-            Some(reported) => bar.set_message(format!("{} {:.0} %", reported.what.en, 100.0 * reported.share)),
+            Some(reported) => bar.set_message(format!(
+                "{} {:.0} %",
+                reported.what.en,
+                100.0 * reported.share
+            )),
             None => bar.set_position((time * 10.0) as u64),
         },
     };
@@ -135,7 +162,9 @@ fn progress_bar() -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {pos} tenths of a second simulated, {elapsed} passed {msg}") {
+    if let Ok(style) = ProgressStyle::with_template(
+        "{spinner} {pos} tenths of a second simulated, {elapsed} passed {msg}",
+    ) {
         bar.set_style(style);
     }
     bar
@@ -174,10 +203,18 @@ fn finish(
         tell(args, session, &page, outcome, &report)?;
     }
     if let Some(failure) = &outcome.failure {
-        return Err(format!("{failure}; the session so far is safe in {}", session.display()).into());
+        return Err(format!(
+            "{failure}; the session so far is safe in {}",
+            session.display()
+        )
+        .into());
     }
     let passed = outcome.result.as_ref().is_some_and(|r| r.passed) && plan.counts();
-    Ok(if args.require_pass && !passed { Exit::Negative } else { Exit::Done })
+    Ok(if args.require_pass && !passed {
+        Exit::Negative
+    } else {
+        Exit::Done
+    })
 }
 
 fn tell(
@@ -188,12 +225,18 @@ fn tell(
     report: &Report,
 ) -> Result<(), Problem> {
     if outcome.checkpoint.is_some() {
-        say(format!("Stopped after {} ticks with a checkpoint", outcome.ticks))?;
+        say(format!(
+            "Stopped after {} ticks with a checkpoint",
+            outcome.ticks
+        ))?;
     } else {
         say(summary(report))?;
     }
     if outcome.late_ticks > 0 {
-        say(format!("{} of {} ticks began late", outcome.late_ticks, outcome.ticks))?;
+        say(format!(
+            "{} of {} ticks began late",
+            outcome.late_ticks, outcome.ticks
+        ))?;
     }
     if let Some(pictures) = &outcome.pictures {
         say(picture_line(pictures, args.frames.as_deref()))?;
@@ -239,23 +282,41 @@ fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
             .iter()
             .map(|p| json!({ "name": p.name, "kind": p.kind.name(), "why": p.why, "library": p.library }))
             .collect();
-        let parts: Vec<_> =
-            plan.parts.iter().map(|p| json!({ "what": p.what, "name": p.name, "why": p.why })).collect();
+        let parts: Vec<_> = plan
+            .parts
+            .iter()
+            .map(|p| json!({ "what": p.what, "name": p.name, "why": p.why }))
+            .collect();
         say_json(&json!({
             "module": plan.module, "level": plan.level, "tick_s": plan.tick_ns as f64 * 1e-9,
             "steps": plan.steps, "plugins": plugins, "parts": parts, "without": plan.without,
         }))?;
         return Ok(Exit::Done);
     }
-    say(format!("{}, level {}: {}", plan.module, plan.level, plan.level_title.en))?;
-    say(format!("  tick {} ms, {} solver steps in each", plan.tick_ns as f64 * 1e-6, plan.steps))?;
+    say(format!(
+        "{}, level {}: {}",
+        plan.module, plan.level, plan.level_title.en
+    ))?;
+    say(format!(
+        "  tick {} ms, {} solver steps in each",
+        plan.tick_ns as f64 * 1e-6,
+        plan.steps
+    ))?;
     say("Loaded, in the order of a tick")?;
     for plugin in &plan.plugins {
-        say(format!("  {:<10} {:<18} {}", plugin.kind.name(), plugin.name, plugin.why))?;
+        say(format!(
+            "  {:<10} {:<18} {}",
+            plugin.kind.name(),
+            plugin.name,
+            plugin.why
+        ))?;
     }
     say("Computed and shown")?;
     for part in &plan.parts {
-        say(format!("  {:<10} {:<18} {}", part.what, part.name, part.why))?;
+        say(format!(
+            "  {:<10} {:<18} {}",
+            part.what, part.name, part.why
+        ))?;
     }
     say("Nothing else.")?;
     Ok(Exit::Done)

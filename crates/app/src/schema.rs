@@ -17,13 +17,19 @@ pub fn schema(place: &Place, args: &SchemaArgs) -> Result<Exit, Problem> {
     let schema = match kind.split_once(':') {
         Some(("level", module)) => {
             let installation = installation(place)?;
-            Some(settings::level_schema(Some(&installation.module(module)?.manifest.settings)))
+            Some(settings::level_schema(Some(
+                &installation.module(module)?.manifest.settings,
+            )))
         }
         _ => settings::schema_for(kind),
     };
     let Some(schema) = schema else {
         let kinds: Vec<&str> = settings::KINDS.iter().map(|(name, _)| *name).collect();
-        return Err(format!("no kind of file \"{kind}\"; there are: {}, level:MODULE", kinds.join(", ")).into());
+        return Err(format!(
+            "no kind of file \"{kind}\"; there are: {}, level:MODULE",
+            kinds.join(", ")
+        )
+        .into());
     };
     if args.markdown {
         say(settings::reference(&schema))?;

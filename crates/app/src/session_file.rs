@@ -51,13 +51,19 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
         input: plan.input.clone(),
         realtime: session.header.realtime,
         without: plan.without.clone(),
-        state_hash: session.end.as_ref().map(|end| microsim_host::run::hex(&end.chain)),
+        state_hash: session
+            .end
+            .as_ref()
+            .map(|end| microsim_host::run::hex(&end.chain)),
         complaint: session.complaint.clone(),
         failures: session.failures.iter().map(ToString::to_string).collect(),
         late_ticks: session.end.as_ref().map_or(0, |end| end.late_ticks),
         session_file: path.display().to_string(),
         replay_command: format!("microsim replay {} --verify", path.display()),
     };
-    let ticks = session.ticks.iter().map(|(tick, record)| (*tick, record.log.as_slice()));
+    let ticks = session
+        .ticks
+        .iter()
+        .map(|(tick, record)| (*tick, record.log.as_slice()));
     Report::build(&input, ticks)
 }

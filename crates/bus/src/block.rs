@@ -75,7 +75,9 @@ impl<'a> BlockView<'a> {
         }
         let count = words[5];
         if count > 64 || words.len() < HEAD + ENTRY * count as usize {
-            return Err(BlockError(format!("directory of {count} arrays does not fit")));
+            return Err(BlockError(format!(
+                "directory of {count} arrays does not fit"
+            )));
         }
         let view = Self { words };
         for i in 0..count as usize {
@@ -96,7 +98,12 @@ impl<'a> BlockView<'a> {
 
     fn entry(&self, i: usize) -> [u64; 4] {
         let at = HEAD + ENTRY * i;
-        [self.words[at], self.words[at + 1], self.words[at + 2], self.words[at + 3]]
+        [
+            self.words[at],
+            self.words[at + 1],
+            self.words[at + 2],
+            self.words[at + 3],
+        ]
     }
 
     fn find(&self, name: &str, element: u64) -> Option<(usize, usize)> {
@@ -164,7 +171,8 @@ impl BlockBuilder {
         let first = self.data.len();
         self.data.extend(values.into_iter().map(f64::to_bits));
         let length = self.data.len() - first;
-        self.entries.push([kind_id(name), F64, length as u64, first as u64]);
+        self.entries
+            .push([kind_id(name), F64, length as u64, first as u64]);
         self
     }
 
@@ -180,7 +188,8 @@ impl BlockBuilder {
             }
             length += 1;
         }
-        self.entries.push([kind_id(name), U32, length, first as u64]);
+        self.entries
+            .push([kind_id(name), U32, length, first as u64]);
         self
     }
 
@@ -220,7 +229,10 @@ mod tests {
         let view = BlockView::new(&moved).unwrap();
         assert_eq!(view.kind(), kind_id("tissue.snapshot"));
         assert_eq!((view.generation(), view.time_ns()), (3, 16));
-        assert_eq!(view.f64s("position").unwrap(), [1.0, -2.5, f64::MIN_POSITIVE]);
+        assert_eq!(
+            view.f64s("position").unwrap(),
+            [1.0, -2.5, f64::MIN_POSITIVE]
+        );
         assert_eq!(view.u32s("triangle").unwrap(), [0, 1, 2, 7, u32::MAX]);
         assert_eq!(view.u32s("empty").unwrap(), [0; 0]);
         assert!(view.f64s("triangle").is_none() && view.u32s("nothing").is_none());

@@ -45,7 +45,11 @@ pub struct FrameError {
 
 impl fmt::Display for FrameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "bad message frame at byte {}: {}", self.offset, self.what)
+        write!(
+            f,
+            "bad message frame at byte {}: {}",
+            self.offset, self.what
+        )
     }
 }
 
@@ -104,7 +108,10 @@ impl<'a> Iterator for Frames<'a> {
             Some(Err(FrameError { offset, what }))
         };
         if rest.len() < HEADER_SIZE {
-            return fail(self, format!("{} bytes left, a header has {HEADER_SIZE}", rest.len()));
+            return fail(
+                self,
+                format!("{} bytes left, a header has {HEADER_SIZE}", rest.len()),
+            );
         }
         let u64_at = |at: usize| u64::from_le_bytes(rest[at..at + 8].try_into().expect("8 bytes"));
         let u16_at = |at: usize| u16::from_le_bytes([rest[at], rest[at + 1]]);
@@ -118,16 +125,25 @@ impl<'a> Iterator for Frames<'a> {
         };
         let end = HEADER_SIZE + size as usize;
         if size as usize > MAX_PAYLOAD {
-            return fail(self, format!("payload of {size} bytes, at most {MAX_PAYLOAD} are allowed"));
+            return fail(
+                self,
+                format!("payload of {size} bytes, at most {MAX_PAYLOAD} are allowed"),
+            );
         }
         if rest.len() < end {
             return fail(
                 self,
-                format!("payload of {size} bytes announced, {} there", rest.len() - HEADER_SIZE),
+                format!(
+                    "payload of {size} bytes announced, {} there",
+                    rest.len() - HEADER_SIZE
+                ),
             );
         }
         self.offset += end;
-        Some(Ok(Frame { header, payload: &rest[HEADER_SIZE..end] }))
+        Some(Ok(Frame {
+            header,
+            payload: &rest[HEADER_SIZE..end],
+        }))
     }
 }
 

@@ -27,7 +27,10 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { messages: 4096, bytes: 4 << 20 }
+        Self {
+            messages: 4096,
+            bytes: 4 << 20,
+        }
     }
 }
 
@@ -52,9 +55,14 @@ pub enum RouterError {
 impl fmt::Display for RouterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::DuplicateKind(a, b) => write!(f, "message kinds \"{a}\" and \"{b}\" have the same id"),
+            Self::DuplicateKind(a, b) => {
+                write!(f, "message kinds \"{a}\" and \"{b}\" have the same id")
+            }
             Self::UnknownKind { endpoint, kind } => {
-                write!(f, "\"{endpoint}\" names the message kind \"{kind}\", which no loaded plugin brings")
+                write!(
+                    f,
+                    "\"{endpoint}\" names the message kind \"{kind}\", which no loaded plugin brings"
+                )
             }
             Self::DuplicateEndpoint(name) => write!(f, "two endpoints are called \"{name}\""),
             Self::BadState(what) => write!(f, "saved bus state does not fit: {what}"),
@@ -100,13 +108,26 @@ impl fmt::Display for Violation {
             Self::Block(e) => e.fmt(f),
             Self::UnknownKind(id) => write!(f, "published a message of unknown kind {id:#018x}"),
             Self::NotDeclared(kind) => {
-                write!(f, "published \"{kind}\", which its manifest does not list under `publishes`")
+                write!(
+                    f,
+                    "published \"{kind}\", which its manifest does not list under `publishes`"
+                )
             }
-            Self::Version { kind, found, expected } => {
-                write!(f, "published \"{kind}\" in version {found}, this run knows version {expected}")
+            Self::Version {
+                kind,
+                found,
+                expected,
+            } => {
+                write!(
+                    f,
+                    "published \"{kind}\" in version {found}, this run knows version {expected}"
+                )
             }
             Self::Overflow { kind, subscriber } => {
-                write!(f, "published more \"{kind}\" than the queue of \"{subscriber}\" holds")
+                write!(
+                    f,
+                    "published more \"{kind}\" than the queue of \"{subscriber}\" holds"
+                )
             }
         }
     }
@@ -175,7 +196,10 @@ impl Router {
                 .map(|kind| {
                     let id = kind_id(kind);
                     self.kinds.contains_key(&id).then_some(id).ok_or_else(|| {
-                        RouterError::UnknownKind { endpoint: name.into(), kind: kind.clone() }
+                        RouterError::UnknownKind {
+                            endpoint: name.into(),
+                            kind: kind.clone(),
+                        }
                     })
                 })
                 .collect::<Result<BTreeSet<_>, _>>()
@@ -205,7 +229,12 @@ impl Router {
     }
 
     /// Publishes all frames of `bytes` in their order. The first bad one ends it; those before it are delivered.
-    pub fn publish(&mut self, sender: EndpointId, time_ns: u64, bytes: &[u8]) -> Result<(), Violation> {
+    pub fn publish(
+        &mut self,
+        sender: EndpointId,
+        time_ns: u64,
+        bytes: &[u8],
+    ) -> Result<(), Violation> {
         for frame in Frames::new(bytes) {
             let frame = frame.map_err(Violation::Frame)?;
             let kind = self.check(sender, frame.header.kind)?;
@@ -217,7 +246,11 @@ impl Router {
                 });
             }
             let (name, overflow) = (kind.name.clone(), kind.overflow);
-            let header = Header { time_ns, sender, ..frame.header };
+            let header = Header {
+                time_ns,
+                sender,
+                ..frame.header
+            };
             let mut stamped = Vec::with_capacity(HEADER_SIZE + frame.payload.len());
             push_stamped(&mut stamped, &header, frame.payload);
             for subscriber in 0..self.endpoints.len() {
@@ -232,7 +265,12 @@ impl Router {
     }
 
     /// Publishes a block; it replaces the latest of its kind and name.
-    pub fn publish_block(&mut self, sender: EndpointId, kind: u64, words: &[u64]) -> Result<(), Violation> {
+    pub fn publish_block(
+        &mut self,
+        sender: EndpointId,
+        kind: u64,
+        words: &[u64],
+    ) -> Result<(), Violation> {
         self.check(sender, kind)?;
         let block = Block::new(words).map_err(Violation::Block)?;
         if block.view().kind() != kind {
@@ -273,7 +311,10 @@ impl Router {
                 Some(oldest) => {
                     let lost = endpoint.queue.remove(oldest).unwrap_or_default();
                     endpoint.queue_bytes -= lost.len();
-                    *self.dropped.entry((subscriber as EndpointId, header.kind)).or_default() += 1;
+                    *self
+                        .dropped
+                        .entry((subscriber as EndpointId, header.kind))
+                        .or_default() += 1;
                 }
                 None => {
                     return Err(Violation::Overflow {
@@ -322,7 +363,9 @@ impl Router {
     /// The blocks that were published since the last call, in that order.
     pub fn take_new_blocks(&mut self) -> Vec<Block> {
         let keys = std::mem::take(&mut self.new_blocks);
-        keys.iter().filter_map(|key| self.blocks.get(key).cloned()).collect()
+        keys.iter()
+            .filter_map(|key| self.blocks.get(key).cloned())
+            .collect()
     }
 
     /// Messages that full queues have lost since the last call: (subscriber, kind, number).
@@ -345,7 +388,12 @@ impl Router {
             out.extend_from_slice(bytes);
         };
         for endpoint in &self.endpoints {
-            put(&endpoint.queue.iter().flatten().copied().collect::<Vec<u8>>());
+            put(&endpoint
+                .queue
+                .iter()
+                .flatten()
+                .copied()
+                .collect::<Vec<u8>>());
         }
         for block in self.blocks.values() {
             let bytes: Vec<u8> = block.words().iter().flat_map(|w| w.to_le_bytes()).collect();
@@ -360,7 +408,9 @@ impl Router {
         let mut parts = Vec::new();
         let mut rest = state;
         while !rest.is_empty() {
-            let (size, tail) = rest.split_first_chunk::<8>().ok_or_else(|| bad("torn size"))?;
+            let (size, tail) = rest
+                .split_first_chunk::<8>()
+                .ok_or_else(|| bad("torn size"))?;
             let size = u64::from_le_bytes(*size) as usize;
             let part = tail.get(..size).ok_or_else(|| bad("torn part"))?;
             parts.push(part);

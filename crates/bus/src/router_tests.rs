@@ -1,7 +1,11 @@
 use crate::*;
 
 fn kinds() -> Vec<KindInfo> {
-    let kind = |name: &str, overflow| KindInfo { name: name.into(), version: 1, overflow };
+    let kind = |name: &str, overflow| KindInfo {
+        name: name.into(),
+        version: 1,
+        overflow,
+    };
     vec![
         kind("state", Overflow::DropOldest),
         kind("event", Overflow::Refuse),
@@ -28,7 +32,9 @@ fn router(limits: Limits) -> (Router, EndpointId, EndpointId) {
 }
 
 fn payloads(bytes: &[u8]) -> Vec<Vec<u8>> {
-    Frames::new(bytes).map(|f| f.unwrap().payload.to_vec()).collect()
+    Frames::new(bytes)
+        .map(|f| f.unwrap().payload.to_vec())
+        .collect()
 }
 
 #[test]
@@ -37,7 +43,10 @@ fn order_is_that_of_publication_and_nobody_hears_himself() {
     let both = [message("event", b"1"), message("state", b"2")].concat();
     router.publish(talker, 5, &both).unwrap();
     router.publish(HOST, 6, &message("event", b"3")).unwrap();
-    assert_eq!(payloads(&router.take_messages(listener)), [b"1", b"2", b"3"]);
+    assert_eq!(
+        payloads(&router.take_messages(listener)),
+        [b"1", b"2", b"3"]
+    );
     assert_eq!(payloads(&router.take_messages(talker)), [b"3"]);
     assert!(router.take_messages(listener).is_empty());
     let log = router.take_log();
@@ -59,7 +68,9 @@ fn topics_are_checked_against_the_manifest() {
         router.publish(listener, 0, &message("no such kind", b"")),
         Err(Violation::UnknownKind(kind_id("no such kind")))
     );
-    let error = router.register("third", &names(&["nothing"]), &[]).unwrap_err();
+    let error = router
+        .register("third", &names(&["nothing"]), &[])
+        .unwrap_err();
     assert!(matches!(error, RouterError::UnknownKind { .. }));
     let error = router.register("talker", &[], &[]).unwrap_err();
     assert_eq!(error, RouterError::DuplicateEndpoint("talker".into()));
@@ -75,32 +86,53 @@ fn another_version_is_refused() {
     let (mut router, talker, _) = router(Limits::default());
     let mut bytes = Vec::new();
     push_frame(&mut bytes, kind_id("event"), 2, b"");
-    assert!(matches!(router.publish(talker, 0, &bytes), Err(Violation::Version { found: 2, .. })));
+    assert!(matches!(
+        router.publish(talker, 0, &bytes),
+        Err(Violation::Version { found: 2, .. })
+    ));
 }
 
 #[test]
 fn a_full_queue_drops_the_oldest_state_and_refuses_events() {
-    let (mut router, talker, listener) = router(Limits { messages: 3, bytes: 1 << 20 });
+    let (mut router, talker, listener) = router(Limits {
+        messages: 3,
+        bytes: 1 << 20,
+    });
     router.publish(talker, 0, &message("event", b"e")).unwrap();
     for i in 0..5_u8 {
         router.publish(talker, 0, &message("state", &[i])).unwrap();
     }
     // Capacity 3: the event and the two newest states are left, three states are lost.
-    assert_eq!(router.take_dropped(), [("listener".into(), "state".into(), 3)]);
+    assert_eq!(
+        router.take_dropped(),
+        [("listener".into(), "state".into(), 3)]
+    );
     let full = router.clone().publish(talker, 0, &message("event", b"x"));
     assert_eq!(
         full,
-        Err(Violation::Overflow { kind: "event".into(), subscriber: "listener".into() })
+        Err(Violation::Overflow {
+            kind: "event".into(),
+            subscriber: "listener".into()
+        })
     );
-    assert_eq!(payloads(&router.take_messages(listener)), [vec![b'e'], vec![3], vec![4]]);
+    assert_eq!(
+        payloads(&router.take_messages(listener)),
+        [vec![b'e'], vec![3], vec![4]]
+    );
 }
 
 #[test]
 fn the_latest_block_of_each_name_is_what_a_reader_gets() {
     let (mut router, talker, listener) = router(Limits::default());
-    let block = |name: &str, value| BlockBuilder::new("block", name, 0, 0).f64s("x", [value]).finish();
+    let block = |name: &str, value| {
+        BlockBuilder::new("block", name, 0, 0)
+            .f64s("x", [value])
+            .finish()
+    };
     for words in [block("a", 1.0), block("b", 2.0), block("a", 3.0)] {
-        router.publish_block(talker, kind_id("block"), &words).unwrap();
+        router
+            .publish_block(talker, kind_id("block"), &words)
+            .unwrap();
     }
     let mut values: Vec<_> = router
         .blocks_for(listener)
@@ -118,14 +150,23 @@ fn the_latest_block_of_each_name_is_what_a_reader_gets() {
 #[test]
 fn a_saved_bus_goes_on_where_it_was() {
     let (mut first, talker, listener) = router(Limits::default());
-    first.publish(talker, 9, &message("event", b"in flight")).unwrap();
-    let words = BlockBuilder::new("block", "a", 1, 9).f64s("x", [4.0]).finish();
-    first.publish_block(talker, kind_id("block"), &words).unwrap();
+    first
+        .publish(talker, 9, &message("event", b"in flight"))
+        .unwrap();
+    let words = BlockBuilder::new("block", "a", 1, 9)
+        .f64s("x", [4.0])
+        .finish();
+    first
+        .publish_block(talker, kind_id("block"), &words)
+        .unwrap();
     let state = first.save();
     let (mut second, ..) = router(Limits::default());
     second.restore(&state).unwrap();
     assert_eq!(second.save(), state);
-    assert_eq!(second.take_messages(listener), first.take_messages(listener));
+    assert_eq!(
+        second.take_messages(listener),
+        first.take_messages(listener)
+    );
     assert_eq!(second.blocks_for(listener), first.blocks_for(listener));
     for cut in 1..state.len() {
         let _ = second.restore(&state[..cut]);

@@ -68,45 +68,76 @@ impl Installation {
         let config = config.map_or_else(|| root.join("config"), Path::to_path_buf);
         let host = settings::load_host(&config.join("host.toml"))?.settings;
         let (tree, complaints) = settings::discover(root);
-        Ok(Self { root: root.to_path_buf(), config, tree, host, complaints })
+        Ok(Self {
+            root: root.to_path_buf(),
+            config,
+            tree,
+            host,
+            complaints,
+        })
     }
 
     /// The manifest of a plugin.
     pub fn plugin(&self, name: &str) -> Result<&Loaded<Manifest>, AssembleError> {
         let found = self.tree.plugins.iter().find(|p| p.settings.name == name);
         found.ok_or_else(|| {
-            let names: Vec<&str> = self.tree.plugins.iter().map(|p| p.settings.name.as_str()).collect();
-            AssembleError(format!(
-                "no plugin \"{name}\" below {}; there are: {}",
-                self.root.join("plugins").display(),
-                names.join(", ")
-            ) + &self.hidden(name))
+            let names: Vec<&str> = self
+                .tree
+                .plugins
+                .iter()
+                .map(|p| p.settings.name.as_str())
+                .collect();
+            AssembleError(
+                format!(
+                    "no plugin \"{name}\" below {}; there are: {}",
+                    self.root.join("plugins").display(),
+                    names.join(", ")
+                ) + &self.hidden(name),
+            )
         })
     }
 
     /// A module with its levels.
     pub fn module(&self, name: &str) -> Result<&settings::ModuleFolder, AssembleError> {
-        let found = self.tree.modules.iter().find(|m| m.manifest.settings.name == name);
+        let found = self
+            .tree
+            .modules
+            .iter()
+            .find(|m| m.manifest.settings.name == name);
         found.ok_or_else(|| {
-            let names: Vec<&str> =
-                self.tree.modules.iter().map(|m| m.manifest.settings.name.as_str()).collect();
-            AssembleError(format!(
-                "no module \"{name}\" below {}; there are: {}",
-                self.root.join("modules").display(),
-                names.join(", ")
-            ) + &self.hidden(name))
+            let names: Vec<&str> = self
+                .tree
+                .modules
+                .iter()
+                .map(|m| m.manifest.settings.name.as_str())
+                .collect();
+            AssembleError(
+                format!(
+                    "no module \"{name}\" below {}; there are: {}",
+                    self.root.join("modules").display(),
+                    names.join(", ")
+                ) + &self.hidden(name),
+            )
         })
     }
 
     /// The complaints that may be why something is not there.
     fn hidden(&self, name: &str) -> String {
-        let about: Vec<String> =
-            self.complaints.iter().filter(|c| c.file.contains(name)).map(|c| format!("\n{c}")).collect();
+        let about: Vec<String> = self
+            .complaints
+            .iter()
+            .filter(|c| c.file.contains(name))
+            .map(|c| format!("\n{c}"))
+            .collect();
         about.concat()
     }
 
     /// A level of a module, checked.
-    pub fn level(&self, module: &str, level: u32) -> Result<Loaded<settings::Level>, AssembleError> {
+    pub fn level(
+        &self,
+        module: &str,
+        level: u32,
+    ) -> Result<Loaded<settings::Level>, AssembleError> {
         let folder = self.module(module)?;
         let index = (level as usize).wrapping_sub(1);
         let path = folder.levels.get(index).ok_or_else(|| {
@@ -115,7 +146,11 @@ impl Installation {
                 folder.levels.len()
             ))
         })?;
-        Ok(settings::load_level(path, &folder.manifest.settings, &known_metrics())?)
+        Ok(settings::load_level(
+            path,
+            &folder.manifest.settings,
+            &known_metrics(),
+        )?)
     }
 
     /// A file by the name that an operator gave: as it stands, or below the installation.
@@ -201,11 +236,21 @@ pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPla
     let level = installation.level(&request.module, request.level)?;
     let source = source_setup(installation, request)?;
     let models = tool_models(installation, &level.settings)?;
-    let plan = Planner { installation, request, level: &level, manifest, models, source: &source };
+    let plan = Planner {
+        installation,
+        request,
+        level: &level,
+        manifest,
+        models,
+        source: &source,
+    };
     plan.plan(folder)
 }
 
-fn source_setup(installation: &Installation, request: &Request) -> Result<SourceSetup, AssembleError> {
+fn source_setup(
+    installation: &Installation,
+    request: &Request,
+) -> Result<SourceSetup, AssembleError> {
     let read = |path: &Path| {
         std::fs::read(path).map_err(|e| AssembleError(format!("input {}: {e}", path.display())))
     };
@@ -218,13 +263,24 @@ fn source_setup(installation: &Installation, request: &Request) -> Result<Source
             devices: None,
         }),
         Input::Script(given) => {
-            let scripts = installation.root.join("modules").join(&request.module).join("scripts");
+            let scripts = installation
+                .root
+                .join("modules")
+                .join(&request.module)
+                .join("scripts");
             let path = installation.find(given, &[scripts]);
             let script = settings::load_script(&path)?;
             Ok(SourceSetup {
                 plugin: SOURCE_SCRIPT.into(),
                 why: format!("the input is the script {}", path.display()),
-                devices: Some(script.settings.tool.iter().map(|t| t.name.clone()).collect()),
+                devices: Some(
+                    script
+                        .settings
+                        .tool
+                        .iter()
+                        .map(|t| t.name.clone())
+                        .collect(),
+                ),
                 config: json!({ "script": script.document.value() }),
                 files: Vec::new(),
             })
@@ -241,7 +297,10 @@ fn source_setup(installation: &Installation, request: &Request) -> Result<Source
                 plugin: SOURCE_RECORDING.into(),
                 why: format!("the input is the recording {}", path.display()),
                 config,
-                files: vec![SetupFile { name: "recording".into(), bytes }],
+                files: vec![SetupFile {
+                    name: "recording".into(),
+                    bytes,
+                }],
                 devices: Some(devices),
             })
         }
@@ -267,10 +326,13 @@ fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<RecordingInput, AssembleErro
 
 /// Checks a recording in CSV, its column map and every row, by the plugin that would play it.
 pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), AssembleError> {
-    let bytes =
-        std::fs::read(path).map_err(|e| AssembleError(format!("recording {}: {e}", path.display())))?;
+    let bytes = std::fs::read(path)
+        .map_err(|e| AssembleError(format!("recording {}: {e}", path.display())))?;
     let (config, bytes, _) = csv_input(path, bytes)?;
-    let files = vec![SetupFile { name: "recording".into(), bytes }];
+    let files = vec![SetupFile {
+        name: "recording".into(),
+        bytes,
+    }];
     probe(installation, SOURCE_RECORDING, config, files).map_err(AssembleError)
 }
 
@@ -288,7 +350,11 @@ fn session_input(path: &Path, bytes: &[u8]) -> Result<RecordingInput, AssembleEr
             samples.push(sample);
         }
     }
-    Ok((json!({ "format": "samples" }), encode(&samples), devices.into_iter().collect()))
+    Ok((
+        json!({ "format": "samples" }),
+        encode(&samples),
+        devices.into_iter().collect(),
+    ))
 }
 
 fn tool_models(
@@ -297,8 +363,14 @@ fn tool_models(
 ) -> Result<BTreeMap<String, Value>, AssembleError> {
     let mut models = BTreeMap::new();
     for slot in &level.tool {
-        let path = installation.config.join("tools").join(format!("{}.toml", slot.model));
-        models.insert(slot.model.clone(), settings::load_tool(&path)?.document.value().clone());
+        let path = installation
+            .config
+            .join("tools")
+            .join(format!("{}.toml", slot.model));
+        models.insert(
+            slot.model.clone(),
+            settings::load_tool(&path)?.document.value().clone(),
+        );
     }
     Ok(models)
 }
@@ -313,7 +385,10 @@ struct Planner<'a> {
 }
 
 fn text(text: &settings::LocalText) -> LocalText {
-    LocalText { de: text.de.clone(), en: text.en.clone() }
+    LocalText {
+        de: text.de.clone(),
+        en: text.en.clone(),
+    }
 }
 
 impl Planner<'_> {
@@ -336,19 +411,35 @@ impl Planner<'_> {
             parts: self.parts(),
         };
         let mut wanted: Vec<(&Loaded<Manifest>, String)> = vec![
-            (self.installation.plugin(&self.source.plugin)?, self.source.why.clone()),
-            (self.installation.plugin(RECORDER)?, "every run is recorded".into()),
-            (&folder.manifest, "the operator asked for this module".into()),
+            (
+                self.installation.plugin(&self.source.plugin)?,
+                self.source.why.clone(),
+            ),
+            (
+                self.installation.plugin(RECORDER)?,
+                "every run is recorded".into(),
+            ),
+            (
+                &folder.manifest,
+                "the operator asked for this module".into(),
+            ),
         ];
         if self.request.pictures {
-            wanted.push((self.installation.plugin(RENDERER)?, "pictures are wanted".into()));
+            wanted.push((
+                self.installation.plugin(RENDERER)?,
+                "pictures are wanted".into(),
+            ));
         }
         for name in &self.manifest.plugins {
             let plugin = self.installation.plugin(name)?;
             let why = format!("module \"{}\" uses it", self.manifest.name);
             match plugin.settings.kind {
                 settings::PluginKind::Physics if level.physics.is_none() => {}
-                kind if self.request.without.iter().any(|w| w == kind_of(kind).name()) => {}
+                kind if self
+                    .request
+                    .without
+                    .iter()
+                    .any(|w| w == kind_of(kind).name()) => {}
                 _ => wanted.push((plugin, why)),
             }
         }
@@ -359,7 +450,8 @@ impl Planner<'_> {
             }
             plan.plugins.push(planned);
         }
-        plan.plugins.sort_by(|a, b| (a.kind, &a.name).cmp(&(b.kind, &b.name)));
+        plan.plugins
+            .sort_by(|a, b| (a.kind, &a.name).cmp(&(b.kind, &b.name)));
         Ok(plan)
     }
 
@@ -380,7 +472,12 @@ impl Planner<'_> {
                 microsim_abi::ABI_VERSION
             ));
         }
-        let folder = manifest.document.path().parent().map(Path::to_path_buf).unwrap_or_default();
+        let folder = manifest
+            .document
+            .path()
+            .parent()
+            .map(Path::to_path_buf)
+            .unwrap_or_default();
         let library = library(m, manifest);
         let library_hash = file_hash(&library).map_err(|e| {
             AssembleError(format!(
@@ -393,9 +490,16 @@ impl Planner<'_> {
         for file in &m.file {
             let path = folder.join(&file.path);
             let bytes = std::fs::read(&path).map_err(|e| {
-                AssembleError(format!("plugin \"{}\": file {}: {e}", m.name, path.display()))
+                AssembleError(format!(
+                    "plugin \"{}\": file {}: {e}",
+                    m.name,
+                    path.display()
+                ))
             })?;
-            files.push(SetupFile { name: file.name.clone(), bytes });
+            files.push(SetupFile {
+                name: file.name.clone(),
+                bytes,
+            });
         }
         let (config, more) = self.config(kind)?;
         files.extend(more);
@@ -433,7 +537,12 @@ impl Planner<'_> {
     /// What a kind of plugin is told.
     fn config(&self, kind: PluginKind) -> Result<(Value, Vec<SetupFile>), AssembleError> {
         let level = self.level.document.value();
-        let module = self.installation.module(&self.request.module)?.manifest.document.value();
+        let module = self
+            .installation
+            .module(&self.request.module)?
+            .manifest
+            .document
+            .value();
         let config = match kind {
             PluginKind::Source => {
                 return Ok((self.source.config.clone(), self.source.files.clone()));
@@ -482,7 +591,13 @@ impl Planner<'_> {
     /// device's own name.
     fn device_maps(&self, translator: &Value) -> Vec<Value> {
         let listed = translator["device"].as_array().cloned().unwrap_or_default();
-        let tools: Vec<&str> = self.level.settings.tool.iter().map(|t| t.name.as_str()).collect();
+        let tools: Vec<&str> = self
+            .level
+            .settings
+            .tool
+            .iter()
+            .map(|t| t.name.as_str())
+            .collect();
         let has_tool = |m: &Value| m["tool"].as_str().is_some_and(|t| tools.contains(&t));
         let identity = |name: &str| {
             json!({
@@ -514,28 +629,50 @@ impl Planner<'_> {
 
     fn parts(&self) -> Vec<PlannedPart> {
         let level = &self.level.settings;
-        let part = |what: &str, name: String, why: String| PlannedPart { what: what.into(), name, why };
+        let part = |what: &str, name: String, why: String| PlannedPart {
+            what: what.into(),
+            name,
+            why,
+        };
         let mut parts = Vec::new();
         for tool in &level.tool {
-            parts.push(part("tool", tool.name.clone(), format!("the level gives this slot the model \"{}\"", tool.model)));
+            parts.push(part(
+                "tool",
+                tool.name.clone(),
+                format!("the level gives this slot the model \"{}\"", tool.model),
+            ));
         }
         for object in &level.object {
             for name in object.names() {
                 parts.push(part("object", name, "the level names it".into()));
             }
         }
-        if let (Some(physics), false) = (&level.physics, self.request.without.iter().any(|w| w == "physics")) {
+        if let (Some(physics), false) = (
+            &level.physics,
+            self.request.without.iter().any(|w| w == "physics"),
+        ) {
             for body in &level.body {
                 let tets = 6 * body.cells.iter().product::<u32>();
-                parts.push(part("body", body.name.clone(), format!("the level names it; {tets} tetrahedra")));
+                parts.push(part(
+                    "body",
+                    body.name.clone(),
+                    format!("the level names it; {tets} tetrahedra"),
+                ));
             }
             for pair in &level.contact {
                 let name = format!("{} on {}", pair.tool, pair.body);
-                parts.push(part("contact", name, "the level lists this pair; no other contact is looked for".into()));
+                parts.push(part(
+                    "contact",
+                    name,
+                    "the level lists this pair; no other contact is looked for".into(),
+                ));
             }
             parts.push(part(
                 "method",
-                self.level.document.value()["physics"]["method"].as_str().unwrap_or_default().to_owned(),
+                self.level.document.value()["physics"]["method"]
+                    .as_str()
+                    .unwrap_or_default()
+                    .to_owned(),
                 format!(
                     "the level asks for it, with {} steps per tick; gravity {:?} m/s^2",
                     level.clock.steps, physics.gravity
@@ -564,7 +701,10 @@ fn hash_every(host: &settings::Host, tick_ns: u64) -> u64 {
 }
 
 /// The installed plugin for a recorded one, for a replay.
-pub fn locate(installation: &Installation, recorded: &PlannedPlugin) -> Result<PlannedPlugin, AssembleError> {
+pub fn locate(
+    installation: &Installation,
+    recorded: &PlannedPlugin,
+) -> Result<PlannedPlugin, AssembleError> {
     let manifest = match recorded.kind {
         PluginKind::Module => &installation.module(&recorded.name)?.manifest,
         _ => installation.plugin(&recorded.name)?,
@@ -581,7 +721,10 @@ pub fn locate(installation: &Installation, recorded: &PlannedPlugin) -> Result<P
 }
 
 /// The renderer for a session that was recorded without one: it looks at the level as it is installed now.
-pub fn renderer_for(installation: &Installation, plan: &RunPlan) -> Result<PlannedPlugin, AssembleError> {
+pub fn renderer_for(
+    installation: &Installation,
+    plan: &RunPlan,
+) -> Result<PlannedPlugin, AssembleError> {
     let folder = installation.module(&plan.module)?;
     let level = installation.level(&plan.module, plan.level)?;
     let models = tool_models(installation, &level.settings)?;
@@ -609,7 +752,11 @@ pub fn renderer_for(installation: &Installation, plan: &RunPlan) -> Result<Plann
         models,
         source: &source,
     };
-    planner.plugin(installation.plugin(RENDERER)?, "pictures of the replay are wanted".into(), plan)
+    planner.plugin(
+        installation.plugin(RENDERER)?,
+        "pictures of the replay are wanted".into(),
+        plan,
+    )
 }
 
 /// Whether pictures work on this machine; otherwise why not.
@@ -629,8 +776,15 @@ fn probe(
     files: Vec<SetupFile>,
 ) -> Result<(), String> {
     let manifest = installation.plugin(name).map_err(|e| e.to_string())?;
-    let setup =
-        Setup { name: name.into(), seed: 0, tick_ns: 1_000_000, steps: 1, level: 1, config, files };
+    let setup = Setup {
+        name: name.into(),
+        seed: 0,
+        tick_ns: 1_000_000,
+        steps: 1,
+        level: 1,
+        config,
+        files,
+    };
     let planned = PlannedPlugin {
         name: name.into(),
         kind: kind_of(manifest.settings.kind),
@@ -646,13 +800,20 @@ fn probe(
     };
     let mut object = crate::loader::load(&planned).map_err(|e| e.to_string())?;
     let setup = encode(&planned.setup);
-    let result = object.initialise(RSlice::from_slice(&setup), ROption::RNone).into_result();
+    let result = object
+        .initialise(RSlice::from_slice(&setup), ROption::RNone)
+        .into_result();
     result.map_err(|fault| fault.text.into_string())
 }
 
 /// Where the library of a manifest lies.
 fn library(manifest: &Manifest, loaded: &Loaded<Manifest>) -> PathBuf {
-    let folder = loaded.document.path().parent().map(Path::to_path_buf).unwrap_or_default();
+    let folder = loaded
+        .document
+        .path()
+        .parent()
+        .map(Path::to_path_buf)
+        .unwrap_or_default();
     folder.join(format!(
         "{}{}{}",
         std::env::consts::DLL_PREFIX,

@@ -100,10 +100,22 @@ pub struct Engine {
 pub fn plan_digest(plan: &RunPlan) -> Hash {
     let mut parts = vec![
         plan.module.clone().into_bytes(),
-        encode(&(plan.level, plan.seed, plan.tick_ns, plan.steps, plan.hash_every, &plan.without)),
+        encode(&(
+            plan.level,
+            plan.seed,
+            plan.tick_ns,
+            plan.steps,
+            plan.hash_every,
+            &plan.without,
+        )),
     ];
     for plugin in plan.plugins.iter().filter(|p| !p.kind.is_observer()) {
-        parts.push(encode(&(&plugin.name, plugin.kind, &plugin.publishes, &plugin.subscribes)));
+        parts.push(encode(&(
+            &plugin.name,
+            plugin.kind,
+            &plugin.publishes,
+            &plugin.subscribes,
+        )));
         if plugin.kind != PluginKind::Source {
             parts.push(encode(&plugin.setup));
         }
@@ -120,7 +132,10 @@ impl Engine {
         parallel: Option<Parallel>,
         mut load: impl FnMut(&crate::plan::PlannedPlugin) -> Result<Option<PluginBox>, E>,
     ) -> Result<Self, E> {
-        let own = plan.plugins.iter().flat_map(|p| p.own_kinds.iter().map(|k| k.info()));
+        let own = plan
+            .plugins
+            .iter()
+            .flat_map(|p| p.own_kinds.iter().map(|k| k.info()));
         let kinds = core_kinds().into_iter().chain(own);
         let bus = |name: &str, e: microsim_bus::RouterError| {
             E::from(Failure::found(name, "register", 0, e.to_string()))
@@ -164,7 +179,9 @@ impl Engine {
                 _ => ROption::RNone,
             };
             let setup = encode(&planned.setup);
-            plugin.call("initialise", 0, |p| p.initialise(RSlice::from_slice(&setup), parallel))?;
+            plugin.call("initialise", 0, |p| {
+                p.initialise(RSlice::from_slice(&setup), parallel)
+            })?;
         }
         Ok(())
     }
@@ -192,7 +209,10 @@ impl Engine {
     /// Whether messages of this sender come from outside: sources and the host itself.
     pub fn is_external(&self, sender: EndpointId) -> bool {
         sender == HOST
-            || self.plugins.iter().any(|p| p.endpoint == sender && p.kind == PluginKind::Source)
+            || self
+                .plugins
+                .iter()
+                .any(|p| p.endpoint == sender && p.kind == PluginKind::Source)
     }
 
     /// The latest blocks, for observers.
@@ -217,7 +237,10 @@ impl Engine {
             let blocks = self.router.blocks_for(plugin.endpoint);
             let blocks: Vec<_> = blocks
                 .iter()
-                .map(|b| AbiBlock { kind: b.view().kind(), words: RSlice::from_slice(b.words()) })
+                .map(|b| AbiBlock {
+                    kind: b.view().kind(),
+                    words: RSlice::from_slice(b.words()),
+                })
                 .collect();
             let call = Call {
                 tick,
@@ -236,18 +259,33 @@ impl Engine {
         let log = self.router.take_log();
         let blocks = self.router.take_new_blocks();
         let words = blocks.iter().map(|b| bytemuck::cast_slice(b.words()));
-        self.chain.add(tick, std::iter::once(log.as_slice()).chain(words));
-        Ok(TickOutput { log, chain: self.chain.value(), dropped: self.router.take_dropped() })
+        self.chain
+            .add(tick, std::iter::once(log.as_slice()).chain(words));
+        Ok(TickOutput {
+            log,
+            chain: self.chain.value(),
+            dropped: self.router.take_dropped(),
+        })
     }
 
-    fn publish(&mut self, index: usize, tick: u64, time_ns: u64, output: &Output) -> Result<(), Failure> {
+    fn publish(
+        &mut self,
+        index: usize,
+        tick: u64,
+        time_ns: u64,
+        output: &Output,
+    ) -> Result<(), Failure> {
         let plugin = &self.plugins[index];
         let endpoint = plugin.endpoint;
         let mut result = self.router.publish(endpoint, time_ns, &output.messages);
         for block in &output.blocks {
-            result = result.and_then(|()| self.router.publish_block(endpoint, block.kind, &block.words));
+            result = result.and_then(|()| {
+                self.router
+                    .publish_block(endpoint, block.kind, &block.words)
+            });
         }
-        result.map_err(|v| Failure::found(&self.plugins[index].name, "process", tick, v.to_string()))
+        result
+            .map_err(|v| Failure::found(&self.plugins[index].name, "process", tick, v.to_string()))
     }
 
     fn feed(&mut self, tick: u64, log: &[u8]) -> Result<(), Failure> {
@@ -278,9 +316,13 @@ impl Engine {
                     .map(|d| d.digest.clone())
                     .unwrap_or_default(),
             };
-            digests.push(StateDigest { plugin: plugin.name.clone(), digest });
+            digests.push(StateDigest {
+                plugin: plugin.name.clone(),
+                digest,
+            });
         }
-        self.chain.add(tick, digests.iter().map(|d| d.digest.as_slice()));
+        self.chain
+            .add(tick, digests.iter().map(|d| d.digest.as_slice()));
         Ok(digests)
     }
 
@@ -310,12 +352,22 @@ impl Engine {
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Failure> {
         let bad = |what: &str| Failure::found("host", "restore", checkpoint.tick, what);
         if checkpoint.plan != self.plan || checkpoint.states.len() != self.plugins.len() {
-            return Err(bad("the checkpoint belongs to another module, level, seed or set-up"));
+            return Err(bad(
+                "the checkpoint belongs to another module, level, seed or set-up",
+            ));
         }
-        let chain: Hash = checkpoint.chain.as_slice().try_into().map_err(|_| bad("bad hash"))?;
-        self.router.restore(&checkpoint.bus).map_err(|e| bad(&e.to_string()))?;
+        let chain: Hash = checkpoint
+            .chain
+            .as_slice()
+            .try_into()
+            .map_err(|_| bad("bad hash"))?;
+        self.router
+            .restore(&checkpoint.bus)
+            .map_err(|e| bad(&e.to_string()))?;
         for (plugin, state) in self.plugins.iter_mut().zip(&checkpoint.states) {
-            plugin.call("restore", checkpoint.tick, |p| p.restore(RSlice::from_slice(state)))?;
+            plugin.call("restore", checkpoint.tick, |p| {
+                p.restore(RSlice::from_slice(state))
+            })?;
         }
         self.tick = checkpoint.tick;
         self.chain = Chain::from_value(chain);
@@ -341,6 +393,8 @@ impl Running {
             return Ok(None);
         };
         let result = call(object).into_result();
-        result.map(Some).map_err(|fault| Failure::from_abi(&self.name, name, tick, fault))
+        result
+            .map(Some)
+            .map_err(|fault| Failure::from_abi(&self.name, name, tick, fault))
     }
 }

@@ -20,7 +20,13 @@ pub struct LoadError {
 
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "plugin \"{}\" ({}): {}", self.plugin, self.path.display(), self.reason)
+        write!(
+            f,
+            "plugin \"{}\" ({}): {}",
+            self.plugin,
+            self.path.display(),
+            self.reason
+        )
     }
 }
 
@@ -41,11 +47,15 @@ pub fn load(plugin: &PlannedPlugin) -> Result<PluginBox, LoadError> {
         reason,
     };
     if !plugin.library.is_file() {
-        return Err(refuse("the library is not there; build it, or correct `library` in its manifest".into()));
+        return Err(refuse(
+            "the library is not there; build it, or correct `library` in its manifest".into(),
+        ));
     }
     // `RootModule::load_from_file` would return the first plugin again for a second path; the header does not.
     let header = lib_header_from_path(&plugin.library).map_err(|e| refuse(short(&e)))?;
-    let module = header.init_root_module::<PluginModule_Ref>().map_err(|e| refuse(short(&e)))?;
+    let module = header
+        .init_root_module::<PluginModule_Ref>()
+        .map_err(|e| refuse(short(&e)))?;
     let version = module.abi_version();
     if version != ABI_VERSION {
         return Err(refuse(format!(
@@ -54,12 +64,13 @@ pub fn load(plugin: &PlannedPlugin) -> Result<PluginBox, LoadError> {
     }
     if module.manifest()().as_str() != plugin.manifest {
         return Err(refuse(
-            "the manifest beside the library is not the one it was built with; build it again".into(),
+            "the manifest beside the library is not the one it was built with; build it again"
+                .into(),
         ));
     }
-    module.create()().into_result().map_err(|fault| {
-        refuse(Failure::from_abi(&plugin.name, "create", 0, fault).to_string())
-    })
+    module.create()()
+        .into_result()
+        .map_err(|fault| refuse(Failure::from_abi(&plugin.name, "create", 0, fault).to_string()))
 }
 
 /// The few lines of a library error that matter: a changed layout prints tens of kilobytes.
@@ -82,11 +93,19 @@ fn short(error: &LibraryError) -> String {
                 errors.join("; ")
             )
         }
-        LibraryError::IncompatibleVersionNumber { expected_version, actual_version, .. } => format!(
+        LibraryError::IncompatibleVersionNumber {
+            expected_version,
+            actual_version,
+            ..
+        } => format!(
             "built against version {actual_version} of the crate `abi`, this host has {expected_version}; build it again"
         ),
         _ => {
-            let line = text.lines().map(str::trim).find(|l| !l.is_empty()).unwrap_or("unknown");
+            let line = text
+                .lines()
+                .map(str::trim)
+                .find(|l| !l.is_empty())
+                .unwrap_or("unknown");
             format!("cannot be loaded: {line}")
         }
     }

@@ -20,7 +20,12 @@ impl Data {
     }
 }
 
-unsafe extern "C" fn run(context: *const c_void, parts: u32, body: ParallelBody, data: *const c_void) {
+unsafe extern "C" fn run(
+    context: *const c_void,
+    parts: u32,
+    body: ParallelBody,
+    data: *const c_void,
+) {
     // SAFETY: `context` is the pool of the `Parallel` that outlives the plugin.
     let pool = unsafe { &*context.cast::<rayon::ThreadPool>() };
     let data = Data(data);
@@ -40,12 +45,17 @@ impl Parallel {
             .thread_name(|i| format!("microsim-{i}"))
             .build()
             .map_err(|e| format!("cannot start {threads} threads: {e}"))?;
-        Ok(Self { pool: Box::new(pool) })
+        Ok(Self {
+            pool: Box::new(pool),
+        })
     }
 
     /// What crosses to a plugin; valid while `self` lives.
     pub fn service(&self) -> ParallelFor {
         let context: *const rayon::ThreadPool = &raw const *self.pool;
-        ParallelFor { context: context.cast(), run }
+        ParallelFor {
+            context: context.cast(),
+            run,
+        }
     }
 }

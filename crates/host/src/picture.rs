@@ -73,9 +73,9 @@ impl Pictures {
         let name = planned.name.clone();
         let written = Arc::new(AtomicU64::new(0));
         let count = Arc::clone(&written);
-        let thread = std::thread::Builder::new().name("microsim-picture".into()).spawn(move || {
-            draw(&name, &mut object, &setup, &queue, &count)
-        })?;
+        let thread = std::thread::Builder::new()
+            .name("microsim-picture".into())
+            .spawn(move || draw(&name, &mut object, &setup, &queue, &count))?;
         Ok(Self {
             plan,
             wanted: planned.subscribes.iter().map(|k| kind_id(k)).collect(),
@@ -90,7 +90,13 @@ impl Pictures {
     }
 
     /// Hears a tick and asks for a picture where one is due.
-    pub fn hear(&mut self, tick: u64, tick_ns: u64, log: &[u8], blocks: impl FnOnce() -> Vec<Block>) {
+    pub fn hear(
+        &mut self,
+        tick: u64,
+        tick_ns: u64,
+        log: &[u8],
+        blocks: impl FnOnce() -> Vec<Block>,
+    ) {
         for frame in Frames::new(log).filter_map(Result::ok) {
             if self.wanted.contains(&frame.header.kind) {
                 let mut bytes = Vec::new();
@@ -102,10 +108,24 @@ impl Pictures {
             return;
         }
         let Some(jobs) = &self.jobs else { return };
-        let file = self.plan.folder.join(format!("frame-{:06}.png", self.requested));
+        let file = self
+            .plan
+            .folder
+            .join(format!("frame-{:06}.png", self.requested));
         let mut messages: Vec<u8> = self.latest.values().flatten().copied().collect();
-        push(&mut messages, &PictureRequest { file: file.to_string_lossy().into_owned() });
-        let job = Job { tick, time_ns: (tick + 1) * tick_ns, tick_ns, messages, blocks: blocks() };
+        push(
+            &mut messages,
+            &PictureRequest {
+                file: file.to_string_lossy().into_owned(),
+            },
+        );
+        let job = Job {
+            tick,
+            time_ns: (tick + 1) * tick_ns,
+            tick_ns,
+            messages,
+            blocks: blocks(),
+        };
         let sent = if self.wait {
             jobs.send(job).map_err(|_| TrySendError::Disconnected(()))
         } else {
@@ -132,7 +152,11 @@ impl Pictures {
             Some(Err(_)) => Some("the picture thread panicked".into()),
         };
         let written = self.written.load(Ordering::Relaxed);
-        PictureReport { written, left_out: self.left_out, off }
+        PictureReport {
+            written,
+            left_out: self.left_out,
+            off,
+        }
     }
 }
 
@@ -153,7 +177,10 @@ fn draw(
         let blocks: Vec<_> = job
             .blocks
             .iter()
-            .map(|b| AbiBlock { kind: b.view().kind(), words: RSlice::from_slice(b.words()) })
+            .map(|b| AbiBlock {
+                kind: b.view().kind(),
+                words: RSlice::from_slice(b.words()),
+            })
             .collect();
         let call = Call {
             tick: job.tick,
@@ -163,7 +190,10 @@ fn draw(
             messages: RSlice::from_slice(&job.messages),
             blocks: RSlice::from_slice(&blocks),
         };
-        object.process(call).into_result().map_err(failure("process", job.tick))?;
+        object
+            .process(call)
+            .into_result()
+            .map_err(failure("process", job.tick))?;
         written.fetch_add(1, Ordering::Relaxed);
         last = job.tick;
     }

@@ -80,7 +80,11 @@ pub struct EndRecord {
 
 /// A record with its kind and tick, ready for the file.
 pub fn record<T: Serialize>(kind: u8, tick: u64, content: &T) -> microsim_message::SessionRecord {
-    microsim_message::SessionRecord { kind, tick, bytes: encode(content) }
+    microsim_message::SessionRecord {
+        kind,
+        tick,
+        bytes: encode(content),
+    }
 }
 
 /// A session as it was read.
@@ -127,7 +131,11 @@ impl Session {
             Some(frame) if frame.kind == kind::HEADER => {
                 parse::<Header>(frame).map_err(|e| SessionError(e.to_string()))?
             }
-            _ => return Err(SessionError("the session has no complete header: nothing was recorded".into())),
+            _ => {
+                return Err(SessionError(
+                    "the session has no complete header: nothing was recorded".into(),
+                ));
+            }
         };
         let mut session = Self {
             header,

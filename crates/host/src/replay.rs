@@ -93,7 +93,10 @@ pub fn replay(
         pictures: None,
     };
     engine.stop();
-    Ok(ReplayOutcome { pictures: pictures.map(Pictures::finish), ..outcome })
+    Ok(ReplayOutcome {
+        pictures: pictures.map(Pictures::finish),
+        ..outcome
+    })
 }
 
 fn recompute(
@@ -103,10 +106,19 @@ fn recompute(
     pictures: &mut Option<Pictures>,
 ) -> Option<Difference> {
     let differs = |tick, what: String| Some(Difference { tick, what });
-    let failed = |failure: Failure| Difference { tick: failure.tick, what: failure.to_string() };
+    let failed = |failure: Failure| Difference {
+        tick: failure.tick,
+        what: failure.to_string(),
+    };
     for (tick, recorded) in &session.ticks {
         if *tick != engine.tick_index() {
-            return differs(*tick, format!("the recording goes on at tick {tick}, tick {} is missing", engine.tick_index()));
+            return differs(
+                *tick,
+                format!(
+                    "the recording goes on at tick {tick}, tick {} is missing",
+                    engine.tick_index()
+                ),
+            );
         }
         let output = match engine.tick(Feed::Recorded { log: &recorded.log }) {
             Ok(output) => output,
@@ -149,7 +161,10 @@ fn recompute(
 fn describe(engine: &Engine, recorded: &TickRecord, log: &[u8]) -> String {
     let name = |frame: &microsim_bus::Frame<'_>| {
         let kind = engine.kind_name(frame.header.kind).unwrap_or("unknown");
-        format!("\"{kind}\" of \"{}\"", engine.sender_name(frame.header.sender))
+        format!(
+            "\"{kind}\" of \"{}\"",
+            engine.sender_name(frame.header.sender)
+        )
     };
     let mut old = Frames::new(&recorded.log).filter_map(Result::ok);
     let mut new = Frames::new(log).filter_map(Result::ok);
@@ -158,14 +173,30 @@ fn describe(engine: &Engine, recorded: &TickRecord, log: &[u8]) -> String {
             (Some(a), Some(b)) if a == b => {}
             (Some(a), Some(b)) if a.header.kind == b.header.kind => {
                 let json = |f: &microsim_bus::Frame<'_>| {
-                    microsim_message::to_json(f.payload).map(|v| v.to_string()).unwrap_or_default()
+                    microsim_message::to_json(f.payload)
+                        .map(|v| v.to_string())
+                        .unwrap_or_default()
                 };
-                return format!("message {} differs: recorded {}, computed {}", name(&a), json(&a), json(&b));
+                return format!(
+                    "message {} differs: recorded {}, computed {}",
+                    name(&a),
+                    json(&a),
+                    json(&b)
+                );
             }
-            (Some(a), Some(b)) => return format!("message {} was recorded, {} computed", name(&a), name(&b)),
-            (Some(a), None) => return format!("message {} was recorded and not computed", name(&a)),
-            (None, Some(b)) => return format!("message {} was computed and not recorded", name(&b)),
-            (None, None) => return "an input, a block or the running hash differs from what was recorded".into(),
+            (Some(a), Some(b)) => {
+                return format!("message {} was recorded, {} computed", name(&a), name(&b));
+            }
+            (Some(a), None) => {
+                return format!("message {} was recorded and not computed", name(&a));
+            }
+            (None, Some(b)) => {
+                return format!("message {} was computed and not recorded", name(&b));
+            }
+            (None, None) => {
+                return "an input, a block or the running hash differs from what was recorded"
+                    .into();
+            }
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::loader::{LoadError, load};
 use crate::parallel::Parallel;
 use crate::picture::{PicturePlan, PictureReport, Pictures};
 use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
-use crate::record::{Ended, EndRecord, Header, TickRecord, kind, record};
+use crate::record::{EndRecord, Ended, Header, TickRecord, kind, record};
 use abi_stable::std_types::{ROption, RSlice};
 use microsim_abi::{Call, PluginBox};
 use microsim_bus::{Frames, Limits, kind_id};
@@ -146,10 +146,15 @@ struct Recorder {
 
 impl Recorder {
     fn start(planned: &PlannedPlugin) -> Result<Self, RunError> {
-        let mut recorder =
-            Self { name: planned.name.clone(), object: load(planned)?, tick_ns: planned.setup.tick_ns };
+        let mut recorder = Self {
+            name: planned.name.clone(),
+            object: load(planned)?,
+            tick_ns: planned.setup.tick_ns,
+        };
         let setup = encode(&planned.setup);
-        let result = recorder.object.initialise(RSlice::from_slice(&setup), ROption::RNone);
+        let result = recorder
+            .object
+            .initialise(RSlice::from_slice(&setup), ROption::RNone);
         let failure = |fault| Failure::from_abi(&recorder.name, "initialise", 0, fault);
         result.into_result().map_err(failure)?;
         Ok(recorder)
@@ -167,7 +172,9 @@ impl Recorder {
             blocks: RSlice::from_slice(&[]),
         };
         let result = self.object.process(call).into_result();
-        result.map(drop).map_err(|fault| Failure::from_abi(&self.name, "process", record.tick, fault))
+        result
+            .map(drop)
+            .map_err(|fault| Failure::from_abi(&self.name, "process", record.tick, fault))
     }
 
     fn stop(&mut self, tick: u64) -> Result<(), Failure> {
@@ -228,7 +235,9 @@ impl Ears {
             }
         }
         for (subscriber, kind, n) in &output.dropped {
-            tracing::warn!("the queue of \"{subscriber}\" was full: {n} older \"{kind}\" were dropped");
+            tracing::warn!(
+                "the queue of \"{subscriber}\" was full: {n} older \"{kind}\" were dropped"
+            );
         }
     }
 }
@@ -239,29 +248,45 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
         0 | 1 => None,
         n => Some(Parallel::new(n).map_err(RunError::Host)?),
     };
-    let mut engine = Engine::new(plan, options.limits, parallel, |p| load(p).map(Some).map_err(RunError::from))?;
+    let mut engine = Engine::new(plan, options.limits, parallel, |p| {
+        load(p).map(Some).map_err(RunError::from)
+    })?;
     let recorder = plan.plugins.iter().find(|p| p.kind == PluginKind::Recorder);
     let recorder = recorder.ok_or_else(|| RunError::Host("the plan has no recorder".into()))?;
     let mut recorder = Recorder::start(recorder)?;
     let mut pictures = start_pictures(plan, options.pictures.clone(), options.realtime.is_none())?;
-    let started = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    recorder.write(&record(kind::HEADER, 0, &Header {
-        format: RECORD_FORMAT,
-        version: env!("CARGO_PKG_VERSION").into(),
-        started: started.as_secs(),
-        trainee: options.trainee.clone(),
-        realtime: options.realtime.is_some(),
-        plan: recorded_plan(plan),
-    }))?;
+    let started = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .unwrap_or_default();
+    recorder.write(&record(
+        kind::HEADER,
+        0,
+        &Header {
+            format: RECORD_FORMAT,
+            version: env!("CARGO_PKG_VERSION").into(),
+            started: started.as_secs(),
+            trainee: options.trainee.clone(),
+            realtime: options.realtime.is_some(),
+            plan: recorded_plan(plan),
+        },
+    ))?;
     if let Some(checkpoint) = &options.resume {
         engine.restore(checkpoint)?;
         recorder.write(&record(kind::CHECKPOINT, checkpoint.tick, checkpoint))?;
     }
-    let mut course = Course { engine: &mut engine, recorder: &mut recorder, pictures: &mut pictures };
+    let mut course = Course {
+        engine: &mut engine,
+        recorder: &mut recorder,
+        pictures: &mut pictures,
+    };
     let (mut outcome, stopped) = course.run(plan, options);
-    outcome.complaints.extend(engine.stop().iter().map(Failure::to_string));
+    outcome
+        .complaints
+        .extend(engine.stop().iter().map(Failure::to_string));
     if !stopped {
-        outcome.complaints.extend(recorder.stop(outcome.ticks).err().map(|f| f.to_string()));
+        outcome
+            .complaints
+            .extend(recorder.stop(outcome.ticks).err().map(|f| f.to_string()));
     }
     outcome.pictures = pictures.map(Pictures::finish);
     Ok(outcome)
@@ -270,7 +295,11 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
 /// The plan as it goes into the session: input files stay outside, their samples are in the ticks.
 fn recorded_plan(plan: &RunPlan) -> RunPlan {
     let mut plan = plan.clone();
-    for plugin in plan.plugins.iter_mut().filter(|p| p.kind == PluginKind::Source) {
+    for plugin in plan
+        .plugins
+        .iter_mut()
+        .filter(|p| p.kind == PluginKind::Source)
+    {
         plugin.setup.files.clear();
     }
     plan
@@ -324,9 +353,18 @@ impl Course<'_> {
     ) -> Result<Ended, Failure> {
         let now = Instant::now();
         let tick = Duration::from_nanos(plan.tick_ns);
-        let mut pace =
-            options.realtime.map(|rule| Pace { rule, start: now, next: now, tick, late: 0 });
-        let sources = plan.plugins.iter().filter(|p| p.kind == PluginKind::Source).count();
+        let mut pace = options.realtime.map(|rule| Pace {
+            rule,
+            start: now,
+            next: now,
+            tick,
+            late: 0,
+        });
+        let sources = plan
+            .plugins
+            .iter()
+            .filter(|p| p.kind == PluginKind::Source)
+            .count();
         let mut ears = Ears::default();
         let mut controls = Vec::new();
         let mut told_to_end: Option<u64> = None;
@@ -357,7 +395,9 @@ impl Course<'_> {
             };
             self.keep(plan, tick, arrival_ns, &output)?;
             let seconds = time as f64 * 1e-9;
-            ears.hear(self.engine, &output, &mut |share| (options.progress)(seconds, Some(share)));
+            ears.hear(self.engine, &output, &mut |share| {
+                (options.progress)(seconds, Some(share))
+            });
             (options.progress)(seconds, None);
             if let Some(result) = ears.result.take() {
                 outcome.result = Some(result);
@@ -389,12 +429,16 @@ impl Course<'_> {
             true => Some(self.engine.state_digests(&[])?),
             false => None,
         };
-        self.recorder.write(&record(kind::TICK, tick, &TickRecord {
-            arrival_ns,
-            log: output.log.clone(),
-            chain: output.chain.to_vec(),
-            states,
-        }))?;
+        self.recorder.write(&record(
+            kind::TICK,
+            tick,
+            &TickRecord {
+                arrival_ns,
+                log: output.log.clone(),
+                chain: output.chain.to_vec(),
+                states,
+            },
+        ))?;
         if let Some(pictures) = self.pictures {
             pictures.hear(tick, plan.tick_ns, &output.log, || self.engine.blocks());
         }
@@ -409,11 +453,15 @@ impl Course<'_> {
         };
         let chain = self.engine.chain();
         outcome.state_hash = hex(&chain);
-        self.recorder.write(&record(microsim_session::KIND_END, self.engine.tick_index(), &EndRecord {
-            ended,
-            states,
-            chain: chain.to_vec(),
-            late_ticks: outcome.late_ticks,
-        }))
+        self.recorder.write(&record(
+            microsim_session::KIND_END,
+            self.engine.tick_index(),
+            &EndRecord {
+                ended,
+                states,
+                chain: chain.to_vec(),
+                late_ticks: outcome.late_ticks,
+            },
+        ))
     }
 }

@@ -13,7 +13,7 @@ mod setup;
 mod tool;
 
 pub use input::{InputEnd, InputSample};
-pub use kinds::{core_kinds, TISSUE_SNAPSHOT};
+pub use kinds::{TISSUE_SNAPSHOT, core_kinds};
 pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,

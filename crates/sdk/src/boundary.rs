@@ -45,7 +45,10 @@ fn guarded<T>(call: impl FnOnce() -> Result<T, Fault>) -> RResult<T, AbiFault> {
         Ok(Err(fault)) => RResult::RErr(fault.to_abi()),
         Err(_) => {
             let text = PANIC.take().replace('\n', " ");
-            RResult::RErr(AbiFault { kind: FaultKind::Panic, text: text.into() })
+            RResult::RErr(AbiFault {
+                kind: FaultKind::Panic,
+                text: text.into(),
+            })
         }
     }
 }
@@ -68,7 +71,10 @@ impl<P: Plugin> Boundary<P> {
     fn cross<T>(&mut self, call: impl FnOnce(&mut P) -> Result<T, Fault>) -> RResult<T, AbiFault> {
         if self.panicked {
             let text = "called again after a panic".into();
-            return RResult::RErr(AbiFault { kind: FaultKind::Panic, text });
+            return RResult::RErr(AbiFault {
+                kind: FaultKind::Panic,
+                text,
+            });
         }
         let result = guarded(|| call(&mut self.plugin));
         self.panicked = matches!(&result, RResult::RErr(f) if f.kind == FaultKind::Panic);
@@ -95,9 +101,10 @@ impl<P: Plugin> PluginObject for Boundary<P> {
 
     fn process(&mut self, call: Call<'_>) -> RResult<Output, AbiFault> {
         self.cross(|plugin| {
-            let blocks = call.blocks.as_slice().iter().map(|b| {
-                BlockView::new(b.words.as_slice()).map_err(|e| Fault::new(e.to_string()))
-            });
+            let blocks =
+                call.blocks.as_slice().iter().map(|b| {
+                    BlockView::new(b.words.as_slice()).map_err(|e| Fault::new(e.to_string()))
+                });
             let mut tick = Tick {
                 index: call.tick,
                 time_ns: call.time_ns,
@@ -112,7 +119,12 @@ impl<P: Plugin> PluginObject for Boundary<P> {
             let blocks = tick.out_blocks.into_iter();
             Ok(Output {
                 messages: tick.out.into(),
-                blocks: blocks.map(|(kind, words)| BlockOut { kind, words: words.into() }).collect(),
+                blocks: blocks
+                    .map(|(kind, words)| BlockOut {
+                        kind,
+                        words: words.into(),
+                    })
+                    .collect(),
             })
         })
     }
@@ -146,7 +158,10 @@ pub fn create<P: Plugin>() -> RResult<PluginBox, AbiFault> {
     install_panic_hook();
     guarded(|| {
         let plugin = ManuallyDrop::new(P::new());
-        let boundary = Boundary { plugin, panicked: false };
+        let boundary = Boundary {
+            plugin,
+            panicked: false,
+        };
         Ok(PluginObject_TO::from_value(boundary, TD_Opaque))
     })
 }

@@ -62,7 +62,8 @@ pub struct Course {
     shortest_path: Option<f64>,
     definitions: Vec<MetricDefinition>,
     limits: Vec<training::Limit>,
-    time_limit: Option<f64>,
+    /// The time limit \[s\], and the reason that a result names when it is not kept.
+    time_limit: Option<(f64, String)>,
     reason_texts: BTreeMap<String, LocalText>,
     own: BTreeMap<String, f64>,
     reasons: BTreeSet<String>,
@@ -73,15 +74,24 @@ pub struct Course {
 }
 
 fn text(text: &settings::LocalText) -> LocalText {
-    LocalText { de: text.de.clone(), en: text.en.clone() }
+    LocalText {
+        de: text.de.clone(),
+        en: text.en.clone(),
+    }
 }
 
 fn trainers_text(text: &training::Text) -> LocalText {
-    LocalText { de: text.de.to_string(), en: text.en.to_string() }
+    LocalText {
+        de: text.de.to_string(),
+        en: text.en.to_string(),
+    }
 }
 
 fn own_definition(metric: &settings::ModuleMetric) -> MetricDefinition {
-    let symbol = metric.display_unit.clone().unwrap_or_else(|| metric.unit.symbol().into());
+    let symbol = metric
+        .display_unit
+        .clone()
+        .unwrap_or_else(|| metric.unit.symbol().into());
     let title = |t: &settings::LocalText| training::Text {
         de: t.de.clone().into(),
         en: t.en.clone().into(),
@@ -119,7 +129,11 @@ fn limit(limit: &settings::Limit) -> training::Limit {
         min: limit.min,
         max: limit.max,
         full: limit.full.unwrap_or(bound),
-        zero: limit.zero.unwrap_or(if limit.max.is_some() { 2.0 * bound } else { 0.0 }),
+        zero: limit.zero.unwrap_or(if limit.max.is_some() {
+            2.0 * bound
+        } else {
+            0.0
+        }),
         reason: limit.reason.clone(),
         source: limit.source.clone(),
         provisional: limit.provisional,
@@ -166,15 +180,24 @@ impl Course {
         parameters.check().map_err(|e| fault(&e))?;
         let time = config.limits.iter().find(|l| l.metric == TIME);
         Ok(Self {
-            logs: config.tools.iter().map(|t| (t.name.clone(), MotionLog::new())).collect(),
+            logs: config
+                .tools
+                .iter()
+                .map(|t| (t.name.clone(), MotionLog::new()))
+                .collect(),
             machine,
             parameters,
             given_shortest_path: given.shortest_path,
             shortest_path: given.shortest_path,
             definitions,
             limits,
-            time_limit: time.and_then(|l| l.max),
-            reason_texts: config.reasons.iter().map(|r| (r.id.clone(), text(&r.text))).collect(),
+            time_limit: time
+                .and_then(|l| Some((l.max?, l.reason.clone().unwrap_or_else(|| TIME.into())))),
+            reason_texts: config
+                .reasons
+                .iter()
+                .map(|r| (r.id.clone(), text(&r.text)))
+                .collect(),
             targets,
             own: BTreeMap::new(),
             reasons: BTreeSet::new(),
@@ -237,7 +260,10 @@ impl Course {
                 opening: Some(sample.opening),
             });
             if let Err(error) = pushed {
-                tick.log(crate::LogLevel::Warn, format!("tool \"{}\": {error}", sample.tool));
+                tick.log(
+                    crate::LogLevel::Warn,
+                    format!("tool \"{}\": {error}", sample.tool),
+                );
             }
         }
         Ok(())
@@ -260,11 +286,19 @@ impl Course {
 
     /// Whether a target has been reached.
     pub fn is_done(&self, target: &str) -> bool {
-        self.machine.targets().iter().any(|t| t.id == target && t.done_at_s.is_some())
+        self.machine
+            .targets()
+            .iter()
+            .any(|t| t.id == target && t.done_at_s.is_some())
     }
 
     /// A target is reached; says so in the report.
-    pub fn target_done(&mut self, tick: &mut Tick<'_>, target: &str, said: LocalText) -> Result<(), Fault> {
+    pub fn target_done(
+        &mut self,
+        tick: &mut Tick<'_>,
+        target: &str,
+        said: LocalText,
+    ) -> Result<(), Fault> {
         let done = self.machine.target_done(tick.time(), target);
         done.map_err(|e| Fault::new(e.to_string()))?;
         self.event(tick, "target-done", said);
@@ -274,7 +308,11 @@ impl Course {
     /// A line for the report.
     pub fn event(&self, tick: &mut Tick<'_>, id: &str, said: LocalText) {
         let time = self.time(tick);
-        tick.publish(&LevelEvent { id: id.into(), time, text: said });
+        tick.publish(&LevelEvent {
+            id: id.into(),
+            time,
+            text: said,
+        });
     }
 
     /// Something speaks against a pass; `reason` is declared in the manifest.
@@ -302,9 +340,12 @@ impl Course {
         if self.finished {
             return Ok(());
         }
-        let over = self.time_limit.is_some_and(|limit| self.time(tick) > limit);
+        let time = self.time(tick);
+        let over = self.time_limit.clone().filter(|(limit, _)| time > *limit);
         let all_done = self.running() && self.machine.all_targets_done();
-        if all_done || over || self.input_ended || self.aborted {
+        if all_done || over.is_some() || self.input_ended || self.aborted {
+            // Whoever ran out of time missed targets for that reason.
+            self.reasons.extend(over.map(|(_, reason)| reason));
             reasons_at_end(self);
             let result = self.result(tick)?;
             self.tell(tick);
@@ -328,7 +369,12 @@ impl Course {
         if self.told != Some((phase, targets_done)) {
             self.told = Some((phase, targets_done));
             let (running, targets) = (self.time(tick), self.targets.len() as u32);
-            tick.publish(&LevelState { phase, running, targets_done, targets });
+            tick.publish(&LevelState {
+                phase,
+                running,
+                targets_done,
+                targets,
+            });
         }
     }
 
@@ -336,17 +382,24 @@ impl Course {
         let now = tick.time();
         let fault = |e: &dyn std::error::Error| Fault::new(e.to_string());
         let duration = self.machine.running_time(now);
-        let logs: Vec<(&str, &MotionLog)> = self.logs.iter().map(|(t, l)| (t.as_str(), l)).collect();
+        let logs: Vec<(&str, &MotionLog)> =
+            self.logs.iter().map(|(t, l)| (t.as_str(), l)).collect();
+        // The way of a task that was left half done is not comparable with the shortest way of the whole.
+        let shortest_path = self.shortest_path.filter(|_| self.machine.all_targets_done());
         let mut measured =
-            training::motion_metrics(&logs, duration, self.shortest_path, &self.parameters)
+            training::motion_metrics(&logs, duration, shortest_path, &self.parameters)
                 .map_err(|e| fault(&e))?;
         measured.extend(self.own.iter().map(|(metric, value)| Measurement {
             metric: metric.clone(),
             tool: None,
             value: MetricValue::Value(*value),
         }));
-        let targets = TargetCount { done: self.machine.targets_done(), total: self.targets.len() };
-        let rules = training::Rules::new(&self.definitions, self.limits.clone()).map_err(|e| fault(&e))?;
+        let targets = TargetCount {
+            done: self.machine.targets_done(),
+            total: self.targets.len(),
+        };
+        let rules =
+            training::Rules::new(&self.definitions, self.limits.clone()).map_err(|e| fault(&e))?;
         let verdict = rules.assess(targets, &measured, self.reasons.iter().cloned());
         let mut failed = verdict.failed.clone();
         if self.aborted {
@@ -356,12 +409,17 @@ impl Course {
             if *self.machine.phase() == training::LevelPhase::Paused {
                 self.machine.resume(now).map_err(|e| fault(&e))?;
             }
-            self.machine.finish(now, failed.clone()).map_err(|e| fault(&e))?;
+            self.machine
+                .finish(now, failed.clone())
+                .map_err(|e| fault(&e))?;
         }
         Ok(TrainingResult {
             passed: failed.is_empty(),
             aborted: self.aborted,
-            reasons: failed.iter().map(|reason| self.reason_text(reason)).collect(),
+            reasons: failed
+                .iter()
+                .map(|reason| self.reason_text(reason))
+                .collect(),
             failed,
             duration,
             targets_done: targets.done as u32,
@@ -386,8 +444,13 @@ impl Course {
         verdict: &training::Assessment,
     ) -> Vec<MetricRecord> {
         let records = self.definitions.iter().map(|definition| {
-            let own = measured.iter().find(|m| m.metric == definition.id && m.tool.is_none());
-            let judged = verdict.records.iter().find(|r| r.limit.metric == definition.id);
+            let own = measured
+                .iter()
+                .find(|m| m.metric == definition.id && m.tool.is_none());
+            let judged = verdict
+                .records
+                .iter()
+                .find(|r| r.limit.metric == definition.id);
             let value = own.and_then(|m| m.value.number());
             let not_applicable = match own.map(|m| &m.value) {
                 Some(MetricValue::Value(_)) => None,
@@ -428,14 +491,22 @@ impl Course {
             return text.clone();
         }
         let (de, en) = match reason {
-            training::REASON_ABORTED => ("Der Lauf wurde abgebrochen.".into(), "The run was aborted.".into()),
-            training::REASON_TARGETS_MISSED => {
-                ("Nicht alle Ziele wurden erreicht.".into(), "Not all targets were reached.".into())
-            }
+            training::REASON_ABORTED => (
+                "Der Lauf wurde abgebrochen.".into(),
+                "The run was aborted.".into(),
+            ),
+            training::REASON_TARGETS_MISSED => (
+                "Nicht alle Ziele wurden erreicht.".into(),
+                "Not all targets were reached.".into(),
+            ),
             // Otherwise the reason is a limit that was not kept: the metric's name says which.
             _ => {
-                let broken = self.limits.iter().find(|l| l.reason.as_deref().unwrap_or(&l.metric) == reason);
-                let definition = broken.and_then(|l| self.definitions.iter().find(|d| d.id == l.metric));
+                let broken = self
+                    .limits
+                    .iter()
+                    .find(|l| l.reason.as_deref().unwrap_or(&l.metric) == reason);
+                let definition =
+                    broken.and_then(|l| self.definitions.iter().find(|d| d.id == l.metric));
                 match definition.map(|d| &d.title) {
                     Some(title) => (
                         format!("{}: außerhalb der Grenze.", title.de),
@@ -452,7 +523,11 @@ impl Course {
     pub fn save(&self) -> Vec<u8> {
         microsim_message::encode(&State {
             level: self.machine.state().clone(),
-            logs: self.logs.iter().map(|(_, log)| log.to_bytes().into()).collect(),
+            logs: self
+                .logs
+                .iter()
+                .map(|(_, log)| log.to_bytes().into())
+                .collect(),
             own: self.own.clone(),
             reasons: self.reasons.clone(),
             input_ended: self.input_ended,
@@ -469,7 +544,9 @@ impl Course {
         let machine = training::LevelMachine::restore(state.level);
         self.machine = machine.map_err(|e| Fault::new(e.to_string()))?;
         if state.logs.len() != self.logs.len() {
-            return Err(Fault::new("the saved state belongs to a level with other tools"));
+            return Err(Fault::new(
+                "the saved state belongs to a level with other tools",
+            ));
         }
         for ((_, log), bytes) in self.logs.iter_mut().zip(&state.logs) {
             *log = MotionLog::from_bytes(bytes).map_err(|e| Fault::new(e.to_string()))?;

@@ -17,17 +17,30 @@ pub struct Fault {
 impl Fault {
     /// The plugin cannot go on.
     pub fn new(text: impl Into<String>) -> Self {
-        Self { text: text.into(), unavailable: false }
+        Self {
+            text: text.into(),
+            unavailable: false,
+        }
     }
 
     /// Something that the plugin needs is not on this machine; the text says what.
     pub fn unavailable(text: impl Into<String>) -> Self {
-        Self { text: text.into(), unavailable: true }
+        Self {
+            text: text.into(),
+            unavailable: true,
+        }
     }
 
     pub(crate) fn to_abi(&self) -> AbiFault {
-        let kind = if self.unavailable { FaultKind::Unavailable } else { FaultKind::Error };
-        AbiFault { kind, text: self.text.as_str().into() }
+        let kind = if self.unavailable {
+            FaultKind::Unavailable
+        } else {
+            FaultKind::Error
+        };
+        AbiFault {
+            kind,
+            text: self.text.as_str().into(),
+        }
     }
 }
 

@@ -35,9 +35,7 @@ pub mod export {
     //! What [`crate::export_plugin!`] expands to; not for direct use.
     pub use crate::boundary::create;
     pub use abi_stable::{
-        library::{
-            __call_root_module_loader, CheckTypeLayout, LibHeader, RootModuleResult,
-        },
+        library::{__call_root_module_loader, CheckTypeLayout, LibHeader, RootModuleResult},
         prefix_type::PrefixTypeTrait,
         std_types::{RResult, RStr},
     };

@@ -49,7 +49,10 @@ impl Parallel {
             (0..parts).for_each(body);
             return;
         };
-        let job = Job { body, panic: Mutex::new(None) };
+        let job = Job {
+            body,
+            panic: Mutex::new(None),
+        };
         // SAFETY: the host calls `call_part` with this pointer only until `run` returns; `job` lives longer, and `body`
         // may be called from several threads.
         unsafe {

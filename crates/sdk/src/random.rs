@@ -25,7 +25,10 @@ impl RandomStream {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..16].copy_from_slice(&kind_id(name).to_le_bytes());
-        Self { seed: key, generator: ChaCha8Rng::from_seed(key) }
+        Self {
+            seed: key,
+            generator: ChaCha8Rng::from_seed(key),
+        }
     }
 
     /// 64 random bits.
@@ -46,14 +49,20 @@ impl RandomStream {
     /// The stream's place.
     pub fn save(&self) -> RandomState {
         let word = self.generator.get_word_pos();
-        RandomState { seed: self.seed, word: [word as u64, (word >> 64) as u64] }
+        RandomState {
+            seed: self.seed,
+            word: [word as u64, (word >> 64) as u64],
+        }
     }
 
     /// The stream at a saved place.
     pub fn restore(state: &RandomState) -> Self {
         let mut generator = ChaCha8Rng::from_seed(state.seed);
         generator.set_word_pos(u128::from(state.word[0]) | u128::from(state.word[1]) << 64);
-        Self { seed: state.seed, generator }
+        Self {
+            seed: state.seed,
+            generator,
+        }
     }
 }
 
@@ -74,6 +83,9 @@ mod tests {
         // Mean of n uniform numbers: 1/2 with standard deviation 1/sqrt(12 n); 6 of them bound the test.
         let n = 10_000;
         let mean = (0..n).map(|_| a.unit()).sum::<f64>() / f64::from(n);
-        assert!((mean - 0.5).abs() < 6.0 / (12.0 * f64::from(n)).sqrt(), "mean {mean}");
+        assert!(
+            (mean - 0.5).abs() < 6.0 / (12.0 * f64::from(n)).sqrt(),
+            "mean {mean}"
+        );
     }
 }

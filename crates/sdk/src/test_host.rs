@@ -94,7 +94,10 @@ impl<P: Plugin> TestHost<P> {
 
     fn initialise(&mut self) -> Result<(), Fault> {
         let setup = encode(&self.setup);
-        open(self.object.initialise(RSlice::from_slice(&setup), ROption::RNone))
+        open(
+            self.object
+                .initialise(RSlice::from_slice(&setup), ROption::RNone),
+        )
     }
 
     /// From now on every tick moves the plugin to a fresh instance by `save` and `restore`: whatever it does not save
@@ -109,12 +112,16 @@ impl<P: Plugin> TestHost<P> {
         let mut bytes = Vec::new();
         push(&mut bytes, message);
         let time = self.tick * self.setup.tick_ns;
-        self.router.publish(self.tester, time, &bytes).expect("a known kind and room in the queue");
+        self.router
+            .publish(self.tester, time, &bytes)
+            .expect("a known kind and room in the queue");
     }
 
     /// Publishes a block.
     pub fn send_block(&mut self, words: &[u64]) {
-        self.router.publish_block(self.tester, words[1], words).expect("a good block");
+        self.router
+            .publish_block(self.tester, words[1], words)
+            .expect("a good block");
     }
 
     /// One tick: what the plugin published, or its fault. A publication that the manifest does not declare is a fault.
@@ -127,10 +134,16 @@ impl<P: Plugin> TestHost<P> {
         }
         let messages = self.router.take_messages(self.plugin);
         let blocks = self.router.blocks_for(self.plugin);
-        let blocks: Vec<_> = blocks.iter().map(|b| (b.view().kind(), b.words().to_vec())).collect();
         let blocks: Vec<_> = blocks
             .iter()
-            .map(|(kind, words)| AbiBlock { kind: *kind, words: RSlice::from_slice(words) })
+            .map(|b| (b.view().kind(), b.words().to_vec()))
+            .collect();
+        let blocks: Vec<_> = blocks
+            .iter()
+            .map(|(kind, words)| AbiBlock {
+                kind: *kind,
+                words: RSlice::from_slice(words),
+            })
             .collect();
         let time_ns = (self.tick + 1) * self.setup.tick_ns;
         let output = open(self.object.process(Call {
@@ -144,9 +157,13 @@ impl<P: Plugin> TestHost<P> {
         self.tick += 1;
         let mut heard = Heard::default();
         let violation = |v: microsim_bus::Violation| Fault::new(v.to_string());
-        self.router.publish(self.plugin, time_ns, &output.messages).map_err(violation)?;
+        self.router
+            .publish(self.plugin, time_ns, &output.messages)
+            .map_err(violation)?;
         for block in &output.blocks {
-            self.router.publish_block(self.plugin, block.kind, &block.words).map_err(violation)?;
+            self.router
+                .publish_block(self.plugin, block.kind, &block.words)
+                .map_err(violation)?;
             heard.blocks.push(block.words.to_vec());
         }
         self.router.take_log();

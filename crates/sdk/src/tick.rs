@@ -51,14 +51,19 @@ impl<'a> Tick<'a> {
 
     /// The messages of one kind, oldest first.
     pub fn messages<M: Message>(&self) -> Result<Vec<M>, Fault> {
-        self.frames().filter_map(|f| decode(&f)).map(|m| m.map_err(Fault::from)).collect()
+        self.frames()
+            .filter_map(|f| decode(&f))
+            .map(|m| m.map_err(Fault::from))
+            .collect()
     }
 
     /// The newest message of one kind.
     pub fn latest<M: Message>(&self) -> Result<Option<M>, Fault> {
         let kind = kind_id(M::KIND);
         let last = self.frames().filter(|f| f.header.kind == kind).last();
-        last.and_then(|f| decode(&f)).transpose().map_err(Fault::from)
+        last.and_then(|f| decode(&f))
+            .transpose()
+            .map_err(Fault::from)
     }
 
     /// Publishes a message; subscribers that come later in the tick hear it in this tick, the others in the next.
@@ -75,7 +80,10 @@ impl<'a> Tick<'a> {
     /// The latest blocks of one kind, ordered by the id of their name.
     pub fn blocks(&self, kind: &str) -> impl Iterator<Item = BlockView<'a>> {
         let kind = kind_id(kind);
-        self.blocks.iter().copied().filter(move |b| b.kind() == kind)
+        self.blocks
+            .iter()
+            .copied()
+            .filter(move |b| b.kind() == kind)
     }
 
     /// The latest block of one kind and name.

@@ -49,6 +49,8 @@ pub struct ToolCapsule {
     pub radius: f64,
     /// What it moves with.
     pub jaw: Jaw,
+    /// Whether it can touch tissue; a handle, far above the field, is only drawn.
+    pub touches: bool,
 }
 
 /// What a part of an instrument moves with.
@@ -84,6 +86,12 @@ pub fn tool_schema() -> Schema {
             Kind::choice(&["fixed", "left", "right"]),
             "What it moves with: the shaft, the jaw that opens towards +x, or the one towards -x.",
             "fixed",
+        ),
+        Key::with_default(
+            "touches",
+            Kind::Bool,
+            "Whether it can touch tissue; a handle, far above the field, is only drawn.",
+            true,
         ),
     ];
     let parts = Kind::List {

@@ -82,7 +82,11 @@ pub struct PushStrip {
 
 /// Node positions of a snapshot \[m\].
 fn position(positions: &[f64], node: usize) -> [f64; 3] {
-    [positions[3 * node], positions[3 * node + 1], positions[3 * node + 2]]
+    [
+        positions[3 * node],
+        positions[3 * node + 1],
+        positions[3 * node + 2],
+    ]
 }
 
 /// The nodes of the upper surface around a mark, as the tissue lies at the start.
@@ -92,12 +96,21 @@ fn patch(mark: &Mark, radius: f64, block: &BlockView<'_>) -> Option<Patch> {
         let (x, y) = (p[0] - mark.position[0], p[1] - mark.position[1]);
         x * x + y * y <= radius * radius
     };
-    let all: Vec<(u32, [f64; 3])> =
-        ids.iter().enumerate().map(|(i, id)| (*id, position(positions, i))).filter(|(_, p)| near(*p)).collect();
-    let top = all.iter().map(|(_, p)| p[2]).fold(f64::NEG_INFINITY, f64::max);
+    let all: Vec<(u32, [f64; 3])> = ids
+        .iter()
+        .enumerate()
+        .map(|(i, id)| (*id, position(positions, i)))
+        .filter(|(_, p)| near(*p))
+        .collect();
+    let top = all
+        .iter()
+        .map(|(_, p)| p[2])
+        .fold(f64::NEG_INFINITY, f64::max);
     let bottom = all.iter().map(|(_, p)| p[2]).fold(f64::INFINITY, f64::min);
     let upper = all.into_iter().filter(|(_, p)| p[2] > 0.5 * (top + bottom));
-    let highest: Vec<(u32, [f64; 3])> = upper.filter(|(_, p)| top - p[2] < 0.25 * (top - bottom)).collect();
+    let highest: Vec<(u32, [f64; 3])> = upper
+        .filter(|(_, p)| top - p[2] < 0.25 * (top - bottom))
+        .collect();
     Some(Patch {
         nodes: highest.iter().map(|(id, _)| *id).collect(),
         heights: highest.iter().map(|(_, p)| p[2]).collect(),
@@ -110,7 +123,9 @@ fn depth(patch: &Patch, block: &BlockView<'_>) -> Option<(f64, [f64; 3])> {
     let mut deepest: Option<(f64, [f64; 3])> = None;
     for (id, height) in patch.nodes.iter().zip(&patch.heights) {
         // Ids are stable and ascending, whatever a cut does to their places.
-        let Ok(node) = ids.binary_search(id) else { continue };
+        let Ok(node) = ids.binary_search(id) else {
+            continue;
+        };
         let p = position(positions, node);
         if deepest.is_none_or(|(d, _)| height - p[2] > d) {
             deepest = Some((height - p[2], p));
@@ -157,11 +172,22 @@ impl PushStrip {
     ) -> Result<(), Fault> {
         for (mark, patch) in self.marks.iter().zip(&state.patches) {
             if let Some((_, place)) = depth(patch, block) {
-                let pose = Some(Pose { position: place, ..Pose::default() });
-                tick.publish(&ObjectSet { name: mark.name.clone(), pose, ..ObjectSet::default() });
+                let pose = Some(Pose {
+                    position: place,
+                    ..Pose::default()
+                });
+                tick.publish(&ObjectSet {
+                    name: mark.name.clone(),
+                    pose,
+                    ..ObjectSet::default()
+                });
             }
         }
-        let Some(patch) = state.patches.get(state.current).filter(|_| course.running()) else {
+        let Some(patch) = state
+            .patches
+            .get(state.current)
+            .filter(|_| course.running())
+        else {
             return Ok(());
         };
         let Some((depth, _)) = depth(patch, block) else {
@@ -181,10 +207,14 @@ impl PushStrip {
         };
         if state.dwell.update(tick.time(), holds) == DwellState::Complete {
             let n = state.current + 1;
-            course.target_done(tick, &self.marks[state.current].name, LocalText {
-                de: format!("Marke {n} gehalten"),
-                en: format!("Mark {n} held"),
-            })?;
+            course.target_done(
+                tick,
+                &self.marks[state.current].name,
+                LocalText {
+                    de: format!("Marke {n} gehalten"),
+                    en: format!("Mark {n} held"),
+                },
+            )?;
             self.colour(tick, state.current, DONE);
             state.current = n;
             state.dwell.reset();
@@ -201,7 +231,11 @@ impl PushStrip {
 
     fn colour(&self, tick: &mut Tick<'_>, mark: usize, colour: Colour) {
         let name = self.marks[mark].name.clone();
-        tick.publish(&ObjectSet { name, colour: Some(colour), ..ObjectSet::default() });
+        tick.publish(&ObjectSet {
+            name,
+            colour: Some(colour),
+            ..ObjectSet::default()
+        });
     }
 
     /// Straight from the start down to the depth at each mark in turn \[m\].
@@ -209,7 +243,11 @@ impl PushStrip {
         let mut from = start;
         let mut length = 0.0;
         for mark in &self.marks {
-            let to = [mark.position[0], mark.position[1], mark.position[2] - keys.depth];
+            let to = [
+                mark.position[0],
+                mark.position[1],
+                mark.position[2] - keys.depth,
+            ];
             let d = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
             length += (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
             from = to;
@@ -217,9 +255,18 @@ impl PushStrip {
         length
     }
 
-    fn hear_forces(&self, state: &mut State, course: &Course, tick: &Tick<'_>) -> Result<(), Fault> {
+    fn hear_forces(
+        &self,
+        state: &mut State,
+        course: &Course,
+        tick: &Tick<'_>,
+    ) -> Result<(), Fault> {
         for forces in tick.messages::<ContactForces>()? {
-            for contact in forces.contacts.iter().filter(|c| course.running() && c.body == self.body) {
+            for contact in forces
+                .contacts
+                .iter()
+                .filter(|c| course.running() && c.body == self.body)
+            {
                 let [x, y, z] = contact.force;
                 state.peak_force = state.peak_force.max((x * x + y * y + z * z).sqrt());
             }
@@ -230,7 +277,11 @@ impl PushStrip {
 
 /// Why the current mark was not done.
 fn reason(state: &State, keys: &Keys) -> &'static str {
-    if state.deepest < keys.depth - keys.depth_tolerance { "not-deep-enough" } else { "dwell-too-short" }
+    if state.deepest < keys.depth - keys.depth_tolerance {
+        "not-deep-enough"
+    } else {
+        "dwell-too-short"
+    }
 }
 
 impl Plugin for PushStrip {
@@ -247,14 +298,28 @@ impl Plugin for PushStrip {
         let keys: Keys = serde_json::from_value(config.module.clone())?;
         let objects: Vec<Mark> = serde_json::from_value(setup.config["objects"].clone())?;
         let bodies: Vec<Named> = serde_json::from_value(setup.config["bodies"].clone())?;
-        self.marks = objects.into_iter().filter(|o| o.name.starts_with(MARK)).collect();
+        self.marks = objects
+            .into_iter()
+            .filter(|o| o.name.starts_with(MARK))
+            .collect();
         if self.marks.is_empty() {
-            return Err(Fault::new(format!("the level needs an object whose name starts with \"{MARK}\"")));
+            return Err(Fault::new(format!(
+                "the level needs an object whose name starts with \"{MARK}\""
+            )));
         }
-        let body = bodies.into_iter().next().ok_or_else(|| Fault::new("the level needs a body"))?;
-        let tool = config.tools.first().ok_or_else(|| Fault::new("the level needs a tool"))?;
+        let body = bodies
+            .into_iter()
+            .next()
+            .ok_or_else(|| Fault::new("the level needs a body"))?;
+        let tool = config
+            .tools
+            .first()
+            .ok_or_else(|| Fault::new("the level needs a tool"))?;
         (self.body, self.tool) = (body.name, tool.name.clone());
-        self.course = Some(Course::new(&config, self.marks.iter().map(|m| m.name.clone()).collect())?);
+        self.course = Some(Course::new(
+            &config,
+            self.marks.iter().map(|m| m.name.clone()).collect(),
+        )?);
         self.state = Some(Self::fresh_state(&keys)?);
         self.keys = Some(keys);
         Ok(())
@@ -281,18 +346,25 @@ impl Plugin for PushStrip {
         }
         if let Some(block) = tick.block(TISSUE_SNAPSHOT, &self.body) {
             if state.patches.is_empty() {
-                let patches = self.marks.iter().map(|m| patch(m, keys.mark_radius, &block));
+                let patches = self
+                    .marks
+                    .iter()
+                    .map(|m| patch(m, keys.mark_radius, &block));
                 state.patches = patches.map(Option::unwrap_or_default).collect();
                 if let Some(empty) = state.patches.iter().position(|p| p.nodes.is_empty()) {
                     let name = &self.marks[empty].name;
-                    return Err(Fault::new(format!("no tissue within `mark_radius` of \"{name}\"")));
+                    return Err(Fault::new(format!(
+                        "no tissue within `mark_radius` of \"{name}\""
+                    )));
                 }
             }
             self.judge(&mut state, &mut course, &keys, &block, tick)?;
         }
         self.hear_forces(&mut state, &course, tick)?;
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
-        let tool = tools.iter().find(|t| t.tool == self.tool && t.status == ToolStatus::Tracked);
+        let tool = tools
+            .iter()
+            .find(|t| t.tool == self.tool && t.status == ToolStatus::Tracked);
         if let (true, None, Some(tool)) = (course.running(), state.start, tool) {
             state.start = Some(tool.pose.position);
             course.set_shortest_path(self.shortest_path(tool.pose.position, &keys));

@@ -91,7 +91,11 @@ fn orientation(direction: [f64; 3]) -> [f64; 4] {
 /// Direction from tip to handle of a tool: its z axis in the field.
 fn axis(tool: &ToolState) -> [f64; 3] {
     let [x, y, z, w] = tool.pose.orientation;
-    [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
+    [
+        2.0 * (x * z + w * y),
+        2.0 * (y * z - w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    ]
 }
 
 impl TouchSpheres {
@@ -115,7 +119,10 @@ impl TouchSpheres {
             tick.publish(&ObjectSet {
                 name: target(index),
                 active: Some(true),
-                pose: Some(Pose { position: place.centre, ..Pose::default() }),
+                pose: Some(Pose {
+                    position: place.centre,
+                    ..Pose::default()
+                }),
                 colour: Some(if index == 0 { CURRENT } else { WAITING }),
             });
         }
@@ -126,9 +133,17 @@ impl TouchSpheres {
         let pose = place.map(|place| {
             let way = self.radius + 0.5 * self.needle;
             let at = |i: usize| place.centre[i] + way * place.direction[i];
-            Pose { position: [at(0), at(1), at(2)], orientation: orientation(place.direction) }
+            Pose {
+                position: [at(0), at(1), at(2)],
+                orientation: orientation(place.direction),
+            }
         });
-        tick.publish(&ObjectSet { name: NEEDLE.into(), active: Some(pose.is_some()), pose, colour: None });
+        tick.publish(&ObjectSet {
+            name: NEEDLE.into(),
+            active: Some(pose.is_some()),
+            pose,
+            colour: None,
+        });
     }
 
     /// One tick of the task: the tool against the current sphere.
@@ -151,7 +166,11 @@ impl TouchSpheres {
         let tip = tool.pose.position;
         let start = *state.start.get_or_insert(tip);
         let away = distance(tip, place.centre);
-        let toward: f64 = axis(tool).iter().zip(place.direction).map(|(a, d)| a * d).sum();
+        let toward: f64 = axis(tool)
+            .iter()
+            .zip(place.direction)
+            .map(|(a, d)| a * d)
+            .sum();
         let angle = libm::acos(toward.clamp(-1.0, 1.0));
         let inside = away <= self.radius;
         let counts = inside && angle <= keys.angle_tolerance;
@@ -164,10 +183,14 @@ impl TouchSpheres {
         }
         match state.dwell.update(tick.time(), counts) {
             DwellState::Complete => {
-                course.target_done(tick, &target(state.current), LocalText {
-                    de: format!("Kugel {} geschafft", state.current + 1),
-                    en: format!("Sphere {} done", state.current + 1),
-                })?;
+                course.target_done(
+                    tick,
+                    &target(state.current),
+                    LocalText {
+                        de: format!("Kugel {} geschafft", state.current + 1),
+                        en: format!("Sphere {} done", state.current + 1),
+                    },
+                )?;
                 course.set_shortest_path(self.shortest_path(start));
                 self.colour(tick, state.current, DONE);
                 state.current += 1;
@@ -181,10 +204,14 @@ impl TouchSpheres {
             }
             DwellState::Lost(held) => {
                 state.losses += 1;
-                course.event(tick, "touch-lost", LocalText {
-                    de: format!("Kugel {} nach {held:.2} s verloren", state.current + 1),
-                    en: format!("Sphere {} lost after {held:.2} s", state.current + 1),
-                });
+                course.event(
+                    tick,
+                    "touch-lost",
+                    LocalText {
+                        de: format!("Kugel {} nach {held:.2} s verloren", state.current + 1),
+                        en: format!("Sphere {} lost after {held:.2} s", state.current + 1),
+                    },
+                );
             }
             DwellState::Holding(_) | DwellState::Idle => {}
         }
@@ -201,7 +228,11 @@ impl TouchSpheres {
     }
 
     fn colour(&self, tick: &mut Tick<'_>, index: usize, colour: Colour) {
-        tick.publish(&ObjectSet { name: target(index), colour: Some(colour), ..ObjectSet::default() });
+        tick.publish(&ObjectSet {
+            name: target(index),
+            colour: Some(colour),
+            ..ObjectSet::default()
+        });
     }
 
     /// Straight from the start into each sphere in turn, only as deep as its surface.
@@ -241,14 +272,28 @@ impl Plugin for TouchSpheres {
         };
         let sphere = object("sphere")?;
         let (Some(count), Some(radius)) = (sphere.count, sphere.radius) else {
-            return Err(Fault::new("the level's object \"sphere\" needs `count` and `radius`"));
+            return Err(Fault::new(
+                "the level's object \"sphere\" needs `count` and `radius`",
+            ));
         };
         self.needle = object(NEEDLE)?.length.unwrap_or_default();
         self.radius = radius;
-        self.places = places(setup.seed, count as usize, radius, keys.spread, keys.direction_max)?;
-        let tool = config.tools.first().ok_or_else(|| Fault::new("the level needs a tool"))?;
+        self.places = places(
+            setup.seed,
+            count as usize,
+            radius,
+            keys.spread,
+            keys.direction_max,
+        )?;
+        let tool = config
+            .tools
+            .first()
+            .ok_or_else(|| Fault::new("the level needs a tool"))?;
         self.tool = tool.name.clone();
-        self.course = Some(Course::new(&config, (0..count as usize).map(target).collect())?);
+        self.course = Some(Course::new(
+            &config,
+            (0..count as usize).map(target).collect(),
+        )?);
         self.state = Some(Self::fresh_state(&keys)?);
         self.keys = Some(keys);
         Ok(())

@@ -35,13 +35,17 @@ pub fn places(
     let mut places: Vec<Place> = Vec::new();
     for _ in 0..count {
         let free = |centre: [f64; 3]| {
-            places.iter().all(|p| distance(p.centre, centre) >= DISTANCE_IN_RADII * radius)
+            places
+                .iter()
+                .all(|p| distance(p.centre, centre) >= DISTANCE_IN_RADII * radius)
         };
         let found = (0..ATTEMPTS)
             .map(|_| spread.map(|half| random.between(-half, half)))
             .find(|centre| free(*centre));
         let centre = found.ok_or_else(|| {
-            Fault::new(format!("{count} spheres of this size do not fit into `spread`; make it larger"))
+            Fault::new(format!(
+                "{count} spheres of this size do not fit into `spread`; make it larger"
+            ))
         })?;
         // Uniform on the spherical cap: the cosine of the zenith angle is uniform.
         let cosine = random.between(libm::cos(direction_max), 1.0);
@@ -78,6 +82,11 @@ mod tests {
         let of = |seed| places(seed, 4, 1e-3, [8e-3; 3], 0.3).unwrap();
         assert_eq!(of(1), of(1));
         assert_ne!(of(1), of(2));
-        assert!(places(1, 50, 3e-3, [2e-3; 3], 0.3).unwrap_err().text.contains("spread"));
+        assert!(
+            places(1, 50, 3e-3, [2e-3; 3], 0.3)
+                .unwrap_err()
+                .text
+                .contains("spread")
+        );
     }
 }

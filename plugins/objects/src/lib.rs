@@ -81,18 +81,24 @@ impl Objects {
             colour: self.states[i].colour,
             finish: self.models[i].finish,
         });
-        ObjectScene { objects: objects.collect() }
+        ObjectScene {
+            objects: objects.collect(),
+        }
     }
 
     fn set(&mut self, change: ObjectSet) -> Result<(), Fault> {
-        let index = self.models.iter().position(|m| m.name == change.name).ok_or_else(|| {
-            let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
-            Fault::new(format!(
-                "a module names the object \"{}\"; this level has: {}",
-                change.name,
-                names.join(", ")
-            ))
-        })?;
+        let index = self
+            .models
+            .iter()
+            .position(|m| m.name == change.name)
+            .ok_or_else(|| {
+                let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
+                Fault::new(format!(
+                    "a module names the object \"{}\"; this level has: {}",
+                    change.name,
+                    names.join(", ")
+                ))
+            })?;
         let state = &mut self.states[index];
         let before = state.clone();
         state.active = change.active.unwrap_or(state.active);
@@ -136,7 +142,10 @@ impl Plugin for Objects {
                 });
                 self.start.push(State {
                     active: object.active,
-                    pose: Pose { position: object.position, orientation: object.orientation },
+                    pose: Pose {
+                        position: object.position,
+                        orientation: object.orientation,
+                    },
                     colour: [c.red, c.green, c.blue].map(|v| f64::from(v) / 255.0),
                 });
             }

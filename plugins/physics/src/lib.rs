@@ -86,7 +86,14 @@ fn body(body: &settings::Body) -> BodySpec {
             density: body.material.density,
             drag: body.material.drag,
         },
-        clamps: body.clamp.iter().map(|c| BoxSpec { min: c.min, max: c.max }).collect(),
+        clamps: body
+            .clamp
+            .iter()
+            .map(|c| BoxSpec {
+                min: c.min,
+                max: c.max,
+            })
+            .collect(),
     }
 }
 
@@ -94,8 +101,15 @@ fn body(body: &settings::Body) -> BodySpec {
 /// along y through the hinge, each jaw by half of the opening angle.
 fn tool(slot: &settings::ToolSlot, model: &settings::Tool) -> ToolSpec {
     let half = model.opening_angle.unwrap_or_default() / 2.0;
-    let hinge = |angle| model.hinge.map(|pivot| HingeSpec { pivot, axis: [0.0, 1.0, 0.0], angle });
-    let capsules = model.capsule.iter().map(|part| CapsuleSpec {
+    let hinge = |angle| {
+        model.hinge.map(|pivot| HingeSpec {
+            pivot,
+            axis: [0.0, 1.0, 0.0],
+            angle,
+        })
+    };
+    let touching = model.capsule.iter().filter(|part| part.touches);
+    let capsules = touching.map(|part| CapsuleSpec {
         a: part.a,
         b: part.b,
         radius: part.radius,
@@ -106,12 +120,17 @@ fn tool(slot: &settings::ToolSlot, model: &settings::Tool) -> ToolSpec {
             settings::Jaw::Right => hinge(half),
         },
     });
-    ToolSpec { name: slot.name.clone(), capsules: capsules.collect() }
+    ToolSpec {
+        name: slot.name.clone(),
+        capsules: capsules.collect(),
+    }
 }
 
 impl Physics {
     fn scene(&mut self) -> Result<&mut Scene, Fault> {
-        self.scene.as_mut().ok_or_else(|| Fault::new("not initialised"))
+        self.scene
+            .as_mut()
+            .ok_or_else(|| Fault::new("not initialised"))
     }
 
     /// The motion of each tracked tool in this tick. A tool that has just come into view stands where it is: it does
@@ -147,11 +166,15 @@ impl Physics {
         for body in 0..scene.body_count() {
             let positions = scene.positions(body).iter().flat_map(|p| [p.x, p.y, p.z]);
             let triangles = scene.surface(body).triangles.iter().flatten().copied();
-            let block =
-                BlockBuilder::new(TISSUE_SNAPSHOT, scene.body_name(body), scene.generation(body), time)
-                    .u32s("node_id", scene.node_ids(body).iter().copied())
-                    .f64s("position", positions)
-                    .u32s("triangle", triangles);
+            let block = BlockBuilder::new(
+                TISSUE_SNAPSHOT,
+                scene.body_name(body),
+                scene.generation(body),
+                time,
+            )
+            .u32s("node_id", scene.node_ids(body).iter().copied())
+            .f64s("position", positions)
+            .u32s("triangle", triangles);
             tick.publish_block(block.finish());
         }
         Ok(())
@@ -169,13 +192,18 @@ impl Plugin for Physics {
         let mut tools = Vec::new();
         for slot in &config.tools {
             let model = config.models.get(&slot.model);
-            let model = model.ok_or_else(|| Fault::new(format!("no tool model \"{}\"", slot.model)))?;
+            let model =
+                model.ok_or_else(|| Fault::new(format!("no tool model \"{}\"", slot.model)))?;
             tools.push(tool(slot, model));
         }
         let spec = SceneSpec {
             bodies: config.bodies.iter().map(body).collect(),
             tools,
-            contact_pairs: config.contacts.iter().map(|c| (c.tool.clone(), c.body.clone())).collect(),
+            contact_pairs: config
+                .contacts
+                .iter()
+                .map(|c| (c.tool.clone(), c.body.clone()))
+                .collect(),
             gravity: config.physics.gravity,
         };
         let scene = Scene::new(&spec).map_err(|error| Fault::new(error.to_string()))?;
@@ -207,7 +235,10 @@ impl Plugin for Physics {
                 tick.log(LogLevel::Error, diverged.to_string());
                 tick.publish(&TissueRecovery {
                     body: diverged.body_name.clone(),
-                    cause: format!("{}; held at its last good state for this tick", diverged.what),
+                    cause: format!(
+                        "{}; held at its last good state for this tick",
+                        diverged.what
+                    ),
                     substeps: 0,
                 });
                 return self.publish_bodies(tick);
@@ -229,7 +260,10 @@ impl Plugin for Physics {
             .collect();
         for motion in &report.invalid_motions {
             let tool = &tools[motions[*motion].tool].tool;
-            tick.log(LogLevel::Warn, format!("tool \"{tool}\" has no valid pose and touches nothing in this tick"));
+            tick.log(
+                LogLevel::Warn,
+                format!("tool \"{tool}\" has no valid pose and touches nothing in this tick"),
+            );
         }
         for recovery in &report.recoveries {
             let body = scene.body_name(recovery.body).to_owned();
@@ -240,10 +274,13 @@ impl Plugin for Physics {
             });
         }
         if report.capped {
-            tick.log(LogLevel::Warn, format!(
-                "a tool moved so fast that {} sub-steps were needed in one step",
-                report.substeps
-            ));
+            tick.log(
+                LogLevel::Warn,
+                format!(
+                    "a tool moved so fast that {} sub-steps were needed in one step",
+                    report.substeps
+                ),
+            );
         }
         let touching = !contacts.is_empty();
         if touching || self.memory.touching {
@@ -254,7 +291,10 @@ impl Plugin for Physics {
     }
 
     fn save(&self) -> Vec<u8> {
-        encode(&(&self.memory, serde_bytes::ByteBuf::from(self.scene.as_ref().map(Scene::save).unwrap_or_default())))
+        encode(&(
+            &self.memory,
+            serde_bytes::ByteBuf::from(self.scene.as_ref().map(Scene::save).unwrap_or_default()),
+        ))
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {

@@ -27,7 +27,9 @@ pub struct Recorder {
 impl Recorder {
     fn fault(&self, error: std::io::Error) -> Fault {
         let path = self.path.display();
-        Fault::new(format!("cannot write {path}: {error}; what was written before is safe"))
+        Fault::new(format!(
+            "cannot write {path}: {error}; what was written before is safe"
+        ))
     }
 }
 
@@ -52,7 +54,10 @@ impl Plugin for Recorder {
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
         for record in tick.messages::<SessionRecord>()? {
-            let writer = self.writer.as_mut().ok_or_else(|| Fault::new("not initialised"))?;
+            let writer = self
+                .writer
+                .as_mut()
+                .ok_or_else(|| Fault::new("not initialised"))?;
             let written = writer.append(record.kind, record.tick, &record.bytes);
             written.map_err(|error| self.fault(error))?;
         }

@@ -99,22 +99,48 @@ fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
         let hinge = Vector3::from(model.hinge.unwrap_or_default());
         let posed = |p: [f64; 3]| {
-            world.apply(&(hinge + turn * (Vector3::from(p) - hinge))).into()
+            world
+                .apply(&(hinge + turn * (Vector3::from(p) - hinge)))
+                .into()
         };
-        let shape = Shape::Capsule { a: posed(part.a), b: posed(part.b), radius: part.radius };
+        let shape = Shape::Capsule {
+            a: posed(part.a),
+            b: posed(part.b),
+            radius: part.radius,
+        };
         let item = Item::new(shape, [0.0; 3], colour(model.colour), finish(model.finish));
-        let opacity = if state.status == ToolStatus::Tracked { 1.0 } else { LOST_OPACITY };
+        let opacity = if state.status == ToolStatus::Tracked {
+            1.0
+        } else {
+            LOST_OPACITY
+        };
         Item { opacity, ..item }
     });
     items.collect()
 }
 
 fn body(block: &BlockView<'_>, bodies: &[settings::Body]) -> Option<Item> {
-    let body = bodies.iter().find(|b| microsim_sdk::name_id(&b.name) == block.name())?;
-    let positions = block.f64s("position")?.chunks_exact(3).map(|p| [p[0] as f32, p[1] as f32, p[2] as f32]);
-    let triangles = block.u32s("triangle")?.chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
-    let shape = Shape::Mesh { positions: positions.collect(), triangles: triangles.collect() };
-    Some(Item::new(shape, [0.0; 3], colour(body.colour), finish(body.finish)))
+    let body = bodies
+        .iter()
+        .find(|b| microsim_sdk::name_id(&b.name) == block.name())?;
+    let positions = block
+        .f64s("position")?
+        .chunks_exact(3)
+        .map(|p| [p[0] as f32, p[1] as f32, p[2] as f32]);
+    let triangles = block
+        .u32s("triangle")?
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]]);
+    let shape = Shape::Mesh {
+        positions: positions.collect(),
+        triangles: triangles.collect(),
+    };
+    Some(Item::new(
+        shape,
+        [0.0; 3],
+        colour(body.colour),
+        finish(body.finish),
+    ))
 }
 
 impl PictureRenderer {
@@ -122,8 +148,15 @@ impl PictureRenderer {
         let scene = tick.latest::<ObjectScene>()?.unwrap_or_default();
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default();
         let mut items: Vec<Item> = scene.objects.iter().map(object).collect();
-        items.extend(tick.blocks(TISSUE_SNAPSHOT).filter_map(|b| body(&b, &config.bodies)));
-        for state in tools.tools.iter().filter(|t| t.status != ToolStatus::NeverSeen) {
+        items.extend(
+            tick.blocks(TISSUE_SNAPSHOT)
+                .filter_map(|b| body(&b, &config.bodies)),
+        );
+        for state in tools
+            .tools
+            .iter()
+            .filter(|t| t.status != ToolStatus::NeverSeen)
+        {
             if let Some(model) = config.models.get(&state.model) {
                 items.extend(tool(state, model));
             }
@@ -166,9 +199,12 @@ impl Plugin for PictureRenderer {
         };
         for request in tick.messages::<PictureRequest>()? {
             let picture = Self::picture(config, tick)?;
-            let image = renderer.draw(&picture).map_err(|error| Fault::new(error.to_string()))?;
+            let image = renderer
+                .draw(&picture)
+                .map_err(|error| Fault::new(error.to_string()))?;
             let written = image.write_png(Path::new(&request.file));
-            written.map_err(|error| Fault::new(format!("cannot write {}: {error}", request.file)))?;
+            written
+                .map_err(|error| Fault::new(format!("cannot write {}: {error}", request.file)))?;
         }
         Ok(())
     }

@@ -38,7 +38,8 @@ pub struct RecordingSource {
 /// The column map as the reader wants it. Units were checked when the map was read.
 fn column_map(map: &RecordingMap) -> Result<ColumnMap, Fault> {
     let factor = |unit: Unit, symbol: &str| {
-        unit.to_si(1.0, symbol).ok_or_else(|| Fault::new(format!("unknown unit \"{symbol}\"")))
+        unit.to_si(1.0, symbol)
+            .ok_or_else(|| Fault::new(format!("unknown unit \"{symbol}\"")))
     };
     let devices = map.device.iter().map(|device| {
         Ok(DeviceColumns {
@@ -56,7 +57,10 @@ fn column_map(map: &RecordingMap) -> Result<ColumnMap, Fault> {
     });
     Ok(ColumnMap {
         delimiter: map.delimiter_byte(),
-        time: Column { name: map.time.column.clone(), factor: factor(Unit::Time, &map.time.unit)? },
+        time: Column {
+            name: map.time.column.clone(),
+            factor: factor(Unit::Time, &map.time.unit)?,
+        },
         devices: devices.collect::<Result<_, Fault>>()?,
         gap_s: Some(map.gap),
     })
@@ -81,11 +85,15 @@ impl Plugin for RecordingSource {
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         let config: Config = serde_json::from_value(setup.config.clone())?;
         let file = setup.files.iter().find(|f| f.name == FILE);
-        let bytes = &file.ok_or_else(|| Fault::new("no file \"recording\" in the set-up"))?.bytes;
+        let bytes = &file
+            .ok_or_else(|| Fault::new("no file \"recording\" in the set-up"))?
+            .bytes;
         let samples = match config {
             Config::Csv { name, map } => {
                 let recording = read_csv(bytes, &name, &column_map(&map)?);
-                recording.map_err(|error| Fault::new(error.to_string()))?.samples
+                recording
+                    .map_err(|error| Fault::new(error.to_string()))?
+                    .samples
             }
             Config::Samples => {
                 let messages: Vec<InputSample> = decode_bytes(bytes)?;
@@ -109,13 +117,18 @@ impl Plugin for RecordingSource {
                 device: sample.device.to_string(),
                 device_time: sample.time_s,
                 visible: sample.visible,
-                pose: Pose { position: sample.position, orientation: sample.orientation },
+                pose: Pose {
+                    position: sample.position,
+                    orientation: sample.orientation,
+                },
                 opening: sample.opening,
             });
         }
         if self.playback.is_over() && !self.ended {
             self.ended = true;
-            tick.publish(&InputEnd { source: self.name.clone() });
+            tick.publish(&InputEnd {
+                source: self.name.clone(),
+            });
         }
         Ok(())
     }

@@ -69,13 +69,18 @@ impl Plugin for ScriptSource {
                 device: sample.device.to_string(),
                 device_time: sample.time_s,
                 visible: sample.visible,
-                pose: Pose { position: sample.position, orientation: sample.orientation },
+                pose: Pose {
+                    position: sample.position,
+                    orientation: sample.orientation,
+                },
                 opening: sample.opening,
             });
         }
         if self.playback.is_over() && !self.ended {
             self.ended = true;
-            tick.publish(&InputEnd { source: self.name.clone() });
+            tick.publish(&InputEnd {
+                source: self.name.clone(),
+            });
         }
         Ok(())
     }

@@ -42,7 +42,10 @@ fn mapping(device: &DeviceMap) -> Mapping {
         field_from_device: device.rotation,
         scale: device.scale,
         body_from_tool: device.tool_rotation,
-        opening: device.opening.fixed().map_or(Opening::DEVICE, Opening::Constant),
+        opening: device
+            .opening
+            .fixed()
+            .map_or(Opening::DEVICE, Opening::Constant),
     }
 }
 
@@ -57,7 +60,9 @@ fn status(status: tracking::ToolStatus) -> ToolStatus {
 
 impl TranslatorPlugin {
     fn translator(&mut self) -> Result<&mut Translator, Fault> {
-        self.translator.as_mut().ok_or_else(|| Fault::new("not initialised"))
+        self.translator
+            .as_mut()
+            .ok_or_else(|| Fault::new("not initialised"))
     }
 
     fn hear(&mut self, message: InputSample, tick: &mut Tick<'_>) -> Result<(), Fault> {
@@ -86,9 +91,15 @@ impl TranslatorPlugin {
                 // A flood of bad samples must not become a flood of log lines: the first of each tool, then every
                 // thousandth.
                 let states = translator.states(now);
-                let count = states.iter().find(|s| s.tool == refusal.tool).map_or(0, |s| s.refused);
+                let count = states
+                    .iter()
+                    .find(|s| s.tool == refusal.tool)
+                    .map_or(0, |s| s.refused);
                 if count % 1000 == 1 {
-                    tick.log(LogLevel::Warn, format!("{refusal} (refused so far: {count})"));
+                    tick.log(
+                        LogLevel::Warn,
+                        format!("{refusal} (refused so far: {count})"),
+                    );
                 }
                 None
             }
@@ -98,20 +109,29 @@ impl TranslatorPlugin {
                 tool,
                 time: pose.sample_time_s,
                 tracked: true,
-                pose: Pose { position: pose.position, orientation: pose.orientation },
+                pose: Pose {
+                    position: pose.position,
+                    orientation: pose.orientation,
+                },
                 opening: pose.opening,
             }),
             // The tool was not seen: whoever counts motion must know that a segment ends here.
             None => {
                 let states = translator.states(now);
-                let index = translator.mappings().iter().position(|m| m.device == message.device);
+                let index = translator
+                    .mappings()
+                    .iter()
+                    .position(|m| m.device == message.device);
                 let state = index.map(|i| &states[i]);
                 if let Some((state, pose)) = state.and_then(|s| s.pose.map(|p| (s, p))) {
                     tick.publish(&ToolSample {
                         tool: state.tool.clone(),
                         time: message.device_time,
                         tracked: false,
-                        pose: Pose { position: pose.position, orientation: pose.orientation },
+                        pose: Pose {
+                            position: pose.position,
+                            orientation: pose.orientation,
+                        },
                         opening: pose.opening,
                     });
                 }
@@ -129,11 +149,18 @@ impl TranslatorPlugin {
                 tool: slot.name.clone(),
                 model: slot.model.clone(),
                 status: state.map_or(ToolStatus::NeverSeen, |s| status(s.status)),
-                pose: pose.map(|p| Pose { position: p.position, orientation: p.orientation }).unwrap_or_default(),
+                pose: pose
+                    .map(|p| Pose {
+                        position: p.position,
+                        orientation: p.orientation,
+                    })
+                    .unwrap_or_default(),
                 opening: pose.map_or(1.0, |p| p.opening),
             }
         });
-        Ok(ToolStates { tools: tools.collect() })
+        Ok(ToolStates {
+            tools: tools.collect(),
+        })
     }
 }
 
@@ -168,7 +195,10 @@ impl Plugin for TranslatorPlugin {
     }
 
     fn save(&self) -> Vec<u8> {
-        encode(&(self.translator.as_ref().map(Translator::state), &self.idle_devices))
+        encode(&(
+            self.translator.as_ref().map(Translator::state),
+            &self.idle_devices,
+        ))
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
