@@ -1,13 +1,32 @@
 //! The harness of the integration tests: they run the built program on the built tree, as a user would.
 //!
 //! The tree is what `cargo xtask build` makes; `cargo xtask test` builds it first and says where it lies.
+//!
+//! - here: running the program and hearing what it says;
+//! - [`alter`]: sessions written anew with one thing changed;
+//! - [`in_process`]: a run in the test's own process;
+//! - [`kill`]: runs killed by SIGKILL, and what is left of them;
+//! - [`live`]: a tree with a source that has a timer of its own;
+//! - [`statistics`]: percentiles of measurements.
+
+pub mod alter;
+pub mod in_process;
+pub mod kill;
+pub mod live;
+pub mod statistics;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// Motion of a real hand: 98 s of a haptic stylus.
+pub const RECORDING: &str = "recording:assets/recordings/cataract-stylus/stylus.csv";
+
 /// Root of the repository.
 pub fn repository() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the repository").to_path_buf()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("tests/ lies in the repository")
+        .to_path_buf()
 }
 
 /// The built tree.
@@ -19,13 +38,44 @@ pub fn tree() -> PathBuf {
         Some(tree) => PathBuf::from(tree),
         None => repository().join("target").join("microsim"),
     };
-    assert!(tree.join("plugins").is_dir(), "no built tree in {}: run `cargo xtask test`, or `cargo xtask build` first", tree.display());
+    assert!(
+        tree.join("plugins").is_dir(),
+        "no built tree in {}: run `cargo xtask test`, or `cargo xtask build` first",
+        tree.display()
+    );
     tree
 }
 
 /// The built program.
 pub fn program() -> PathBuf {
     tree().join(format!("microsim{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// The library of a package of `tests/fixtures`, which cargo has built as a dependency of this one.
+///
+/// # Panics
+/// If it is not there.
+pub fn fixture_library(package: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a running test has a file");
+    let name = format!(
+        "{}{}{}",
+        std::env::consts::DLL_PREFIX,
+        package.replace('-', "_"),
+        std::env::consts::DLL_SUFFIX
+    );
+    // Tests lie in `deps/` themselves, examples beside it.
+    let folders = test
+        .ancestors()
+        .skip(1)
+        .take(2)
+        .flat_map(|f| [f.join(&name), f.join("deps").join(&name)]);
+    let found = folders.into_iter().find(|path| path.is_file());
+    found.unwrap_or_else(|| {
+        panic!(
+            "cargo has built no {name} for {}: is it a dev-dependency?",
+            test.display()
+        )
+    })
 }
 
 /// What the program said.
@@ -63,14 +113,59 @@ impl Said {
     }
 }
 
+/// The program, to be run in the repository's root.
+pub fn command<I, S>(args: I) -> Command
+where
+    I: IntoIterator<Item = S>,
+    S: AsRef<std::ffi::OsStr>,
+{
+    let mut command = Command::new(program());
+    command.args(args).current_dir(repository());
+    command
+}
+
+/// Runs a command to its end.
+pub fn hear(command: &mut Command) -> Said {
+    command.output().expect("the built program starts").into()
+}
+
 /// Runs the program in the repository's root.
 pub fn microsim<I, S>(args: I) -> Said
 where
     I: IntoIterator<Item = S>,
     S: AsRef<std::ffi::OsStr>,
 {
-    let output = Command::new(program()).args(args).current_dir(repository()).output();
-    output.expect("the built program starts").into()
+    hear(&mut command(args))
+}
+
+/// `microsim run MODULE ARGS… --session SESSION --json`; what it said on standard output.
+#[track_caller]
+pub fn run(module: &str, session: &Path, args: &[&str]) -> serde_json::Value {
+    let mut command = command(["run", module, "--json", "--session"]);
+    hear(command.arg(session).args(args)).expect(0).json()
+}
+
+/// `microsim replay SESSION --verify --json ARGS…`.
+pub fn verify(session: &Path, args: &[&str]) -> Said {
+    let mut command = command(["replay", "--verify", "--json"]);
+    hear(command.arg(session).args(args))
+}
+
+/// Fails the test unless a fresh process recomputes the session to the bit, to its very end.
+#[track_caller]
+pub fn assert_verified(session: &Path) {
+    let said = verify(session, &[]).expect(0).json();
+    assert_eq!(said["verified"], true, "{said}");
+    assert_eq!(said["complaint"], serde_json::Value::Null, "{said}");
+    assert_eq!(said["state_hash"], said["recorded_hash"], "{said}");
+}
+
+/// The report that `run` has left beside its session.
+pub fn report_beside(session: &Path) -> serde_json::Value {
+    let path = session.with_extension("json");
+    let text =
+        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 /// A folder that is gone after the test.

@@ -20,6 +20,9 @@ const HOLDING: Colour = [0.98, 0.85, 0.15];
 const TOO_DEEP: Colour = [0.85, 0.12, 0.12];
 const DONE: Colour = [0.20, 0.70, 0.25];
 
+/// Share of its radius by which a mark's centre lies below the tissue's surface.
+const SUNK: f64 = 0.7;
+
 /// Objects of the level whose name starts so are marks.
 const MARK: &str = "mark-";
 
@@ -40,6 +43,8 @@ struct Keys {
 #[derive(Clone, Debug, Deserialize)]
 struct Mark {
     name: String,
+    #[serde(default)]
+    radius: f64,
     position: [f64; 3],
 }
 
@@ -117,21 +122,22 @@ fn patch(mark: &Mark, radius: f64, block: &BlockView<'_>) -> Option<Patch> {
     })
 }
 
-/// Depth of the deepest node of a patch \[m\], and where that node is.
+/// Depth of the deepest node of a patch \[m\], and the mean place of its nodes \[m\].
 fn depth(patch: &Patch, block: &BlockView<'_>) -> Option<(f64, [f64; 3])> {
     let (ids, positions) = (block.u32s("node_id")?, block.f64s("position")?);
-    let mut deepest: Option<(f64, [f64; 3])> = None;
+    let mut deepest = f64::NEG_INFINITY;
+    let (mut sum, mut found) = ([0.0; 3], 0_u32);
     for (id, height) in patch.nodes.iter().zip(&patch.heights) {
         // Ids are stable and ascending, whatever a cut does to their places.
         let Ok(node) = ids.binary_search(id) else {
             continue;
         };
         let p = position(positions, node);
-        if deepest.is_none_or(|(d, _)| height - p[2] > d) {
-            deepest = Some((height - p[2], p));
-        }
+        deepest = deepest.max(height - p[2]);
+        sum = [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]];
+        found += 1;
     }
-    deepest
+    (found > 0).then(|| (deepest, sum.map(|s| s / f64::from(found))))
 }
 
 impl PushStrip {
@@ -171,9 +177,10 @@ impl PushStrip {
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         for (mark, patch) in self.marks.iter().zip(&state.patches) {
-            if let Some((_, place)) = depth(patch, block) {
+            if let Some((_, [x, y, z])) = depth(patch, block) {
+                // Sunk so far that a cap shows around the tool that stands on it.
                 let pose = Some(Pose {
-                    position: place,
+                    position: [x, y, z - SUNK * mark.radius],
                     ..Pose::default()
                 });
                 tick.publish(&ObjectSet {

@@ -1,0 +1,88 @@
+//! Sessions written anew, every checksum right, with one thing changed: as a forger would, or a fault in memory.
+
+use microsim_bus::Frames;
+use microsim_bus::frame::push_stamped;
+use microsim_host::record::{EndRecord, Session, TickRecord, kind};
+use microsim_message::{InputSample, Message, decode, decode_bytes, encode};
+use microsim_session::{KIND_END, Writer, read};
+
+/// The session with the payload of every record passed through `change` (kind, tick, payload); `None` leaves a record
+/// out.
+pub fn rewrite(
+    session: &[u8],
+    mut change: impl FnMut(u8, u64, &[u8]) -> Option<Vec<u8>>,
+) -> Vec<u8> {
+    let reading = read(session).expect("a session");
+    let mut writer = Writer::create(Vec::new()).expect("memory");
+    for frame in &reading.frames {
+        if let Some(payload) = change(frame.kind, frame.tick, frame.payload) {
+            writer
+                .append(frame.kind, frame.tick, &payload)
+                .expect("memory");
+        }
+    }
+    writer.into_inner()
+}
+
+/// The session with one tick changed.
+pub fn change_tick(session: &[u8], tick: u64, change: impl Fn(&mut TickRecord)) -> Vec<u8> {
+    rewrite(session, |record_kind, record_tick, payload| {
+        if record_kind != kind::TICK || record_tick != tick {
+            return Some(payload.to_vec());
+        }
+        let mut record: TickRecord = decode_bytes(payload).expect("a tick");
+        change(&mut record);
+        Some(encode(&record))
+    })
+}
+
+/// The session with its last record changed.
+pub fn change_end(session: &[u8], change: impl Fn(&mut EndRecord)) -> Vec<u8> {
+    rewrite(session, |record_kind, _, payload| {
+        if record_kind != KIND_END {
+            return Some(payload.to_vec());
+        }
+        let mut record: EndRecord = decode_bytes(payload).expect("an end");
+        change(&mut record);
+        Some(encode(&record))
+    })
+}
+
+/// Changes the first message of its kind in the log of a tick.
+///
+/// # Panics
+/// If there is none.
+pub fn change_message<M: Message>(log: &mut Vec<u8>, change: impl Fn(&mut M)) {
+    let mut new = Vec::new();
+    let mut found = false;
+    for frame in Frames::new(log) {
+        let frame = frame.expect("a good log");
+        match decode::<M>(&frame).filter(|_| !found) {
+            Some(message) => {
+                found = true;
+                let mut message = message.expect("a good message");
+                change(&mut message);
+                push_stamped(&mut new, &frame.header, &encode(&message));
+            }
+            None => push_stamped(&mut new, &frame.header, frame.payload),
+        }
+    }
+    assert!(found, "no message \"{}\" in this tick", M::KIND);
+    *log = new;
+}
+
+/// The ticks of a session in which an input sample arrived.
+pub fn ticks_with_samples(session: &Session) -> Vec<u64> {
+    let has_sample = |record: &TickRecord| {
+        Frames::new(&record.log)
+            .filter_map(Result::ok)
+            .any(|frame| decode::<InputSample>(&frame).is_some())
+    };
+    let ticks = session.ticks.iter().filter(|(_, r)| has_sample(r));
+    ticks.map(|(tick, _)| *tick).collect()
+}
+
+/// The neighbouring double: the last bit is flipped.
+pub fn last_bit_flipped(value: f64) -> f64 {
+    f64::from_bits(value.to_bits() ^ 1)
+}
