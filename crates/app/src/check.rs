@@ -20,7 +20,10 @@ struct Findings {
 
 impl Findings {
     fn note(&mut self, what: String, result: Result<(), String>) {
-        if let Err(problem) = result {
+        // A plugin that several levels use is to be blamed once.
+        if let Err(problem) = result
+            && !self.problems.contains(&problem)
+        {
             self.problems.push(problem);
         }
         self.checked.push(what);

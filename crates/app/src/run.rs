@@ -196,18 +196,26 @@ fn finish(
     }
     // The report is made from the file, so that it shows what was really recorded.
     let report = report_of(&read(session)?, session);
-    let page = write_beside(&report, session)?;
-    if args.json {
-        tell_json(plan, session, &page, outcome, &report)?;
-    } else {
-        tell(args, session, &page, outcome, &report)?;
-    }
+    let page = write_beside(&report, session);
+    let told = match (args.json, page.as_deref().ok()) {
+        (true, page) => tell_json(plan, session, page, outcome, &report),
+        (false, page) => tell(args, session, page, outcome, &report),
+    };
+    // What went wrong with the run comes last and counts most; a full disk, say, keeps the report from being written, too.
     if let Some(failure) = &outcome.failure {
+        if let Err(Problem::Text(problem)) = page {
+            eprintln!("microsim: {problem}");
+        }
         return Err(format!(
             "{failure}; the session so far is safe in {}",
             session.display()
         )
         .into());
+    }
+    page?;
+    match told {
+        Ok(()) | Err(Problem::BrokenPipe) => {}
+        Err(problem) => return Err(problem),
     }
     let passed = outcome.result.as_ref().is_some_and(|r| r.passed) && plan.counts();
     Ok(if args.require_pass && !passed {
@@ -220,7 +228,7 @@ fn finish(
 fn tell(
     args: &RunArgs,
     session: &Path,
-    page: &Path,
+    page: Option<&Path>,
     outcome: &RunOutcome,
     report: &Report,
 ) -> Result<(), Problem> {
@@ -242,13 +250,16 @@ fn tell(
         say(picture_line(pictures, args.frames.as_deref()))?;
     }
     say(format!("Session: {}", session.display()))?;
-    say(format!("Report:  {}", page.display()))
+    match page {
+        Some(page) => say(format!("Report:  {}", page.display())),
+        None => Ok(()),
+    }
 }
 
 fn tell_json(
     plan: &RunPlan,
     session: &Path,
-    page: &Path,
+    page: Option<&Path>,
     outcome: &RunOutcome,
     report: &Report,
 ) -> Result<(), Problem> {

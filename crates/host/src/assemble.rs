@@ -80,7 +80,7 @@ impl Installation {
     /// The manifest of a plugin.
     pub fn plugin(&self, name: &str) -> Result<&Loaded<Manifest>, AssembleError> {
         let found = self.tree.plugins.iter().find(|p| p.settings.name == name);
-        found.ok_or_else(|| {
+        let found = found.ok_or_else(|| {
             let names: Vec<&str> = self
                 .tree
                 .plugins
@@ -94,7 +94,8 @@ impl Installation {
                     names.join(", ")
                 ) + &self.hidden(name),
             )
-        })
+        })?;
+        self.sound(name, found)
     }
 
     /// A module with its levels.
@@ -104,7 +105,7 @@ impl Installation {
             .modules
             .iter()
             .find(|m| m.manifest.settings.name == name);
-        found.ok_or_else(|| {
+        let found = found.ok_or_else(|| {
             let names: Vec<&str> = self
                 .tree
                 .modules
@@ -118,7 +119,31 @@ impl Installation {
                     names.join(", ")
                 ) + &self.hidden(name),
             )
-        })
+        })?;
+        self.sound(name, found)
+    }
+
+    /// What was found, unless something is wrong with a manifest of this name: that there is another one, say.
+    fn sound<T>(&self, name: &str, found: T) -> Result<T, AssembleError> {
+        let modules = self.tree.modules.iter().map(|m| &m.manifest);
+        let files: Vec<String> = self
+            .tree
+            .plugins
+            .iter()
+            .chain(modules)
+            .filter(|m| m.settings.name == name)
+            .map(|m| m.document.path().display().to_string())
+            .collect();
+        let wrong: Vec<String> = self
+            .complaints
+            .iter()
+            .filter(|c| files.contains(&c.file))
+            .map(ToString::to_string)
+            .collect();
+        match wrong.is_empty() {
+            true => Ok(found),
+            false => refuse(wrong.join("\n")),
+        }
     }
 
     /// The complaints that may be why something is not there.
@@ -410,11 +435,18 @@ impl Planner<'_> {
             plugins: Vec::new(),
             parts: self.parts(),
         };
+        let source = self.installation.plugin(&self.source.plugin)?;
+        let kind = kind_of(source.settings.kind);
+        if kind != PluginKind::Source {
+            return refuse(format!(
+                "plugin \"{}\" ({}): it is of kind `{}`, an input has to be a `source`",
+                source.settings.name,
+                source.document.path().display(),
+                kind.name()
+            ));
+        }
         let mut wanted: Vec<(&Loaded<Manifest>, String)> = vec![
-            (
-                self.installation.plugin(&self.source.plugin)?,
-                self.source.why.clone(),
-            ),
+            (source, self.source.why.clone()),
             (
                 self.installation.plugin(RECORDER)?,
                 "every run is recorded".into(),

@@ -78,7 +78,7 @@ struct Running {
     name: String,
     kind: PluginKind,
     endpoint: EndpointId,
-    /// `None`: fed from a recording instead.
+    /// `None`: fed from a recording instead, or it has failed and is not called any more.
     object: Option<PluginBox>,
 }
 
@@ -374,7 +374,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Stops every plugin, whatever the others answer; what failed comes back.
+    /// Stops every plugin that has not failed, whatever the others answer; what fails now comes back.
     pub fn stop(&mut self) -> Vec<Failure> {
         let tick = self.tick;
         let stop = |p: &mut Running| p.call("stop", tick, |o| o.stop()).err();
@@ -392,9 +392,9 @@ impl Running {
         let Some(object) = &mut self.object else {
             return Ok(None);
         };
-        let result = call(object).into_result();
-        result
-            .map(Some)
-            .map_err(|fault| Failure::from_abi(&self.name, name, tick, fault))
+        call(object).into_result().map(Some).map_err(|fault| {
+            self.object = None;
+            Failure::from_abi(&self.name, name, tick, fault)
+        })
     }
 }

@@ -1,9 +1,8 @@
 //! Loads a plugin's library from an explicit path, after checking all that can be checked before its code runs.
 
-use crate::fault::Failure;
 use crate::plan::PlannedPlugin;
 use abi_stable::library::{LibraryError, lib_header_from_path};
-use microsim_abi::{ABI_VERSION, PluginBox, PluginModule_Ref};
+use microsim_abi::{ABI_VERSION, FaultKind, PluginBox, PluginModule_Ref};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -68,14 +67,19 @@ pub fn load(plugin: &PlannedPlugin) -> Result<PluginBox, LoadError> {
                 .into(),
         ));
     }
-    module.create()()
-        .into_result()
-        .map_err(|fault| refuse(Failure::from_abi(&plugin.name, "create", 0, fault).to_string()))
+    module.create()().into_result().map_err(|fault| {
+        let how = if fault.kind == FaultKind::Panic {
+            "panicked"
+        } else {
+            "failed"
+        };
+        refuse(format!("{how} in `create`: {}", fault.text))
+    })
 }
 
 /// The few lines of a library error that matter: a changed layout prints tens of kilobytes.
 fn short(error: &LibraryError) -> String {
-    let text = error.to_string();
+    let text = error.to_string(); std::fs::write("/tmp/raw.txt", &text).unwrap();
     match error {
         LibraryError::OpenError { err, .. } => format!("cannot be opened as a library: {err}"),
         LibraryError::GetSymbolError { .. } => {

@@ -5,7 +5,7 @@
 //! ones follow without a pause until the lag is made up; a lag beyond [`Realtime::give_up`] moves the schedule, so that
 //! the simulation falls behind the wall clock instead of racing after it.
 
-use crate::engine::{Checkpoint, Engine, Feed, TickOutput};
+use crate::engine::{Checkpoint, Engine, Feed, StateDigest, TickOutput};
 use crate::fault::Failure;
 use crate::loader::{LoadError, load};
 use crate::parallel::Parallel;
@@ -242,7 +242,8 @@ impl Ears {
     }
 }
 
-/// Runs a plan to its end. `Err`: it did not begin, and no session was written beyond its header.
+/// Runs a plan to its end. `Err`: it did not begin, and no session was written (beyond its header, if that could not be
+/// written).
 pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunError> {
     let parallel = match options.threads {
         0 | 1 => None,
@@ -251,10 +252,14 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
     let mut engine = Engine::new(plan, options.limits, parallel, |p| {
         load(p).map(Some).map_err(RunError::from)
     })?;
+    if let Some(checkpoint) = &options.resume {
+        engine.restore(checkpoint)?;
+    }
+    let mut pictures = start_pictures(plan, options.pictures.clone(), options.realtime.is_none())?;
     let recorder = plan.plugins.iter().find(|p| p.kind == PluginKind::Recorder);
     let recorder = recorder.ok_or_else(|| RunError::Host("the plan has no recorder".into()))?;
+    // Last, so that a run that cannot begin leaves no file.
     let mut recorder = Recorder::start(recorder)?;
-    let mut pictures = start_pictures(plan, options.pictures.clone(), options.realtime.is_none())?;
     let started = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .unwrap_or_default();
@@ -271,7 +276,6 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
         },
     ))?;
     if let Some(checkpoint) = &options.resume {
-        engine.restore(checkpoint)?;
         recorder.write(&record(kind::CHECKPOINT, checkpoint.tick, checkpoint))?;
     }
     let mut course = Course {
@@ -324,24 +328,25 @@ impl Course<'_> {
             late_ticks: 0,
             checkpoint: None,
         };
-        let ended = match self.ticks(plan, options, &mut outcome) {
+        let ended = self.ticks(plan, options, &mut outcome);
+        let ended = ended.and_then(|ended| Ok((ended, self.engine.state_digests(&[])?)));
+        outcome.state_hash = hex(&self.engine.chain());
+        let (ended, states) = match ended {
             Ok(ended) => ended,
             Err(failure) => {
                 let recorder_failed = failure.plugin == self.recorder.name;
-                let tick = self.engine.tick_index();
-                let written = self.recorder.write(&record(kind::FAILURE, tick, &failure));
+                let record = record(kind::FAILURE, self.engine.tick_index(), &failure);
                 outcome.failure = Some(failure);
-                if recorder_failed || written.is_err() {
-                    outcome.state_hash = hex(&self.engine.chain());
+                if recorder_failed || self.recorder.write(&record).is_err() {
                     return (outcome, true);
                 }
-                Ended::Failure
+                // States are what they are now: some may be unreadable, and nothing rests on them.
+                (Ended::Failure, Vec::new())
             }
         };
-        let recorder_failed = self.close(ended, &mut outcome).is_err_and(|failure| {
-            outcome.failure.get_or_insert(failure);
-            true
-        });
+        let closed = self.close(ended, states, outcome.late_ticks);
+        let recorder_failed = closed.is_err();
+        outcome.failure = outcome.failure.or(closed.err());
         (outcome, recorder_failed)
     }
 
@@ -426,9 +431,11 @@ impl Course<'_> {
         output: &TickOutput,
     ) -> Result<(), Failure> {
         let states = match (tick + 1).is_multiple_of(plan.hash_every) {
-            true => Some(self.engine.state_digests(&[])?),
-            false => None,
+            true => self.engine.state_digests(&[]).map(Some),
+            false => Ok(None),
         };
+        // The tick is recorded even if a state cannot be saved.
+        let (states, failed) = states.map_or_else(|failure| (None, Err(failure)), |s| (s, Ok(())));
         self.recorder.write(&record(
             kind::TICK,
             tick,
@@ -439,29 +446,28 @@ impl Course<'_> {
                 states,
             },
         ))?;
+        failed?;
         if let Some(pictures) = self.pictures {
             pictures.hear(tick, plan.tick_ns, &output.log, || self.engine.blocks());
         }
         Ok(())
     }
 
-    fn close(&mut self, ended: Ended, outcome: &mut RunOutcome) -> Result<(), Failure> {
-        // After a plugin failed, states are what they are: some may be unreadable, and nothing rests on them.
-        let states = match ended {
-            Ended::Failure => Vec::new(),
-            _ => self.engine.state_digests(&[])?,
+    fn close(
+        &mut self,
+        ended: Ended,
+        states: Vec<StateDigest>,
+        late_ticks: u64,
+    ) -> Result<(), Failure> {
+        let chain = self.engine.chain().to_vec();
+        let end = EndRecord {
+            ended,
+            states,
+            chain,
+            late_ticks,
         };
-        let chain = self.engine.chain();
-        outcome.state_hash = hex(&chain);
-        self.recorder.write(&record(
-            microsim_session::KIND_END,
-            self.engine.tick_index(),
-            &EndRecord {
-                ended,
-                states,
-                chain: chain.to_vec(),
-                late_ticks: outcome.late_ticks,
-            },
-        ))
+        let tick = self.engine.tick_index();
+        self.recorder
+            .write(&record(microsim_session::KIND_END, tick, &end))
     }
 }

@@ -116,7 +116,7 @@ fn power_64(value: f32) -> f32 {
 // Light from direction `toward` as a polished instrument mirrors it: the dark room at the side, the lit ring of the microscope
 // overhead, the lamp.
 fn surroundings(toward: vec3f, lamp: f32) -> f32 {
-    let overhead = 0.06 + 0.55 * smoothstep(-0.3, 0.7, toward.z);
+    let overhead = 0.16 + 0.45 * smoothstep(-0.5, 0.7, toward.z);
     let ring = 0.40 * smoothstep(0.72, 0.86, toward.z) * (1.0 - smoothstep(0.93, 0.99, toward.z));
     let glare = 0.9 * smoothstep(0.75, 0.99, dot(toward, scene.light_z.xyz)) * lamp;
     return overhead + ring + glare;
@@ -140,7 +140,8 @@ fn surface_fragment(surface: Surface) -> @location(0) vec4f {
     var colour = albedo * diffuse;
     if surface.finish > 1.5 {
         let mirrored = surroundings(reflect(-to_eye, normal), lamp);
-        colour = albedo * (0.25 * diffuse + mirrored);
+        // Surgical steel is satin, so that it does not dazzle: half of it answers like a matte surface.
+        colour = albedo * (0.55 * diffuse + mirrored);
     } else if surface.finish > 0.5 {
         let halfway = normalize(to_light + to_eye);
         let highlight = power_64(max(dot(normal, halfway), 0.0)) * lamp;

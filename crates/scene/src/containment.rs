@@ -1,4 +1,4 @@
-//! When a body has diverged (DESIGN 3, containment).
+//! When a body has diverged: it is rolled back and computed again with shorter steps, or held.
 
 use crate::scene::{Body, Scene, SceneState};
 use microsim_geometry::signed_volume;

@@ -11,9 +11,10 @@ use microsim_abi::{
 };
 use microsim_bus::BlockView;
 use microsim_message::{Setup, decode_bytes};
+use std::any::Any;
 use std::cell::{Cell, RefCell};
 use std::mem::ManuallyDrop;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Once;
 
 thread_local! {
@@ -36,15 +37,39 @@ fn install_panic_hook() {
     });
 }
 
-fn guarded<T>(call: impl FnOnce() -> Result<T, Fault>) -> RResult<T, AbiFault> {
-    CROSSING.set(true);
+/// A panic that was caught, with what the hook has kept of it.
+pub(crate) struct Caught {
+    text: String,
+    content: Box<dyn Any + Send>,
+}
+
+impl Caught {
+    /// Lets the panic go on, on this thread.
+    pub(crate) fn resume(self) -> ! {
+        PANIC.set(self.text);
+        resume_unwind(self.content)
+    }
+}
+
+/// Calls, and catches a panic.
+pub(crate) fn caught<T>(call: impl FnOnce() -> T) -> Result<T, Caught> {
+    let before = CROSSING.replace(true);
     let result = catch_unwind(AssertUnwindSafe(call));
-    CROSSING.set(false);
-    match result {
+    CROSSING.set(before);
+    result.map_err(|content| Caught {
+        text: PANIC.take(),
+        content,
+    })
+}
+
+fn guarded<T>(call: impl FnOnce() -> Result<T, Fault>) -> RResult<T, AbiFault> {
+    match caught(call) {
         Ok(Ok(value)) => RResult::ROk(value),
         Ok(Err(fault)) => RResult::RErr(fault.to_abi()),
-        Err(_) => {
-            let text = PANIC.take().replace('\n', " ");
+        Err(panic) => {
+            // Its destructor is the plugin's own: it might panic again, where nothing catches it.
+            std::mem::forget(panic.content);
+            let text = panic.text.replace('\n', " ");
             RResult::RErr(AbiFault {
                 kind: FaultKind::Panic,
                 text: text.into(),

@@ -385,7 +385,9 @@ impl Course {
         let logs: Vec<(&str, &MotionLog)> =
             self.logs.iter().map(|(t, l)| (t.as_str(), l)).collect();
         // The way of a task that was left half done is not comparable with the shortest way of the whole.
-        let shortest_path = self.shortest_path.filter(|_| self.machine.all_targets_done());
+        let shortest_path = self
+            .shortest_path
+            .filter(|_| self.machine.all_targets_done());
         let mut measured =
             training::motion_metrics(&logs, duration, shortest_path, &self.parameters)
                 .map_err(|e| fault(&e))?;

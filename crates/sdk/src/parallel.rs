@@ -1,9 +1,8 @@
 //! The host's parallel loop, safe.
 
+use crate::boundary::{Caught, caught};
 use microsim_abi::{ParallelBody, ParallelFor};
-use std::any::Any;
 use std::ffi::c_void;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Mutex;
 
 /// Runs the parts of a loop on the host's threads, or one after the other where the host gives none. What a part
@@ -22,14 +21,19 @@ impl std::fmt::Debug for Host {
 
 struct Job<'a> {
     body: &'a (dyn Fn(usize) + Sync),
-    panic: Mutex<Option<Box<dyn Any + Send>>>,
+    panic: Mutex<Option<Caught>>,
 }
 
 unsafe extern "C" fn call_part(data: *const c_void, part: u32) {
     // SAFETY: `data` is the `Job` that `for_each` keeps alive until `run` returns.
     let job = unsafe { &*data.cast::<Job<'_>>() };
-    if let Err(panic) = catch_unwind(AssertUnwindSafe(|| (job.body)(part as usize))) {
-        *job.panic.lock().unwrap_or_else(|e| e.into_inner()) = Some(panic);
+    if let Err(panic) = caught(|| (job.body)(part as usize)) {
+        let mut first = job.panic.lock().unwrap_or_else(|e| e.into_inner());
+        match &*first {
+            None => *first = Some(panic),
+            // Not dropped: a destructor that panics must not unwind into the host.
+            Some(_) => std::mem::forget(panic),
+        }
     }
 }
 
@@ -65,7 +69,7 @@ impl Parallel {
         }
         let panic = job.panic.into_inner().unwrap_or_else(|e| e.into_inner());
         if let Some(panic) = panic {
-            resume_unwind(panic);
+            panic.resume();
         }
     }
 }

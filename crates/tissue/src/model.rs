@@ -5,7 +5,7 @@ use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 
 /// Bodies with at least this many volume elements compute forces in parallel parts. Below it, handing work to threads
-/// (13–21 µs, ENGINEERING) costs more than it saves.
+/// (13–21 µs with rayon, measured) costs more than it saves.
 const PARALLEL_ELEMENTS: usize = 4096;
 
 /// Parts of a parallel body. It depends on the model alone, never on the number of threads.

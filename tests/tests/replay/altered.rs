@@ -1,0 +1,123 @@
+//! Whoever changes a session, checksums included, is found out, and the tick is named.
+
+use crate::{pushed_strip, recorded_hand};
+use microsim_host::record::Session;
+use microsim_message::{InputSample, ToolStates};
+use microsim_tests::alter::{
+    change_end, change_message, change_tick, last_bit_flipped, rewrite, ticks_with_samples,
+};
+use microsim_tests::{scratch, verify};
+use std::fs;
+use std::path::Path;
+
+/// Fails the test unless the replay of these bytes names `tick`; returns what it says.
+#[track_caller]
+fn first_difference(folder: &Path, bytes: &[u8], tick: u64) -> String {
+    let session = folder.join("altered.session");
+    fs::write(&session, bytes).expect("a file");
+    let said = verify(&session, &[]).expect(1).json();
+    assert_eq!(said["verified"], false, "{said}");
+    // The file itself is in order: only the recomputation can find the change.
+    assert_eq!(said["complaint"], serde_json::Value::Null, "{said}");
+    let difference = &said["first_difference"];
+    assert_eq!(difference["tick"], tick, "{said}");
+    difference["what"].as_str().unwrap_or_default().to_owned()
+}
+
+/// Five ticks from the first to the last of a list.
+fn spread(ticks: &[u64]) -> [u64; 5] {
+    [0, 1, 2, 3, 4].map(|n| ticks[n * (ticks.len() - 1) / 4])
+}
+
+/// One coordinate of one sample, by its last bit.
+fn one_altered_sample_is_named(session: &Path, folder: &Path) {
+    let bytes = fs::read(session).expect("a session");
+    let read = Session::read(&bytes).expect("a session");
+    for (n, tick) in spread(&ticks_with_samples(&read)).into_iter().enumerate() {
+        let altered = change_tick(&bytes, tick, |record| {
+            change_message(&mut record.log, |sample: &mut InputSample| {
+                let coordinate = &mut sample.pose.position[n % 3];
+                *coordinate = last_bit_flipped(*coordinate);
+            });
+        });
+        first_difference(folder, &altered, tick);
+    }
+}
+
+#[test]
+fn one_altered_input_sample_is_named_by_its_tick() {
+    let folder = scratch();
+    one_altered_sample_is_named(&recorded_hand(&folder), folder.path());
+    one_altered_sample_is_named(&pushed_strip(&folder), folder.path());
+}
+
+/// Writing a session anew without a change is no change: what the other tests find is what they have altered.
+#[test]
+fn a_session_written_anew_is_the_same_file() {
+    let folder = scratch();
+    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
+    assert!(rewrite(&bytes, |_, _, payload| Some(payload.to_vec())) == bytes);
+    assert!(change_tick(&bytes, 100, |_| ()) == bytes);
+    assert!(change_end(&bytes, |_| ()) == bytes);
+}
+
+#[test]
+fn an_altered_message_of_a_plugin_is_named_with_kind_and_sender() {
+    let folder = scratch();
+    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
+    let altered = change_tick(&bytes, 1234, |record| {
+        change_message(&mut record.log, |states: &mut ToolStates| states.tools[0].opening = 0.5);
+    });
+    let what = first_difference(folder.path(), &altered, 1234);
+    assert!(what.contains("message \"tool.states\" of \"translator\" differs"), "{what}");
+}
+
+#[test]
+fn an_altered_hash_is_named() {
+    let folder = scratch();
+    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
+    let read = Session::read(&bytes).expect("a session");
+    for tick in [0, 777, read.ticks.len() as u64 - 1] {
+        let altered = change_tick(&bytes, tick, |record| record.chain[7] ^= 4);
+        first_difference(folder.path(), &altered, tick);
+    }
+    let altered = change_end(&bytes, |end| end.chain[0] ^= 1);
+    let what = first_difference(folder.path(), &altered, read.ticks.len() as u64);
+    assert!(what.contains("at the end"), "{what}");
+}
+
+/// The digest of a plugin's state, at the end of an interval of state hashes. A source is not run again; that its
+/// digest was altered shows in the running hash of the next tick.
+#[test]
+fn an_altered_state_digest_is_named_with_its_plugin() {
+    let folder = scratch();
+    let bytes = fs::read(pushed_strip(&folder)).expect("a session");
+    let read = Session::read(&bytes).expect("a session");
+    let hashed: Vec<_> = read.ticks.iter().filter(|(_, r)| r.states.is_some()).collect();
+    let (tick, record) = hashed[hashed.len() / 2];
+    let plugins = record.states.as_deref().unwrap_or_default();
+    assert_eq!(plugins.len(), 5, "source, translator, physics, module, objects: {plugins:?}");
+    for (n, plugin) in plugins.iter().enumerate() {
+        let altered = change_tick(&bytes, *tick, |record| {
+            record.states.as_mut().expect("states")[n].digest[31] ^= 128;
+        });
+        if plugin.plugin.starts_with("source-") {
+            first_difference(folder.path(), &altered, tick + 1);
+        } else {
+            let what = first_difference(folder.path(), &altered, *tick);
+            assert_eq!(what, format!("the state of {} differs", plugin.plugin));
+        }
+    }
+}
+
+#[test]
+fn a_missing_tick_is_named() {
+    let folder = scratch();
+    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
+    let is_tick = |kind| kind == microsim_host::record::kind::TICK;
+    let altered = rewrite(&bytes, |kind, tick, payload| {
+        (!is_tick(kind) || tick != 4321).then(|| payload.to_vec())
+    });
+    let what = first_difference(folder.path(), &altered, 4322);
+    assert!(what.contains("tick 4321 is missing"), "{what}");
+}

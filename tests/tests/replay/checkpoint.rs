@@ -1,0 +1,67 @@
+//! Save, new process, restore, go on: the same history as without the interruption.
+
+use crate::{PUSH_STRIP, TOUCH_SPHERES};
+use microsim_tests::{assert_verified, command, hear, run, scratch};
+use std::path::Path;
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("a temporary path is UTF-8")
+}
+
+fn goes_on(module: &str, args: &[&str], seconds: &[&str]) {
+    let folder = scratch();
+    let whole = run(module, &folder.path().join("whole.session"), args);
+    let whole = ["state_hash", "score", "failed", "verdict", "ticks"].map(|k| whole[k].clone());
+    for (n, seconds) in seconds.iter().enumerate() {
+        let checkpoint = folder.path().join(format!("{n}.checkpoint"));
+        let first = folder.path().join(format!("{n}-first.session"));
+        let stop = ["--stop-at", seconds, "--checkpoint", path(&checkpoint)];
+        let stopped = run(module, &first, &[args, &stop].concat());
+        // A tick is 8 ms long in every level of both modules.
+        let ticks = (seconds.parse::<f64>().expect("seconds") / 0.008).round();
+        assert_eq!(stopped["ticks"].as_f64(), Some(ticks), "{stopped}");
+        assert_verified(&first);
+
+        let second = folder.path().join(format!("{n}-second.session"));
+        let resume = ["--resume", path(&checkpoint), "--threads", "2"];
+        let resumed = run(module, &second, &[args, &resume].concat());
+        let resumed =
+            ["state_hash", "score", "failed", "verdict", "ticks"].map(|k| resumed[k].clone());
+        assert_eq!(resumed, whole, "{module}, interrupted at {seconds} s");
+        assert_verified(&second);
+    }
+}
+
+#[test]
+fn touch_spheres_goes_on_from_a_checkpoint() {
+    goes_on("touch-spheres", &TOUCH_SPHERES, &["0.008", "12.344", "97.6"]);
+}
+
+/// The times lie before, in and after the contact with the strip.
+#[test]
+fn push_strip_goes_on_from_a_checkpoint() {
+    goes_on("push-strip", &PUSH_STRIP, &["0.4", "1.2", "2.0"]);
+}
+
+#[test]
+fn a_checkpoint_of_another_run_is_refused() {
+    let folder = scratch();
+    let checkpoint = folder.path().join("there.checkpoint");
+    let stop = ["--stop-at", "1", "--checkpoint", path(&checkpoint)];
+    let first = folder.path().join("first.session");
+    run("touch-spheres", &first, &[&TOUCH_SPHERES[..], &stop].concat());
+
+    let others = [("touch-spheres", ["--level", "2"]), ("touch-spheres", ["--seed", "2"])];
+    for (n, (module, args)) in others.into_iter().enumerate() {
+        let session = folder.path().join(format!("{n}.session"));
+        let mut command = command(["run", module, "--resume", path(&checkpoint), "--session"]);
+        let said = hear(command.arg(&session).args(TOUCH_SPHERES).args(args)).expect(2);
+        assert!(said.err.contains("belongs to another module, level, seed or set-up"), "{said:?}");
+    }
+
+    // The first checkpoint is not written over either.
+    let again = folder.path().join("again.session");
+    let mut command = command(["run", "touch-spheres", "--session"]);
+    let said = hear(command.arg(again).args(TOUCH_SPHERES).args(stop)).expect(2);
+    assert!(said.err.contains("there.checkpoint"), "{said:?}");
+}
