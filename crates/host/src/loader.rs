@@ -79,7 +79,7 @@ pub fn load(plugin: &PlannedPlugin) -> Result<PluginBox, LoadError> {
 
 /// The few lines of a library error that matter: a changed layout prints tens of kilobytes.
 fn short(error: &LibraryError) -> String {
-    let text = error.to_string(); std::fs::write("/tmp/raw.txt", &text).unwrap();
+    let text = error.to_string();
     match error {
         LibraryError::OpenError { err, .. } => format!("cannot be opened as a library: {err}"),
         LibraryError::GetSymbolError { .. } => {

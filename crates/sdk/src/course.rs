@@ -101,7 +101,7 @@ fn own_definition(metric: &settings::ModuleMetric) -> MetricDefinition {
         title: title(&metric.title),
         unit: metric.unit.symbol().into(),
         display_factor: metric.unit.from_si(1.0, &symbol).unwrap_or(1.0),
-        display_unit: symbol.into(),
+        display_unit: shown(&symbol).into(),
         decimals: 2,
         direction: match metric.direction {
             settings::Direction::Lower => training::Direction::LowerIsBetter,
@@ -117,6 +117,19 @@ fn own_definition(metric: &settings::ModuleMetric) -> MetricDefinition {
         formula: metric.formula.clone().into(),
         source: metric.source.clone().into(),
         advice: title(&metric.advice),
+    }
+}
+
+/// A unit's symbol as people read it; files keep to plain letters.
+fn shown(symbol: &str) -> String {
+    match symbol {
+        "deg" => "°".into(),
+        "deg/s" => "°/s".into(),
+        "1" | "count" => String::new(),
+        symbol => match symbol.strip_prefix('u') {
+            Some(rest) => format!("µ{rest}"),
+            None => symbol.replace("^2", "²").replace("^3", "³"),
+        },
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{pushed_strip, recorded_hand};
 use microsim_host::record::Session;
-use microsim_message::{InputSample, ToolStates};
+use microsim_message::{InputSample, ToolStates, TrainingResult};
 use microsim_tests::alter::{
     change_end, change_message, change_tick, last_bit_flipped, rewrite, ticks_with_samples,
 };
@@ -70,6 +70,19 @@ fn an_altered_message_of_a_plugin_is_named_with_kind_and_sender() {
     });
     let what = first_difference(folder.path(), &altered, 1234);
     assert!(what.contains("message \"tool.states\" of \"translator\" differs"), "{what}");
+}
+
+/// The score of a report is that of the recorded result: it cannot be made better.
+#[test]
+fn an_altered_score_is_named() {
+    let folder = scratch();
+    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
+    let last = Session::read(&bytes).expect("a session").ticks.len() as u64 - 1;
+    let altered = change_tick(&bytes, last, |record| {
+        change_message(&mut record.log, |result: &mut TrainingResult| result.score = 100.0);
+    });
+    let what = first_difference(folder.path(), &altered, last);
+    assert!(what.contains("message \"training.result\" of \"touch-spheres\" differs"), "{what}");
 }
 
 #[test]

@@ -73,8 +73,8 @@ fn every_plugin_counts(plan: &RunPlan, ticks: u64) {
     for (index, digest) in digests.iter().enumerate() {
         let flips = flip(plan, &original, index);
         println!("{}: {} bytes, {flips:?}", digest.plugin, original.states[index].len());
-        // Mostly numbers: more of the flipped bits are kept than make no difference.
-        assert!(flips.kept > 8 && flips.kept > 4 * flips.notation, "{}: {flips:?}", digest.plugin);
+        // A source saves little: a number and a flag, eight bits that can differ.
+        assert!(flips.kept >= 8 && flips.kept > 4 * flips.notation, "{}: {flips:?}", digest.plugin);
     }
 }
 

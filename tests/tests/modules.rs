@@ -1,0 +1,287 @@
+//! Every module of the tree, every level: the script that passes, the scripts that fail, each for its reason alone, and
+//! doing nothing. Modules, levels and scripts are found, not listed: a new module is tested as it is.
+
+use microsim_tests::{
+    RECORDING, Said, assert_verified, command, hear, microsim, report_beside, repository, run,
+    scratch, tree,
+};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Somebody who holds the tool still, far from everything, for a while.
+const IDLE: &str = "\
+[[tool]]
+name = \"right\"
+
+[[tool.key]]
+t = \"0 s\"
+position = [\"12 mm\", \"-12 mm\", \"25 mm\"]
+direction = [0, 0, 1]
+
+[[tool.key]]
+t = \"3 s\"
+position = [\"12 mm\", \"-12 mm\", \"25 mm\"]
+direction = [0, 0, 1]
+";
+
+/// A level as `microsim list --json` has it.
+struct Level {
+    module: String,
+    number: u64,
+}
+
+fn levels() -> Vec<Level> {
+    let listed = microsim(["list", "--json"]).expect(0).json();
+    let modules = listed["modules"].as_array().expect("modules").clone();
+    let levels = modules.iter().flat_map(|module| {
+        let name = module["name"].as_str().expect("a name").to_owned();
+        let levels = module["levels"].as_array().expect("levels").clone();
+        levels.into_iter().map(move |level| Level {
+            module: name.clone(),
+            number: level["level"].as_u64().expect("a number"),
+        })
+    });
+    levels.collect()
+}
+
+impl Level {
+    /// Its scripts: the reason for which each fails, `None` for one that passes.
+    fn scripts(&self) -> Vec<(Option<String>, PathBuf)> {
+        let folder = tree().join("modules").join(&self.module).join("scripts");
+        let listing = fs::read_dir(&folder)
+            .unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        let mut scripts: Vec<_> = listing
+            .filter_map(|entry| {
+                let path = entry.expect("a script").path();
+                let name = path.file_stem()?.to_str()?.to_owned();
+                let kind = name.strip_prefix(&format!("level{}-", self.number))?;
+                match kind.strip_prefix("fail-") {
+                    Some(reason) => Some((Some(reason.to_owned()), path)),
+                    None => (kind == "pass").then_some((None, path)),
+                }
+            })
+            .collect();
+        scripts.sort();
+        scripts
+    }
+
+    fn run(&self, folder: &Path, name: &str, script: &Path, args: &[&str]) -> Value {
+        let session = folder.join(format!("{}-{}-{name}.session", self.module, self.number));
+        let input = format!("script:{}", script.display());
+        let level = self.number.to_string();
+        let args = [&["--level", &level, "--input", &input], args].concat();
+        let said = run(&self.module, &session, &args);
+        assert_verified(&session);
+        said
+    }
+}
+
+#[test]
+fn every_level_has_scripts_that_pass_and_fail_for_their_reason() {
+    let folder = scratch();
+    let (mut passes, mut fails) = (0, 0);
+    for level in levels() {
+        let scripts = level.scripts();
+        let what = format!("{}, level {}", level.module, level.number);
+        assert!(scripts.iter().any(|(reason, _)| reason.is_none()), "{what}: no script passes");
+        assert!(scripts.iter().any(|(reason, _)| reason.is_some()), "{what}: no script fails");
+        for (reason, script) in scripts {
+            let name = reason.as_deref().unwrap_or("pass");
+            let said = level.run(folder.path(), name, &script, &[]);
+            let what = format!("{}: {said}", script.display());
+            assert_eq!(said["counts"], true, "{what}");
+            match reason {
+                None => {
+                    assert_eq!(said["verdict"], "passed", "{what}");
+                    assert_eq!(said["failed"], json!([]), "{what}");
+                    assert_eq!(said["targets_done"], said["targets"], "{what}");
+                    assert!(said["score"].as_f64().is_some_and(|score| score > 0.0), "{what}");
+                    passes += 1;
+                }
+                Some(reason) => {
+                    assert_eq!(said["verdict"], "failed", "{what}");
+                    assert_eq!(said["failed"], json!([reason]), "{what}");
+                    fails += 1;
+                }
+            }
+        }
+    }
+    println!("{passes} scripts pass, {fails} fail for their reason alone");
+}
+
+#[test]
+fn doing_nothing_scores_nothing() {
+    let folder = scratch();
+    let script = folder.path().join("idle.toml");
+    fs::write(&script, IDLE).expect("a script");
+    for level in levels() {
+        let said = level.run(folder.path(), "idle", &script, &[]);
+        assert_eq!(said["verdict"], "failed", "{said}");
+        assert_eq!(said["score"], 0.0, "{said}");
+        assert_eq!(said["targets_done"], 0, "{said}");
+    }
+}
+
+/// What passes push-strip passes because the tissue answers: without physics the same motion reaches nothing.
+#[test]
+fn a_strip_that_does_not_answer_cannot_be_pushed() {
+    let folder = scratch();
+    let mut tried = 0;
+    for level in levels().into_iter().filter(|level| level.module == "push-strip") {
+        for (_, script) in level.scripts().into_iter().filter(|(reason, _)| reason.is_none()) {
+            let without = ["--without", "physics"];
+            let said = level.run(folder.path(), "without", &script, &without);
+            assert_eq!(said["verdict"], "failed", "{said}");
+            assert_eq!(said["targets_done"], 0, "{said}");
+            assert_eq!(said["counts"], false, "{said}");
+            tried += 1;
+        }
+    }
+    assert!(tried >= 2, "push-strip has two levels");
+}
+
+/// Samples, segments, gaps and path of the file, counted by hand from its rows when the project was set up (the issue
+/// that asked for this program states them); the report must find the same, raw and in the device's own frame.
+#[test]
+fn the_report_has_the_recordings_raw_numbers() {
+    let folder = scratch();
+    let session = folder.path().join("hand.session");
+    run("touch-spheres", &session, &["--input", RECORDING]);
+    let report = report_beside(&session);
+    let devices = report["input"].as_array().expect("devices");
+    assert_eq!(devices.len(), 1, "one stylus");
+    let device = &devices[0];
+    assert_eq!(device["device"], "stylus");
+    assert_eq!(device["samples"], 3466);
+    assert_eq!(device["segments"], 12);
+    assert_eq!(device["gaps"], 11);
+    let path = device["path_mm"].as_f64().expect("a path");
+    assert!((path - 1109.963).abs() < 0.001, "{path} mm");
+
+    // `report` finds the same as `run` has written.
+    let said = microsim(["report".as_ref(), session.as_os_str(), "--json".as_ref()]).expect(0);
+    assert_eq!(said.json()["input"], report["input"]);
+}
+
+/// Names of the folders in a folder of the repository.
+fn folders(name: &str) -> BTreeSet<String> {
+    let listing = fs::read_dir(repository().join(name)).expect("a folder");
+    let entries = listing.map(|entry| entry.expect("an entry"));
+    let folders = entries.filter(|entry| entry.path().join("Cargo.toml").is_file());
+    folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+}
+
+fn names(list: &Value) -> BTreeSet<String> {
+    let list = list.as_array().expect("a list");
+    list.iter().map(|entry| entry["name"].as_str().expect("a name").to_owned()).collect()
+}
+
+#[test]
+fn list_names_all_modules_levels_and_plugins() {
+    let listed = microsim(["list", "--json"]).expect(0).json();
+    assert_eq!(names(&listed["modules"]), folders("modules"));
+    assert_eq!(names(&listed["plugins"]), folders("plugins"));
+    for module in listed["modules"].as_array().expect("modules") {
+        let name = module["name"].as_str().expect("a name");
+        let files = fs::read_dir(repository().join("modules").join(name).join("levels"));
+        let numbers: Vec<u64> = module["levels"]
+            .as_array()
+            .expect("levels")
+            .iter()
+            .map(|level| level["level"].as_u64().expect("a number"))
+            .collect();
+        let expected: Vec<u64> = (1..=files.expect("levels").count() as u64).collect();
+        assert_eq!(numbers, expected, "{name}");
+    }
+}
+
+/// Texts that a trainee reads are there in both languages.
+#[test]
+fn modules_and_levels_speak_both_languages() {
+    let listed = microsim(["list", "--json"]).expect(0).json();
+    let modules = listed["modules"].as_array().expect("modules");
+    let levels = modules.iter().flat_map(|m| m["levels"].as_array().expect("levels"));
+    for spoken in modules.iter().chain(levels) {
+        for text in ["title", "summary"] {
+            for language in ["de", "en"] {
+                let text = spoken[text][language].as_str().unwrap_or_default();
+                assert!(!text.trim().is_empty(), "{language} in {spoken}");
+            }
+            assert_ne!(spoken[text]["de"], spoken[text]["en"], "not translated: {spoken}");
+        }
+    }
+}
+
+fn explained(module: &str, args: &[&str]) -> (Vec<String>, Value) {
+    let mut command = command(["run", module, "--explain", "--json"]);
+    let said: Said = hear(command.args(args)).expect(0);
+    let plan = said.json();
+    let plugins = plan["plugins"].as_array().expect("plugins").iter();
+    let names = plugins.map(|p| p["name"].as_str().expect("a name").to_owned()).collect();
+    (names, plan)
+}
+
+/// Only what a scene needs: the abstract module loads no physics, a run without `--frames` no renderer. The order is
+/// that of a tick.
+#[test]
+fn explain_says_exactly_what_is_loaded_and_why() {
+    let (plugins, plan) = explained("touch-spheres", &["--input", RECORDING]);
+    assert_eq!(plugins, ["source-recording", "translator", "touch-spheres", "objects", "recorder"]);
+    assert_eq!(plan["module"], "touch-spheres");
+    assert_eq!(plan["tick_s"], 0.008);
+    for entry in ["plugins", "parts"].iter().flat_map(|k| plan[*k].as_array().expect("a list")) {
+        assert!(entry["why"].as_str().is_some_and(|why| !why.is_empty()), "{entry}");
+    }
+    let what = |plan: &Value| -> BTreeSet<String> {
+        let parts = plan["parts"].as_array().expect("parts").iter();
+        parts.map(|part| part["what"].as_str().expect("what").to_owned()).collect()
+    };
+    assert_eq!(what(&plan), ["object", "tool"].map(String::from).into());
+
+    let script = ["--input", "script:level1-pass.toml"];
+    let (plugins, plan) = explained("push-strip", &script);
+    let expected = ["source-script", "translator", "physics", "push-strip", "objects", "recorder"];
+    assert_eq!(plugins, expected);
+    assert_eq!(what(&plan), ["body", "contact", "method", "object", "tool"].map(String::from).into());
+
+    let without = [&script[..], &["--without", "physics"]].concat();
+    let (plugins, plan) = explained("push-strip", &without);
+    assert!(!plugins.contains(&"physics".to_owned()));
+    assert_eq!(plan["without"], json!(["physics"]));
+    assert_eq!(what(&plan), ["object", "tool"].map(String::from).into());
+
+    let frames = [&script[..], &["--frames", "nowhere"]].concat();
+    let (plugins, _) = explained("push-strip", &frames);
+    assert!(plugins.contains(&"renderer".to_owned()));
+    assert!(!repository().join("nowhere").exists(), "--explain runs nothing");
+}
+
+/// What scripts around the program rely on.
+#[test]
+fn the_json_of_a_run_has_its_fields() {
+    let folder = scratch();
+    let session = folder.path().join("run.session");
+    let said = run("touch-spheres", &session, &["--input", "script:level1-pass.toml"]);
+    let fields: BTreeSet<&str> =
+        said.as_object().expect("an object").keys().map(String::as_str).collect();
+    let expected = [
+        "counts", "failed", "failure", "late_ticks", "level", "module", "pictures", "report",
+        "score", "seed", "session", "state_hash", "targets", "targets_done", "ticks", "verdict",
+    ];
+    assert_eq!(fields, expected.into());
+    assert_eq!(said["session"].as_str(), session.to_str());
+    assert_eq!(said["state_hash"].as_str().map(str::len), Some(64));
+    for file in ["html", "json", "metrics.csv", "series.csv"] {
+        assert!(session.with_extension(file).is_file(), "{file}");
+    }
+
+    // The pass that was asked for is there, or it is not: the exit status says so.
+    let mut passing = command(["run", "touch-spheres", "--require-pass", "--session"]);
+    passing.arg(folder.path().join("pass.session"));
+    hear(passing.args(["--input", "script:level1-pass.toml"])).expect(0);
+    let mut failing = command(["run", "touch-spheres", "--require-pass", "--session"]);
+    failing.arg(folder.path().join("fail.session"));
+    hear(failing.args(["--input", "script:level1-fail-wrong-angle.toml"])).expect(1);
+}

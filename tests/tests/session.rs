@@ -1,0 +1,92 @@
+//! Ways for a run to end: told to stop, or killed.
+
+use microsim_host::record::{Ended, Session};
+use microsim_tests::kill::{Moment, Target, moments};
+use microsim_tests::{Said, assert_verified, command, report_beside, scratch};
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest wait for another process.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A paced run of the recorded hand, which would last 98 s.
+fn long_run(session: &Path) -> Child {
+    let mut run = command(["run", "touch-spheres", "--realtime", "--json", "--input"]);
+    run.arg(microsim_tests::RECORDING).arg("--session").arg(session);
+    run.stdout(Stdio::piped()).stderr(Stdio::piped());
+    run.spawn().expect("the built program starts")
+}
+
+/// Waits until the session has this many ticks.
+fn wait_for(session: &Path, ticks: usize) {
+    let start = Instant::now();
+    loop {
+        let read = fs::read(session).ok().and_then(|bytes| Session::read(&bytes).ok());
+        if read.is_some_and(|read| read.ticks.len() >= ticks) {
+            return;
+        }
+        assert!(start.elapsed() < PATIENCE, "no {ticks} ticks in {}", session.display());
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("sh").arg("-c").arg(format!("kill -{name} {}", child.id())).status();
+    assert!(sent.expect("a shell").success());
+}
+
+fn ends_in_order(signal_name: &str) {
+    let folder = scratch();
+    let session = folder.path().join("stopped.session");
+    let child = long_run(&session);
+    wait_for(&session, 50);
+    signal(&child, signal_name);
+    let start = Instant::now();
+    let said: Said = child.wait_with_output().expect("the run ends").into();
+    assert!(start.elapsed() < PATIENCE, "{signal_name} was not heard");
+    let said = said.expect(0).json();
+    assert_eq!(said["verdict"], "aborted", "{said}");
+    assert_eq!(said["counts"], false, "{said}");
+
+    let read = Session::read(&fs::read(&session).expect("a session")).expect("a session");
+    assert_eq!(read.complaint, None);
+    assert_eq!(read.end.map(|end| end.ended), Some(Ended::Result));
+    assert_eq!(said["ticks"].as_u64(), Some(read.ticks.len() as u64));
+    let report = report_beside(&session);
+    assert_eq!(report["verdict"], "aborted");
+    assert_eq!(report["failed"], serde_json::json!(["aborted"]));
+    assert_verified(&session);
+}
+
+#[test]
+fn ctrl_c_ends_with_a_complete_session() {
+    ends_in_order("INT");
+}
+
+#[test]
+fn a_polite_kill_ends_with_a_complete_session() {
+    ends_in_order("TERM");
+}
+
+/// A sample of what `cargo xtask soak kills` does 200 times.
+#[test]
+fn a_killed_run_leaves_a_readable_session() {
+    let target = Target::new(1.0, true);
+    let mut running = 0;
+    for (n, delay) in moments(Duration::from_secs(1), 6).into_iter().enumerate() {
+        let remains = target.kill(n, delay);
+        println!("killed after {delay:?}: {remains:?}");
+        if remains.moment == Moment::Starting {
+            continue;
+        }
+        running += 1;
+        assert!(remains.readable && remains.verified, "{remains:?}");
+        assert!(remains.on_file <= remains.begun, "{remains:?}");
+        // At most 100 ms of simulated time: twelve ticks.
+        assert!(remains.lost() as f64 * target.tick <= 0.1, "{remains:?}");
+    }
+    // A run lasts longer than the second over which the moments are spread, and starts in far less than half of one.
+    assert!(running >= 3, "{running} of 6 runs were killed while running");
+}
