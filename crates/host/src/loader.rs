@@ -85,18 +85,10 @@ fn short(error: &LibraryError) -> String {
         LibraryError::GetSymbolError { .. } => {
             "exports no plugin (the root symbol is missing): does it call `export_plugin!`?".into()
         }
-        LibraryError::AbiInstability(_) => {
-            let errors: Vec<&str> = text
-                .lines()
-                .map(str::trim)
-                .filter(|line| line.starts_with("Error:"))
-                .take(3)
-                .collect();
-            format!(
-                "its memory layout is not that of this host's plugin contract; build it again ({})",
-                errors.join("; ")
-            )
-        }
+        LibraryError::AbiInstability(_) => format!(
+            "its memory layout is not that of this host's plugin contract; build it again ({})",
+            first_difference(&text)
+        ),
         LibraryError::IncompatibleVersionNumber {
             expected_version,
             actual_version,
@@ -113,4 +105,25 @@ fn short(error: &LibraryError) -> String {
             format!("cannot be loaded: {line}")
         }
     }
+}
+
+/// Of the tens of kilobytes that a changed layout prints, in which the innermost difference stands last: where it is and
+/// what it is.
+fn first_difference(text: &str) -> String {
+    let innermost = text.rsplit("error(s)inside:").next().unwrap_or(text);
+    let (way, _) = innermost
+        .split_once("Layout of expected type:")
+        .unwrap_or((innermost, ""));
+    // The n-th from the end.
+    let value = |key: &str, n| {
+        let values = way.lines().rev().filter_map(|l| l.trim().strip_prefix(key));
+        values.map(str::to_owned).nth(n)
+    };
+    let place = match (value("field_name:", 0), value("type:", 1)) {
+        (Some(field), Some(owner)) => format!("`{field}` of `{owner}`: "),
+        _ => String::new(),
+    };
+    let error = innermost.rsplit_once("Error:").map_or("", |(_, e)| e);
+    let error: Vec<&str> = error.split_whitespace().take(20).collect();
+    format!("{place}{}", error.join(" "))
 }

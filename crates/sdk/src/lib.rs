@@ -4,6 +4,7 @@
 //! - [`Tick`]: typed messages in and out of one `process` call.
 //! - [`message`]: the platform's message kinds; [`message::Message`] for kinds of your own.
 //! - [`RandomStream`]: named, seeded random numbers that can be saved.
+//! - [`Playback`]: samples of a file as an input source.
 //! - [`Parallel`]: a parallel loop with a fixed partition (physics only).
 //! - [`Course`]: levels, targets, limits, metrics and the result of a training module.
 //! - [`TestHost`]: runs a plugin in-process without any file, every crossing through a byte copy.
@@ -14,6 +15,7 @@ mod boundary;
 mod course;
 mod fault;
 mod parallel;
+mod playback;
 mod plugin;
 mod random;
 mod test_host;
@@ -25,6 +27,7 @@ pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as n
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
 pub use parallel::Parallel;
+pub use playback::Playback;
 pub use plugin::{Plugin, Services};
 pub use random::RandomStream;
 pub use test_host::{Heard, TestHost};

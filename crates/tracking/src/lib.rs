@@ -16,7 +16,6 @@
 
 mod csv_error;
 mod csv_recording;
-mod playback;
 mod rotation;
 mod sample;
 mod script;
@@ -27,7 +26,6 @@ pub use csv_error::{CsvError, CsvProblem};
 pub use csv_recording::{
     Column, ColumnMap, DeviceColumns, MAX_SAMPLES, OpeningColumn, Recording, read_csv,
 };
-pub use playback::Playback;
 pub use rotation::{NORM_TOLERANCE, QuaternionError};
 pub use sample::Sample;
 pub use script::{Interpolation, Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};

@@ -1,11 +1,11 @@
 //! Recorded motion as an input source: a CSV file with its column map, or the samples of a recorded session. Thin over
 //! `tracking::read_csv`.
 
-use microsim_sdk::message::{InputEnd, InputSample, Pose, decode_bytes, encode};
-use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_sdk::message::{InputSample, Pose, decode_bytes};
+use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{RecordingMap, Unit};
 use microsim_tracking::{
-    Column, ColumnMap, DeviceColumns, OpeningColumn, Playback, Sample, read_csv,
+    Column, ColumnMap, DeviceColumns, OpeningColumn, Sample, read_csv,
 };
 use serde::Deserialize;
 
@@ -30,9 +30,7 @@ enum Config {
 /// Plays recorded motion.
 #[derive(Debug, Default)]
 pub struct RecordingSource {
-    name: String,
     playback: Playback,
-    ended: bool,
 }
 
 /// The column map as the reader wants it. Units were checked when the map was read.
@@ -66,14 +64,16 @@ fn column_map(map: &RecordingMap) -> Result<ColumnMap, Fault> {
     })
 }
 
-fn sample(message: InputSample) -> Sample {
-    Sample {
-        device: message.device.into(),
-        time_s: message.device_time,
-        visible: message.visible,
-        position: message.pose.position,
-        orientation: message.pose.orientation,
-        opening: message.opening,
+fn message(sample: Sample) -> InputSample {
+    InputSample {
+        device: sample.device.to_string(),
+        device_time: sample.time_s,
+        visible: sample.visible,
+        pose: Pose {
+            position: sample.position,
+            orientation: sample.orientation,
+        },
+        opening: sample.opening,
     }
 }
 
@@ -91,57 +91,31 @@ impl Plugin for RecordingSource {
         let samples = match config {
             Config::Csv { name, map } => {
                 let recording = read_csv(bytes, &name, &column_map(&map)?);
-                recording
-                    .map_err(|error| Fault::new(error.to_string()))?
-                    .samples
+                let recording = recording.map_err(|error| Fault::new(error.to_string()))?;
+                recording.samples.into_iter().map(message).collect()
             }
-            Config::Samples => {
-                let messages: Vec<InputSample> = decode_bytes(bytes)?;
-                messages.into_iter().map(sample).collect()
-            }
+            Config::Samples => decode_bytes(bytes)?,
         };
-        self.name = setup.name.clone();
-        self.playback = Playback::new(samples);
+        self.playback = Playback::new(&setup.name, samples);
         Ok(())
     }
 
     fn reset(&mut self) -> Result<(), Fault> {
-        self.playback.seek(0);
-        self.ended = false;
+        self.playback.reset();
         Ok(())
     }
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
-        for sample in self.playback.due(tick.time()) {
-            tick.publish(&InputSample {
-                device: sample.device.to_string(),
-                device_time: sample.time_s,
-                visible: sample.visible,
-                pose: Pose {
-                    position: sample.position,
-                    orientation: sample.orientation,
-                },
-                opening: sample.opening,
-            });
-        }
-        if self.playback.is_over() && !self.ended {
-            self.ended = true;
-            tick.publish(&InputEnd {
-                source: self.name.clone(),
-            });
-        }
+        self.playback.play(tick);
         Ok(())
     }
 
     fn save(&self) -> Vec<u8> {
-        encode(&(self.playback.position(), self.ended))
+        self.playback.save()
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
-        let (position, ended) = decode_bytes(state)?;
-        self.playback.seek(position);
-        self.ended = ended;
-        Ok(())
+        self.playback.restore(state)
     }
 }
 

@@ -1,9 +1,9 @@
 //! A scripted trainee as an input source: thin over `tracking::Script`.
 
-use microsim_sdk::message::{InputEnd, InputSample, Pose, decode_bytes, encode};
-use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_sdk::message::{InputSample, Pose};
+use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings as settings;
-use microsim_tracking::{Interpolation, Keyframe, Playback, Sample, Script, ScriptTrack};
+use microsim_tracking::{Interpolation, Keyframe, Sample, Script, ScriptTrack};
 use serde::Deserialize;
 
 /// The script, checked and in SI units.
@@ -15,12 +15,10 @@ struct Config {
 /// Plays a script.
 #[derive(Debug, Default)]
 pub struct ScriptSource {
-    name: String,
     playback: Playback,
-    ended: bool,
 }
 
-fn samples(script: &settings::Script) -> Result<Vec<Sample>, Fault> {
+fn samples(script: &settings::Script) -> Result<Vec<InputSample>, Fault> {
     let tracks = script.tool.iter().map(|tool| ScriptTrack {
         device: tool.name.as_str().into(),
         keyframes: tool.key.iter().map(keyframe).collect(),
@@ -31,7 +29,20 @@ fn samples(script: &settings::Script) -> Result<Vec<Sample>, Fault> {
     };
     let played = Script::new(tracks.collect(), interpolation);
     let played = played.map_err(|error| Fault::new(format!("the script: {error}")))?;
-    Ok(played.samples(script.rate).collect())
+    Ok(played.samples(script.rate).map(message).collect())
+}
+
+fn message(sample: Sample) -> InputSample {
+    InputSample {
+        device: sample.device.to_string(),
+        device_time: sample.time_s,
+        visible: sample.visible,
+        pose: Pose {
+            position: sample.position,
+            orientation: sample.orientation,
+        },
+        opening: sample.opening,
+    }
 }
 
 fn keyframe(key: &settings::ScriptKey) -> Keyframe {
@@ -52,48 +63,26 @@ impl Plugin for ScriptSource {
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         let config: Config = serde_json::from_value(setup.config.clone())?;
-        self.name = setup.name.clone();
-        self.playback = Playback::new(samples(&config.script)?);
+        self.playback = Playback::new(&setup.name, samples(&config.script)?);
         Ok(())
     }
 
     fn reset(&mut self) -> Result<(), Fault> {
-        self.playback.seek(0);
-        self.ended = false;
+        self.playback.reset();
         Ok(())
     }
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
-        for sample in self.playback.due(tick.time()) {
-            tick.publish(&InputSample {
-                device: sample.device.to_string(),
-                device_time: sample.time_s,
-                visible: sample.visible,
-                pose: Pose {
-                    position: sample.position,
-                    orientation: sample.orientation,
-                },
-                opening: sample.opening,
-            });
-        }
-        if self.playback.is_over() && !self.ended {
-            self.ended = true;
-            tick.publish(&InputEnd {
-                source: self.name.clone(),
-            });
-        }
+        self.playback.play(tick);
         Ok(())
     }
 
     fn save(&self) -> Vec<u8> {
-        encode(&(self.playback.position(), self.ended))
+        self.playback.save()
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
-        let (position, ended) = decode_bytes(state)?;
-        self.playback.seek(position);
-        self.ended = ended;
-        Ok(())
+        self.playback.restore(state)
     }
 }
 

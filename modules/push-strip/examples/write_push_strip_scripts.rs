@@ -1,5 +1,5 @@
 //! Writes the scripted trainees of this module: `cargo run --release -p microsim-module-push-strip --example
-//! write_scripts`. Per level one that passes and one for each reason to fail.
+//! write_push_strip_scripts`. Per level one that passes and one for each reason to fail.
 
 use microsim_host::assemble::known_metrics;
 use std::fmt::Write;
@@ -16,7 +16,7 @@ struct Trainee {
 impl Trainee {
     fn new(doc: &str) -> Self {
         let text = format!(
-            "# {doc}\n# Written by the example write_scripts of this module.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n\n[[tool]]\nname = \"right\"\n"
+            "# {doc}\n# Written by the example write_push_strip_scripts of this module.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n\n[[tool]]\nname = \"right\"\n"
         );
         Self { text, time: 0.0 }
     }

@@ -1,5 +1,5 @@
 //! Writes the scripted trainees of this module: `cargo run --release -p microsim-module-touch-spheres --example
-//! write_scripts`. Per level one that passes and one for each reason to fail, for seed 1, where the level puts spheres.
+//! write_touch_spheres_scripts`. Per level one that passes and one for each reason to fail, for seed 1, where the level puts spheres.
 
 use microsim_host::assemble::known_metrics;
 use microsim_module_touch_spheres::{Keys, Place, places};
@@ -19,7 +19,7 @@ struct Trainee {
 impl Trainee {
     fn new(doc: &str) -> Self {
         let text = format!(
-            "# {doc}\n# Written by the example write_scripts of this module, for seed {SEED}.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n\n[[tool]]\nname = \"right\"\n"
+            "# {doc}\n# Written by the example write_touch_spheres_scripts of this module, for seed {SEED}.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n\n[[tool]]\nname = \"right\"\n"
         );
         Self { text, time: 0.0 }
     }

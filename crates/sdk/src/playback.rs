@@ -1,0 +1,62 @@
+//! Samples that are known beforehand, published as simulated time goes by: what sources of files share.
+
+use crate::{Fault, Tick};
+use microsim_message::{InputEnd, InputSample, decode_bytes, encode};
+
+/// Plays samples in the order of their times; the first one is due at the start.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Playback {
+    source: String,
+    samples: Vec<InputSample>,
+    next: usize,
+    ended: bool,
+}
+
+impl Playback {
+    /// A playback of `samples`, which are in the order of their times, by the plugin `source`.
+    pub fn new(source: &str, samples: Vec<InputSample>) -> Self {
+        Self {
+            source: source.into(),
+            samples,
+            next: 0,
+            ended: false,
+        }
+    }
+
+    /// Publishes what has become due by the end of the tick, and the end of input once after the last sample.
+    pub fn play(&mut self, tick: &mut Tick<'_>) {
+        let start = self.samples.first().map_or(0.0, |s| s.device_time);
+        while let Some(sample) = self.samples.get(self.next) {
+            if sample.device_time - start > tick.time() {
+                return;
+            }
+            tick.publish(sample);
+            self.next += 1;
+        }
+        if !self.ended {
+            self.ended = true;
+            let source = self.source.clone();
+            tick.publish(&InputEnd { source });
+        }
+    }
+
+    /// Back to the first sample.
+    pub fn reset(&mut self) {
+        (self.next, self.ended) = (0, false);
+    }
+
+    /// All that changes.
+    pub fn save(&self) -> Vec<u8> {
+        encode(&(self.next, self.ended))
+    }
+
+    /// The opposite of [`Playback::save`], for the same samples.
+    pub fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
+        let (next, ended) = decode_bytes(state)?;
+        if next > self.samples.len() {
+            return Err(Fault::new("the saved state belongs to a longer recording"));
+        }
+        (self.next, self.ended) = (next, ended);
+        Ok(())
+    }
+}

@@ -1,0 +1,200 @@
+//! The contract of the module, in-process and without files or physics: snapshots and forces in, the verdict out. The
+//! host moves the module to a fresh instance in every tick.
+
+use microsim_module_push_strip::PushStrip;
+use microsim_sdk::message::{
+    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, ToolState, ToolStates,
+    ToolStatus, TrainingResult,
+};
+use microsim_sdk::{BlockBuilder, Setup, TestHost};
+use serde_json::json;
+
+const DEPTH: f64 = 0.001;
+const TOLERANCE: f64 = 0.0001;
+/// Ticks of 8 ms for which a depth has to be held for 0.2 s: time counts from the first tick that holds.
+const STAY: u64 = 26;
+
+fn host() -> TestHost<PushStrip> {
+    let config = json!({
+        "tools": [{ "name": "right", "model": "probe" }],
+        "models": {},
+        "limits": [{
+            "metric": "peak-force", "min": null, "max": 0.01, "full": null, "zero": null,
+            "source": "this test", "provisional": true, "reason": "pushed-too-hard",
+        }],
+        "metrics": {
+            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05,
+            "resample_rate": 60.0, "gap": 0.1, "shortest_path": null,
+        },
+        "own_metrics": [{
+            "id": "peak-force", "unit": "N", "display_unit": "mN", "direction": "lower",
+            "category": "tissue", "formula": "peak-force/1", "source": "this test",
+            "title": { "de": "Kraft", "en": "Force" }, "advice": { "de": "-", "en": "-" },
+        }],
+        "reasons": [],
+        "module": {
+            "depth": DEPTH, "depth_tolerance": TOLERANCE, "dwell": 0.2, "mark_radius": 0.0011,
+        },
+        "objects": [
+            { "name": "mat", "position": [0.0, 0.0, -0.005] },
+            { "name": "mark-1", "position": [0.0, 0.0, 0.001], "radius": 0.001 },
+        ],
+        "bodies": [{ "name": "strip" }],
+    });
+    let setup = Setup {
+        name: "push-strip".into(),
+        seed: 1,
+        tick_ns: 8_000_000,
+        steps: 1,
+        level: 1,
+        config,
+        files: Vec::new(),
+    };
+    let publishes = [
+        "object.set",
+        "level.state",
+        "level.event",
+        "training.result",
+    ];
+    let subscribes = [
+        "level.control",
+        "tool.sample",
+        "tool.states",
+        "contact.forces",
+        "tissue.snapshot",
+    ];
+    let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
+    host.moving()
+}
+
+/// A strip of two layers; the top node in the middle is pushed in by `depth`. Ids are not indices: readers must not
+/// take them for such.
+fn snapshot(depth: f64) -> Vec<u64> {
+    let mut positions = Vec::new();
+    for z in [0.0, 0.001] {
+        for x in [-0.003, 0.0, 0.003] {
+            let dent = if x == 0.0 && z > 0.0 { depth } else { 0.0 };
+            positions.extend([x, 0.0, z - dent]);
+        }
+    }
+    BlockBuilder::new(TISSUE_SNAPSHOT, "strip", 0, 0)
+        .u32s("node_id", [10, 11, 12, 20, 21, 22])
+        .f64s("position", positions)
+        .u32s("triangle", [3, 4, 5])
+        .finish()
+}
+
+fn tool() -> ToolStates {
+    ToolStates {
+        tools: vec![ToolState {
+            tool: "right".into(),
+            model: "probe".into(),
+            status: ToolStatus::Tracked,
+            pose: Pose::default(),
+            opening: 0.0,
+        }],
+    }
+}
+
+/// Holds a depth for so many ticks under a force.
+fn hold(
+    host: &mut TestHost<PushStrip>,
+    depth: f64,
+    force: f64,
+    ticks: u64,
+) -> Option<TrainingResult> {
+    for _ in 0..ticks {
+        host.send_block(&snapshot(depth));
+        host.send(&tool());
+        host.send(&ContactForces {
+            contacts: vec![ContactForce {
+                tool: "right".into(),
+                body: "strip".into(),
+                force: [0.0, 0.6 * force, -0.8 * force],
+                peak: force,
+                impulse: 0.0,
+                point: [0.0; 3],
+                depth: 0.0,
+                indentation: depth,
+            }],
+        });
+        if let Some(result) = host.tick().expect("a good tick").last() {
+            return Some(result);
+        }
+    }
+    None
+}
+
+fn started() -> TestHost<PushStrip> {
+    let mut host = host();
+    host.send(&LevelControl::Start);
+    hold(&mut host, 0.0, 0.0, 1);
+    host
+}
+
+fn end(host: &mut TestHost<PushStrip>) -> TrainingResult {
+    host.send(&LevelControl::InputEnded);
+    host.tick()
+        .expect("a good tick")
+        .last()
+        .expect("a verdict when the input has ended")
+}
+
+#[test]
+fn the_depth_held_for_long_enough_passes() {
+    let mut host = started();
+    let within = DEPTH - 0.9 * TOLERANCE;
+    assert!(
+        hold(&mut host, within, 0.005, STAY - 1).is_none(),
+        "a tick too early"
+    );
+    let result = hold(&mut host, within, 0.005, 1).expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+}
+
+#[test]
+fn each_reason_comes_alone() {
+    let mut shallow = started();
+    hold(&mut shallow, DEPTH - 1.1 * TOLERANCE, 0.005, 2 * STAY);
+    assert_eq!(end(&mut shallow).failed, ["not-deep-enough"]);
+
+    let mut short = started();
+    // The tick that ends the input still sees the last snapshot.
+    hold(&mut short, DEPTH, 0.005, STAY - 2);
+    assert_eq!(end(&mut short).failed, ["dwell-too-short"]);
+
+    let mut deep = started();
+    hold(&mut deep, DEPTH + 1.1 * TOLERANCE, 0.005, 2 * STAY);
+    assert_eq!(
+        end(&mut deep).failed,
+        ["dwell-too-short"],
+        "too deep does not count as held"
+    );
+
+    let mut hard = started();
+    hold(&mut hard, DEPTH / 2.0, 0.011, 1);
+    let result = hold(&mut hard, DEPTH, 0.005, STAY).expect("the verdict");
+    assert_eq!(result.failed, ["pushed-too-hard"]);
+    let peak = result
+        .metrics
+        .iter()
+        .find(|m| m.id == "peak-force")
+        .and_then(|m| m.value);
+    // The size of a force of 0.011 N along (0, 0.6, -0.8); tolerance: rounding of its root.
+    assert!((peak.expect("measured") - 0.011).abs() < 1e-16);
+}
+
+#[test]
+fn without_tissue_nothing_is_reached() {
+    let mut host = host();
+    host.send(&LevelControl::Start);
+    for _ in 0..2 * STAY {
+        host.send(&tool());
+        host.tick().expect("a good tick");
+    }
+    let result = end(&mut host);
+    assert_eq!(
+        (result.targets_done, result.score, result.passed),
+        (0, 0.0, false)
+    );
+}
