@@ -380,6 +380,18 @@ impl Router {
             .collect()
     }
 
+    /// Forgets all messages and blocks, as if new.
+    pub fn clear(&mut self) {
+        for endpoint in &mut self.endpoints {
+            endpoint.queue.clear();
+            endpoint.queue_bytes = 0;
+        }
+        self.blocks.clear();
+        self.log.clear();
+        self.new_blocks.clear();
+        self.dropped.clear();
+    }
+
     /// Queues and latest blocks as bytes, between two ticks.
     pub fn save(&self) -> Vec<u8> {
         let mut out = Vec::new();

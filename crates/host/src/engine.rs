@@ -374,6 +374,34 @@ impl Engine {
         Ok(())
     }
 
+    /// Back to the start: every plugin as it was right after `initialise`, an empty bus, tick 0.
+    pub fn reset(&mut self) -> Result<(), Failure> {
+        let tick = self.tick;
+        for plugin in &mut self.plugins {
+            plugin.call("reset", tick, |p| p.reset())?;
+        }
+        self.router.clear();
+        self.tick = 0;
+        self.chain = Chain::from_value(self.plan);
+        Ok(())
+    }
+
+    /// Asks a plugin for an ability by name, between two ticks. `None`: the plugin does not have it, or is not there.
+    pub fn extension(
+        &mut self,
+        plugin: &str,
+        name: &str,
+        request: &[u8],
+    ) -> Result<Option<Vec<u8>>, Failure> {
+        let tick = self.tick;
+        let Some(plugin) = self.plugins.iter_mut().find(|p| p.name == plugin) else {
+            return Ok(None);
+        };
+        let request = RSlice::from_slice(request);
+        let answer = plugin.call("extension", tick, |p| p.extension(name.into(), request))?;
+        Ok(answer.and_then(|a| a.into_option()).map(|a| a.to_vec()))
+    }
+
     /// Stops every plugin that has not failed, whatever the others answer; what fails now comes back.
     pub fn stop(&mut self) -> Vec<Failure> {
         let tick = self.tick;

@@ -10,6 +10,8 @@ mod kinds;
 mod level;
 mod object;
 mod setup;
+#[cfg(test)]
+mod tests;
 mod tool;
 
 pub use input::{InputEnd, InputSample};
