@@ -121,7 +121,11 @@ impl Target {
         let read = fs::read(session).map_err(|e| e.to_string());
         let read = read.and_then(|bytes| Session::read(&bytes).map_err(|e| e.to_string()));
         let mut remains = Remains {
-            moment: if begun == 0 { Moment::Starting } else { Moment::Running },
+            moment: if begun == 0 {
+                Moment::Starting
+            } else {
+                Moment::Running
+            },
             readable: read.is_ok(),
             begun,
             on_file: 0,

@@ -163,8 +163,7 @@ pub fn assert_verified(session: &Path) {
 /// The report that `run` has left beside its session.
 pub fn report_beside(session: &Path) -> serde_json::Value {
     let path = session.with_extension("json");
-    let text =
-        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 

@@ -28,7 +28,10 @@ impl LiveTree {
         fs::create_dir(root.join("plugins")).expect("a folder");
         for plugin in fs::read_dir(tree().join("plugins")).expect("the tree's plugins") {
             let plugin = plugin.expect("a plugin");
-            link(&plugin.path(), root.join("plugins").join(plugin.file_name()));
+            link(
+                &plugin.path(),
+                root.join("plugins").join(plugin.file_name()),
+            );
         }
         let own = root.join("plugins").join("timer-source");
         fs::create_dir(&own).expect("a folder");

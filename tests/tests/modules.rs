@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 /// Somebody who holds the tool still, far from everything, for a while.
 const IDLE: &str = "\
@@ -50,8 +51,7 @@ impl Level {
     /// Its scripts: the reason for which each fails, `None` for one that passes.
     fn scripts(&self) -> Vec<(Option<String>, PathBuf)> {
         let folder = tree().join("modules").join(&self.module).join("scripts");
-        let listing = fs::read_dir(&folder)
-            .unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        let listing = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let mut scripts: Vec<_> = listing
             .filter_map(|entry| {
                 let path = entry.expect("a script").path();
@@ -79,36 +79,66 @@ impl Level {
 }
 
 #[test]
-fn every_level_has_scripts_that_pass_and_fail_for_their_reason() {
-    let folder = scratch();
-    let (mut passes, mut fails) = (0, 0);
+fn every_level_has_a_script_that_passes_and_one_that_fails() {
     for level in levels() {
         let scripts = level.scripts();
         let what = format!("{}, level {}", level.module, level.number);
-        assert!(scripts.iter().any(|(reason, _)| reason.is_none()), "{what}: no script passes");
-        assert!(scripts.iter().any(|(reason, _)| reason.is_some()), "{what}: no script fails");
-        for (reason, script) in scripts {
-            let name = reason.as_deref().unwrap_or("pass");
-            let said = level.run(folder.path(), name, &script, &[]);
-            let what = format!("{}: {said}", script.display());
-            assert_eq!(said["counts"], true, "{what}");
-            match reason {
-                None => {
-                    assert_eq!(said["verdict"], "passed", "{what}");
-                    assert_eq!(said["failed"], json!([]), "{what}");
-                    assert_eq!(said["targets_done"], said["targets"], "{what}");
-                    assert!(said["score"].as_f64().is_some_and(|score| score > 0.0), "{what}");
-                    passes += 1;
-                }
-                Some(reason) => {
-                    assert_eq!(said["verdict"], "failed", "{what}");
-                    assert_eq!(said["failed"], json!([reason]), "{what}");
-                    fails += 1;
-                }
-            }
+        assert!(
+            scripts.iter().any(|(reason, _)| reason.is_none()),
+            "{what}: none passes"
+        );
+        assert!(
+            scripts.iter().any(|(reason, _)| reason.is_some()),
+            "{what}: none fails"
+        );
+    }
+}
+
+fn script_does_what_it_is_for(level: &Level, reason: Option<&str>, script: &Path, folder: &Path) {
+    let said = level.run(folder, reason.unwrap_or("pass"), script, &[]);
+    let what = format!("{}: {said}", script.display());
+    assert_eq!(said["counts"], true, "{what}");
+    match reason {
+        None => {
+            assert_eq!(said["verdict"], "passed", "{what}");
+            assert_eq!(said["failed"], json!([]), "{what}");
+            assert_eq!(said["targets_done"], said["targets"], "{what}");
+            assert!(
+                said["score"].as_f64().is_some_and(|score| score > 0.0),
+                "{what}"
+            );
+        }
+        Some(reason) => {
+            assert_eq!(said["verdict"], "failed", "{what}");
+            assert_eq!(said["failed"], json!([reason]), "{what}");
         }
     }
-    println!("{passes} scripts pass, {fails} fail for their reason alone");
+}
+
+#[test]
+fn every_script_passes_or_fails_for_its_reason_alone() {
+    let folder = scratch();
+    let levels = levels();
+    let all = levels
+        .iter()
+        .flat_map(|level| level.scripts().into_iter().map(move |s| (level, s)));
+    // Taken from the end: the levels with physics, which take longest, are not left to one thread.
+    let open = Mutex::new(all.collect::<Vec<_>>());
+    println!("{} scripts", open.lock().expect("no panic yet").len());
+    let work = || {
+        loop {
+            let next = open.lock().expect("no thread panics with it").pop();
+            let Some((level, (reason, script))) = next else {
+                return;
+            };
+            script_does_what_it_is_for(level, reason.as_deref(), &script, folder.path());
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(work);
+        }
+    });
 }
 
 #[test]
@@ -129,8 +159,15 @@ fn doing_nothing_scores_nothing() {
 fn a_strip_that_does_not_answer_cannot_be_pushed() {
     let folder = scratch();
     let mut tried = 0;
-    for level in levels().into_iter().filter(|level| level.module == "push-strip") {
-        for (_, script) in level.scripts().into_iter().filter(|(reason, _)| reason.is_none()) {
+    for level in levels()
+        .into_iter()
+        .filter(|level| level.module == "push-strip")
+    {
+        for (_, script) in level
+            .scripts()
+            .into_iter()
+            .filter(|(reason, _)| reason.is_none())
+        {
             let without = ["--without", "physics"];
             let said = level.run(folder.path(), "without", &script, &without);
             assert_eq!(said["verdict"], "failed", "{said}");
@@ -170,12 +207,16 @@ fn folders(name: &str) -> BTreeSet<String> {
     let listing = fs::read_dir(repository().join(name)).expect("a folder");
     let entries = listing.map(|entry| entry.expect("an entry"));
     let folders = entries.filter(|entry| entry.path().join("Cargo.toml").is_file());
-    folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+    folders
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect()
 }
 
 fn names(list: &Value) -> BTreeSet<String> {
     let list = list.as_array().expect("a list");
-    list.iter().map(|entry| entry["name"].as_str().expect("a name").to_owned()).collect()
+    list.iter()
+        .map(|entry| entry["name"].as_str().expect("a name").to_owned())
+        .collect()
 }
 
 #[test]
@@ -202,14 +243,19 @@ fn list_names_all_modules_levels_and_plugins() {
 fn modules_and_levels_speak_both_languages() {
     let listed = microsim(["list", "--json"]).expect(0).json();
     let modules = listed["modules"].as_array().expect("modules");
-    let levels = modules.iter().flat_map(|m| m["levels"].as_array().expect("levels"));
+    let levels = modules
+        .iter()
+        .flat_map(|m| m["levels"].as_array().expect("levels"));
     for spoken in modules.iter().chain(levels) {
         for text in ["title", "summary"] {
             for language in ["de", "en"] {
                 let text = spoken[text][language].as_str().unwrap_or_default();
                 assert!(!text.trim().is_empty(), "{language} in {spoken}");
             }
-            assert_ne!(spoken[text]["de"], spoken[text]["en"], "not translated: {spoken}");
+            assert_ne!(
+                spoken[text]["de"], spoken[text]["en"],
+                "not translated: {spoken}"
+            );
         }
     }
 }
@@ -219,7 +265,9 @@ fn explained(module: &str, args: &[&str]) -> (Vec<String>, Value) {
     let said: Said = hear(command.args(args)).expect(0);
     let plan = said.json();
     let plugins = plan["plugins"].as_array().expect("plugins").iter();
-    let names = plugins.map(|p| p["name"].as_str().expect("a name").to_owned()).collect();
+    let names = plugins
+        .map(|p| p["name"].as_str().expect("a name").to_owned())
+        .collect();
     (names, plan)
 }
 
@@ -228,23 +276,52 @@ fn explained(module: &str, args: &[&str]) -> (Vec<String>, Value) {
 #[test]
 fn explain_says_exactly_what_is_loaded_and_why() {
     let (plugins, plan) = explained("touch-spheres", &["--input", RECORDING]);
-    assert_eq!(plugins, ["source-recording", "translator", "touch-spheres", "objects", "recorder"]);
+    assert_eq!(
+        plugins,
+        [
+            "source-recording",
+            "translator",
+            "touch-spheres",
+            "objects",
+            "recorder"
+        ]
+    );
     assert_eq!(plan["module"], "touch-spheres");
     assert_eq!(plan["tick_s"], 0.008);
-    for entry in ["plugins", "parts"].iter().flat_map(|k| plan[*k].as_array().expect("a list")) {
-        assert!(entry["why"].as_str().is_some_and(|why| !why.is_empty()), "{entry}");
+    for entry in ["plugins", "parts"]
+        .iter()
+        .flat_map(|k| plan[*k].as_array().expect("a list"))
+    {
+        assert!(
+            entry["why"].as_str().is_some_and(|why| !why.is_empty()),
+            "{entry}"
+        );
     }
     let what = |plan: &Value| -> BTreeSet<String> {
         let parts = plan["parts"].as_array().expect("parts").iter();
-        parts.map(|part| part["what"].as_str().expect("what").to_owned()).collect()
+        parts
+            .map(|part| part["what"].as_str().expect("what").to_owned())
+            .collect()
     };
     assert_eq!(what(&plan), ["object", "tool"].map(String::from).into());
 
     let script = ["--input", "script:level1-pass.toml"];
     let (plugins, plan) = explained("push-strip", &script);
-    let expected = ["source-script", "translator", "physics", "push-strip", "objects", "recorder"];
+    let expected = [
+        "source-script",
+        "translator",
+        "physics",
+        "push-strip",
+        "objects",
+        "recorder",
+    ];
     assert_eq!(plugins, expected);
-    assert_eq!(what(&plan), ["body", "contact", "method", "object", "tool"].map(String::from).into());
+    assert_eq!(
+        what(&plan),
+        ["body", "contact", "method", "object", "tool"]
+            .map(String::from)
+            .into()
+    );
 
     let without = [&script[..], &["--without", "physics"]].concat();
     let (plugins, plan) = explained("push-strip", &without);
@@ -255,7 +332,10 @@ fn explain_says_exactly_what_is_loaded_and_why() {
     let frames = [&script[..], &["--frames", "nowhere"]].concat();
     let (plugins, _) = explained("push-strip", &frames);
     assert!(plugins.contains(&"renderer".to_owned()));
-    assert!(!repository().join("nowhere").exists(), "--explain runs nothing");
+    assert!(
+        !repository().join("nowhere").exists(),
+        "--explain runs nothing"
+    );
 }
 
 /// What scripts around the program rely on.
@@ -263,12 +343,34 @@ fn explain_says_exactly_what_is_loaded_and_why() {
 fn the_json_of_a_run_has_its_fields() {
     let folder = scratch();
     let session = folder.path().join("run.session");
-    let said = run("touch-spheres", &session, &["--input", "script:level1-pass.toml"]);
-    let fields: BTreeSet<&str> =
-        said.as_object().expect("an object").keys().map(String::as_str).collect();
+    let said = run(
+        "touch-spheres",
+        &session,
+        &["--input", "script:level1-pass.toml"],
+    );
+    let fields: BTreeSet<&str> = said
+        .as_object()
+        .expect("an object")
+        .keys()
+        .map(String::as_str)
+        .collect();
     let expected = [
-        "counts", "failed", "failure", "late_ticks", "level", "module", "pictures", "report",
-        "score", "seed", "session", "state_hash", "targets", "targets_done", "ticks", "verdict",
+        "counts",
+        "failed",
+        "failure",
+        "late_ticks",
+        "level",
+        "module",
+        "pictures",
+        "report",
+        "score",
+        "seed",
+        "session",
+        "state_hash",
+        "targets",
+        "targets_done",
+        "ticks",
+        "verdict",
     ];
     assert_eq!(fields, expected.into());
     assert_eq!(said["session"].as_str(), session.to_str());

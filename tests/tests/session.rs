@@ -14,7 +14,9 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// A paced run of the recorded hand, which would last 98 s.
 fn long_run(session: &Path) -> Child {
     let mut run = command(["run", "touch-spheres", "--realtime", "--json", "--input"]);
-    run.arg(microsim_tests::RECORDING).arg("--session").arg(session);
+    run.arg(microsim_tests::RECORDING)
+        .arg("--session")
+        .arg(session);
     run.stdout(Stdio::piped()).stderr(Stdio::piped());
     run.spawn().expect("the built program starts")
 }
@@ -23,17 +25,26 @@ fn long_run(session: &Path) -> Child {
 fn wait_for(session: &Path, ticks: usize) {
     let start = Instant::now();
     loop {
-        let read = fs::read(session).ok().and_then(|bytes| Session::read(&bytes).ok());
+        let read = fs::read(session)
+            .ok()
+            .and_then(|bytes| Session::read(&bytes).ok());
         if read.is_some_and(|read| read.ticks.len() >= ticks) {
             return;
         }
-        assert!(start.elapsed() < PATIENCE, "no {ticks} ticks in {}", session.display());
+        assert!(
+            start.elapsed() < PATIENCE,
+            "no {ticks} ticks in {}",
+            session.display()
+        );
         std::thread::sleep(Duration::from_millis(10));
     }
 }
 
 fn signal(child: &Child, name: &str) {
-    let sent = Command::new("sh").arg("-c").arg(format!("kill -{name} {}", child.id())).status();
+    let sent = Command::new("sh")
+        .arg("-c")
+        .arg(format!("kill -{name} {}", child.id()))
+        .status();
     assert!(sent.expect("a shell").success());
 }
 
@@ -88,5 +99,8 @@ fn a_killed_run_leaves_a_readable_session() {
         assert!(remains.lost() as f64 * target.tick <= 0.1, "{remains:?}");
     }
     // A run lasts longer than the second over which the moments are spread, and starts in far less than half of one.
-    assert!(running >= 3, "{running} of 6 runs were killed while running");
+    assert!(
+        running >= 3,
+        "{running} of 6 runs were killed while running"
+    );
 }

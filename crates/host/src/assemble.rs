@@ -22,6 +22,8 @@ const SOURCE_SCRIPT: &str = "source-script";
 const SOURCE_RECORDING: &str = "source-recording";
 /// Plugin that writes sessions.
 const RECORDER: &str = "recorder";
+/// Bytes of a recording's first line that are looked at where it has no column map.
+const HEADER_SHOWN: usize = 2000;
 /// Plugin that draws.
 const RENDERER: &str = "renderer";
 
@@ -166,10 +168,13 @@ impl Installation {
         let folder = self.module(module)?;
         let index = (level as usize).wrapping_sub(1);
         let path = folder.levels.get(index).ok_or_else(|| {
-            AssembleError(format!(
-                "module \"{module}\" has levels 1 to {}, not {level}",
-                folder.levels.len()
-            ))
+            let has = match folder.levels.len() {
+                0 => "no level".to_owned(),
+                n => format!("levels 1 to {n}"),
+            };
+            AssembleError(
+                format!("module \"{module}\" has {has}, not {level}") + &self.hidden(module),
+            )
         })?;
         Ok(settings::load_level(
             path,
@@ -338,9 +343,8 @@ fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<RecordingInput, AssembleErro
     let map_path = settings::recording_map_path(path);
     if !map_path.is_file() {
         let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
-        let head = String::from_utf8_lossy(head);
-        let columns: Vec<&str> = head.trim().split([',', ';', '\t']).collect();
-        return refuse(settings::recording_map_help(path, &columns));
+        let head = String::from_utf8_lossy(&head[..head.len().min(HEADER_SHOWN)]);
+        return refuse(settings::recording_map_help(path, &head));
     }
     let map = settings::load_recording_map(path)?;
     let devices = map.settings.device.iter().map(|d| d.name.clone()).collect();

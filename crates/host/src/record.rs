@@ -132,9 +132,10 @@ impl Session {
                 parse::<Header>(frame).map_err(|e| SessionError(e.to_string()))?
             }
             _ => {
-                return Err(SessionError(
-                    "the session has no complete header: nothing was recorded".into(),
-                ));
+                return Err(SessionError(format!(
+                    "it has no complete header, so that nothing can be read: {}",
+                    reading.ending
+                )));
             }
         };
         let mut session = Self {

@@ -172,16 +172,21 @@ fn levels(folder: &Path, errors: &mut Vec<ConfigError>) -> Vec<PathBuf> {
     }
     // By number, not by name: level10 comes after level9.
     numbered.sort();
-    for (i, (number, path)) in numbered.iter().enumerate() {
-        if *number as usize != i + 1 {
-            let missing = format!(
-                "level{}.toml before it, as levels are numbered from 1 without holes",
-                i + 1
-            );
-            errors.push(whole_file(path, &format!("level {number}"), &missing));
-            break;
-        }
+    let in_place = |(i, (number, _)): (usize, &(u32, PathBuf))| *number as usize == i + 1;
+    let whole = numbered
+        .iter()
+        .enumerate()
+        .take_while(|l| in_place(*l))
+        .count();
+    if let Some((number, path)) = numbered.get(whole) {
+        let missing = format!(
+            "level{}.toml before it, as levels are numbered from 1 without holes",
+            whole + 1
+        );
+        errors.push(whole_file(path, &format!("level {number}"), &missing));
     }
+    // What stands behind a hole would take the place of another level.
+    numbered.truncate(whole);
     numbered.into_iter().map(|(_, path)| path).collect()
 }
 

@@ -228,11 +228,16 @@ pub fn load_recording_map(csv: &Path) -> Result<Loaded<RecordingMap>, ConfigErro
     read_recording_map(&load_text(&path, &expected)?, &path.display().to_string())
 }
 
-/// Tells how to write the map of a recording that has none, with an example made of its header.
-pub fn recording_map_help(csv: &Path, header_columns: &[&str]) -> String {
+/// Tells how to write the map of a recording that has none, with an example made of its header: the first line.
+pub fn recording_map_help(csv: &Path, header: &str) -> String {
     let map = recording_map_path(csv);
-    let header = header_columns.join(", ");
-    let example = example_map(header_columns);
+    let found = [',', ';', '\t', '|']
+        .into_iter()
+        .find(|c| header.contains(*c));
+    let delimiter = found.unwrap_or(',');
+    let columns: Vec<&str> = header.trim().split(delimiter).collect();
+    let header = columns.join(", ");
+    let example = example_map(delimiter, &columns);
     format!(
         "{}: a recording needs a column map, the file {} beside it.\n\
          Its header is: {header}\n\
@@ -243,7 +248,7 @@ pub fn recording_map_help(csv: &Path, header_columns: &[&str]) -> String {
 }
 
 /// A map that fits the header as far as its headings tell; what they do not tell is filled with the usual names.
-fn example_map(header: &[&str]) -> String {
+fn example_map(delimiter: char, header: &[&str]) -> String {
     let (time, time_unit) = guess(header, &["t", "time", "timestamp"], Unit::Time);
     let axes = ["x", "y", "z"].map(|axis| {
         let names = [
@@ -273,12 +278,13 @@ fn example_map(header: &[&str]) -> String {
     let quaternion = quoted(&turns.each_ref().map(String::as_str));
     let length_unit = &axes[0].1;
     format!(
-        "delimiter = \",\"\n\
+        "delimiter = \"{}\"\n\
          licence = \"terms under which the recording may be used\"\n\
          source = \"where it comes from\"\n\n\
          [time]\ncolumn = {time:?}\nunit = \"{time_unit}\"\n\n\
          [[device]]\nname = \"stylus\"\nposition = [{position}]\nposition_unit = \"{length_unit}\"\n\
-         quaternion = [{quaternion}]\n"
+         quaternion = [{quaternion}]\n",
+        delimiter.escape_default()
     )
 }
 

@@ -111,20 +111,38 @@ pub const RECORDER: Role = Role {
 impl Role {
     /// Folder in the installation.
     pub fn folder(&self) -> String {
-        let kind = if self.kind == "module" { "modules" } else { "plugins" };
+        let kind = if self.kind == "module" {
+            "modules"
+        } else {
+            "plugins"
+        };
         format!("{kind}/{}", self.name)
     }
 
     /// Manifest, as a path in the installation.
     pub fn manifest_file(&self) -> String {
-        let file = if self.kind == "module" { "module.toml" } else { "plugin.toml" };
+        let file = if self.kind == "module" {
+            "module.toml"
+        } else {
+            "plugin.toml"
+        };
         format!("{}/{file}", self.folder())
     }
 
     /// Text of the manifest for a library.
     pub fn manifest(&self, library: &str) -> String {
-        let Self { kind, name, publishes, subscribes, .. } = self;
-        let plugins = if *kind == "module" { "plugins = [\"translator\", \"objects\"]\n" } else { "" };
+        let Self {
+            kind,
+            name,
+            publishes,
+            subscribes,
+            ..
+        } = self;
+        let plugins = if *kind == "module" {
+            "plugins = [\"translator\", \"objects\"]\n"
+        } else {
+            ""
+        };
         format!(
             "name = \"{name}\"\nkind = \"{kind}\"\nversion = \"0.1.0\"\nabi = 1\nlicence = \"MIT OR Apache-2.0\"\n\
              library = \"{library}\"\npublishes = [{publishes}]\nsubscribes = [{subscribes}]\n{plugins}\n\
@@ -165,16 +183,28 @@ impl Installed {
     pub fn command(&self, told: &str, args: &[&str]) -> Command {
         let mut command = self.tree.command(args);
         command.env("MICROSIM_AWKWARD", told);
-        command.env("MICROSIM_AWKWARD_MANIFEST", self.tree.path(self.role.manifest_file()));
+        command.env(
+            "MICROSIM_AWKWARD_MANIFEST",
+            self.tree.path(self.role.manifest_file()),
+        );
         command
     }
 
     /// Runs the role's module with the plugin told what to do; the session file is named after that.
     pub fn run(&self, told: &str, more: &[&str]) -> Run {
-        let session = self.tree.path(format!("{}.session", told.replace(' ', "-")));
+        let session = self
+            .tree
+            .path(format!("{}.session", told.replace(' ', "-")));
         let mut command = self.command(told, &["run"]);
-        command.args(self.role.run).args(more).arg("--session").arg(&session);
-        Run { said: hear(&mut command), session }
+        command
+            .args(self.role.run)
+            .args(more)
+            .arg("--session")
+            .arg(&session);
+        Run {
+            said: hear(&mut command),
+            session,
+        }
     }
 }
 
@@ -199,7 +229,10 @@ impl Run {
         assert_eq!(self.said.out, "", "{self:?}");
         let said: Vec<&str> = self.complaints();
         assert_eq!(said.len(), 1, "{self:?}");
-        assert!(said[0].contains(sentence), "expected {sentence:?} in {self:?}");
+        assert!(
+            said[0].contains(sentence),
+            "expected {sentence:?} in {self:?}"
+        );
         assert!(!self.session.exists(), "{self:?}");
     }
 
@@ -211,19 +244,32 @@ impl Run {
         let said = self.complaints();
         assert_eq!(said.len(), 1, "{self:?}");
         let safe = format!("; the session so far is safe in {}", self.session.display());
-        let reason = said[0].strip_prefix("microsim: ").and_then(|s| s.strip_suffix(&safe));
+        let reason = said[0]
+            .strip_prefix("microsim: ")
+            .and_then(|s| s.strip_suffix(&safe));
         let reason = reason.unwrap_or_else(|| panic!("{self:?}"));
-        assert!(reason.starts_with(sentence), "expected {sentence:?} in {self:?}");
+        assert!(
+            reason.starts_with(sentence),
+            "expected {sentence:?} in {self:?}"
+        );
 
         let session = read(&self.session);
         assert_eq!(session.complaint, None, "{self:?}");
-        assert_eq!(session.end.as_ref().map(|e| e.ended), Some(Ended::Failure), "{self:?}");
+        assert_eq!(
+            session.end.as_ref().map(|e| e.ended),
+            Some(Ended::Failure),
+            "{self:?}"
+        );
         let numbers: Vec<u64> = session.ticks.iter().map(|(tick, _)| *tick).collect();
         assert_eq!(numbers, (0..ticks).collect::<Vec<_>>(), "{self:?}");
         let failures: Vec<String> = session.failures.iter().map(ToString::to_string).collect();
         assert_eq!(failures, [reason], "{self:?}");
 
-        let report = microsim_tests::microsim(["report".as_ref(), self.session.as_os_str(), "--json".as_ref()]);
+        let report = microsim_tests::microsim([
+            "report".as_ref(),
+            self.session.as_os_str(),
+            "--json".as_ref(),
+        ]);
         let report = report.expect(0).json();
         assert_eq!(report["session"]["failures"][0], reason, "{report}");
         report["verdict"].clone()
@@ -231,6 +277,10 @@ impl Run {
 
     /// What the program itself said on standard error; the log has other lines.
     fn complaints(&self) -> Vec<&str> {
-        self.said.err.lines().filter(|line| line.starts_with("microsim: ")).collect()
+        self.said
+            .err
+            .lines()
+            .filter(|line| line.starts_with("microsim: "))
+            .collect()
     }
 }

@@ -88,11 +88,17 @@ fn every_call_catches_a_panic() {
         ("save", answer!(Bad<true>, save())),
         ("restore", answer!(Bad<true>, restore(call()))),
         ("stop", answer!(Bad<true>, stop())),
-        ("extension", answer!(Bad<true>, extension("later".into(), call()))),
+        (
+            "extension",
+            answer!(Bad<true>, extension("later".into(), call())),
+        ),
     ];
     for (place, (kind, text, again)) in answers {
         assert_eq!(kind, "Panic", "{place}: {text}");
-        assert!(text.contains("boundary.rs:") && text.ends_with(&format!("bad in {place}")), "{text}");
+        assert!(
+            text.contains("boundary.rs:") && text.ends_with(&format!("bad in {place}")),
+            "{text}"
+        );
         assert_eq!(again, "called again after a panic");
     }
 }
@@ -105,11 +111,17 @@ fn every_call_hands_a_fault_over() {
         ("reset", answer!(Bad<false>, reset())),
         ("restore", answer!(Bad<false>, restore(call()))),
         ("stop", answer!(Bad<false>, stop())),
-        ("extension", answer!(Bad<false>, extension("later".into(), call()))),
+        (
+            "extension",
+            answer!(Bad<false>, extension("later".into(), call())),
+        ),
     ];
     for (place, (kind, text, again)) in answers {
         let text_expected = format!("bad in {place}");
-        assert_eq!((kind.as_str(), &text, &again), ("Error", &text_expected, &text_expected));
+        assert_eq!(
+            (kind.as_str(), &text, &again),
+            ("Error", &text_expected, &text_expected)
+        );
     }
 }
 
@@ -117,7 +129,9 @@ fn every_call_hands_a_fault_over() {
 fn a_set_up_that_is_none() {
     let mut object = create::<Bad<true>>().into_result().expect("`new` is fine");
     let garbage = [0xc1_u8, 0xff, 0x00];
-    let answer = object.initialise((&garbage[..]).into(), None.into()).into_result();
+    let answer = object
+        .initialise((&garbage[..]).into(), None.into())
+        .into_result();
     // 0xc1 is the one byte that MessagePack never uses.
     let fault = answer.expect_err("a fault");
     assert_eq!(format!("{:?}", fault.kind), "Error", "{}", fault.text);
@@ -151,8 +165,15 @@ impl<const SAVES: bool> Plugin for Counting<SAVES> {
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
         self.0 += 1;
-        let text = LocalText { de: String::new(), en: self.0.to_string() };
-        tick.publish(&LevelEvent { id: "count".into(), time: tick.time(), text });
+        let text = LocalText {
+            de: String::new(),
+            en: self.0.to_string(),
+        };
+        tick.publish(&LevelEvent {
+            id: "count".into(),
+            time: tick.time(),
+            text,
+        });
         Ok(())
     }
 
@@ -167,28 +188,42 @@ impl<const SAVES: bool> Plugin for Counting<SAVES> {
 }
 
 fn counted<P: Plugin>(mut host: TestHost<P>) -> Vec<String> {
-    let ticks = (0..3).map(|_| host.tick().expect("a tick").last::<LevelEvent>().expect("an event").text.en);
+    let ticks = (0..3).map(|_| {
+        host.tick()
+            .expect("a tick")
+            .last::<LevelEvent>()
+            .expect("an event")
+            .text
+            .en
+    });
     ticks.collect()
 }
 
 #[test]
 fn the_test_host_finds_state_that_is_not_saved() {
-    let host = TestHost::<Counting<true>>::new(&["level.event"], &[], &[], setup()).expect("starts");
+    let host =
+        TestHost::<Counting<true>>::new(&["level.event"], &[], &[], setup()).expect("starts");
     assert_eq!(counted(host.moving()), ["1", "2", "3"]);
-    let host = TestHost::<Counting<false>>::new(&["level.event"], &[], &[], setup()).expect("starts");
+    let host =
+        TestHost::<Counting<false>>::new(&["level.event"], &[], &[], setup()).expect("starts");
     assert_eq!(counted(host), ["1", "2", "3"]);
-    let host = TestHost::<Counting<false>>::new(&["level.event"], &[], &[], setup()).expect("starts");
+    let host =
+        TestHost::<Counting<false>>::new(&["level.event"], &[], &[], setup()).expect("starts");
     assert_eq!(counted(host.moving()), ["1", "1", "1"]);
 }
 
 #[test]
 fn the_test_host_finds_topics_that_are_not_declared() {
-    let mut host = TestHost::<Counting<true>>::new(&[], &["input.end"], &[], setup()).expect("starts");
-    host.send(&InputEnd { source: "test".into() });
+    let mut host =
+        TestHost::<Counting<true>>::new(&[], &["input.end"], &[], setup()).expect("starts");
+    host.send(&InputEnd {
+        source: "test".into(),
+    });
     let fault = host.tick().expect_err("not declared");
     let expected = "published \"level.event\", which its manifest does not list under `publishes`";
     assert_eq!(fault, Fault::new(expected));
     let unknown = TestHost::<Counting<true>>::new(&["nobody.knows"], &[], &[], setup());
-    let expected = "\"tested\" names the message kind \"nobody.knows\", which no loaded plugin brings";
+    let expected =
+        "\"tested\" names the message kind \"nobody.knows\", which no loaded plugin brings";
     assert_eq!(unknown.err(), Some(Fault::new(expected)));
 }

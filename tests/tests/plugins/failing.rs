@@ -13,9 +13,13 @@ const FIRST_SAVE: u64 = 31;
 fn sentence(role: Role, how: &str, call: &str, tick: u64, place: &str) -> String {
     let name = role.name;
     match how {
-        "fault" => format!("plugin \"{name}\" failed in `{call}` at tick {tick}: awkward in {place}"),
+        "fault" => {
+            format!("plugin \"{name}\" failed in `{call}` at tick {tick}: awkward in {place}")
+        }
         // Where it panicked is part of the sentence; what it says stands behind the line.
-        _ => format!("plugin \"{name}\" panicked in `{call}` at tick {tick}: panicked at tests/fixtures/awkward/src/lib.rs:"),
+        _ => format!(
+            "plugin \"{name}\" panicked in `{call}` at tick {tick}: panicked at tests/fixtures/awkward/src/lib.rs:"
+        ),
     }
 }
 
@@ -23,14 +27,23 @@ fn sentence(role: Role, how: &str, call: &str, tick: u64, place: &str) -> String
 fn before_the_first_tick() {
     for role in ROLES {
         let installed = Installed::awkward(role);
-        let library = installed.tree.path(role.folder()).join("libmicrosim_fixture_awkward.so");
-        let create = format!("plugin \"{}\" ({}): panicked in `create`: panicked at ", role.name, library.display());
+        let library = installed
+            .tree
+            .path(role.folder())
+            .join("libmicrosim_fixture_awkward.so");
+        let create = format!(
+            "plugin \"{}\" ({}): panicked in `create`: panicked at ",
+            role.name,
+            library.display()
+        );
         let run = installed.run("panic new", &[]);
         run.assert_refused(&create);
         assert!(run.said.err.ends_with(": awkward in new\n"), "{run:?}");
         for how in ["panic", "fault"] {
             let sentence = sentence(role, how, "initialise", 0, "initialise");
-            installed.run(&format!("{how} initialise"), &[]).assert_refused(&sentence);
+            installed
+                .run(&format!("{how} initialise"), &[])
+                .assert_refused(&sentence);
         }
     }
 }
@@ -44,14 +57,23 @@ fn in_a_tick() {
             let run = installed.run(&format!("{how} process 20"), &[]);
             let verdict = run.assert_kept(20, &sentence(role, how, "process", 20, "process"));
             assert_eq!(verdict, "incomplete", "{run:?}");
-            assert_eq!(run.said.err.contains("awkward in process"), how != "bomb", "{run:?}");
+            assert_eq!(
+                run.said.err.contains("awkward in process"),
+                how != "bomb",
+                "{run:?}"
+            );
         }
         // The very first tick: the session holds the header and the failure.
         let run = installed.run("panic process 0", &["--json"]);
         run.assert_kept(0, &sentence(role, "panic", "process", 0, "process"));
         let json = run.said.json();
         assert_eq!(json["verdict"], "incomplete", "{run:?}");
-        assert!(json["failure"].as_str().is_some_and(|f| f.contains(role.name)), "{run:?}");
+        assert!(
+            json["failure"]
+                .as_str()
+                .is_some_and(|f| f.contains(role.name)),
+            "{run:?}"
+        );
     }
 }
 
@@ -63,9 +85,21 @@ fn in_a_part_of_a_parallel_loop() {
             let told = format!("{how} part 20");
             let run = installed.run(&told, &["--threads", threads]);
             run.assert_kept(20, &sentence(PHYSICS, how, "process", 20, "part"));
-            assert_eq!(run.said.err.contains("awkward in part"), how == "panic", "{run:?}");
+            assert_eq!(
+                run.said.err.contains("awkward in part"),
+                how == "panic",
+                "{run:?}"
+            );
             // Nothing else is said, by the thread that panicked, say.
-            assert_eq!(run.said.err.lines().filter(|l| l.contains("panicked")).count(), 1, "{run:?}");
+            assert_eq!(
+                run.said
+                    .err
+                    .lines()
+                    .filter(|l| l.contains("panicked"))
+                    .count(),
+                1,
+                "{run:?}"
+            );
             std::fs::remove_file(&run.session).expect("removed");
         }
     }
@@ -77,7 +111,10 @@ fn while_saving() {
         let installed = Installed::awkward(role);
         let run = installed.run("panic save 20", &[]);
         // The tick itself is done and kept.
-        let verdict = run.assert_kept(FIRST_SAVE, &sentence(role, "panic", "save", FIRST_SAVE, "save"));
+        let verdict = run.assert_kept(
+            FIRST_SAVE,
+            &sentence(role, "panic", "save", FIRST_SAVE, "save"),
+        );
         assert_eq!(verdict, "incomplete", "{run:?}");
     }
 }
@@ -105,7 +142,10 @@ fn while_restoring() {
         let run = installed.run(&format!("{how} restore"), &["--resume", "half.checkpoint"]);
         run.assert_refused(&sentence(TRANSLATOR, how, "restore", 50, "restore"));
     }
-    let run = installed.run("panic save", &["--stop-at", "0.1", "--checkpoint", "other.checkpoint"]);
+    let run = installed.run(
+        "panic save",
+        &["--stop-at", "0.1", "--checkpoint", "other.checkpoint"],
+    );
     run.assert_kept(13, &sentence(TRANSLATOR, "panic", "save", 13, "save"));
     assert!(!installed.tree.path("other.checkpoint").exists());
 }
@@ -116,7 +156,13 @@ fn while_stopping() {
     for role in ROLES {
         let installed = Installed::awkward(role);
         let good = installed.run("", &["--json"]).said.expect(0).json();
-        for told in ["panic stop", "fault stop", "bomb stop", "panic drop", "bomb drop"] {
+        for told in [
+            "panic stop",
+            "fault stop",
+            "bomb stop",
+            "panic drop",
+            "bomb drop",
+        ] {
             let run = installed.run(told, &["--json"]);
             let json = run.said.clone().expect(0).json();
             for key in ["verdict", "failed", "score", "ticks", "state_hash"] {
@@ -124,10 +170,23 @@ fn while_stopping() {
             }
             assert_eq!(json["failure"], json!(null), "{run:?}");
             let session = read(&run.session);
-            assert!(session.complaint.is_none() && session.failures.is_empty(), "{run:?}");
+            assert!(
+                session.complaint.is_none() && session.failures.is_empty(),
+                "{run:?}"
+            );
             let (how, place) = told.split_once(' ').expect("two words");
-            let complaint = sentence(role, how, "stop", good["ticks"].as_u64().unwrap_or(0), place);
-            assert_eq!(run.said.err.contains(&complaint), place == "stop", "{run:?}");
+            let complaint = sentence(
+                role,
+                how,
+                "stop",
+                good["ticks"].as_u64().unwrap_or(0),
+                place,
+            );
+            assert_eq!(
+                run.said.err.contains(&complaint),
+                place == "stop",
+                "{run:?}"
+            );
         }
     }
 }
@@ -144,5 +203,8 @@ fn a_plugin_that_ends_the_process() {
     assert_eq!(complaint, "the session has no end: its process was killed");
     let mut report = installed.tree.command(&["report", "--json"]);
     let report = hear(report.arg(&run.session)).expect(0).json();
-    assert_eq!((&report["verdict"], &report["session"]["complaint"]), (&json!("incomplete"), &json!(complaint)));
+    assert_eq!(
+        (&report["verdict"], &report["session"]["complaint"]),
+        (&json!("incomplete"), &json!(complaint))
+    );
 }

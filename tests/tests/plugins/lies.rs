@@ -6,7 +6,10 @@ use crate::awkward::{Installed, PHYSICS, Role, SOURCE, TRANSLATOR, read};
 fn assert_stopped(role: Role, told: &str, reason: &str) {
     let installed = Installed::awkward(role);
     let run = installed.run(told, &[]);
-    let sentence = format!("plugin \"{}\" failed in `process` at tick 20: {reason}", role.name);
+    let sentence = format!(
+        "plugin \"{}\" failed in `process` at tick 20: {reason}",
+        role.name
+    );
     assert_eq!(run.assert_kept(20, &sentence), "incomplete", "{run:?}");
 }
 

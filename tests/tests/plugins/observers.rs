@@ -14,35 +14,71 @@ fn a_renderer_that_fails_changes_nothing() {
     let without = installed.run("", &["--json"]).said.expect(0).json();
     assert_eq!(without["pictures"], json!(null));
     let cases = [
-        ("panic initialise", 0, "plugin \"renderer\" panicked in `initialise` at tick 0: "),
-        ("fault initialise", 0, "plugin \"renderer\" failed in `initialise` at tick 0: awkward in initialise"),
+        (
+            "panic initialise",
+            0,
+            "plugin \"renderer\" panicked in `initialise` at tick 0: ",
+        ),
+        (
+            "fault initialise",
+            0,
+            "plugin \"renderer\" failed in `initialise` at tick 0: awkward in initialise",
+        ),
         ("unavailable initialise", 0, "awkward in initialise"),
         // Of 101 ticks every sixth is drawn: 20 pictures a second, a tick is 8 ms. The fourth is that of tick 18.
-        ("panic process 3", 3, "plugin \"renderer\" panicked in `process` at tick 18: "),
-        ("bomb process 3", 3, "plugin \"renderer\" panicked in `process` at tick 18: "),
+        (
+            "panic process 3",
+            3,
+            "plugin \"renderer\" panicked in `process` at tick 18: ",
+        ),
+        (
+            "bomb process 3",
+            3,
+            "plugin \"renderer\" panicked in `process` at tick 18: ",
+        ),
         ("unavailable process 3", 3, "awkward in process"),
-        ("panic stop", 17, "plugin \"renderer\" panicked in `stop` at tick 96: "),
+        (
+            "panic stop",
+            17,
+            "plugin \"renderer\" panicked in `stop` at tick 96: ",
+        ),
     ];
     for (told, written, reason) in cases {
-        let run = installed.run(told, &["--json", "--frames", "pictures", "--frame-rate", "20"]);
+        let run = installed.run(
+            told,
+            &["--json", "--frames", "pictures", "--frame-rate", "20"],
+        );
         let json = run.said.clone().expect(0).json();
         for key in ["verdict", "score", "ticks", "state_hash"] {
             assert_eq!(json[key], without[key], "{key}: {run:?}");
         }
         assert_eq!(json["pictures"]["written"], written, "{run:?}");
-        assert!(json["pictures"]["off"].as_str().is_some_and(|off| off.starts_with(reason)), "{run:?}");
+        assert!(
+            json["pictures"]["off"]
+                .as_str()
+                .is_some_and(|off| off.starts_with(reason)),
+            "{run:?}"
+        );
         assert!(read(&run.session).complaint.is_none(), "{run:?}");
     }
-    let run = installed.run("panic drop", &["--json", "--frames", "pictures", "--frame-rate", "20"]);
+    let run = installed.run(
+        "panic drop",
+        &["--json", "--frames", "pictures", "--frame-rate", "20"],
+    );
     let json = run.said.expect(0).json();
-    assert_eq!((&json["state_hash"], &json["pictures"]["off"]), (&without["state_hash"], &json!(null)));
+    assert_eq!(
+        (&json["state_hash"], &json["pictures"]["off"]),
+        (&without["state_hash"], &json!(null))
+    );
 }
 
 #[test]
 fn a_recorder_that_cannot_begin() {
     let installed = Installed::awkward(RECORDER);
     let sentence = "plugin \"recorder\" failed in `initialise` at tick 0: awkward in initialise";
-    installed.run("fault initialise", &[]).assert_refused(sentence);
+    installed
+        .run("fault initialise", &[])
+        .assert_refused(sentence);
 }
 
 /// A run of the built recorder whose files may have this many KiB, as on a full disk.
@@ -62,7 +98,14 @@ fn limited(tree: &Tree, kib: u32) -> Said {
 fn a_recorder_that_fails_midway() {
     let tree = Tree::new();
     tree.write("script.toml", SCRIPT);
-    let full = tree.microsim(&["run", "touch-spheres", "--input", "script:script.toml", "--session", "full.session"]);
+    let full = tree.microsim(&[
+        "run",
+        "touch-spheres",
+        "--input",
+        "script:script.toml",
+        "--session",
+        "full.session",
+    ]);
     full.expect(0);
     let full = read(&tree.path("full.session"));
     let mut seen = Vec::new();
@@ -82,11 +125,17 @@ fn a_recorder_that_fails_midway() {
         assert!(session.ticks == full.ticks[..ticks], "{kib} KiB");
         assert!(session.end.is_none());
         let complaint = session.complaint.expect("not closed");
-        assert!(complaint.contains("breaks off inside a frame"), "{complaint}");
+        assert!(
+            complaint.contains("breaks off inside a frame"),
+            "{complaint}"
+        );
         let report = tree.microsim(&["report", &name, "--json"]).expect(0).json();
         assert_eq!(report["verdict"], "incomplete");
         seen.push(ticks);
     }
-    assert!(0 < seen[0] && seen.is_sorted() && seen[0] < seen[2] && seen[2] < full.ticks.len(), "{seen:?}");
+    assert!(
+        0 < seen[0] && seen.is_sorted() && seen[0] < seen[2] && seen[2] < full.ticks.len(),
+        "{seen:?}"
+    );
     assert_eq!(full.end.map(|e| e.ended), Some(Ended::Result));
 }

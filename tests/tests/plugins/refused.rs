@@ -11,20 +11,29 @@ fn assert_library_refused(package: &str, reason: &str) {
     let run = installed.run("", &[]);
     let library = format!("lib{}.so", package.replace('-', "_"));
     let path = installed.tree.path("plugins/translator").join(library);
-    run.assert_refused(&format!("plugin \"translator\" ({}): {reason}", path.display()));
+    run.assert_refused(&format!(
+        "plugin \"translator\" ({}): {reason}",
+        path.display()
+    ));
     // A person has to read it, and a changed layout alone prints tens of kilobytes.
     assert!(run.said.err.len() < 1000, "{}", run.said.err);
     // `check` finds the same and goes on with the rest.
-    let check = hear(&mut installed.command("", &["check", "--json"])).expect(1).json();
+    let check = hear(&mut installed.command("", &["check", "--json"]))
+        .expect(1)
+        .json();
     let problems = check["problems"].as_array().expect("a list");
-    let about = problems.iter().filter(|p| p.as_str().is_some_and(|p| p.contains(reason))).count();
+    let about = problems
+        .iter()
+        .filter(|p| p.as_str().is_some_and(|p| p.contains(reason)))
+        .count();
     assert!(about >= 1, "{check}");
     assert_eq!(about, problems.len(), "nothing else is wrong: {check}");
 }
 
 #[test]
 fn library_of_another_abi_version() {
-    let reason = "built for version 999 of the plugin contract, this host has version 1; build it again";
+    let reason =
+        "built for version 999 of the plugin contract, this host has version 1; build it again";
     assert_library_refused("microsim-fixture-other-abi", reason);
 }
 
@@ -57,16 +66,23 @@ fn library_that_is_none() {
 #[test]
 fn missing_library() {
     let installed = Installed::awkward(TRANSLATOR);
-    let library = installed.tree.path("plugins/translator/libmicrosim_fixture_awkward.so");
+    let library = installed
+        .tree
+        .path("plugins/translator/libmicrosim_fixture_awkward.so");
     std::fs::remove_file(&library).expect("removed");
-    let sentence = format!("plugin \"translator\": its library {} cannot be read: ", library.display());
+    let sentence = format!(
+        "plugin \"translator\": its library {} cannot be read: ",
+        library.display()
+    );
     installed.run("", &[]).assert_refused(&sentence);
 }
 
 #[test]
 fn manifest_of_another_abi_version() {
     let installed = Installed::awkward(TRANSLATOR);
-    let manifest = installed.tree.edit("plugins/translator/plugin.toml", "abi = 1\n", "abi = 2\n");
+    let manifest = installed
+        .tree
+        .edit("plugins/translator/plugin.toml", "abi = 1\n", "abi = 2\n");
     let sentence = format!(
         "plugin \"translator\" ({}): its manifest says version 2 of the plugin contract, this host has version 1",
         manifest.display()
@@ -79,8 +95,19 @@ fn manifest_of_another_abi_version() {
 fn manifest_that_is_not_the_one_of_the_build() {
     let tree = Tree::new();
     tree.write("script.toml", crate::awkward::SCRIPT);
-    tree.edit("plugins/translator/plugin.toml", r#"["input.sample"]"#, r#"["input.sample", "input.end"]"#);
-    let said = tree.microsim(&["run", "touch-spheres", "--input", "script:script.toml", "--session", "x.session"]);
+    tree.edit(
+        "plugins/translator/plugin.toml",
+        r#"["input.sample"]"#,
+        r#"["input.sample", "input.end"]"#,
+    );
+    let said = tree.microsim(&[
+        "run",
+        "touch-spheres",
+        "--input",
+        "script:script.toml",
+        "--session",
+        "x.session",
+    ]);
     let library = tree.path("plugins/translator/libmicrosim_plugin_translator.so");
     let sentence = format!(
         "microsim: plugin \"translator\" ({}): the manifest beside the library is not the one it was built with; build it \
@@ -95,29 +122,47 @@ fn manifest_that_is_not_the_one_of_the_build() {
 fn two_plugins_of_one_name() {
     let tree = Tree::new();
     tree.write("script.toml", crate::awkward::SCRIPT);
-    let manifest = std::fs::read_to_string(tree.path("plugins/translator/plugin.toml")).expect("read");
+    let manifest =
+        std::fs::read_to_string(tree.path("plugins/translator/plugin.toml")).expect("read");
     let second = tree.write("plugins/zweiter/plugin.toml", manifest);
-    let said = tree.microsim(&["run", "touch-spheres", "--input", "script:script.toml", "--session", "x.session"]);
+    let said = tree.microsim(&[
+        "run",
+        "touch-spheres",
+        "--input",
+        "script:script.toml",
+        "--session",
+        "x.session",
+    ]);
     let sentence = format!(
         "{}:1:8: key `name`: found `translator`, which {} has already, expected a name that no other plugin or module has",
         second.display(),
         tree.path("plugins/translator/plugin.toml").display()
     );
-    assert_eq!((said.code, said.err), (Some(2), format!("microsim: {sentence}\n")));
+    assert_eq!(
+        (said.code, said.err),
+        (Some(2), format!("microsim: {sentence}\n"))
+    );
     assert!(!tree.path("x.session").exists());
     // Every level needs a translator, and still it is said once.
     let check = tree.microsim(&["check", "--json"]).expect(1).json();
     assert_eq!(check["problems"], serde_json::json!([sentence]));
     // Who only looks is told, and sees the rest.
     let list = tree.microsim(&["list"]).expect(0);
-    assert!(list.err.contains(&sentence) && list.out.contains("touch-spheres"), "{list:?}");
+    assert!(
+        list.err.contains(&sentence) && list.out.contains("touch-spheres"),
+        "{list:?}"
+    );
 }
 
 /// Neither the module nor what uses the plugin is run.
 #[test]
 fn module_and_plugin_of_one_name() {
     for run in [["objects", "--input", "script:script.toml"], TRANSLATOR.run] {
-        let installed = Installed::awkward(Role { name: "objects", run, ..MODULE });
+        let installed = Installed::awkward(Role {
+            name: "objects",
+            run,
+            ..MODULE
+        });
         let sentence = format!(
             "modules/objects/module.toml:1:8: key `name`: found `objects`, which {} has already, expected a name that no \
              other plugin or module has",
@@ -129,19 +174,34 @@ fn module_and_plugin_of_one_name() {
 
 #[test]
 fn topics_that_nobody_brings() {
-    let publishes = Role { publishes: r#""input.end", "nobody.knows""#, ..SOURCE };
-    let hears = Role { subscribes: r#""nobody.knows""#, ..SOURCE };
+    let publishes = Role {
+        publishes: r#""input.end", "nobody.knows""#,
+        ..SOURCE
+    };
+    let hears = Role {
+        subscribes: r#""nobody.knows""#,
+        ..SOURCE
+    };
     for role in [publishes, hears] {
         let sentence = "plugin \"awkward\" failed in `register` at tick 0: \"awkward\" names the message kind \
                         \"nobody.knows\", which no loaded plugin brings";
-        Installed::awkward(role).run("", &[]).assert_refused(sentence);
+        Installed::awkward(role)
+            .run("", &[])
+            .assert_refused(sentence);
     }
 }
 
 #[test]
 fn a_plugin_that_is_no_source_as_input() {
     let tree = Tree::new();
-    let said = tree.microsim(&["run", "touch-spheres", "--input", "plugin:physics", "--session", "x.session"]);
+    let said = tree.microsim(&[
+        "run",
+        "touch-spheres",
+        "--input",
+        "plugin:physics",
+        "--session",
+        "x.session",
+    ]);
     let sentence = format!(
         "microsim: plugin \"physics\" ({}): it is of kind `physics`, an input has to be a `source`\n",
         tree.path("plugins/physics/plugin.toml").display()

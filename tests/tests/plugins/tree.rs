@@ -13,7 +13,9 @@ pub struct Tree {
 impl Tree {
     /// A copy of the built tree.
     pub fn new() -> Self {
-        let tree = Self { folder: microsim_tests::scratch() };
+        let tree = Self {
+            folder: microsim_tests::scratch(),
+        };
         for part in ["plugins", "modules", "config"] {
             copy(&microsim_tests::tree().join(part), &tree.path(part));
         }
@@ -44,13 +46,20 @@ impl Tree {
     /// The program on this installation, with the session file `run.session` where one is written.
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(microsim_tests::program());
-        command.arg("--root").arg(self.folder.path()).args(args).current_dir(self.folder.path());
+        command
+            .arg("--root")
+            .arg(self.folder.path())
+            .args(args)
+            .current_dir(self.folder.path());
         command
     }
 
     /// Runs the program on this installation.
     pub fn microsim(&self, args: &[&str]) -> Said {
-        self.command(args).output().expect("the program starts").into()
+        self.command(args)
+            .output()
+            .expect("the program starts")
+            .into()
     }
 }
 
@@ -62,7 +71,9 @@ fn copy(from: &Path, to: &Path) {
         let to = to.join(from.file_name().expect("a name"));
         if from.is_dir() {
             copy(&from, &to);
-        } else if from.extension().is_some_and(|e| e == "toml") || fs::hard_link(&from, &to).is_err() {
+        } else if from.extension().is_some_and(|e| e == "toml")
+            || fs::hard_link(&from, &to).is_err()
+        {
             fs::copy(&from, &to).expect("the file is copied");
         }
     }

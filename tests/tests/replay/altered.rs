@@ -30,71 +30,79 @@ fn spread(ticks: &[u64]) -> [u64; 5] {
 }
 
 /// One coordinate of one sample, by its last bit.
-fn one_altered_sample_is_named(session: &Path, folder: &Path) {
-    let bytes = fs::read(session).expect("a session");
-    let read = Session::read(&bytes).expect("a session");
+fn one_altered_sample_is_named(bytes: &[u8]) {
+    let folder = scratch();
+    let read = Session::read(bytes).expect("a session");
     for (n, tick) in spread(&ticks_with_samples(&read)).into_iter().enumerate() {
-        let altered = change_tick(&bytes, tick, |record| {
+        let altered = change_tick(bytes, tick, |record| {
             change_message(&mut record.log, |sample: &mut InputSample| {
                 let coordinate = &mut sample.pose.position[n % 3];
                 *coordinate = last_bit_flipped(*coordinate);
             });
         });
-        first_difference(folder, &altered, tick);
+        first_difference(folder.path(), &altered, tick);
     }
 }
 
 #[test]
 fn one_altered_input_sample_is_named_by_its_tick() {
-    let folder = scratch();
-    one_altered_sample_is_named(&recorded_hand(&folder), folder.path());
-    one_altered_sample_is_named(&pushed_strip(&folder), folder.path());
+    one_altered_sample_is_named(recorded_hand());
+    one_altered_sample_is_named(pushed_strip());
 }
 
 /// Writing a session anew without a change is no change: what the other tests find is what they have altered.
 #[test]
 fn a_session_written_anew_is_the_same_file() {
-    let folder = scratch();
-    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
-    assert!(rewrite(&bytes, |_, _, payload| Some(payload.to_vec())) == bytes);
-    assert!(change_tick(&bytes, 100, |_| ()) == bytes);
-    assert!(change_end(&bytes, |_| ()) == bytes);
+    let bytes = recorded_hand();
+    assert!(rewrite(bytes, |_, _, payload| Some(payload.to_vec())) == bytes);
+    assert!(change_tick(bytes, 100, |_| ()) == bytes);
+    assert!(change_end(bytes, |_| ()) == bytes);
 }
 
 #[test]
 fn an_altered_message_of_a_plugin_is_named_with_kind_and_sender() {
     let folder = scratch();
-    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
-    let altered = change_tick(&bytes, 1234, |record| {
-        change_message(&mut record.log, |states: &mut ToolStates| states.tools[0].opening = 0.5);
+    let bytes = recorded_hand();
+    let altered = change_tick(bytes, 1234, |record| {
+        change_message(&mut record.log, |states: &mut ToolStates| {
+            states.tools[0].opening = 0.5
+        });
     });
     let what = first_difference(folder.path(), &altered, 1234);
-    assert!(what.contains("message \"tool.states\" of \"translator\" differs"), "{what}");
+    assert!(
+        what.contains("message \"tool.states\" of \"translator\" differs"),
+        "{what}"
+    );
 }
 
 /// The score of a report is that of the recorded result: it cannot be made better.
 #[test]
 fn an_altered_score_is_named() {
     let folder = scratch();
-    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
-    let last = Session::read(&bytes).expect("a session").ticks.len() as u64 - 1;
-    let altered = change_tick(&bytes, last, |record| {
-        change_message(&mut record.log, |result: &mut TrainingResult| result.score = 100.0);
+    let bytes = recorded_hand();
+    let last = Session::read(bytes).expect("a session").ticks.len() as u64 - 1;
+    let altered = change_tick(bytes, last, |record| {
+        change_message(&mut record.log, |result: &mut TrainingResult| {
+            result.score = 100.0
+        });
     });
     let what = first_difference(folder.path(), &altered, last);
-    assert!(what.contains("message \"training.result\" of \"touch-spheres\" differs"), "{what}");
+    assert!(
+        what.contains("message \"training.result\" of \"touch-spheres\" differs"),
+        "{what}"
+    );
 }
 
 #[test]
 fn an_altered_hash_is_named() {
     let folder = scratch();
-    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
-    let read = Session::read(&bytes).expect("a session");
+    let bytes = recorded_hand();
+    let read = Session::read(bytes).expect("a session");
     for tick in [0, 777, read.ticks.len() as u64 - 1] {
-        let altered = change_tick(&bytes, tick, |record| record.chain[7] ^= 4);
+        let altered = change_tick(bytes, tick, |record| record.chain[7] ^= 4);
         first_difference(folder.path(), &altered, tick);
     }
-    let altered = change_end(&bytes, |end| end.chain[0] ^= 1);
+    let altered = change_end(bytes, |end| end.chain[0] ^= 1);
     let what = first_difference(folder.path(), &altered, read.ticks.len() as u64);
     assert!(what.contains("at the end"), "{what}");
 }
@@ -104,14 +112,22 @@ fn an_altered_hash_is_named() {
 #[test]
 fn an_altered_state_digest_is_named_with_its_plugin() {
     let folder = scratch();
-    let bytes = fs::read(pushed_strip(&folder)).expect("a session");
-    let read = Session::read(&bytes).expect("a session");
-    let hashed: Vec<_> = read.ticks.iter().filter(|(_, r)| r.states.is_some()).collect();
+    let bytes = pushed_strip();
+    let read = Session::read(bytes).expect("a session");
+    let hashed: Vec<_> = read
+        .ticks
+        .iter()
+        .filter(|(_, r)| r.states.is_some())
+        .collect();
     let (tick, record) = hashed[hashed.len() / 2];
     let plugins = record.states.as_deref().unwrap_or_default();
-    assert_eq!(plugins.len(), 5, "source, translator, physics, module, objects: {plugins:?}");
+    assert_eq!(
+        plugins.len(),
+        5,
+        "source, translator, physics, module, objects: {plugins:?}"
+    );
     for (n, plugin) in plugins.iter().enumerate() {
-        let altered = change_tick(&bytes, *tick, |record| {
+        let altered = change_tick(bytes, *tick, |record| {
             record.states.as_mut().expect("states")[n].digest[31] ^= 128;
         });
         if plugin.plugin.starts_with("source-") {
@@ -126,9 +142,9 @@ fn an_altered_state_digest_is_named_with_its_plugin() {
 #[test]
 fn a_missing_tick_is_named() {
     let folder = scratch();
-    let bytes = fs::read(recorded_hand(&folder)).expect("a session");
+    let bytes = recorded_hand();
     let is_tick = |kind| kind == microsim_host::record::kind::TICK;
-    let altered = rewrite(&bytes, |kind, tick, payload| {
+    let altered = rewrite(bytes, |kind, tick, payload| {
         (!is_tick(kind) || tick != 4321).then(|| payload.to_vec())
     });
     let what = first_difference(folder.path(), &altered, 4322);

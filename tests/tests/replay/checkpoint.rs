@@ -34,7 +34,11 @@ fn goes_on(module: &str, args: &[&str], seconds: &[&str]) {
 
 #[test]
 fn touch_spheres_goes_on_from_a_checkpoint() {
-    goes_on("touch-spheres", &TOUCH_SPHERES, &["0.008", "12.344", "97.6"]);
+    goes_on(
+        "touch-spheres",
+        &TOUCH_SPHERES,
+        &["0.008", "12.344", "97.6"],
+    );
 }
 
 /// The times lie before, in and after the contact with the strip.
@@ -49,14 +53,25 @@ fn a_checkpoint_of_another_run_is_refused() {
     let checkpoint = folder.path().join("there.checkpoint");
     let stop = ["--stop-at", "1", "--checkpoint", path(&checkpoint)];
     let first = folder.path().join("first.session");
-    run("touch-spheres", &first, &[&TOUCH_SPHERES[..], &stop].concat());
+    run(
+        "touch-spheres",
+        &first,
+        &[&TOUCH_SPHERES[..], &stop].concat(),
+    );
 
-    let others = [("touch-spheres", ["--level", "2"]), ("touch-spheres", ["--seed", "2"])];
+    let others = [
+        ("touch-spheres", ["--level", "2"]),
+        ("touch-spheres", ["--seed", "2"]),
+    ];
     for (n, (module, args)) in others.into_iter().enumerate() {
         let session = folder.path().join(format!("{n}.session"));
         let mut command = command(["run", module, "--resume", path(&checkpoint), "--session"]);
         let said = hear(command.arg(&session).args(TOUCH_SPHERES).args(args)).expect(2);
-        assert!(said.err.contains("belongs to another module, level, seed or set-up"), "{said:?}");
+        assert!(
+            said.err
+                .contains("belongs to another module, level, seed or set-up"),
+            "{said:?}"
+        );
     }
 
     // The first checkpoint is not written over either.

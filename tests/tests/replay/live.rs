@@ -13,13 +13,19 @@ use std::time::Instant;
 const TICK: f64 = 0.008;
 
 fn paced(tree: &LiveTree, session: &Path) -> Value {
-    hear(&mut tree.run("touch-spheres", session, &["--realtime"])).expect(0).json()
+    hear(&mut tree.run("touch-spheres", session, &["--realtime"]))
+        .expect(0)
+        .json()
 }
 
 /// When each tick was done, by the wall clock since the first one began \[s\].
 fn arrivals(session: &Path) -> Vec<f64> {
     let session = Session::read(&fs::read(session).expect("a session")).expect("a session");
-    session.ticks.iter().map(|(_, record)| record.arrival_ns as f64 * 1e-9).collect()
+    session
+        .ticks
+        .iter()
+        .map(|(_, record)| record.arrival_ns as f64 * 1e-9)
+        .collect()
 }
 
 /// Samples come from a thread of their own after random delays of up to 12 ms: no two runs are alike, and each replays
@@ -38,7 +44,10 @@ fn a_source_with_its_own_timer_replays_to_the_hash_of_its_live_run() {
         assert_eq!(replayed["ticks"], said["ticks"]);
         hashes.push(said["state_hash"].clone());
     }
-    assert_ne!(hashes[0], hashes[1], "random delays give another history each time");
+    assert_ne!(
+        hashes[0], hashes[1],
+        "random delays give another history each time"
+    );
 }
 
 /// Simulated time goes with the wall clock: no tick begins before its time, and half of them are done within three
@@ -51,7 +60,10 @@ fn a_paced_run_goes_with_the_wall_clock() {
     let start = Instant::now();
     let said = paced(&tree, &session);
     let wall = start.elapsed().as_secs_f64();
-    let lags = arrivals(&session).into_iter().enumerate().map(|(n, at)| at - n as f64 * TICK);
+    let lags = arrivals(&session)
+        .into_iter()
+        .enumerate()
+        .map(|(n, at)| at - n as f64 * TICK);
     let lags: Vec<f64> = lags.collect();
     println!(
         "lag: median {:.2} ms, p99 {:.2} ms; {} ticks late",
@@ -63,7 +75,10 @@ fn a_paced_run_goes_with_the_wall_clock() {
     assert!(percentile(&lags, 0.5) < 3.0 * TICK, "{lags:?}");
     // The source gives samples for 1.5 s of the wall clock, and the run is not shorter than what it simulates.
     let simulated = said["ticks"].as_f64().unwrap_or_default() * TICK;
-    assert!((1.4..wall + TICK).contains(&simulated), "{simulated} s simulated in {wall} s");
+    assert!(
+        (1.4..wall + TICK).contains(&simulated),
+        "{simulated} s simulated in {wall} s"
+    );
 }
 
 /// Tick 30 is held up by 60 ms. The following seven begin late, by 52, 44 … 4 ms, more than the 2 ms that config/host.toml
@@ -97,6 +112,9 @@ fn after_a_long_hold_the_schedule_moves() {
     let arrivals = arrivals(&session);
     let behind = |n: usize| arrivals[n] - n as f64 * TICK;
     // By the hold, less the part of its own tick in which the next one was not yet due.
-    assert!((30 + 1..arrivals.len()).all(|n| behind(n) >= 0.600 - TICK), "{arrivals:?}");
+    assert!(
+        (30 + 1..arrivals.len()).all(|n| behind(n) >= 0.600 - TICK),
+        "{arrivals:?}"
+    );
     tree.verify(&session).expect(0);
 }

@@ -4,29 +4,36 @@
 //! the test itself has changed.
 
 mod altered;
+mod bits;
 mod checkpoint;
 mod live;
-mod same_bits;
 mod state;
 mod without;
 
-use std::path::PathBuf;
+use microsim_tests::{run, scratch};
+use std::fs;
+use std::sync::OnceLock;
 
 /// A level with physics and a script that passes it.
 const PUSH_STRIP: [&str; 2] = ["--input", "script:level1-pass.toml"];
 /// A level without physics and the motion of a real hand.
 const TOUCH_SPHERES: [&str; 2] = ["--input", microsim_tests::RECORDING];
 
-/// A session of the recorded hand on touch-spheres in `folder`.
-fn recorded_hand(folder: &tempfile::TempDir) -> PathBuf {
-    let session = folder.path().join("hand.session");
-    microsim_tests::run("touch-spheres", &session, &TOUCH_SPHERES);
-    session
+fn session(module: &str, args: &[&str]) -> Vec<u8> {
+    let folder = scratch();
+    let path = folder.path().join("a.session");
+    run(module, &path, args);
+    fs::read(path).expect("a session")
 }
 
-/// A session of the passing script on push-strip in `folder`.
-fn pushed_strip(folder: &tempfile::TempDir) -> PathBuf {
-    let session = folder.path().join("strip.session");
-    microsim_tests::run("push-strip", &session, &PUSH_STRIP);
-    session
+/// A session of the recorded hand on touch-spheres.
+fn recorded_hand() -> &'static [u8] {
+    static SESSION: OnceLock<Vec<u8>> = OnceLock::new();
+    SESSION.get_or_init(|| session("touch-spheres", &TOUCH_SPHERES))
+}
+
+/// A session of the passing script on push-strip.
+fn pushed_strip() -> &'static [u8] {
+    static SESSION: OnceLock<Vec<u8>> = OnceLock::new();
+    SESSION.get_or_init(|| session("push-strip", &PUSH_STRIP))
 }

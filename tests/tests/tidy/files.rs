@@ -11,7 +11,10 @@ const LONGEST: usize = 800;
 
 fn sources() -> Vec<PathBuf> {
     let folders = ["crates", "plugins", "modules", "tests", "xtask"];
-    folders.iter().flat_map(|folder| files_below(&repository().join(folder), ".rs")).collect()
+    folders
+        .iter()
+        .flat_map(|folder| files_below(&repository().join(folder), ".rs"))
+        .collect()
 }
 
 #[test]
@@ -36,13 +39,24 @@ fn every_source_begins_with_what_it_is_for() {
 #[test]
 fn nothing_is_left_over() {
     // Put together here, so that this file itself holds none of them.
-    let markers = [("todo", "!"), ("unimplemented", "!"), ("dbg", "!"), ("FIX", "ME"), ("XX", "X"), ("TO", "DO")]
-        .map(|(a, b)| format!("{a}{b}"));
+    let markers = [
+        ("todo", "!"),
+        ("unimplemented", "!"),
+        ("dbg", "!"),
+        ("FIX", "ME"),
+        ("XX", "X"),
+        ("TO", "DO"),
+    ]
+    .map(|(a, b)| format!("{a}{b}"));
     let ignored = format!("#[{}", "ignore");
     let mut complaints = Vec::new();
     for path in sources() {
         for (n, line) in text(&path).lines().enumerate() {
-            if let Some(marker) = markers.iter().chain([&ignored]).find(|marker| line.contains(*marker)) {
+            if let Some(marker) = markers
+                .iter()
+                .chain([&ignored])
+                .find(|marker| line.contains(*marker))
+            {
                 complaints.push(format!("{}:{}: {marker}", path.display(), n + 1));
             }
         }
@@ -63,7 +77,11 @@ fn every_module_has_its_readme() {
     assert!(!modules.is_empty());
     for module in modules {
         let readme = text(&module.join("README.md"));
-        assert!(readme.starts_with("# ") && readme.len() > 200, "{}", module.display());
+        assert!(
+            readme.starts_with("# ") && readme.len() > 200,
+            "{}",
+            module.display()
+        );
     }
 }
 
@@ -75,10 +93,18 @@ fn every_recording_has_its_notice_and_column_map() {
     for recording in recordings {
         let notice = text(&recording.join("README.md"));
         for said in ["Origin:", "licensed under", "Changes:", "Limits:"] {
-            assert!(notice.contains(said), "{}: no \"{said}\" in its notice", recording.display());
+            assert!(
+                notice.contains(said),
+                "{}: no \"{said}\" in its notice",
+                recording.display()
+            );
         }
         for motion in files_below(&recording, ".csv") {
-            assert!(motion.with_extension("toml").is_file(), "{}", motion.display());
+            assert!(
+                motion.with_extension("toml").is_file(),
+                "{}",
+                motion.display()
+            );
         }
     }
 }

@@ -13,11 +13,18 @@ const OWN: &str = "microsim-";
 fn dependencies(folder: &Path) -> BTreeSet<String> {
     let manifest: toml::Table = toml::from_str(&text(&folder.join("Cargo.toml"))).expect("TOML");
     let list = manifest.get("dependencies").and_then(toml::Value::as_table);
-    list.into_iter().flat_map(toml::Table::keys).cloned().collect()
+    list.into_iter()
+        .flat_map(toml::Table::keys)
+        .cloned()
+        .collect()
 }
 
 fn own(dependencies: &BTreeSet<String>) -> BTreeSet<String> {
-    dependencies.iter().filter_map(|name| name.strip_prefix(OWN)).map(String::from).collect()
+    dependencies
+        .iter()
+        .filter_map(|name| name.strip_prefix(OWN))
+        .map(String::from)
+        .collect()
 }
 
 /// Folders in a folder, by name, with their dependencies.
@@ -27,7 +34,11 @@ fn packages(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
     let packages = folders.filter(|path| path.join("Cargo.toml").is_file());
     packages
         .map(|path| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
             let dependencies = dependencies(&path);
             (name, dependencies)
         })
@@ -40,9 +51,14 @@ fn table() -> Vec<[String; 4]> {
     // All but heading and rule.
     let rows = readme.lines().filter(|line| line.starts_with("| `"));
     let rows = rows.map(|line| {
-        let cells = line.trim_matches('|').split(" | ").map(|c| c.trim().trim_matches('`'));
+        let cells = line
+            .trim_matches('|')
+            .split(" | ")
+            .map(|c| c.trim().trim_matches('`'));
         let cells: Vec<String> = cells.map(String::from).collect();
-        cells.try_into().unwrap_or_else(|_| panic!("not four cells: {line}"))
+        cells
+            .try_into()
+            .unwrap_or_else(|_| panic!("not four cells: {line}"))
     });
     rows.collect()
 }
@@ -59,13 +75,17 @@ fn the_readme_lists_every_crate_once_with_its_invariant_and_dependencies() {
             complaints.push(format!("{name}: listed twice"));
         }
         if what.is_empty() || invariant.is_empty() {
-            complaints.push(format!("{name}: says nothing of itself, or of its invariant"));
+            complaints.push(format!(
+                "{name}: says nothing of itself, or of its invariant"
+            ));
         }
         let Some(dependencies) = packages.get(&name) else {
             complaints.push(format!("{name}: there is no such crate"));
             continue;
         };
-        let uses = uses.split(',').map(|n| n.trim().trim_matches('`').to_owned());
+        let uses = uses
+            .split(',')
+            .map(|n| n.trim().trim_matches('`').to_owned());
         let uses: BTreeSet<String> = uses.filter(|n| n != "–").collect();
         if uses != own(dependencies) {
             let real = own(dependencies);
@@ -82,7 +102,10 @@ fn the_readme_lists_every_crate_once_with_its_invariant_and_dependencies() {
 fn dependencies_point_one_way() {
     let packages = packages("crates");
     // Again and again take away what depends on nothing that is left: a circle stays.
-    let mut left: BTreeMap<_, _> = packages.iter().map(|(name, d)| (name.clone(), own(d))).collect();
+    let mut left: BTreeMap<_, _> = packages
+        .iter()
+        .map(|(name, d)| (name.clone(), own(d)))
+        .collect();
     loop {
         let names: BTreeSet<String> = left.keys().cloned().collect();
         let before = left.len();
@@ -112,8 +135,10 @@ fn reach(packages: &BTreeMap<String, BTreeSet<String>>, name: &str) -> BTreeSet<
 fn pure_crates_know_nothing_of_the_platform() {
     let packages = packages("crates");
     let platform = ["app", "host", "sdk", "settings", "abi", "render", "gpu"];
-    let pure =
-        ["geometry", "mesh", "tissue", "contact", "scene", "tracking", "training", "session", "bus", "message"];
+    let pure = [
+        "geometry", "mesh", "tissue", "contact", "scene", "tracking", "training", "session", "bus",
+        "message",
+    ];
     let mut complaints = Vec::new();
     for name in pure {
         assert!(packages.contains_key(name), "no crate {name}");
@@ -126,7 +151,12 @@ fn pure_crates_know_nothing_of_the_platform() {
     for (name, never) in [
         ("tissue", &["contact"][..]),
         ("contact", &["tissue"]),
-        ("host", &["geometry", "mesh", "tissue", "contact", "scene", "gpu", "render", "sdk"]),
+        (
+            "host",
+            &[
+                "geometry", "mesh", "tissue", "contact", "scene", "gpu", "render", "sdk",
+            ],
+        ),
         ("report", &["training", "host", "settings"]),
         ("render", &["scene", "host", "message"]),
     ] {
@@ -156,7 +186,9 @@ fn some_libraries_belong_to_some_crates() {
             for (library, owners) in owners {
                 let allowed = folder == "crates" && owners.contains(&package.as_str());
                 if dependencies.contains(library) && !allowed {
-                    complaints.push(format!("{folder}/{package} uses {library}; only {owners:?} may"));
+                    complaints.push(format!(
+                        "{folder}/{package} uses {library}; only {owners:?} may"
+                    ));
                 }
             }
         }
@@ -170,7 +202,13 @@ fn plugins_and_modules_stand_on_the_sdk() {
     let mut complaints = Vec::new();
     for (folder, never) in [
         ("plugins", &["abi", "bus", "host", "app", "message"][..]),
-        ("modules", &["abi", "bus", "host", "app", "message", "scene", "tissue", "contact", "mesh", "settings"]),
+        (
+            "modules",
+            &[
+                "abi", "bus", "host", "app", "message", "scene", "tissue", "contact", "mesh",
+                "settings",
+            ],
+        ),
     ] {
         for (package, dependencies) in packages(folder) {
             let uses = own(&dependencies);

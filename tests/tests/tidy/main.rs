@@ -16,7 +16,11 @@ fn files_below(folder: &Path, suffix: &str) -> Vec<PathBuf> {
     while let Some(folder) = open.pop() {
         let listing = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         for path in listing.map(|entry| entry.expect("an entry").path()) {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
             if path.is_dir() && name != "target" && !name.starts_with('.') {
                 open.push(path);
             } else if path.is_file() && name.ends_with(suffix) {

@@ -9,8 +9,13 @@ const CRATES: [&str; 13] = [
     "geometry", "mesh", "tissue", "contact", "scene", "tracking", "training", "sdk", "bus",
     "message", "session", "settings", "host",
 ];
-const PLUGINS: [&str; 5] =
-    ["translator", "objects", "physics", "source-recording", "source-script"];
+const PLUGINS: [&str; 5] = [
+    "translator",
+    "objects",
+    "physics",
+    "source-recording",
+    "source-script",
+];
 
 /// Functions that the system's library computes, with other last bits on another system.
 const TRANSCENDENTAL: [&str; 25] = [
@@ -36,7 +41,10 @@ fn lines(source: &str) -> Vec<Line> {
         }
         let code = line.split("//").next().unwrap_or_default();
         if !code.trim().is_empty() {
-            lines.push(Line { number, code: code.to_owned() });
+            lines.push(Line {
+                number,
+                code: code.to_owned(),
+            });
         }
     }
     lines
@@ -69,7 +77,11 @@ fn simulation() -> Vec<PathBuf> {
     folders.extend(PLUGINS.map(|name| root.join("plugins").join(name)));
     folders.push(root.join("modules"));
     let sources = folders.iter().flat_map(|folder| {
-        assert!(folder.is_dir(), "{} is gone: correct the list", folder.display());
+        assert!(
+            folder.is_dir(),
+            "{} is gone: correct the list",
+            folder.display()
+        );
         files_below(folder, ".rs")
     });
     sources.filter(|path| !is_test(path)).collect()
@@ -81,7 +93,12 @@ fn complaints(find: impl Fn(&Path, &str) -> Option<String>) -> Vec<String> {
     for path in simulation() {
         for line in lines(&text(&path)) {
             if let Some(what) = find(&path, &line.code) {
-                complaints.push(format!("{}:{}: {what}: {}", path.display(), line.number, line.code.trim()));
+                complaints.push(format!(
+                    "{}:{}: {what}: {}",
+                    path.display(),
+                    line.number,
+                    line.code.trim()
+                ));
             }
         }
     }
@@ -100,7 +117,8 @@ fn transcendental(code: &str) -> Option<&'static str> {
     // `libm::exp(x)` is right, `x.exp()` and `f64::exp(x)` are not. A fused `mul_add` is exact everywhere, but slow where
     // the machine has none, and not what a plain product and sum give.
     TRANSCENDENTAL.into_iter().chain(["mul_add"]).find(|name| {
-        code.contains(&format!(".{name}(")) || code.contains(&format!("f64::{name}"))
+        code.contains(&format!(".{name}("))
+            || code.contains(&format!("f64::{name}"))
             || code.contains(&format!("f32::{name}"))
     })
 }
@@ -115,7 +133,9 @@ fn no_function_of_the_systems_library_decides_a_bit() {
 #[test]
 fn no_order_is_left_to_chance() {
     assert_none(&complaints(|_, code| {
-        let map = ["HashMap", "HashSet"].into_iter().find(|word| has_word(code, word));
+        let map = ["HashMap", "HashSet"]
+            .into_iter()
+            .find(|word| has_word(code, word));
         map.map(|word| format!("`{word}` has another order in every process: use a BTree or a Vec"))
     }));
 }
@@ -127,7 +147,9 @@ fn no_clock_is_read() {
         if path.ends_with("crates/host/src/run.rs") {
             return None;
         }
-        let clock = ["Instant", "SystemTime"].into_iter().find(|word| has_word(code, word));
+        let clock = ["Instant", "SystemTime"]
+            .into_iter()
+            .find(|word| has_word(code, word));
         clock.map(|word| format!("`{word}`: only crates/host/src/run.rs reads a clock"))
     }));
 }
@@ -136,8 +158,14 @@ fn no_clock_is_read() {
 #[test]
 fn the_checks_can_fail() {
     assert_eq!(transcendental("let y = x.exp();"), Some("exp"));
-    assert_eq!(transcendental("values.map(f64::sqrt).map(f64::hypot)"), Some("hypot"));
-    assert_eq!(transcendental("let y = libm::exp(x).sqrt().max(x.expect(\"a number\"));"), None);
+    assert_eq!(
+        transcendental("values.map(f64::sqrt).map(f64::hypot)"),
+        Some("hypot")
+    );
+    assert_eq!(
+        transcendental("let y = libm::exp(x).sqrt().max(x.expect(\"a number\"));"),
+        None
+    );
     assert!(has_word("use std::time::{Duration, Instant};", "Instant"));
     assert!(!has_word("let instant = Instantaneous;", "Instant"));
 
@@ -154,9 +182,14 @@ mod tests {
 }
 fn c() {}
 ";
-    let found: Vec<(usize, String)> =
-        lines(source).into_iter().map(|line| (line.number, line.code.trim().to_owned())).collect();
-    assert_eq!(found, [(2, "fn a() {}".to_owned()), (11, "fn c() {}".to_owned())]);
+    let found: Vec<(usize, String)> = lines(source)
+        .into_iter()
+        .map(|line| (line.number, line.code.trim().to_owned()))
+        .collect();
+    assert_eq!(
+        found,
+        [(2, "fn a() {}".to_owned()), (11, "fn c() {}".to_owned())]
+    );
 
     // Enough is read: a crate that moved would leave the checks without anything to find.
     assert!(simulation().len() > 80, "{}", simulation().len());

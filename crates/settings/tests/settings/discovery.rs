@@ -76,6 +76,11 @@ fn what_is_wrong_in_a_tree_is_named() {
     write(root, "modules/m/levels/notes.txt", "");
     let (tree, errors) = discover(root);
     assert_eq!((tree.plugins.len(), tree.modules.len()), (3, 1));
+    // Level 3 is not level 2.
+    assert_eq!(
+        tree.modules[0].levels,
+        [root.join("modules/m/levels/level1.toml")]
+    );
     let at = |path: &str| root.join(path).display().to_string();
     let printed: Vec<String> = errors.iter().map(ToString::to_string).collect();
     let expected = [

@@ -157,8 +157,10 @@ fn shipped_files_are_right() {
 
 #[test]
 fn a_recording_without_map_is_told_how_to_write_it() {
-    let header = ["t_s", "x_mm", "y_mm", "z_mm", "qx", "qy", "qz", "qw"];
-    let help = recording_map_help(Path::new("rec/hand.csv"), &header);
+    let help = recording_map_help(
+        Path::new("rec/hand.csv"),
+        "t_s,x_mm,y_mm,z_mm,qx,qy,qz,qw\r",
+    );
     let start = "rec/hand.csv: a recording needs a column map, the file rec/hand.toml beside it.\n\
                  Its header is: t_s, x_mm, y_mm, z_mm, qx, qy, qz, qw\n";
     assert!(help.starts_with(start), "{help}");
@@ -176,21 +178,24 @@ fn a_recording_without_map_is_told_how_to_write_it() {
     assert_eq!(map.device[0].quaternion, ["qx", "qy", "qz", "qw"]);
 
     // Other habits, and headings that say nothing.
-    for (header, time, x, unit) in [
+    for (header, delimiter, time, x, unit) in [
         (
-            vec!["Time [ms]", "pos_x", "pos_y", "pos_z"],
+            "Time [ms];pos_x;pos_y;pos_z",
+            ";",
             ("Time [ms]", "ms"),
             "pos_x",
             "m",
         ),
-        (vec!["a", "b", "c\"d"], ("t", "s"), "x", "m"),
-        (vec![], ("t", "s"), "x", "m"),
+        ("t_min\tx_um", "\t", ("t_min", "min"), "x_um", "um"),
+        ("a,b,c\"d", ",", ("t", "s"), "x", "m"),
+        ("", ",", ("t", "s"), "x", "m"),
     ] {
-        let help = recording_map_help(Path::new("hand.csv"), &header);
+        let help = recording_map_help(Path::new("hand.csv"), header);
         let (_, example) = help.split_once("\n\n").expect("an example");
         let map = read_recording_map(example, "hand.toml")
             .expect("readable")
             .settings;
+        assert_eq!(map.delimiter, delimiter);
         assert_eq!((map.time.column.as_str(), map.time.unit.as_str()), time);
         assert_eq!(map.device[0].position[0], x);
         assert_eq!(map.device[0].position_unit, unit);
