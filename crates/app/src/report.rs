@@ -15,6 +15,10 @@ fn write(path: &Path, content: &str) -> Result<(), Problem> {
 pub fn report(args: &ReportArgs) -> Result<Exit, Problem> {
     let session = read(&args.session)?;
     let report = report_of(&session, &args.session);
+    let same = |path: &PathBuf| path.canonicalize().ok() == args.session.canonicalize().ok();
+    if [&args.html, &args.csv, &args.series].into_iter().flatten().any(same) {
+        return Err("the report would overwrite the session; give it another name".into());
+    }
     if let Some(path) = &args.html {
         write(path, &report.to_html())?;
     }
@@ -33,16 +37,28 @@ pub fn report(args: &ReportArgs) -> Result<Exit, Problem> {
     Ok(Exit::Done)
 }
 
-/// The files beside a session: page, JSON, CSV. Returns the page's path.
+/// The files that a run writes beside its session: page, JSON, metrics and series as CSV. `NAME.session` gives
+/// `NAME.html` and so on; a session of another name keeps its whole name, so that nothing can fall on it.
+pub fn files_beside(session: &Path) -> [PathBuf; 4] {
+    let stem = match session.extension() {
+        Some(extension) if extension == "session" => session.with_extension(""),
+        _ => session.to_path_buf(),
+    };
+    ["html", "json", "metrics.csv", "series.csv"].map(|extension| {
+        let mut name = stem.clone().into_os_string();
+        name.push(".");
+        name.push(extension);
+        PathBuf::from(name)
+    })
+}
+
+/// Writes the files beside a session. Returns the page's path.
 pub fn write_beside(report: &Report, session: &Path) -> Result<PathBuf, Problem> {
-    let page = session.with_extension("html");
+    let [page, json, metrics, series] = files_beside(session);
     write(&page, &report.to_html())?;
-    write(&session.with_extension("json"), &report.to_json())?;
-    write(
-        &session.with_extension("metrics.csv"),
-        &report.metrics_csv(),
-    )?;
-    write(&session.with_extension("series.csv"), &report.series_csv())?;
+    write(&json, &report.to_json())?;
+    write(&metrics, &report.metrics_csv())?;
+    write(&series, &report.series_csv())?;
     Ok(page)
 }
 

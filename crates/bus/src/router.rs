@@ -92,6 +92,13 @@ pub enum Violation {
         /// Version registered.
         expected: u16,
     },
+    /// More in one publication than a queue could ever hold.
+    TooMuch {
+        /// Bytes published.
+        bytes: usize,
+        /// Bytes allowed.
+        limit: usize,
+    },
     /// A queue is full of messages that must not be lost.
     Overflow {
         /// Name of the kind.
@@ -122,6 +129,9 @@ impl fmt::Display for Violation {
                     f,
                     "published \"{kind}\" in version {found}, this run knows version {expected}"
                 )
+            }
+            Self::TooMuch { bytes, limit } => {
+                write!(f, "published {bytes} bytes of messages at once, at most {limit} are allowed")
             }
             Self::Overflow { kind, subscriber } => {
                 write!(
@@ -235,6 +245,13 @@ impl Router {
         time_ns: u64,
         bytes: &[u8],
     ) -> Result<(), Violation> {
+        // The host's own messages come from outside of the run and are few.
+        if bytes.len() > self.limits.bytes && sender != HOST {
+            return Err(Violation::TooMuch {
+                bytes: bytes.len(),
+                limit: self.limits.bytes,
+            });
+        }
         for frame in Frames::new(bytes) {
             let frame = frame.map_err(Violation::Frame)?;
             let kind = self.check(sender, frame.header.kind)?;

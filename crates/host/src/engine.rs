@@ -72,6 +72,20 @@ pub struct Checkpoint {
     pub bus: Vec<u8>,
     /// Saved states in the order of the plan.
     pub states: Vec<serde_bytes::ByteBuf>,
+    /// What the host itself remembers.
+    pub host: HostState,
+}
+
+/// What the host itself remembers between two ticks.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HostState {
+    /// Sources that have nothing more to give.
+    pub ended_sources: BTreeSet<EndpointId>,
+    /// Frames that the host publishes in the next tick.
+    #[serde(with = "serde_bytes")]
+    pub controls: Vec<u8>,
+    /// When the module was told to end \[ns\].
+    pub told_to_end: Option<u64>,
 }
 
 struct Running {
@@ -107,6 +121,9 @@ pub fn plan_digest(plan: &RunPlan) -> Hash {
             plan.steps,
             plan.hash_every,
             &plan.without,
+            &plan.input_digest,
+            plan.queue_messages,
+            plan.queue_bytes,
         )),
     ];
     for plugin in plan.plugins.iter().filter(|p| !p.kind.is_observer()) {
@@ -204,6 +221,17 @@ impl Engine {
     /// Name of a sender.
     pub fn sender_name(&self, id: EndpointId) -> &str {
         self.router.endpoint_name(id)
+    }
+
+    /// Whether this sender is a source.
+    pub fn is_source(&self, sender: EndpointId) -> bool {
+        let mut sources = self.plugins.iter().filter(|p| p.kind == PluginKind::Source);
+        sources.any(|p| p.endpoint == sender)
+    }
+
+    /// All messages of a tick that ended in a failure, up to it.
+    pub fn take_log(&mut self) -> Vec<u8> {
+        self.router.take_log()
     }
 
     /// Whether messages of this sender come from outside: sources and the host itself.
@@ -345,6 +373,7 @@ impl Engine {
             chain: self.chain.value().to_vec(),
             bus: self.router.save(),
             states,
+            host: HostState::default(),
         })
     }
 

@@ -1,6 +1,7 @@
 //! The host: loading, life cycle, clocks, containment of faults, record and replay. It knows no physics and no GPU.
 //!
 //! - [`plan`]: what a run loads and computes, and why; decided first.
+//! - [`installation`]: plugins, modules and levels below a folder.
 //! - [`assemble`]: makes a plan from a module, a level and an input.
 //! - [`loader`]: libraries, checked before their code runs.
 //! - [`engine`]: the deterministic loop and its running hash.
@@ -10,6 +11,7 @@
 pub mod assemble;
 pub mod engine;
 pub mod fault;
+pub mod installation;
 pub mod loader;
 pub mod parallel;
 pub mod picture;

@@ -44,26 +44,33 @@ impl<'a> Tick<'a> {
     }
 
     /// All messages for this plugin, of any kind, oldest first.
-    pub fn frames(&self) -> impl Iterator<Item = Frame<'a>> + use<'a> {
-        // The router has checked every frame; the walk cannot fail here.
-        Frames::new(self.messages).filter_map(Result::ok)
+    pub fn frames(&self) -> impl Iterator<Item = Result<Frame<'a>, Fault>> + use<'a> {
+        Frames::new(self.messages).map(|frame| frame.map_err(|e| Fault::new(e.to_string())))
     }
 
     /// The messages of one kind, oldest first.
     pub fn messages<M: Message>(&self) -> Result<Vec<M>, Fault> {
-        self.frames()
-            .filter_map(|f| decode(&f))
-            .map(|m| m.map_err(Fault::from))
-            .collect()
+        let mut messages = Vec::new();
+        for frame in self.frames() {
+            if let Some(message) = decode(&frame?) {
+                messages.push(message?);
+            }
+        }
+        Ok(messages)
     }
 
     /// The newest message of one kind.
     pub fn latest<M: Message>(&self) -> Result<Option<M>, Fault> {
         let kind = kind_id(M::KIND);
-        let last = self.frames().filter(|f| f.header.kind == kind).last();
-        last.and_then(|f| decode(&f))
-            .transpose()
-            .map_err(Fault::from)
+        let mut latest = None;
+        for frame in self.frames() {
+            let frame = frame?;
+            if frame.header.kind == kind {
+                latest = Some(frame);
+            }
+        }
+        let message = latest.and_then(|f| decode(&f)).transpose();
+        message.map_err(Fault::from)
     }
 
     /// Publishes a message; subscribers that come later in the tick hear it in this tick, the others in the next.

@@ -9,16 +9,34 @@ use std::process::Command;
 fn sources_that_are_none() {
     let tree = tree();
     for (input, reason) in [
-        ("nonsense", "unknown source; expected script:FILE, recording:FILE or plugin:NAME"),
-        ("hand.csv", "unknown source; expected script:FILE, recording:FILE or plugin:NAME"),
-        ("script:", "nothing behind the colon; expected script:FILE, recording:FILE or plugin:NAME"),
-        ("desktop", "mouse and keyboard are not there yet; expected script:FILE"),
-        ("openigtlink://localhost:18944", "trackers on the network are not there yet; expected script:FILE"),
+        (
+            "nonsense",
+            "unknown source; expected script:FILE, recording:FILE or plugin:NAME",
+        ),
+        (
+            "hand.csv",
+            "unknown source; expected script:FILE, recording:FILE or plugin:NAME",
+        ),
+        (
+            "script:",
+            "nothing behind the colon; expected script:FILE, recording:FILE or plugin:NAME",
+        ),
+        (
+            "desktop",
+            "mouse and keyboard are not there yet; expected script:FILE",
+        ),
+        (
+            "openigtlink://localhost:18944",
+            "trackers on the network are not there yet; expected script:FILE",
+        ),
     ] {
         let said = run(&tree, input, &[]);
         let sentence = format!("error: invalid value '{input}' for '--input <SOURCE>': {reason}");
         assert_eq!(said.code, Some(2), "{said:?}");
-        assert!(said.err.starts_with(&sentence) && said.out.is_empty(), "{said:?}");
+        assert!(
+            said.err.starts_with(&sentence) && said.out.is_empty(),
+            "{said:?}"
+        );
     }
     assert_refused(&tree, "plugin:no-such", "no plugin \"no-such\" below");
     let said = tree.microsim(&["run", "touch-spheres"]).expect(2);
@@ -28,30 +46,86 @@ fn sources_that_are_none() {
 #[test]
 fn modules_and_levels_that_are_not_there() {
     let tree = tree();
-    let args = |module, level| ["run", module, "--level", level, "--input", "script:short.toml", "--session", "x.session"];
+    let args = |module, level| {
+        [
+            "run",
+            module,
+            "--level",
+            level,
+            "--input",
+            "script:short.toml",
+            "--session",
+            "x.session",
+        ]
+    };
     for (module, level, reason) in [
-        ("touch-sphere", "1", "microsim: no module \"touch-sphere\" below "),
-        ("../touch-spheres", "1", "microsim: no module \"../touch-spheres\" below "),
-        ("touch-spheres", "6", "microsim: module \"touch-spheres\" has levels 1 to 5, not 6\n"),
-        ("touch-spheres", "0", "microsim: module \"touch-spheres\" has levels 1 to 5, not 0\n"),
-        ("touch-spheres", "one", "error: invalid value 'one' for '--level <N>': invalid digit found in string"),
-        ("touch-spheres", "4294967296", "error: invalid value '4294967296' for '--level <N>': "),
+        (
+            "touch-sphere",
+            "1",
+            "microsim: no module \"touch-sphere\" below ",
+        ),
+        (
+            "../touch-spheres",
+            "1",
+            "microsim: no module \"../touch-spheres\" below ",
+        ),
+        (
+            "touch-spheres",
+            "6",
+            "microsim: module \"touch-spheres\" has levels 1 to 5, not 6\n",
+        ),
+        (
+            "touch-spheres",
+            "0",
+            "microsim: module \"touch-spheres\" has levels 1 to 5, not 0\n",
+        ),
+        (
+            "touch-spheres",
+            "one",
+            "error: invalid value 'one' for '--level <N>': invalid digit found in string",
+        ),
+        (
+            "touch-spheres",
+            "4294967296",
+            "error: invalid value '4294967296' for '--level <N>': ",
+        ),
     ] {
         let said = tree.microsim(&args(module, level)).expect(2);
-        assert!(said.err.starts_with(reason) && said.out.is_empty(), "expected {reason:?} in {said:?}");
+        assert!(
+            said.err.starts_with(reason) && said.out.is_empty(),
+            "expected {reason:?} in {said:?}"
+        );
     }
     let said = tree.microsim(&args("touch-sphere", "1"));
-    assert!(said.err.contains("; there are: push-strip, touch-spheres\n"), "{said:?}");
+    assert!(
+        said.err
+            .contains("; there are: push-strip, touch-spheres\n"),
+        "{said:?}"
+    );
     assert!(!tree.path("x.session").exists());
 }
 
 #[test]
 fn places_where_nothing_is_installed() {
     let empty = microsim_tests::scratch();
-    let said = microsim_tests::microsim(["--root".as_ref(), empty.path().as_os_str(), "list".as_ref()]).expect(2);
-    assert!(said.err.starts_with("microsim: no plugins/ below ") && said.err.contains("--root"), "{said:?}");
-    let said = microsim_tests::microsim(["--config".as_ref(), empty.path().as_os_str(), "list".as_ref()]).expect(2);
-    assert!(said.err.contains("host.toml: found no such file, expected the settings of the host"), "{said:?}");
+    let said =
+        microsim_tests::microsim(["--root".as_ref(), empty.path().as_os_str(), "list".as_ref()])
+            .expect(2);
+    assert!(
+        said.err.starts_with("microsim: no plugins/ below ") && said.err.contains("--root"),
+        "{said:?}"
+    );
+    let said = microsim_tests::microsim([
+        "--config".as_ref(),
+        empty.path().as_os_str(),
+        "list".as_ref(),
+    ])
+    .expect(2);
+    assert!(
+        said.err
+            .contains("host.toml: found no such file, expected the settings of the host"),
+        "{said:?}"
+    );
 }
 
 #[test]
@@ -59,20 +133,46 @@ fn sessions_that_cannot_be_written() {
     let tree = tree();
     tree.write("x.session", "mine");
     let said = run(&tree, "script:short.toml", &[]).expect(2);
-    assert_eq!(said.err, "microsim: session x.session exists already; nothing is overwritten\n");
-    assert_eq!(std::fs::read(tree.path("x.session")).expect("read"), b"mine");
+    assert_eq!(
+        said.err,
+        "microsim: session x.session exists already; nothing is overwritten\n"
+    );
+    assert_eq!(
+        std::fs::read(tree.path("x.session")).expect("read"),
+        b"mine"
+    );
 
     let in_place = |session: &str| {
-        tree.microsim(&["run", "touch-spheres", "--input", "script:short.toml", "--session", session]).expect(2).err
+        tree.microsim(&[
+            "run",
+            "touch-spheres",
+            "--input",
+            "script:short.toml",
+            "--session",
+            session,
+        ])
+        .expect(2)
+        .err
     };
     for session in ["no/such/folder.session", "short.toml/x.session"] {
-        let sentence =
-            format!("microsim: plugin \"recorder\" failed in `initialise` at tick 0: cannot create {session}: ");
-        assert!(in_place(session).starts_with(&sentence), "{}", in_place(session));
+        let sentence = format!(
+            "microsim: plugin \"recorder\" failed in `initialise` at tick 0: cannot create {session}: "
+        );
+        assert!(
+            in_place(session).starts_with(&sentence),
+            "{}",
+            in_place(session)
+        );
     }
     // The folder of config/host.toml is a file.
-    tree.edit("config/host.toml", "directory = \"sessions\"", "directory = \"short.toml\"");
-    let said = tree.microsim(&["run", "touch-spheres", "--input", "script:short.toml"]).expect(2);
+    tree.edit(
+        "config/host.toml",
+        "directory = \"sessions\"",
+        "directory = \"short.toml\"",
+    );
+    let said = tree
+        .microsim(&["run", "touch-spheres", "--input", "script:short.toml"])
+        .expect(2);
     let sentence = format!("microsim: {}: ", tree.path("short.toml").display());
     assert!(said.err.starts_with(&sentence), "{said:?}");
     let doctor = tree.microsim(&["doctor"]).expect(1);
@@ -89,21 +189,37 @@ fn json_is_one_document_whatever_the_answer() {
     assert_eq!(required.json()["verdict"], "failed");
     let explain = run(&tree, "script:short.toml", &["--json", "--explain"]).expect(0);
     assert_eq!(explain.json()["module"], "touch-spheres");
-    for args in [&["report", "y.session"][..], &["bus", "y.session"], &["bus"], &["replay", "y.session", "--verify"], &["list"]] {
-        tree.microsim(&[args, &["--json"]].concat()).expect(0).json();
+    for args in [
+        &["report", "y.session"][..],
+        &["bus", "y.session"],
+        &["bus"],
+        &["replay", "y.session", "--verify"],
+        &["list"],
+    ] {
+        tree.microsim(&[args, &["--json"]].concat())
+            .expect(0)
+            .json();
     }
     // Replayed with another level than it was recorded with: the one that is recorded counts.
-    tree.edit("modules/touch-spheres/levels/level1.toml", "dwell = ", "dwel = ");
+    tree.edit(
+        "modules/touch-spheres/levels/level1.toml",
+        "dwell = ",
+        "dwel = ",
+    );
     let check = tree.microsim(&["check", "--json"]).expect(1).json();
     assert!(!check["problems"].as_array().expect("a list").is_empty());
-    tree.microsim(&["replay", "y.session", "--verify", "--json"]).expect(0).json();
+    tree.microsim(&["replay", "y.session", "--verify", "--json"])
+        .expect(0)
+        .json();
 }
 
 /// `microsim ARGS | head -n 1`; the status is the program's.
 fn through_head(tree: &Tree, args: &str) -> Said {
     let mut shell = Command::new("bash");
     shell.current_dir(tree.path(""));
-    shell.arg("-c").arg(format!("set -o pipefail; \"$0\" --root . {args} | head -n 1"));
+    shell.arg("-c").arg(format!(
+        "set -o pipefail; \"$0\" --root . {args} | head -n 1"
+    ));
     hear(shell.arg(microsim_tests::program()))
 }
 
@@ -111,12 +227,27 @@ fn through_head(tree: &Tree, args: &str) -> Said {
 fn a_reader_that_goes_away_is_no_error() {
     let tree = tree();
     run(&tree, "script:level1-pass.toml", &[]).expect(0);
-    for args in ["list", "bus x.session", "bus x.session --json", "report x.session", "schema level", "--help"] {
+    for args in [
+        "list",
+        "bus x.session",
+        "bus x.session --json",
+        "report x.session",
+        "schema level",
+        "--help",
+    ] {
         let said = through_head(&tree, args).expect(0);
-        assert_eq!((said.out.lines().count(), said.err.as_str()), (1, ""), "{args}");
+        assert_eq!(
+            (said.out.lines().count(), said.err.as_str()),
+            (1, ""),
+            "{args}"
+        );
     }
     // The session is complete, though nobody reads what is said.
-    let said = through_head(&tree, "run touch-spheres --input script:short.toml --session z.session").expect(0);
+    let said = through_head(
+        &tree,
+        "run touch-spheres --input script:short.toml --session z.session",
+    )
+    .expect(0);
     assert_eq!(said.out.lines().count(), 1);
     tree.microsim(&["check", "z.session"]).expect(0);
 }
@@ -125,9 +256,20 @@ fn a_reader_that_goes_away_is_no_error() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_standard_output_is_an_error() {
-    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("a device of every Linux");
-    let output = tree().command(&["list"]).stdout(full).output().expect("the program starts");
+    let full = std::fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .expect("a device of every Linux");
+    let output = tree()
+        .command(&["list"])
+        .stdout(full)
+        .output()
+        .expect("the program starts");
     let said = Said::from(output);
     assert_eq!(said.code, Some(2), "{said:?}");
-    assert!(said.err.starts_with("microsim: standard output: No space left on device"), "{said:?}");
+    assert!(
+        said.err
+            .starts_with("microsim: standard output: No space left on device"),
+        "{said:?}"
+    );
 }

@@ -7,6 +7,8 @@ use microsim_session::{Frame, KIND_END};
 
 /// Bytes before the first frame, as the crate `session` documents them.
 const PRELUDE: usize = 21;
+/// Ticks of the short script: see there.
+const TICKS: usize = 7;
 
 /// The session of a short run, and its installation.
 fn small() -> (Tree, Vec<u8>) {
@@ -20,8 +22,14 @@ fn small() -> (Tree, Vec<u8>) {
 fn frames(bytes: &[u8]) -> Vec<Frame<'_>> {
     let frames = microsim_session::read(bytes).expect("a session").frames;
     assert_eq!(frames[0].kind, kind::HEADER);
-    assert_eq!(frames.iter().filter(|f| f.kind == kind::TICK).count(), 8);
-    assert_eq!(frames[9].kind, KIND_END);
+    assert_eq!(
+        frames.iter().filter(|f| f.kind == kind::TICK).count(),
+        TICKS
+    );
+    assert_eq!(
+        (frames.len(), frames[TICKS + 1].kind),
+        (TICKS + 2, KIND_END)
+    );
     frames
 }
 
@@ -70,9 +78,14 @@ fn a_flipped_bit_in_any_byte_is_noticed_and_placed() {
         match (hit, read) {
             (None, Err(error)) => {
                 assert!(at < PRELUDE, "byte {at}");
-                let magic = error.0.starts_with("not a session file: it does not begin with the line");
+                let magic = error
+                    .0
+                    .starts_with("not a session file: it does not begin with the line");
                 let version = error.0.starts_with("a session file of format version ");
-                assert!(magic == (at < PRELUDE - 4) && version != magic, "byte {at}: {error}");
+                assert!(
+                    magic == (at < PRELUDE - 4) && version != magic,
+                    "byte {at}: {error}"
+                );
             }
             (Some(0), Err(error)) => {
                 let place = "it has no complete header, so that nothing can be read: the session is damaged at byte 21, \
@@ -97,7 +110,11 @@ fn cut_sessions_through_the_command_line() {
     let (tree, bytes) = small();
     let frames = frames(&bytes);
     // On and around some borders of frames, and within them.
-    let mut cuts: Vec<usize> = frames[1..].iter().step_by(3).flat_map(|f| [f.offset - 1, f.offset, f.offset + 40]).collect();
+    let mut cuts: Vec<usize> = frames[1..]
+        .iter()
+        .step_by(3)
+        .flat_map(|f| [f.offset - 1, f.offset, f.offset + 40])
+        .collect();
     cuts.push(bytes.len() - 1);
     for cut in cuts {
         let file = format!("cut-{cut}.session");
@@ -106,7 +123,13 @@ fn cut_sessions_through_the_command_line() {
             Ok(session) => session,
             Err(error) => {
                 let said = tree.microsim(&["report", &file]).expect(2);
-                assert_eq!((said.out, said.err), (String::new(), format!("microsim: session {file}: {error}\n")));
+                assert_eq!(
+                    (said.out, said.err),
+                    (
+                        String::new(),
+                        format!("microsim: session {file}: {error}\n")
+                    )
+                );
                 continue;
             }
         };
@@ -114,19 +137,46 @@ fn cut_sessions_through_the_command_line() {
         let ticks = session.ticks.len();
         let report = tree.microsim(&["report", &file, "--json"]).expect(0).json();
         assert_eq!(report["session"]["complaint"], complaint);
-        let complete = session.ticks.last().is_some_and(|(tick, _)| *tick == 7);
+        let complete = ticks == TICKS;
         // The module's result is in the last tick.
-        assert_eq!(report["verdict"], if complete { "failed" } else { "incomplete" }, "cut at {cut}");
-        assert!(tree.microsim(&["report", &file]).expect(0).out.contains(&complaint));
+        assert_eq!(
+            report["verdict"],
+            if complete { "failed" } else { "incomplete" },
+            "cut at {cut}"
+        );
+        assert!(
+            tree.microsim(&["report", &file])
+                .expect(0)
+                .out
+                .contains(&complaint)
+        );
         let check = tree.microsim(&["check", &file]).expect(1);
-        assert!(check.out.contains(&format!("{complaint}; {ticks} complete ticks can be used")), "{check:?}");
-        let replay = tree.microsim(&["replay", &file, "--verify", "--json"]).expect(0).json();
-        assert_eq!((replay["ticks"].as_u64(), &replay["verified"]), (Some(ticks as u64), &true.into()));
+        assert!(
+            check
+                .out
+                .contains(&format!("{complaint}; {ticks} complete ticks can be used")),
+            "{check:?}"
+        );
+        let replay = tree
+            .microsim(&["replay", &file, "--verify", "--json"])
+            .expect(0)
+            .json();
+        assert_eq!(
+            (replay["ticks"].as_u64(), &replay["verified"]),
+            (Some(ticks as u64), &true.into())
+        );
         assert_eq!(replay["complaint"], complaint);
         let bus = tree.microsim(&["bus", &file, "--json"]).expect(0).json();
-        let last = bus.as_array().and_then(|rows| rows.last()).map(|row| row["tick"].clone());
+        let last = bus
+            .as_array()
+            .and_then(|rows| rows.last())
+            .map(|row| row["tick"].clone());
         assert_eq!(last, session.ticks.last().map(|(tick, _)| (*tick).into()));
-        assert_eq!(std::fs::read(&path).expect("read"), &bytes[..cut], "nobody repairs a recording");
+        assert_eq!(
+            std::fs::read(&path).expect("read"),
+            &bytes[..cut],
+            "nobody repairs a recording"
+        );
     }
 }
 
@@ -142,31 +192,58 @@ fn files_that_are_no_sessions() {
         (seed >> 24) as u8
     };
     let random: Vec<u8> = (0..5000).map(|_| garbage()).collect();
-    let behind: Vec<u8> = bytes[..PRELUDE].iter().copied().chain(random.iter().copied()).collect();
+    let behind: Vec<u8> = bytes[..PRELUDE]
+        .iter()
+        .copied()
+        .chain(random.iter().copied())
+        .collect();
     let none = "not a session file: it does not begin with the line \"MicroSim session\"";
     let cases = [
-        (Vec::new(), "not a session file: it has 0 bytes and ends before its first frame, nothing was recorded"),
+        (
+            Vec::new(),
+            "not a session file: it has 0 bytes and ends before its first frame, nothing was recorded",
+        ),
         (random, none),
         (crate::SHORT.as_bytes().to_vec(), none),
-        (newer, "a session file of format version 2; this program reads version 1"),
-        (behind, "it has no complete header, so that nothing can be read: the session is damaged at byte 21"),
+        (
+            newer,
+            "a session file of format version 2; this program reads version 1",
+        ),
+        (
+            behind,
+            "it has no complete header, so that nothing can be read: the session is damaged at byte 21",
+        ),
     ];
     for (content, complaint) in cases {
         tree.write("bad.session", content);
         for command in ["report", "replay", "bus"] {
             let said = tree.microsim(&[command, "bad.session", "--json"]).expect(2);
             let expected = format!("microsim: session bad.session: {complaint}");
-            assert!(said.err.starts_with(&expected) && said.out.is_empty(), "{said:?}");
+            assert!(
+                said.err.starts_with(&expected) && said.out.is_empty(),
+                "{said:?}"
+            );
         }
         let check = tree.microsim(&["check", "bad.session"]).expect(1);
-        assert!(check.out.starts_with(&format!("bad.session: {complaint}")), "{check:?}");
+        assert!(
+            check.out.starts_with(&format!("bad.session: {complaint}")),
+            "{check:?}"
+        );
     }
     let said = tree.microsim(&["report", "no.session"]).expect(2);
-    assert!(said.err.starts_with("microsim: session no.session: No such file"), "{said:?}");
+    assert!(
+        said.err
+            .starts_with("microsim: session no.session: No such file"),
+        "{said:?}"
+    );
     tree.write("bad.checkpoint", "no checkpoint");
     std::fs::remove_file(tree.path("x.session")).expect("removed");
     let said = run(&tree, "script:short.toml", &["--resume", "bad.checkpoint"]).expect(2);
-    assert!(said.err.starts_with("microsim: checkpoint bad.checkpoint: "), "{said:?}");
+    assert!(
+        said.err
+            .starts_with("microsim: checkpoint bad.checkpoint: "),
+        "{said:?}"
+    );
     assert!(!tree.path("x.session").exists());
 }
 
@@ -177,12 +254,26 @@ fn a_cut_session_as_input() {
     let cut = frames(&bytes)[5].offset;
     std::fs::remove_file(tree.path("x.session")).expect("removed");
     tree.write("cut.session", &bytes[..cut]);
-    let said = run(&tree, "recording:cut.session", &["--json"]).expect(0).json();
+    let said = run(&tree, "recording:cut.session", &["--json"])
+        .expect(0)
+        .json();
     assert_eq!(said["verdict"], "failed");
-    let again = Session::read(&std::fs::read(tree.path("x.session")).expect("read")).expect("a session");
+    let again =
+        Session::read(&std::fs::read(tree.path("x.session")).expect("read")).expect("a session");
     assert_eq!(again.complaint, None);
     tree.write("none.session", &bytes[..PRELUDE]);
-    let said = tree.microsim(&["run", "touch-spheres", "--input", "recording:none.session", "--session", "y.session"]);
+    let said = tree.microsim(&[
+        "run",
+        "touch-spheres",
+        "--input",
+        "recording:none.session",
+        "--session",
+        "y.session",
+    ]);
     assert_eq!(said.code, Some(2));
-    assert!(said.err.starts_with("microsim: none.session: it has no complete header"), "{said:?}");
+    assert!(
+        said.err
+            .starts_with("microsim: none.session: it has no complete header"),
+        "{said:?}"
+    );
 }

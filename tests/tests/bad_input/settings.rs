@@ -1,8 +1,8 @@
 //! Unknown keys, wrong units and missing files, in every kind of TOML file. What a sentence says of all other mistakes is
 //! tested in the crate `settings`; here it has to arrive.
 
-use crate::{assert_refused, run, tree};
 use crate::tree::Tree;
+use crate::{assert_refused, run, tree};
 use serde_json::json;
 
 /// A mistake in one file.
@@ -142,27 +142,51 @@ fn unknown_keys_and_wrong_units() {
         let check = tree.microsim(&["check", &place, "--json"]).expect(1).json();
         let problems = check["problems"].to_string();
         let quoted = json!(complaint).to_string();
-        assert!(problems.contains(quoted.trim_matches('"')), "expected {complaint} in {problems}");
+        assert!(
+            problems.contains(quoted.trim_matches('"')),
+            "expected {complaint} in {problems}"
+        );
     }
 }
 
 #[test]
 fn missing_files() {
     for (file, says) in [
-        ("config/host.toml", "found no such file, expected the settings of the host (config/host.toml)"),
+        (
+            "config/host.toml",
+            "found no such file, expected the settings of the host (config/host.toml)",
+        ),
         ("config/translator.toml", "found no such file, expected "),
         ("config/tools/forceps.toml", "found no such file, expected "),
-        ("modules/touch-spheres/module.toml", "found no such file, expected the manifest of a plugin (plugin.toml) or module"),
-        ("plugins/translator/plugin.toml", "found no such file, expected the manifest of a plugin (plugin.toml) or module"),
+        (
+            "modules/touch-spheres/module.toml",
+            "found no such file, expected the manifest of a plugin (plugin.toml) or module",
+        ),
+        (
+            "plugins/translator/plugin.toml",
+            "found no such file, expected the manifest of a plugin (plugin.toml) or module",
+        ),
     ] {
         let tree = tree();
         let path = tree.path(file);
         std::fs::remove_file(&path).expect("removed");
-        assert_refused(&tree, "script:short.toml", &format!("{}: {says}", path.display()));
+        assert_refused(
+            &tree,
+            "script:short.toml",
+            &format!("{}: {says}", path.display()),
+        );
     }
     let tree = tree();
-    assert_refused(&tree, "script:no.toml", "no.toml: found no such file, expected a scripted trainee (TOML)");
-    assert_refused(&tree, "recording:no.csv", "input no.csv: No such file or directory");
+    assert_refused(
+        &tree,
+        "script:no.toml",
+        "no.toml: found no such file, expected a scripted trainee (TOML)",
+    );
+    assert_refused(
+        &tree,
+        "recording:no.csv",
+        "input no.csv: No such file or directory",
+    );
 }
 
 /// No level takes the number of another one.
@@ -197,11 +221,28 @@ fn a_file_of_another_kind() {
 #[test]
 fn a_broken_module_hides_itself_alone() {
     let tree = tree();
-    tree.edit("modules/touch-spheres/module.toml", "kind = \"module\"", "kind = \"modul\"");
+    tree.edit(
+        "modules/touch-spheres/module.toml",
+        "kind = \"module\"",
+        "kind = \"modul\"",
+    );
     let said = tree.microsim(&["list", "--json"]).expect(0);
-    let modules: Vec<_> = said.json()["modules"].as_array().expect("a list").iter().map(|m| m["name"].clone()).collect();
+    let modules: Vec<_> = said.json()["modules"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|m| m["name"].clone())
+        .collect();
     assert_eq!(modules, ["push-strip"]);
-    assert!(said.err.contains("touch-spheres/module.toml:2:8: key `kind`: found the text `modul`"), "{said:?}");
+    assert!(
+        said.err
+            .contains("touch-spheres/module.toml:2:8: key `kind`: found the text `modul`"),
+        "{said:?}"
+    );
     let check = tree.microsim(&["check", "--json"]).expect(1).json();
-    assert_eq!(check["problems"].as_array().map(Vec::len), Some(1), "{check}");
+    assert_eq!(
+        check["problems"].as_array().map(Vec::len),
+        Some(1),
+        "{check}"
+    );
 }

@@ -1,0 +1,167 @@
+//! What is installed below one folder: plugins, modules with their levels, and how the host runs sessions.
+
+use crate::assemble::AssembleError;
+use microsim_settings as settings;
+use settings::{Loaded, Manifest};
+use std::path::{Path, PathBuf};
+
+/// An installed tree: `plugins/`, `modules/`, `config/`, `assets/` below one folder.
+#[derive(Debug)]
+pub struct Installation {
+    /// The folder.
+    pub root: PathBuf,
+    /// Folder of the configuration.
+    pub config: PathBuf,
+    /// Plugins and modules.
+    pub tree: settings::Tree,
+    /// How the host runs sessions.
+    pub host: settings::Host,
+    /// What is wrong with single plugins or modules; they are hidden.
+    pub complaints: Vec<settings::ConfigError>,
+}
+
+impl Installation {
+    /// Opens the tree below `root`; `config` replaces its `config/`.
+    pub fn open(root: &Path, config: Option<&Path>) -> Result<Self, AssembleError> {
+        let config = config.map_or_else(|| root.join("config"), Path::to_path_buf);
+        let host = settings::load_host(&config.join("host.toml"))?.settings;
+        let (tree, complaints) = settings::discover(root);
+        Ok(Self {
+            root: root.to_path_buf(),
+            config,
+            tree,
+            host,
+            complaints,
+        })
+    }
+
+    /// The manifest of a plugin.
+    pub fn plugin(&self, name: &str) -> Result<&Loaded<Manifest>, AssembleError> {
+        let found = self.tree.plugins.iter().find(|p| p.settings.name == name);
+        let found = found.ok_or_else(|| {
+            let names: Vec<&str> = self
+                .tree
+                .plugins
+                .iter()
+                .map(|p| p.settings.name.as_str())
+                .collect();
+            AssembleError(
+                format!(
+                    "no plugin \"{name}\" below {}; there are: {}",
+                    self.root.join("plugins").display(),
+                    names.join(", ")
+                ) + &self.hidden(name),
+            )
+        })?;
+        self.sound(name, found)
+    }
+
+    /// A module with its levels.
+    pub fn module(&self, name: &str) -> Result<&settings::ModuleFolder, AssembleError> {
+        let found = self
+            .tree
+            .modules
+            .iter()
+            .find(|m| m.manifest.settings.name == name);
+        let found = found.ok_or_else(|| {
+            let names: Vec<&str> = self
+                .tree
+                .modules
+                .iter()
+                .map(|m| m.manifest.settings.name.as_str())
+                .collect();
+            AssembleError(
+                format!(
+                    "no module \"{name}\" below {}; there are: {}",
+                    self.root.join("modules").display(),
+                    names.join(", ")
+                ) + &self.hidden(name),
+            )
+        })?;
+        self.sound(name, found)
+    }
+
+    /// What was found, unless something is wrong with a manifest of this name: that there is another one, say.
+    fn sound<T>(&self, name: &str, found: T) -> Result<T, AssembleError> {
+        let modules = self.tree.modules.iter().map(|m| &m.manifest);
+        let files: Vec<String> = self
+            .tree
+            .plugins
+            .iter()
+            .chain(modules)
+            .filter(|m| m.settings.name == name)
+            .map(|m| m.document.path().display().to_string())
+            .collect();
+        let wrong: Vec<String> = self
+            .complaints
+            .iter()
+            // Which plugins a module lacks, and why, is found when they are looked for.
+            .filter(|c| files.contains(&c.file) && !c.key.to_string().starts_with("plugins"))
+            .map(ToString::to_string)
+            .collect();
+        match wrong.is_empty() {
+            true => Ok(found),
+            false => Err(AssembleError(wrong.join("\n"))),
+        }
+    }
+
+    /// The complaints that may be why something is not there.
+    fn hidden(&self, name: &str) -> String {
+        let about: Vec<String> = self
+            .complaints
+            .iter()
+            .filter(|c| c.file.contains(name))
+            .map(|c| format!("\n{c}"))
+            .collect();
+        about.concat()
+    }
+
+    /// A level of a module, checked.
+    pub fn level(
+        &self,
+        module: &str,
+        level: u32,
+    ) -> Result<Loaded<settings::Level>, AssembleError> {
+        let folder = self.module(module)?;
+        let index = (level as usize).wrapping_sub(1);
+        let path = folder.levels.get(index).ok_or_else(|| {
+            let has = match folder.levels.len() {
+                0 => "no level".to_owned(),
+                n => format!("levels 1 to {n}"),
+            };
+            AssembleError(
+                format!("module \"{module}\" has {has}, not {level}") + &self.hidden(module),
+            )
+        })?;
+        Ok(settings::load_level(
+            path,
+            &folder.manifest.settings,
+            &known_metrics(),
+        )?)
+    }
+
+    /// A file by the name that an operator gave: as it stands, or below the installation.
+    pub(crate) fn find(&self, given: &Path, folders: &[PathBuf]) -> PathBuf {
+        let mut candidates = vec![given.to_path_buf(), self.root.join(given)];
+        candidates.extend(folders.iter().map(|f| f.join(given)));
+        let found = candidates.into_iter().find(|p| p.is_file());
+        found.unwrap_or_else(|| given.to_path_buf())
+    }
+}
+
+/// The motion metrics that every level may limit.
+pub fn known_metrics() -> Vec<settings::KnownMetric<'static>> {
+    use microsim_training::{Direction, MOTION_METRICS};
+    let known = MOTION_METRICS.iter().filter_map(|metric| {
+        Some(settings::KnownMetric {
+            id: metric.id.as_ref(),
+            unit: settings::Unit::of_symbol(&metric.unit)?,
+            direction: match metric.direction {
+                Direction::LowerIsBetter => settings::Direction::Lower,
+                Direction::HigherIsBetter => settings::Direction::Higher,
+                Direction::Range | Direction::Informative => settings::Direction::Inform,
+            },
+        })
+    });
+    known.collect()
+}
