@@ -198,6 +198,7 @@ fn whole_runs() -> Vec<Row> {
                             log: output.log.clone(),
                             chain: output.chain.to_vec(),
                             states,
+                            failed: false,
                         },
                     ),
                 );

@@ -64,6 +64,10 @@ impl Workspace {
     pub fn cargo_with_tree(&self) -> Command {
         let mut cargo = self.cargo();
         cargo.env(TREE_VARIABLE, self.tree());
+        // Otherwise a layer of the graphics driver prints a line about the missing folder at every start.
+        if env::var_os("XDG_RUNTIME_DIR").is_none() {
+            cargo.env("NODEVICE_SELECT", "1");
+        }
         cargo
     }
 }

@@ -14,6 +14,9 @@ use std::time::Duration;
 /// Pause between two looks at a file that is being written.
 const FOLLOW: Duration = Duration::from_millis(200);
 
+/// A file that has not grown for so long is not being written any more.
+const GIVE_UP: Duration = Duration::from_secs(10);
+
 /// What flows on the bus.
 pub fn bus(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
     match &args.session {
@@ -99,7 +102,7 @@ fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
 
 /// All messages of a session.
 fn messages(path: &Path, args: &BusArgs) -> Result<Exit, Problem> {
-    let mut shown = 0;
+    let (mut shown, mut size, mut quiet) = (0, 0, Duration::ZERO);
     loop {
         let session = read(path)?;
         let rows = rows(&session, args, shown);
@@ -118,7 +121,15 @@ fn messages(path: &Path, args: &BusArgs) -> Result<Exit, Problem> {
             ))?;
         }
         shown = session.ticks.len();
-        if !args.follow || session.end.is_some() {
+        let grown = std::fs::metadata(path).map(|m| m.len()).unwrap_or_default();
+        quiet = if grown == size {
+            quiet + FOLLOW
+        } else {
+            Duration::ZERO
+        };
+        size = grown;
+        let over = session.end.is_some() || session.damaged || quiet >= GIVE_UP;
+        if !args.follow || over {
             if let Some(complaint) = &session.complaint {
                 eprintln!("microsim: {complaint}");
             }

@@ -9,6 +9,7 @@ use microsim_host::run::RunError;
 use microsim_host::{Engine, loader};
 use microsim_settings as settings;
 use serde_json::json;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// What was looked at, and what is wrong with it.
@@ -133,8 +134,7 @@ fn check_level(
     };
     let plan = assemble(installation, &request).map_err(|e| e.to_string())?;
     let place = format!("module \"{module}\", level {level}");
-    let limits = crate::run::limits(installation);
-    let engine = Engine::new(&plan, limits, None, |planned| {
+    let engine = Engine::new(&plan, plan.limits(), None, |planned| {
         loader::load(planned).map(Some).map_err(RunError::from)
     });
     let mut engine = engine.map_err(|e| format!("{place}: {e}"))?;
@@ -191,26 +191,39 @@ fn check_file(place: &Place, path: &Path) -> Result<(), String> {
             Err(Problem::Text(text)) => Err(text),
             Err(Problem::BrokenPipe) => Ok(()),
         },
-        (_, _, "session") => {
-            let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
-            let session = Session::read(&bytes).map_err(|e| format!("{}: {e}", path.display()))?;
-            match session.complaint {
-                Some(complaint) => Err(format!(
-                    "{}: {complaint}; {} complete ticks can be used",
-                    path.display(),
-                    session.ticks.len()
-                )),
-                None => Ok(()),
-            }
-        }
         (_, _, "toml") => {
             // A script may lie anywhere.
             settings::load_script(path).map(drop).map_err(text)
         }
+        _ if is_session(path) => check_session(path),
         _ => Err(format!(
             "{}: neither TOML, CSV nor a session",
             path.display()
         )),
+    }
+}
+
+/// A session may have any name.
+fn is_session(path: &Path) -> bool {
+    let mut start = [0; microsim_session::MAGIC.len()];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
+    path.extension().is_some_and(|e| e == "session")
+        || (read.is_ok() && start == *microsim_session::MAGIC)
+}
+
+fn check_session(path: &Path) -> Result<(), String> {
+    let name = path.display();
+    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+    let session = Session::read(&bytes).map_err(|e| format!("{name}: {e}"))?;
+    let ticks = session.ticks.len();
+    match (session.complaint, session.failures.first()) {
+        (Some(complaint), _) => Err(format!(
+            "{name}: {complaint}; {ticks} complete ticks can be used"
+        )),
+        (None, Some(failure)) => Err(format!(
+            "{name}: {failure}; {ticks} complete ticks can be used"
+        )),
+        (None, None) => Ok(()),
     }
 }
 

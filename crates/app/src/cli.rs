@@ -21,10 +21,10 @@ pub struct Cli {
 #[derive(Debug, Args)]
 pub struct Place {
     /// Folder with plugins/, modules/, config/ and assets/ [default: the folder of this program]
-    #[arg(long, global = true, value_name = "DIR", help_heading = "Place")]
+    #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]
     pub root: Option<PathBuf>,
     /// Use another folder instead of config/
-    #[arg(long, global = true, value_name = "DIR", help_heading = "Place")]
+    #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]
     pub config: Option<PathBuf>,
 }
 
@@ -76,13 +76,13 @@ pub struct RunArgs {
     #[arg(long)]
     pub headless: bool,
     /// Draw pictures into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = utf8_path)]
     pub frames: Option<PathBuf>,
     /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
     #[arg(long, value_name = "HZ", requires = "frames", value_parser = parse_rate)]
     pub frame_rate: Option<f64>,
-    /// Session file to write; it must not exist [default: a new name in the folder of config/host.toml]
-    #[arg(long, value_name = "FILE")]
+    /// Session file to write; it must not exist; the report is written beside it [default: a new name in the folder of config/host.toml]
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub session: Option<PathBuf>,
     /// Seed of everything random
     #[arg(long, default_value_t = 1, value_name = "N")]
@@ -106,10 +106,10 @@ pub struct RunArgs {
     #[arg(long, value_name = "SECONDS", requires = "checkpoint", value_parser = parse_seconds)]
     pub stop_at: Option<f64>,
     /// File for the state at --stop-at; it must not exist
-    #[arg(long, value_name = "FILE", requires = "stop_at")]
+    #[arg(long, value_name = "FILE", requires = "stop_at", value_parser = utf8_path)]
     pub checkpoint: Option<PathBuf>,
     /// Go on from a checkpoint of the same module, level, seed and input
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub resume: Option<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
@@ -119,12 +119,13 @@ pub struct RunArgs {
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
     /// Session file
+    #[arg(value_parser = utf8_path)]
     pub session: PathBuf,
     /// Exit with status 1 unless every tick is recomputed to the bit
     #[arg(long)]
     pub verify: bool,
     /// Draw pictures into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = utf8_path)]
     pub frames: Option<PathBuf>,
     /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
     #[arg(long, value_name = "HZ", requires = "frames", value_parser = parse_rate)]
@@ -140,15 +141,16 @@ pub struct ReplayArgs {
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// Session file
+    #[arg(value_parser = utf8_path)]
     pub session: PathBuf,
     /// Write the page here
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub html: Option<PathBuf>,
     /// Write the metrics as CSV here
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub csv: Option<PathBuf>,
     /// Write motion and forces over time as CSV here
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub series: Option<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
@@ -158,6 +160,7 @@ pub struct ReportArgs {
 #[derive(Debug, Args)]
 pub struct BusArgs {
     /// Session file; without one, the kinds of messages and who speaks and hears them
+    #[arg(value_parser = utf8_path)]
     pub session: Option<PathBuf>,
     /// Only messages of this kind
     #[arg(long, value_name = "KIND")]
@@ -165,7 +168,7 @@ pub struct BusArgs {
     /// Only messages of this sender
     #[arg(long, value_name = "NAME")]
     pub from: Option<String>,
-    /// Wait for more while the session is being written
+    /// Wait for more while the session is being written (until it is closed, or has not grown for 10 s)
     #[arg(long, requires = "session", conflicts_with = "json")]
     pub follow: bool,
     /// Print one JSON document
@@ -176,6 +179,7 @@ pub struct BusArgs {
 #[derive(Debug, Args)]
 pub struct CheckArgs {
     /// Files; without any, the whole installation with its libraries
+    #[arg(value_parser = utf8_path)]
     pub paths: Vec<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
@@ -204,6 +208,11 @@ fn parse_input(text: &str) -> Result<Input, String> {
         _ if text == "desktop" => Err(format!("mouse and keyboard are not there yet; {known}")),
         _ => Err(format!("unknown source; {known}")),
     }
+}
+
+/// Paths go into sessions and reports as text.
+fn utf8_path(text: &str) -> Result<PathBuf, String> {
+    Ok(text.into())
 }
 
 fn parse_positive(text: &str, what: &str) -> Result<f64, String> {

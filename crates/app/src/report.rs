@@ -16,7 +16,11 @@ pub fn report(args: &ReportArgs) -> Result<Exit, Problem> {
     let session = read(&args.session)?;
     let report = report_of(&session, &args.session);
     let same = |path: &PathBuf| path.canonicalize().ok() == args.session.canonicalize().ok();
-    if [&args.html, &args.csv, &args.series].into_iter().flatten().any(same) {
+    if [&args.html, &args.csv, &args.series]
+        .into_iter()
+        .flatten()
+        .any(same)
+    {
         return Err("the report would overwrite the session; give it another name".into());
     }
     if let Some(path) = &args.html {

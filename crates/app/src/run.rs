@@ -5,7 +5,6 @@ use crate::output::{Exit, Problem, say, say_json};
 use crate::report::{summary, verdict_word, write_beside};
 use crate::session_file::{installation, read, report_of};
 use indicatif::{ProgressBar, ProgressStyle};
-use microsim_bus::Limits;
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
 use microsim_host::picture::{PicturePlan, PictureReport};
@@ -19,15 +18,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime};
-
-/// Bounds of the bus queues, from config/host.toml.
-pub fn limits(installation: &Installation) -> Limits {
-    let queue = installation.host.queue;
-    Limits {
-        messages: queue.messages as usize,
-        bytes: queue.bytes as usize,
-    }
-}
 
 /// Which pictures to draw.
 pub fn picture_plan(
@@ -66,14 +56,20 @@ pub fn session_folder(installation: &Installation) -> PathBuf {
     installation.root.join(&installation.host.session.directory)
 }
 
-/// A new name for a session: module, level and wall clock.
+/// A new name for a session: module, level, wall clock and process.
 fn new_session(installation: &Installation, args: &RunArgs) -> Result<PathBuf, Problem> {
     let folder = session_folder(installation);
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let now = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .unwrap_or_default();
-    let name = format!("{}-level{}-{}", args.module, args.level, now.as_millis());
+    let name = format!(
+        "{}-level{}-{}-{}",
+        args.module,
+        args.level,
+        now.as_millis(),
+        std::process::id()
+    );
     Ok(folder.join(format!("{name}.session")))
 }
 
@@ -106,9 +102,47 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
     if args.explain {
         return explain(&plan, args.json);
     }
+    refuse_existing(args, &session)?;
     let resume = args.resume.as_deref().map(read_checkpoint).transpose()?;
+    let stop_tick = args
+        .stop_at
+        .map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64);
+    if let (Some(stop), Some(from)) = (stop_tick, resume.as_ref().map(|c| c.tick))
+        && stop <= from
+    {
+        return Err("--stop-at lies before the checkpoint that the run goes on from".into());
+    }
     let outcome = carry_out(&installation, &plan, args, resume)?;
     finish(&plan, args, &session, &outcome)
+}
+
+/// Refuses what a run would otherwise overwrite, before it begins.
+fn refuse_existing(args: &RunArgs, session: &Path) -> Result<(), Problem> {
+    let checkpoint = args.checkpoint.as_ref();
+    if checkpoint.is_some_and(|c| c == session) {
+        return Err("--checkpoint and --session name the same file".into());
+    }
+    if let Some(path) = checkpoint.filter(|p| p.exists()) {
+        let path = path.display();
+        return Err(format!("{path} exists already; nothing is overwritten").into());
+    }
+    args.frames.as_deref().map_or(Ok(()), refuse_old_pictures)
+}
+
+/// Pictures of two runs in one folder cannot be told apart.
+pub fn refuse_old_pictures(folder: &Path) -> Result<(), Problem> {
+    let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let old = entries.find(|e| {
+        let name = e.file_name().to_string_lossy().into_owned();
+        name.starts_with("frame-") && name.ends_with(".png")
+    });
+    match old {
+        Some(_) => {
+            let folder = folder.display();
+            Err(format!("{folder} holds pictures already; name another folder").into())
+        }
+        None => Ok(()),
+    }
 }
 
 fn carry_out(
@@ -127,7 +161,6 @@ fn carry_out(
     let late = installation.host.late;
     let options = RunOptions {
         threads: args.threads.into(),
-        limits: limits(installation),
         realtime: args.realtime.then(|| Realtime {
             tolerance: Duration::from_secs_f64(late.tolerance),
             give_up: Duration::from_secs_f64(late.give_up),
@@ -193,6 +226,9 @@ fn finish(
     }
     if let (Some(checkpoint), Some(path)) = (&outcome.checkpoint, &args.checkpoint) {
         write_new(path, &encode(checkpoint))?;
+    } else if let Some(path) = &args.checkpoint {
+        let path = path.display();
+        eprintln!("microsim: the level ended before --stop-at; {path} was not written");
     }
     // The report is made from the file, so that it shows what was really recorded.
     let report = report_of(&read(session)?, session);

@@ -13,6 +13,12 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
         Some(root) => root.clone(),
         None => program_folder()?,
     };
+    if root.to_str().is_none() {
+        return Err(
+            "the path of the installation is not UTF-8; move it, or name another with --root"
+                .into(),
+        );
+    }
     if !root.join("plugins").is_dir() {
         return Err(format!(
             "no plugins/ below {}; say with --root where MicroSim is installed (`cargo xtask build` makes target/microsim)",
@@ -48,7 +54,14 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
         level_summary: plan.level_summary.clone(),
         seed: plan.seed,
         tick_s: plan.tick_ns as f64 * 1e-9,
-        input: plan.input.clone(),
+        input: match &session.resumed {
+            None => plan.input.clone(),
+            Some(checkpoint) => format!(
+                "{} (from {:.3} s on; what came before is in another session)",
+                plan.input,
+                checkpoint.tick as f64 * plan.tick_ns as f64 * 1e-9
+            ),
+        },
         realtime: session.header.realtime,
         without: plan.without.clone(),
         state_hash: session

@@ -131,7 +131,10 @@ impl fmt::Display for Violation {
                 )
             }
             Self::TooMuch { bytes, limit } => {
-                write!(f, "published {bytes} bytes of messages at once, at most {limit} are allowed")
+                write!(
+                    f,
+                    "published {bytes} bytes of messages at once, at most {limit} are allowed"
+                )
             }
             Self::Overflow { kind, subscriber } => {
                 write!(

@@ -20,6 +20,14 @@ impl Pose {
         }
     }
 
+    /// From a position [m] and a quaternion x, y, z, w that is not zero, as messages hold them.
+    pub fn from_arrays(position: [f64; 3], [x, y, z, w]: [f64; 4]) -> Self {
+        Self {
+            position: Vector3::from(position),
+            orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+        }
+    }
+
     /// A point of the frame [m] in the world [m].
     #[inline]
     pub fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {

@@ -98,6 +98,16 @@ struct SourceSetup {
     files: Vec<SetupFile>,
     /// Names of the devices that it brings; `None`: not known beforehand.
     devices: Option<Vec<String>>,
+    /// What the operator must know of the input.
+    note: Option<String>,
+}
+
+impl SourceSetup {
+    /// Digest of all that the source is told.
+    fn digest(&self) -> String {
+        let told = encode(&(&self.plugin, &self.config, &self.files));
+        blake3::hash(&told).to_hex().to_string()
+    }
 }
 
 /// Makes the plan.
@@ -126,12 +136,18 @@ fn source_setup(
         std::fs::read(path).map_err(|e| AssembleError(format!("input {}: {e}", path.display())))
     };
     match &request.input {
+        Input::Plugin(name) if [SOURCE_SCRIPT, SOURCE_RECORDING].contains(&name.as_str()) => {
+            refuse(format!(
+                "\"{name}\" plays files: say script:FILE or recording:FILE"
+            ))
+        }
         Input::Plugin(name) => Ok(SourceSetup {
             plugin: name.clone(),
             why: "the input is asked for by name".into(),
             config: json!({}),
             files: Vec::new(),
             devices: None,
+            note: None,
         }),
         Input::Script(given) => {
             let scripts = installation
@@ -154,12 +170,13 @@ fn source_setup(
                 ),
                 config: json!({ "script": script.document.value() }),
                 files: Vec::new(),
+                note: None,
             })
         }
         Input::Recording(given) => {
             let path = installation.find(given, &[]);
             let bytes = read(&path)?;
-            let (config, bytes, devices) = if bytes.starts_with(microsim_session::MAGIC) {
+            let (config, bytes, devices, note) = if bytes.starts_with(microsim_session::MAGIC) {
                 session_input(&path, &bytes)?
             } else {
                 csv_input(&path, bytes)?
@@ -173,12 +190,14 @@ fn source_setup(
                     bytes,
                 }],
                 devices: Some(devices),
+                note,
             })
         }
     }
 }
 
-type RecordingInput = (Value, Vec<u8>, Vec<String>);
+/// Set-up, file, devices and note.
+type RecordingInput = (Value, Vec<u8>, Vec<String>, Option<String>);
 
 fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<RecordingInput, AssembleError> {
     let map_path = settings::recording_map_path(path);
@@ -191,14 +210,14 @@ fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<RecordingInput, AssembleErro
     let devices = map.settings.device.iter().map(|d| d.name.clone()).collect();
     let config =
         json!({ "format": "csv", "name": path.display().to_string(), "map": map.document.value() });
-    Ok((config, bytes, devices))
+    Ok((config, bytes, devices, None))
 }
 
 /// Checks a recording in CSV, its column map and every row, by the plugin that would play it.
 pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), AssembleError> {
     let bytes = std::fs::read(path)
         .map_err(|e| AssembleError(format!("recording {}: {e}", path.display())))?;
-    let (config, bytes, _) = csv_input(path, bytes)?;
+    let (config, bytes, ..) = csv_input(path, bytes)?;
     let files = vec![SetupFile {
         name: "recording".into(),
         bytes,
@@ -210,20 +229,30 @@ pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), A
 fn session_input(path: &Path, bytes: &[u8]) -> Result<RecordingInput, AssembleError> {
     let session =
         Session::read(bytes).map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
-    let mut samples: Vec<InputSample> = Vec::new();
+    // Each with the time at which it arrived: devices need not share a clock.
+    let mut samples: Vec<(f64, InputSample)> = Vec::new();
     let mut devices = BTreeSet::new();
-    for (_, tick) in &session.ticks {
+    for (index, tick) in &session.ticks {
+        let arrival = (index + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9;
         let frames = Frames::new(&tick.log).filter_map(Result::ok);
         for sample in frames.filter_map(|f| decode::<InputSample>(&f)) {
             let sample = sample.map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
             devices.insert(sample.device.clone());
-            samples.push(sample);
+            samples.push((arrival, sample));
         }
     }
+    let note = session.complaint.map(|complaint| {
+        tracing::warn!(
+            "{}: {complaint}; what comes before it is played",
+            path.display()
+        );
+        format!("not complete: {complaint}")
+    });
     Ok((
         json!({ "format": "samples" }),
         encode(&samples),
         devices.into_iter().collect(),
+        note,
     ))
 }
 
@@ -275,7 +304,13 @@ impl Planner<'_> {
             tick_ns,
             steps: level.clock.steps,
             hash_every: hash_every(&self.installation.host, tick_ns),
-            input: self.request.input.to_string(),
+            input: match &self.source.note {
+                None => self.request.input.to_string(),
+                Some(note) => format!("{} ({note})", self.request.input),
+            },
+            input_digest: self.source.digest(),
+            queue_messages: self.installation.host.queue.messages,
+            queue_bytes: self.installation.host.queue.bytes,
             without: self.request.without.clone(),
             plugins: Vec::new(),
             parts: self.parts(),
@@ -620,6 +655,7 @@ pub fn renderer_for(
         config: Value::Null,
         files: Vec::new(),
         devices: None,
+        note: None,
     };
     let planner = Planner {
         installation,

@@ -13,6 +13,7 @@ use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router};
 use microsim_message::{core_kinds, encode};
 use microsim_session::{Chain, digest};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A digest of 32 bytes.
 pub type Hash = [u8; 32];
@@ -105,7 +106,6 @@ pub struct Engine {
     steps: u32,
     chain: Chain,
     plan: Hash,
-    // Dropped last: plugins may hold its pointer.
     parallel: Option<Parallel>,
 }
 
@@ -236,11 +236,7 @@ impl Engine {
 
     /// Whether messages of this sender come from outside: sources and the host itself.
     pub fn is_external(&self, sender: EndpointId) -> bool {
-        sender == HOST
-            || self
-                .plugins
-                .iter()
-                .any(|p| p.endpoint == sender && p.kind == PluginKind::Source)
+        sender == HOST || self.is_source(sender)
     }
 
     /// The latest blocks, for observers.
@@ -305,6 +301,10 @@ impl Engine {
     ) -> Result<(), Failure> {
         let plugin = &self.plugins[index];
         let endpoint = plugin.endpoint;
+        if plugin.kind == PluginKind::Source && !output.blocks.is_empty() {
+            let text = "a source may publish messages only: a recording could not feed blocks";
+            return Err(Failure::found(&plugin.name, "process", tick, text));
+        }
         let mut result = self.router.publish(endpoint, time_ns, &output.messages);
         for block in &output.blocks {
             result = result.and_then(|()| {

@@ -4,10 +4,10 @@ use microsim_abi::{ParallelBody, ParallelFor};
 use rayon::prelude::*;
 use std::ffi::c_void;
 
-/// A pool of threads, behind a pointer that plugins may hold while it lives.
+/// A pool of threads, behind a pointer that plugins may hold.
 #[derive(Debug)]
 pub struct Parallel {
-    pool: Box<rayon::ThreadPool>,
+    pool: &'static rayon::ThreadPool,
 }
 
 struct Data(*const c_void);
@@ -26,7 +26,7 @@ unsafe extern "C" fn run(
     body: ParallelBody,
     data: *const c_void,
 ) {
-    // SAFETY: `context` is the pool of the `Parallel` that outlives the plugin.
+    // SAFETY: `context` is the pool of a `Parallel`, which is never freed.
     let pool = unsafe { &*context.cast::<rayon::ThreadPool>() };
     let data = Data(data);
     pool.install(|| {
@@ -45,14 +45,15 @@ impl Parallel {
             .thread_name(|i| format!("microsim-{i}"))
             .build()
             .map_err(|e| format!("cannot start {threads} threads: {e}"))?;
+        // Lives as long as the process, like the libraries: a plugin may keep the service wherever it likes.
         Ok(Self {
-            pool: Box::new(pool),
+            pool: Box::leak(Box::new(pool)),
         })
     }
 
-    /// What crosses to a plugin; valid while `self` lives.
+    /// What crosses to a plugin; valid until the process ends.
     pub fn service(&self) -> ParallelFor {
-        let context: *const rayon::ThreadPool = &raw const *self.pool;
+        let context: *const rayon::ThreadPool = self.pool;
         ParallelFor {
             context: context.cast(),
             run,

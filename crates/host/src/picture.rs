@@ -20,7 +20,7 @@ const QUEUE: usize = 4;
 /// Which pictures are wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PicturePlan {
-    /// Folder for `frame-000000.png` and so on.
+    /// Folder for `frame-000000.png` and so on: the number times `every` is the tick, also where some are left out.
     pub folder: PathBuf,
     /// Ticks between two pictures.
     pub every: u64,
@@ -53,7 +53,6 @@ pub struct Pictures {
     jobs: Option<SyncSender<Job>>,
     thread: Option<JoinHandle<Result<(), Failure>>>,
     written: Arc<AtomicU64>,
-    requested: u64,
     left_out: u64,
     wait: bool,
 }
@@ -83,7 +82,6 @@ impl Pictures {
             jobs: Some(jobs),
             thread: Some(thread),
             written,
-            requested: 0,
             left_out: 0,
             wait,
         })
@@ -111,7 +109,7 @@ impl Pictures {
         let file = self
             .plan
             .folder
-            .join(format!("frame-{:06}.png", self.requested));
+            .join(format!("frame-{:06}.png", tick / self.plan.every));
         let mut messages: Vec<u8> = self.latest.values().flatten().copied().collect();
         push(
             &mut messages,
@@ -135,7 +133,7 @@ impl Pictures {
             })
         };
         match sent {
-            Ok(()) => self.requested += 1,
+            Ok(()) => {}
             Err(TrySendError::Full(())) => self.left_out += 1,
             // The thread has ended with a failure; `finish` says which.
             Err(TrySendError::Disconnected(())) => self.jobs = None,

@@ -1,6 +1,6 @@
 //! What a run loads and computes, and why: decided before anything is loaded.
 
-use microsim_bus::KindInfo;
+use microsim_bus::{KindInfo, Limits};
 use microsim_message::{LocalText, Setup};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -147,6 +147,12 @@ pub struct RunPlan {
     pub hash_every: u64,
     /// What the input is, as the operator gave it.
     pub input: String,
+    /// Digest of what the source is told, hexadecimal: a checkpoint belongs to its input.
+    pub input_digest: String,
+    /// Messages that the queue of one plugin holds.
+    pub queue_messages: u32,
+    /// Bytes that the queue of one plugin holds.
+    pub queue_bytes: u32,
     /// Kinds that were left out on purpose; such a run is no result.
     pub without: Vec<String>,
     /// Plugins in the order of a tick.
@@ -156,6 +162,14 @@ pub struct RunPlan {
 }
 
 impl RunPlan {
+    /// Bounds of the bus queues: part of the plan, because they decide what is lost.
+    pub fn limits(&self) -> Limits {
+        Limits {
+            messages: self.queue_messages as usize,
+            bytes: self.queue_bytes as usize,
+        }
+    }
+
     /// Whether the run counts as a result of the trainee.
     pub fn counts(&self) -> bool {
         self.without.is_empty()

@@ -20,6 +20,9 @@ pub mod kind {
     pub const FAILURE: u8 = 4;
 }
 
+/// Version of the records that this host writes and reads.
+pub const RECORD_FORMAT: u32 = 1;
+
 /// The first record: all that a replay needs besides the inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
@@ -50,6 +53,8 @@ pub struct TickRecord {
     pub chain: Vec<u8>,
     /// Digests of all saved states, at fixed intervals.
     pub states: Option<Vec<StateDigest>>,
+    /// A plugin failed in this tick: `log` is what was said until then, and `chain` is that of the tick before.
+    pub failed: bool,
 }
 
 /// How a run ended.
@@ -96,10 +101,14 @@ pub struct Session {
     pub resumed: Option<crate::Checkpoint>,
     /// The ticks: index and record.
     pub ticks: Vec<(u64, TickRecord)>,
+    /// The tick in which a plugin failed, up to the failure.
+    pub failed_tick: Option<(u64, TickRecord)>,
     /// Plugin failures.
     pub failures: Vec<Failure>,
     /// The last record; `None`: the process was killed or the file is cut.
     pub end: Option<EndRecord>,
+    /// Whether bytes in the file are wrong, not merely missing at its end.
+    pub damaged: bool,
     /// What the end of the file looks like, if it is not a clean one.
     pub complaint: Option<String>,
 }
@@ -138,10 +147,18 @@ impl Session {
                 )));
             }
         };
+        if header.format != RECORD_FORMAT {
+            return Err(SessionError(format!(
+                "its records have format {}, this version reads format {RECORD_FORMAT}",
+                header.format
+            )));
+        }
         let mut session = Self {
             header,
             resumed: None,
             ticks: Vec::new(),
+            failed_tick: None,
+            damaged: matches!(reading.ending, Ending::Damaged { .. }),
             failures: Vec::new(),
             end: None,
             complaint: match &reading.ending {
@@ -151,6 +168,7 @@ impl Session {
         };
         for frame in frames {
             if let Err(error) = session.take(frame) {
+                session.damaged = true;
                 session.complaint = Some(format!(
                     "record at byte {} (tick {}): {error}",
                     frame.offset, frame.tick
@@ -163,7 +181,10 @@ impl Session {
 
     fn take(&mut self, frame: &Frame<'_>) -> Result<(), DecodeError> {
         match frame.kind {
-            kind::TICK => self.ticks.push((frame.tick, parse(frame)?)),
+            kind::TICK => match parse::<TickRecord>(frame)? {
+                record if record.failed => self.failed_tick = Some((frame.tick, record)),
+                record => self.ticks.push((frame.tick, record)),
+            },
             kind::CHECKPOINT => self.resumed = Some(parse(frame)?),
             kind::FAILURE => self.failures.push(parse(frame)?),
             KIND_END => self.end = Some(parse(frame)?),

@@ -9,15 +9,13 @@ use crate::picture::{PicturePlan, PictureReport, Pictures};
 use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
 use crate::record::{Ended, Session, TickRecord};
 use crate::run::{RunError, hex, start_pictures};
-use microsim_bus::{Frames, Limits};
+use microsim_bus::Frames;
 
 /// How to replay.
 #[derive(Clone, Debug)]
 pub struct ReplayOptions {
     /// Threads of the parallel loop.
     pub threads: usize,
-    /// Bounds of the bus queues.
-    pub limits: Limits,
     /// Pictures, if wanted.
     pub pictures: Option<PicturePlan>,
 }
@@ -73,7 +71,7 @@ pub fn replay(
         0 | 1 => None,
         n => Some(Parallel::new(n).map_err(RunError::Host)?),
     };
-    let mut engine = Engine::new(&plan, options.limits, parallel, |planned| {
+    let mut engine = Engine::new(&plan, plan.limits(), parallel, |planned| {
         if planned.kind == PluginKind::Source {
             return Ok(None);
         }
@@ -147,6 +145,9 @@ fn recompute(
             }
         }
     }
+    if let Some((tick, recorded)) = &session.failed_tick {
+        return refail(engine, session, *tick, recorded);
+    }
     let end = session.end.as_ref().filter(|e| e.ended != Ended::Failure)?;
     let tick = engine.tick_index();
     match engine.state_digests(&end.states) {
@@ -156,6 +157,28 @@ fn recompute(
         }
         Ok(_) => None,
     }
+}
+
+/// The tick in which a plugin failed must fail again, for the same plugin. One that failed outside of what a replay
+/// computes (a source, the recorder) cannot, and proves nothing.
+fn refail(
+    engine: &mut Engine,
+    session: &Session,
+    tick: u64,
+    recorded: &TickRecord,
+) -> Option<Difference> {
+    let failure = session.failures.first()?;
+    let plan = &session.header.plan;
+    let kind = plan.plugins.iter().find(|p| p.name == failure.plugin)?.kind;
+    if kind == PluginKind::Source || kind.is_observer() {
+        return None;
+    }
+    let what = match engine.tick(Feed::Recorded { log: &recorded.log }) {
+        Err(again) if again.plugin == failure.plugin => return None,
+        Err(again) => format!("recorded was: {failure}; computed: {again}"),
+        Ok(_) => format!("recorded was: {failure}; computed without a failure"),
+    };
+    Some(Difference { tick, what })
 }
 
 /// Says which message is the first that differs.

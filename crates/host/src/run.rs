@@ -5,29 +5,26 @@
 //! ones follow without a pause until the lag is made up; a lag beyond [`Realtime::give_up`] moves the schedule, so that
 //! the simulation falls behind the wall clock instead of racing after it.
 
-use crate::engine::{Checkpoint, Engine, Feed, StateDigest, TickOutput};
+use crate::engine::{Checkpoint, Engine, Feed, HostState, StateDigest, TickOutput};
 use crate::fault::Failure;
 use crate::loader::{LoadError, load};
 use crate::parallel::Parallel;
 use crate::picture::{PicturePlan, PictureReport, Pictures};
 use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
-use crate::record::{EndRecord, Ended, Header, TickRecord, kind, record};
+use crate::record::{EndRecord, Ended, Header, RECORD_FORMAT, TickRecord, kind, record};
 use abi_stable::std_types::{ROption, RSlice};
 use microsim_abi::{Call, PluginBox};
-use microsim_bus::{Frames, Limits, kind_id};
+use microsim_bus::{Frames, kind_id};
 use microsim_message::{
     InputEnd, LevelControl, Log, LogLevel, Message, Progress, SessionRecord, TrainingResult,
     decode, encode, push,
 };
-use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
 /// Simulated time that a module has for its result after it was told to end \[ns\].
 const ENDING_NS: u64 = 2_000_000_000;
-/// Version of the records in a session.
-const RECORD_FORMAT: u32 = 1;
 
 /// Pacing by the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,8 +39,6 @@ pub struct Realtime {
 pub struct RunOptions<'a> {
     /// Threads of the parallel loop.
     pub threads: usize,
-    /// Bounds of the bus queues.
-    pub limits: Limits,
     /// Pace ticks by the wall clock.
     pub realtime: Option<Realtime>,
     /// Pictures, if wanted.
@@ -210,17 +205,27 @@ impl Pace {
 /// What the host hears in a tick that concerns itself.
 #[derive(Default)]
 struct Ears {
-    ended_sources: BTreeSet<u16>,
     result: Option<TrainingResult>,
 }
 
 impl Ears {
-    fn hear(&mut self, engine: &Engine, output: &TickOutput, progress: &mut dyn FnMut(&Progress)) {
+    fn hear(
+        &mut self,
+        engine: &Engine,
+        output: &TickOutput,
+        host: &mut HostState,
+        progress: &mut dyn FnMut(&Progress),
+    ) -> Result<(), Failure> {
         for frame in Frames::new(&output.log).filter_map(Result::ok) {
             let from = || engine.sender_name(frame.header.sender).to_owned();
             if frame.header.kind == kind_id(InputEnd::KIND) {
-                self.ended_sources.insert(frame.header.sender);
-            } else if let Some(Ok(result)) = decode::<TrainingResult>(&frame) {
+                if engine.is_source(frame.header.sender) {
+                    host.ended_sources.insert(frame.header.sender);
+                }
+            } else if let Some(result) = decode::<TrainingResult>(&frame) {
+                let tick = engine.tick_index() - 1;
+                let result =
+                    result.map_err(|e| Failure::found(&from(), "process", tick, e.to_string()))?;
                 self.result = Some(result);
             } else if let Some(Ok(log)) = decode::<Log>(&frame) {
                 let (plugin, text) = (from(), log.text);
@@ -239,6 +244,7 @@ impl Ears {
                 "the queue of \"{subscriber}\" was full: {n} older \"{kind}\" were dropped"
             );
         }
+        Ok(())
     }
 }
 
@@ -249,7 +255,7 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
         0 | 1 => None,
         n => Some(Parallel::new(n).map_err(RunError::Host)?),
     };
-    let mut engine = Engine::new(plan, options.limits, parallel, |p| {
+    let mut engine = Engine::new(plan, plan.limits(), parallel, |p| {
         load(p).map(Some).map_err(RunError::from)
     })?;
     if let Some(checkpoint) = &options.resume {
@@ -371,51 +377,61 @@ impl Course<'_> {
             .filter(|p| p.kind == PluginKind::Source)
             .count();
         let mut ears = Ears::default();
-        let mut controls = Vec::new();
-        let mut told_to_end: Option<u64> = None;
+        let mut host = match options.resume {
+            Some(checkpoint) => checkpoint.host,
+            None => HostState::default(),
+        };
         if self.engine.tick_index() == 0 {
-            push(&mut controls, &LevelControl::Start);
+            push(&mut host.controls, &LevelControl::Start);
         }
+        let base_ns = self.engine.time_ns();
         loop {
             let tick = self.engine.tick_index();
             if options.stop_at == Some(tick) {
-                outcome.checkpoint = Some(self.engine.checkpoint()?);
+                let checkpoint = self.engine.checkpoint()?;
+                outcome.checkpoint = Some(Checkpoint { host, ..checkpoint });
                 return Ok(Ended::Checkpoint);
             }
             if let Some(pace) = &mut pace {
                 pace.wait();
                 outcome.late_ticks = pace.late;
             }
-            if options.stop.load(Ordering::Relaxed) && told_to_end.is_none() {
-                push(&mut controls, &LevelControl::Abort);
-                told_to_end = Some(self.engine.time_ns());
+            if options.stop.load(Ordering::Relaxed) && host.told_to_end.is_none() {
+                push(&mut host.controls, &LevelControl::Abort);
+                host.told_to_end = Some(self.engine.time_ns());
             }
-            let output = self.engine.tick(Feed::Live { control: &controls })?;
-            controls.clear();
+            let arrival_ns = match &pace {
+                Some(pace) => base_ns.saturating_add(pace.start.elapsed().as_nanos() as u64),
+                None => self.engine.time_ns(),
+            };
+            let controls = std::mem::take(&mut host.controls);
+            let output = match self.engine.tick(Feed::Live { control: &controls }) {
+                Ok(output) => output,
+                Err(failure) => {
+                    self.keep_failed(tick, arrival_ns)?;
+                    return Err(failure);
+                }
+            };
             outcome.ticks = self.engine.tick_index();
             let time = self.engine.time_ns();
-            let arrival_ns = match &pace {
-                Some(pace) => u64::try_from(pace.start.elapsed().as_nanos()).unwrap_or(u64::MAX),
-                None => time,
-            };
             self.keep(plan, tick, arrival_ns, &output)?;
             let seconds = time as f64 * 1e-9;
-            ears.hear(self.engine, &output, &mut |share| {
+            ears.hear(self.engine, &output, &mut host, &mut |share| {
                 (options.progress)(seconds, Some(share))
-            });
+            })?;
             (options.progress)(seconds, None);
             if let Some(result) = ears.result.take() {
                 outcome.result = Some(result);
                 return Ok(Ended::Result);
             }
-            match told_to_end {
+            match host.told_to_end {
                 Some(since) if time > since + ENDING_NS => {
                     let text = "was told to end and gave no result within 2 s of simulated time";
                     return Err(Failure::found(&plan.module, "process", tick, text));
                 }
-                None if sources > 0 && ears.ended_sources.len() == sources => {
-                    push(&mut controls, &LevelControl::InputEnded);
-                    told_to_end = Some(time);
+                None if sources > 0 && host.ended_sources.len() == sources => {
+                    push(&mut host.controls, &LevelControl::InputEnded);
+                    host.told_to_end = Some(time);
                 }
                 _ => {}
             }
@@ -444,6 +460,7 @@ impl Course<'_> {
                 log: output.log.clone(),
                 chain: output.chain.to_vec(),
                 states,
+                failed: false,
             },
         ))?;
         failed?;
@@ -451,6 +468,23 @@ impl Course<'_> {
             pictures.hear(tick, plan.tick_ns, &output.log, || self.engine.blocks());
         }
         Ok(())
+    }
+
+    /// Records what was said in a tick until a plugin failed: the inputs that it failed on, above all.
+    fn keep_failed(&mut self, tick: u64, arrival_ns: u64) -> Result<(), Failure> {
+        let log = self.engine.take_log();
+        let chain = self.engine.chain().to_vec();
+        self.recorder.write(&record(
+            kind::TICK,
+            tick,
+            &TickRecord {
+                arrival_ns,
+                log,
+                chain,
+                states: None,
+                failed: true,
+            },
+        ))
     }
 
     fn close(

@@ -178,6 +178,9 @@ fn plan() -> RunPlan {
         steps: 1,
         hash_every: 1,
         input: String::new(),
+        input_digest: String::new(),
+        queue_messages: 4096,
+        queue_bytes: 1 << 20,
         without: Vec::new(),
         plugins: vec![
             planned("counter", PluginKind::Source, &[Count::KIND], &[]),

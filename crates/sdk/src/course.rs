@@ -49,6 +49,7 @@ struct State {
     finished: bool,
     told: Option<(LevelPhase, u32)>,
     shortest_path: Option<f64>,
+    refused: u64,
 }
 
 /// The course of one level.
@@ -71,6 +72,8 @@ pub struct Course {
     aborted: bool,
     finished: bool,
     told: Option<(LevelPhase, u32)>,
+    /// Samples that could not be used.
+    refused: u64,
 }
 
 fn text(text: &settings::LocalText) -> LocalText {
@@ -218,6 +221,7 @@ impl Course {
             aborted: false,
             finished: false,
             told: None,
+            refused: 0,
         })
     }
 
@@ -233,6 +237,7 @@ impl Course {
         (self.input_ended, self.aborted, self.finished) = (false, false, false);
         self.told = None;
         self.shortest_path = self.given_shortest_path;
+        self.refused = 0;
         Ok(())
     }
 
@@ -273,10 +278,15 @@ impl Course {
                 opening: Some(sample.opening),
             });
             if let Err(error) = pushed {
-                tick.log(
-                    crate::LogLevel::Warn,
-                    format!("tool \"{}\": {error}", sample.tool),
-                );
+                // A flood of bad samples must not become a flood of log lines.
+                self.refused += 1;
+                if self.refused % 1000 == 1 {
+                    let text = format!(
+                        "tool \"{}\": {error} (refused so far: {})",
+                        sample.tool, self.refused
+                    );
+                    tick.log(crate::LogLevel::Warn, text);
+                }
             }
         }
         Ok(())
@@ -550,6 +560,7 @@ impl Course {
             finished: self.finished,
             told: self.told,
             shortest_path: self.shortest_path,
+            refused: self.refused,
         })
     }
 
@@ -572,6 +583,7 @@ impl Course {
             (state.input_ended, state.aborted, state.finished);
         self.told = state.told;
         self.shortest_path = state.shortest_path;
+        self.refused = state.refused;
         Ok(())
     }
 }

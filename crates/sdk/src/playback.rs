@@ -3,18 +3,18 @@
 use crate::{Fault, Tick};
 use microsim_message::{InputEnd, InputSample, decode_bytes, encode};
 
-/// Plays samples in the order of their times; the first one is due at the start.
+/// Plays samples, each at the time at which it is due.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Playback {
     source: String,
-    samples: Vec<InputSample>,
+    samples: Vec<(f64, InputSample)>,
     next: usize,
     ended: bool,
 }
 
 impl Playback {
-    /// A playback of `samples`, which are in the order of their times, by the plugin `source`.
-    pub fn new(source: &str, samples: Vec<InputSample>) -> Self {
+    /// A playback by the plugin `source` of samples with the simulated time at which each is due \[s\], in that order.
+    pub fn new(source: &str, samples: Vec<(f64, InputSample)>) -> Self {
         Self {
             source: source.into(),
             samples,
@@ -23,11 +23,17 @@ impl Playback {
         }
     }
 
+    /// A playback of samples by their device time, the first one due at the start.
+    pub fn by_device_time(source: &str, samples: Vec<InputSample>) -> Self {
+        let start = samples.first().map_or(0.0, |s| s.device_time);
+        let due = |sample: InputSample| (sample.device_time - start, sample);
+        Self::new(source, samples.into_iter().map(due).collect())
+    }
+
     /// Publishes what has become due by the end of the tick, and the end of input once after the last sample.
     pub fn play(&mut self, tick: &mut Tick<'_>) {
-        let start = self.samples.first().map_or(0.0, |s| s.device_time);
-        while let Some(sample) = self.samples.get(self.next) {
-            if sample.device_time - start > tick.time() {
+        while let Some((due, sample)) = self.samples.get(self.next) {
+            if *due > tick.time() {
                 return;
             }
             tick.publish(sample);

@@ -25,7 +25,7 @@ pub struct Host {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SessionSettings {
-    /// Folder of the session files, seen from the folder that holds `config`.
+    /// Folder of the session files, seen from the root of the installation.
     pub directory: String,
     /// Simulated time between two hashes of the whole state \[s\].
     pub state_hash_every: f64,
@@ -71,7 +71,7 @@ pub fn host_schema() -> Schema {
         Key::with_default(
             "directory",
             Kind::Text,
-            "Folder of the session files, seen from the folder that holds config/.",
+            "Folder of the session files, seen from the root of the installation.",
             "sessions",
         ),
         Key::with_default(

@@ -257,6 +257,15 @@ fn check_limit(reading: &mut Reading, limit: &KeyPath, metric: &KnownMetric<'_>)
             "a range that is not empty",
         );
     }
+    // Points are derived from the bound where a level does not say; nothing can be derived from 0.
+    let bound = if has_max { max } else { min };
+    if bound == Some(0.0) && !has_full && !has_zero {
+        reading.complain(
+            limit,
+            "a limit of 0 without `full` and `zero`",
+            "both of them, since 0 gives no scale for points",
+        );
+    }
     if has_full != has_zero {
         let (there, missing) = if has_full {
             ("full", "zero")

@@ -10,7 +10,6 @@ use crate::schema::{Form, Key, Kind, Schema};
 use crate::text::{Colour, Finish, LocalText};
 use crate::unit::Unit;
 use serde::Deserialize;
-use serde_json::json;
 use std::path::Path;
 
 /// The shape of an instrument.
@@ -21,8 +20,6 @@ pub struct Tool {
     pub doc: String,
     /// For people: its name.
     pub title: LocalText,
-    /// Point that counts as the tip, in the tool frame \[m\].
-    pub tip: [f64; 3],
     /// A point of the axis about which the jaws turn, in the tool frame \[m\]; only with jaws.
     pub hinge: Option<[f64; 3]>,
     /// Angle between the jaws when fully open \[rad\]; only with jaws.
@@ -105,7 +102,6 @@ pub fn tool_schema() -> Schema {
         keys: vec![
             Key::required("doc", Kind::Text, "What it is and where its sizes come from."),
             Key::required("title", Kind::LocalText, "Its name for people."),
-            Key::with_default("tip", point(), "Point that counts as the tip, in the tool frame.", json!([0.0, 0.0, 0.0])),
             Key::optional("hinge", point(), "A point of the axis about which the jaws turn; the axis is along y. Only and always with jaws."),
             Key::optional("opening_angle", Kind::quantity(Unit::Angle, 0.0, 90_f64.to_radians()), "Angle between the jaws when fully open. Only and always with jaws."),
             Key::with_default("colour", Kind::Colour, "Colour, sRGB.", "#b8bcc2"),

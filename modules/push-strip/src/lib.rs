@@ -20,6 +20,9 @@ const HOLDING: Colour = [0.98, 0.85, 0.15];
 const TOO_DEEP: Colour = [0.85, 0.12, 0.12];
 const DONE: Colour = [0.20, 0.70, 0.25];
 
+/// Nodes within this share of the tissue's thickness from its top belong to the upper surface.
+const TOP_LAYER: f64 = 0.25;
+
 /// Share of its radius by which a mark's centre lies below the tissue's surface.
 const SUNK: f64 = 0.7;
 
@@ -112,9 +115,9 @@ fn patch(mark: &Mark, radius: f64, block: &BlockView<'_>) -> Option<Patch> {
         .map(|(_, p)| p[2])
         .fold(f64::NEG_INFINITY, f64::max);
     let bottom = all.iter().map(|(_, p)| p[2]).fold(f64::INFINITY, f64::min);
-    let upper = all.into_iter().filter(|(_, p)| p[2] > 0.5 * (top + bottom));
-    let highest: Vec<(u32, [f64; 3])> = upper
-        .filter(|(_, p)| top - p[2] < 0.25 * (top - bottom))
+    let highest: Vec<(u32, [f64; 3])> = all
+        .into_iter()
+        .filter(|(_, p)| top - p[2] <= TOP_LAYER * (top - bottom))
         .collect();
     Some(Patch {
         nodes: highest.iter().map(|(id, _)| *id).collect(),
@@ -245,7 +248,7 @@ impl PushStrip {
         });
     }
 
-    /// Straight from the start down to the depth at each mark in turn \[m\].
+    /// A way that no run can undercut: straight from the start to the least depth that counts at each mark \[m\].
     fn shortest_path(&self, start: [f64; 3], keys: &Keys) -> f64 {
         let mut from = start;
         let mut length = 0.0;
@@ -253,7 +256,7 @@ impl PushStrip {
             let to = [
                 mark.position[0],
                 mark.position[1],
-                mark.position[2] - keys.depth,
+                mark.position[2] - (keys.depth - keys.depth_tolerance),
             ];
             let d = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
             length += (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
@@ -376,8 +379,11 @@ impl Plugin for PushStrip {
             state.start = Some(tool.pose.position);
             course.set_shortest_path(self.shortest_path(tool.pose.position, &keys));
         }
-        course.measure("peak-force", state.peak_force);
-        course.measure("overshoot", state.overshoot);
+        // Without tissue there is nothing to measure, and nothing is not zero.
+        if !state.patches.is_empty() {
+            course.measure("peak-force", state.peak_force);
+            course.measure("overshoot", state.overshoot);
+        }
         if let (n @ 1.., errors) = state.counted {
             course.measure("depth-error", errors / n as f64);
         }

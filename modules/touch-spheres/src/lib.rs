@@ -235,15 +235,17 @@ impl TouchSpheres {
         });
     }
 
-    /// Straight from the start into each sphere in turn, only as deep as its surface.
+    /// A way that no run can undercut: straight from the start to the first surface, then from surface to surface.
     fn shortest_path(&self, start: [f64; 3]) -> f64 {
-        let mut from = start;
-        let mut length = 0.0;
-        for place in &self.places {
-            length += (distance(from, place.centre) - self.radius).max(0.0);
-            from = place.centre;
-        }
-        length
+        let first = self
+            .places
+            .first()
+            .map_or(0.0, |p| distance(start, p.centre) - self.radius);
+        let between = self
+            .places
+            .windows(2)
+            .map(|pair| distance(pair[0].centre, pair[1].centre) - 2.0 * self.radius);
+        first.max(0.0) + between.map(|way| way.max(0.0)).sum::<f64>()
     }
 }
 

@@ -9,7 +9,6 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{Object, Shape as LevelShape};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -45,21 +44,19 @@ pub struct Objects {
     changed: bool,
 }
 
-fn place(pose: &Pose) -> Place {
-    let [x, y, z, w] = pose.orientation;
-    Place {
-        position: Vector3::from(pose.position),
-        orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-    }
-}
-
 impl Objects {
     /// Pose in the field: the chain of parents, whose activity does not matter.
     fn world(&self, index: usize) -> Pose {
-        let mut at = place(&self.states[index].pose);
+        let mut at = Place::from_arrays(
+            self.states[index].pose.position,
+            self.states[index].pose.orientation,
+        );
         let mut parent = self.models[index].parent;
         while let Some(above) = parent {
-            let frame = place(&self.states[above].pose);
+            let frame = Place::from_arrays(
+                self.states[above].pose.position,
+                self.states[above].pose.orientation,
+            );
             at = Place {
                 position: frame.apply(&at.position),
                 orientation: frame.orientation * at.orientation,

@@ -13,7 +13,6 @@ use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
 };
 use microsim_settings as settings;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -37,11 +36,7 @@ struct Place {
 
 impl Place {
     fn pose(&self) -> Pose {
-        let [x, y, z, w] = self.orientation;
-        Pose {
-            position: Vector3::from(self.position),
-            orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-        }
+        Pose::from_arrays(self.position, self.orientation)
     }
 }
 

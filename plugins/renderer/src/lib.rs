@@ -7,12 +7,12 @@ use microsim_geometry::Pose as Place;
 use microsim_gpu::Gpu;
 use microsim_render::{Finish, Item, Picture, Renderer, Shape, View};
 use microsim_sdk::message::{
-    self, ObjectScene, ObjectState, PictureRequest, Pose, TISSUE_SNAPSHOT, ToolState, ToolStates,
+    self, ObjectScene, ObjectState, PictureRequest, TISSUE_SNAPSHOT, ToolState, ToolStates,
     ToolStatus,
 };
 use microsim_sdk::{BlockView, Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings as settings;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -77,17 +77,9 @@ fn object(object: &ObjectState) -> Item {
     }
 }
 
-fn place(pose: &Pose) -> Place {
-    let [x, y, z, w] = pose.orientation;
-    Place {
-        position: Vector3::from(pose.position),
-        orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-    }
-}
-
 /// A tool as its capsules; jaws turned about the hinge, each by half of the opening.
 fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
-    let world = place(&state.pose);
+    let world = Place::from_arrays(state.pose.position, state.pose.orientation);
     let half = 0.5 * model.opening_angle.unwrap_or_default() * state.opening;
     let items = model.capsule.iter().map(|part| {
         let angle = match part.jaw {

@@ -4,9 +4,7 @@
 use microsim_sdk::message::{InputSample, Pose, decode_bytes};
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{RecordingMap, Unit};
-use microsim_tracking::{
-    Column, ColumnMap, DeviceColumns, OpeningColumn, Sample, read_csv,
-};
+use microsim_tracking::{Column, ColumnMap, DeviceColumns, OpeningColumn, Sample, read_csv};
 use serde::Deserialize;
 
 /// Name of the file with the motion.
@@ -23,7 +21,7 @@ enum Config {
         /// The TOML beside it, checked.
         map: Box<RecordingMap>,
     },
-    /// The input samples of a session, as messages in a list.
+    /// The input samples of a session, each with the time at which it arrived.
     Samples,
 }
 
@@ -88,15 +86,15 @@ impl Plugin for RecordingSource {
         let bytes = &file
             .ok_or_else(|| Fault::new("no file \"recording\" in the set-up"))?
             .bytes;
-        let samples = match config {
+        self.playback = match config {
             Config::Csv { name, map } => {
                 let recording = read_csv(bytes, &name, &column_map(&map)?);
                 let recording = recording.map_err(|error| Fault::new(error.to_string()))?;
-                recording.samples.into_iter().map(message).collect()
+                let samples = recording.samples.into_iter().map(message).collect();
+                Playback::by_device_time(&setup.name, samples)
             }
-            Config::Samples => decode_bytes(bytes)?,
+            Config::Samples => Playback::new(&setup.name, decode_bytes(bytes)?),
         };
-        self.playback = Playback::new(&setup.name, samples);
         Ok(())
     }
 

@@ -63,7 +63,7 @@ impl Plugin for ScriptSource {
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         let config: Config = serde_json::from_value(setup.config.clone())?;
-        self.playback = Playback::new(&setup.name, samples(&config.script)?);
+        self.playback = Playback::by_device_time(&setup.name, samples(&config.script)?);
         Ok(())
     }
 

@@ -159,11 +159,12 @@ fn cut_sessions_through_the_command_line() {
         );
         let replay = tree
             .microsim(&["replay", &file, "--verify", "--json"])
-            .expect(0)
+            // Without a single tick nothing is proven.
+            .expect(if ticks == 0 { 1 } else { 0 })
             .json();
         assert_eq!(
             (replay["ticks"].as_u64(), &replay["verified"]),
-            (Some(ticks as u64), &true.into())
+            (Some(ticks as u64), &(ticks > 0).into())
         );
         assert_eq!(replay["complaint"], complaint);
         let bus = tree.microsim(&["bus", &file, "--json"]).expect(0).json();

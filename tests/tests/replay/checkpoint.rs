@@ -1,6 +1,9 @@
 //! Save, new process, restore, go on: the same history as without the interruption.
 
-use crate::{PUSH_STRIP, TOUCH_SPHERES};
+use crate::{PUSH_STRIP, TOUCH_SPHERES, pushed_strip};
+use microsim_bus::Frames;
+use microsim_host::record::{Session, TickRecord};
+use microsim_message::{ContactForces, decode};
 use microsim_tests::{assert_verified, command, hear, run, scratch};
 use std::path::Path;
 
@@ -41,10 +44,19 @@ fn touch_spheres_goes_on_from_a_checkpoint() {
     );
 }
 
-/// The times lie before, in and after the contact with the strip.
+/// Before the probe comes, in the first touches and while it holds the depth.
 #[test]
 fn push_strip_goes_on_from_a_checkpoint() {
-    goes_on("push-strip", &PUSH_STRIP, &["0.4", "1.2", "2.0"]);
+    goes_on("push-strip", &PUSH_STRIP, &["0.4", "2.48", "3.2"]);
+    // The times are those of this script: the first touch lies between the first two of them.
+    let session = Session::read(pushed_strip()).expect("a session");
+    let touches = |record: &TickRecord| {
+        let mut frames = Frames::new(&record.log).filter_map(Result::ok);
+        frames.any(|frame| decode::<ContactForces>(&frame).is_some())
+    };
+    let first = session.ticks.iter().find(|(_, record)| touches(record));
+    let first = first.map_or(0.0, |(tick, _)| *tick as f64 * 0.008);
+    assert!((0.4..2.48).contains(&first), "first touch at {first} s");
 }
 
 #[test]
@@ -59,17 +71,18 @@ fn a_checkpoint_of_another_run_is_refused() {
         &[&TOUCH_SPHERES[..], &stop].concat(),
     );
 
+    let script = ["--input", "script:level1-pass.toml"];
     let others = [
-        ("touch-spheres", ["--level", "2"]),
-        ("touch-spheres", ["--seed", "2"]),
+        [&TOUCH_SPHERES[..], &["--level", "2"]].concat(),
+        [&TOUCH_SPHERES[..], &["--seed", "2"]].concat(),
+        script.to_vec(),
     ];
-    for (n, (module, args)) in others.into_iter().enumerate() {
+    for (n, args) in others.into_iter().enumerate() {
         let session = folder.path().join(format!("{n}.session"));
-        let mut command = command(["run", module, "--resume", path(&checkpoint), "--session"]);
-        let said = hear(command.arg(&session).args(TOUCH_SPHERES).args(args)).expect(2);
+        let mut command = command(["run", "touch-spheres", "--resume", path(&checkpoint)]);
+        let said = hear(command.arg("--session").arg(&session).args(args)).expect(2);
         assert!(
-            said.err
-                .contains("belongs to another module, level, seed or set-up"),
+            said.err.contains("belongs to another module, level, "),
             "{said:?}"
         );
     }

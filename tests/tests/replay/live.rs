@@ -18,7 +18,7 @@ fn paced(tree: &LiveTree, session: &Path) -> Value {
         .json()
 }
 
-/// When each tick was done, by the wall clock since the first one began \[s\].
+/// When the inputs of each tick were taken, by the wall clock since the run began \[s\].
 fn arrivals(session: &Path) -> Vec<f64> {
     let session = Session::read(&fs::read(session).expect("a session")).expect("a session");
     session
@@ -50,8 +50,8 @@ fn a_source_with_its_own_timer_replays_to_the_hash_of_its_live_run() {
     );
 }
 
-/// Simulated time goes with the wall clock: no tick begins before its time, and half of them are done within three
-/// ticks' time.
+/// Simulated time goes with the wall clock: no tick begins before its time, and half of them begin within three ticks'
+/// time of it.
 #[test]
 fn a_paced_run_goes_with_the_wall_clock() {
     let folder = scratch();
@@ -92,8 +92,8 @@ fn late_ticks_are_counted_and_made_up() {
     let late = said["late_ticks"].as_u64().unwrap_or_default();
     assert!(late >= 7, "{said}");
     let arrivals = arrivals(&session);
-    assert!(arrivals[30] >= 30.0 * TICK + 0.060, "{arrivals:?}");
-    // Made up: some later tick was done in its own time.
+    assert!(arrivals[31] >= 30.0 * TICK + 0.060, "{arrivals:?}");
+    // Made up: some later tick began in its own time.
     let on_time = |(n, at): (usize, &f64)| n > 30 && *at < (n + 1) as f64 * TICK;
     assert!(arrivals.iter().enumerate().any(on_time), "{arrivals:?}");
     tree.verify(&session).expect(0);
