@@ -2,14 +2,13 @@
 
 use crate::cli::{CheckArgs, Place};
 use crate::output::{Exit, Problem, say, say_json};
-use crate::session_file::installation;
+use crate::session_file::{installation, is_session};
 use microsim_host::assemble::{Input, Installation, Request, assemble, known_metrics};
 use microsim_host::record::Session;
 use microsim_host::run::RunError;
 use microsim_host::{Engine, loader};
 use microsim_settings as settings;
 use serde_json::json;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// What was looked at, and what is wrong with it.
@@ -195,20 +194,13 @@ fn check_file(place: &Place, path: &Path) -> Result<(), String> {
             // A script may lie anywhere.
             settings::load_script(path).map(drop).map_err(text)
         }
+        (_, _, "session") => check_session(path),
         _ if is_session(path) => check_session(path),
         _ => Err(format!(
             "{}: neither TOML, CSV nor a session",
             path.display()
         )),
     }
-}
-
-/// A session may have any name.
-fn is_session(path: &Path) -> bool {
-    let mut start = [0; microsim_session::MAGIC.len()];
-    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
-    path.extension().is_some_and(|e| e == "session")
-        || (read.is_ok() && start == *microsim_session::MAGIC)
 }
 
 fn check_session(path: &Path) -> Result<(), String> {

@@ -2,8 +2,8 @@
 
 use crate::cli::{Place, RunArgs};
 use crate::output::{Exit, Problem, say, say_json};
-use crate::report::{summary, verdict_word, write_beside};
-use crate::session_file::{installation, read, report_of};
+use crate::report::{files_beside, summary, verdict_word, write_beside};
+use crate::session_file::{installation, is_session, read, report_of};
 use indicatif::{ProgressBar, ProgressStyle};
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
@@ -122,6 +122,11 @@ fn refuse_existing(args: &RunArgs, session: &Path) -> Result<(), Problem> {
     if checkpoint.is_some_and(|c| c == session) {
         return Err("--checkpoint and --session name the same file".into());
     }
+    // A report of a session that is gone is replaced; a session never is.
+    if let Some(path) = files_beside(session).iter().find(|p| is_session(p)) {
+        let path = path.display();
+        return Err(format!("{path} is a session, and the report would take its place").into());
+    }
     if let Some(path) = checkpoint.filter(|p| p.exists()) {
         let path = path.display();
         return Err(format!("{path} exists already; nothing is overwritten").into());
@@ -226,7 +231,7 @@ fn finish(
     }
     if let (Some(checkpoint), Some(path)) = (&outcome.checkpoint, &args.checkpoint) {
         write_new(path, &encode(checkpoint))?;
-    } else if let Some(path) = &args.checkpoint {
+    } else if let (Some(path), None) = (&args.checkpoint, &outcome.failure) {
         let path = path.display();
         eprintln!("microsim: the level ended before --stop-at; {path} was not written");
     }

@@ -5,6 +5,7 @@ use crate::output::Problem;
 use microsim_host::assemble::Installation;
 use microsim_host::record::Session;
 use microsim_report::{Report, ReportInput};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The installation that a command works with.
@@ -32,6 +33,13 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
 fn program_folder() -> Result<PathBuf, Problem> {
     let program = std::env::current_exe().map_err(|e| format!("where this program lies: {e}"))?;
     Ok(program.parent().map(Path::to_path_buf).unwrap_or_default())
+}
+
+/// Whether a file is a session, whatever its name.
+pub fn is_session(path: &Path) -> bool {
+    let mut start = [0; microsim_session::MAGIC.len()];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
+    read.is_ok() && start == *microsim_session::MAGIC
 }
 
 /// Reads a session file.

@@ -1,6 +1,9 @@
 //! Panics and faults in each call of the life cycle. The calls that a run never makes stand in `boundary`.
 
 use crate::awkward::{Installed, MODULE, OBJECTS, PHYSICS, Role, SOURCE, TRANSLATOR, read};
+use microsim_bus::Frames;
+use microsim_host::record::Session;
+use microsim_message::{InputSample, decode};
 use microsim_tests::hear;
 use serde_json::json;
 
@@ -206,5 +209,33 @@ fn a_plugin_that_ends_the_process() {
     assert_eq!(
         (&report["verdict"], &report["session"]["complaint"]),
         (&json!("incomplete"), &json!(complaint))
+    );
+}
+
+/// The tick that a plugin failed in is on file with its inputs, so that a replay meets the same failure, and says so when
+/// it does not.
+#[test]
+fn a_failure_can_be_replayed() {
+    let installed = Installed::awkward(TRANSLATOR);
+    // A tick with a sample: they come every 16 ms, ticks every 8 ms.
+    let run = installed.run("panic process 21", &[]);
+    let path = run.session.to_str().expect("UTF-8");
+    let session = Session::read(&std::fs::read(&run.session).expect("read")).expect("a session");
+    let (tick, failed) = session
+        .failed_tick
+        .as_ref()
+        .expect("the tick of the failure");
+    assert_eq!(*tick, 21);
+    let inputs = Frames::new(&failed.log).filter_map(Result::ok);
+    assert!(
+        inputs.filter_map(|f| decode::<InputSample>(&f)).count() > 0,
+        "its inputs"
+    );
+    let verify = |told: &str| hear(&mut installed.command(told, &["replay", path, "--verify"]));
+    verify("panic process 21").expect(0);
+    let healed = verify("").expect(1);
+    assert!(
+        healed.out.contains("tick 21") && healed.out.contains("without a failure"),
+        "{healed:?}"
     );
 }

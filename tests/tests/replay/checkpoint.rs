@@ -93,3 +93,17 @@ fn a_checkpoint_of_another_run_is_refused() {
     let said = hear(command.arg(again).args(TOUCH_SPHERES).args(stop)).expect(2);
     assert!(said.err.contains("there.checkpoint"), "{said:?}");
 }
+
+/// The host itself remembers that the input has ended and what it has told the module: every tick around the end.
+#[test]
+fn the_last_ticks_go_on_as_well() {
+    let args = ["--input", "script:level1-fail-dwell-too-short.toml"];
+    let folder = scratch();
+    let whole = run("touch-spheres", &folder.path().join("whole.session"), &args);
+    let ticks = whole["ticks"].as_u64().expect("a number");
+    let seconds: Vec<String> = (1..=4)
+        .map(|back| format!("{:.3}", (ticks - back) as f64 * 0.008))
+        .collect();
+    let seconds: Vec<&str> = seconds.iter().map(String::as_str).collect();
+    goes_on("touch-spheres", &args, &seconds);
+}

@@ -1,0 +1,134 @@
+//! What is on disk is kept: names do not collide, nothing is overwritten, and a session that proves nothing is not
+//! called verified.
+
+use microsim_tests::{command, hear, microsim, run, scratch, tree, verify};
+use std::fs;
+
+const INPUT: [&str; 2] = ["--input", "script:level1-fail-targets-missed.toml"];
+
+/// A report lies beside its session, whatever the session is called, and never takes the place of another one.
+#[test]
+fn a_report_never_falls_on_a_session() {
+    let folder = scratch();
+    let names = ["a.json", "a.html", "a.b"];
+    for name in names {
+        run("touch-spheres", &folder.path().join(name), &INPUT);
+    }
+    // The reports of these two would take the places of the first two.
+    for name in ["a", "a.session"] {
+        let mut refused = command(["run", "touch-spheres", "--session"]);
+        refused.arg(folder.path().join(name)).args(INPUT);
+        let said = hear(&mut refused).expect(2);
+        assert!(said.err.contains("is a session"), "{}", said.err);
+    }
+    for name in names {
+        verify(&folder.path().join(name), &[]).expect(0);
+    }
+    let session = folder.path().join("a.b");
+    let path = session.to_str().expect("UTF-8");
+    let said = microsim(["report", path, "--html", path]).expect(2);
+    assert!(
+        said.err.contains("would overwrite the session"),
+        "{}",
+        said.err
+    );
+    verify(&session, &[]).expect(0);
+}
+
+/// Operators start runs side by side without naming sessions.
+#[test]
+fn runs_side_by_side_have_names_of_their_own() {
+    let runs: Vec<_> = (0..8)
+        .map(|_| {
+            let mut run = command(["run", "touch-spheres", "--json"]);
+            run.args(INPUT).stdout(std::process::Stdio::piped());
+            run.spawn().expect("the built program starts")
+        })
+        .collect();
+    let mut sessions: Vec<String> = runs
+        .into_iter()
+        .map(|run| {
+            let said: microsim_tests::Said = run.wait_with_output().expect("it ends").into();
+            said.expect(0).json()["session"]
+                .as_str()
+                .expect("a path")
+                .to_owned()
+        })
+        .collect();
+    for session in &sessions {
+        assert!(
+            session.starts_with(tree().to_str().expect("UTF-8")),
+            "{session}"
+        );
+        for ending in ["session", "html", "json", "metrics.csv", "series.csv"] {
+            let path = std::path::Path::new(session).with_extension(ending);
+            fs::remove_file(path).expect("every run has left its own files");
+        }
+    }
+    sessions.sort();
+    sessions.dedup();
+    assert_eq!(sessions.len(), 8);
+}
+
+/// Old pictures, checkpoints and sessions stay as they are, and the run does not even begin.
+#[test]
+fn what_is_there_is_refused_before_the_run() {
+    let folder = scratch();
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    fs::write(path("old.checkpoint"), b"old").expect("written");
+    fs::create_dir(path("frames")).expect("a folder");
+    fs::write(path("frames/frame-000003.png"), b"old").expect("written");
+    let session = path("new.session");
+    for extra in [
+        vec![
+            "--stop-at".into(),
+            "0.1".into(),
+            "--checkpoint".into(),
+            path("old.checkpoint"),
+        ],
+        vec![
+            "--stop-at".into(),
+            "0.1".into(),
+            "--checkpoint".into(),
+            session.clone(),
+        ],
+        vec!["--frames".into(), path("frames")],
+    ] {
+        let mut run = command(["run", "touch-spheres", "--session", &session]);
+        let said = hear(run.args(INPUT).args(&extra)).expect(2);
+        assert!(
+            !said.err.is_empty() && !folder.path().join("new.session").exists(),
+            "{extra:?}"
+        );
+    }
+    assert_eq!(fs::read(path("old.checkpoint")).expect("there"), b"old");
+    assert_eq!(
+        fs::read(path("frames/frame-000003.png")).expect("there"),
+        b"old"
+    );
+}
+
+/// A flipped bit in the middle and a file without a tick are no proof, whatever the rest says.
+#[test]
+fn what_proves_nothing_is_not_verified() {
+    let folder = scratch();
+    let path = folder.path().join("x.session");
+    run("touch-spheres", &path, &INPUT);
+    verify(&path, &[]).expect(0);
+    let bytes = fs::read(&path).expect("read");
+    let mut flipped = bytes.clone();
+    flipped[bytes.len() / 2] ^= 1;
+    fs::write(&path, &flipped).expect("written");
+    let said = verify(&path, &[]).expect(1).json();
+    assert!(
+        said["ticks"].as_u64().expect("a number") > 0 && said["verified"] == false,
+        "{said}"
+    );
+    let reading = microsim_session::read(&bytes).expect("a session");
+    fs::write(&path, &bytes[..reading.frames[1].offset]).expect("written");
+    let said = verify(&path, &[]).expect(1).json();
+    assert_eq!(
+        (said["ticks"].as_u64(), &said["verified"]),
+        (Some(0), &false.into())
+    );
+}
