@@ -379,11 +379,12 @@ impl Course<'_> {
         let mut ears = Ears::default();
         let mut host = match options.resume {
             Some(checkpoint) => checkpoint.host,
-            None => HostState::default(),
+            None => {
+                let mut host = HostState::default();
+                push(&mut host.controls, &LevelControl::Start);
+                host
+            }
         };
-        if self.engine.tick_index() == 0 {
-            push(&mut host.controls, &LevelControl::Start);
-        }
         let base_ns = self.engine.time_ns();
         loop {
             let tick = self.engine.tick_index();
