@@ -269,13 +269,11 @@ impl Plugin for Physics {
             });
         }
         if report.capped {
-            tick.log(
-                LogLevel::Warn,
-                format!(
-                    "a tool moved so fast that {} sub-steps were needed in one step",
-                    report.substeps
-                ),
+            let text = format!(
+                "a tool moved so fast that more than {} sub-steps in a solver step would be needed; it may have passed through tissue",
+                report.substeps
             );
+            tick.log(LogLevel::Warn, text);
         }
         let touching = !contacts.is_empty();
         if touching || self.memory.touching {
