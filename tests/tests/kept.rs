@@ -132,3 +132,26 @@ fn what_proves_nothing_is_not_verified() {
         (Some(0), &false.into())
     );
 }
+
+/// Where a recording lies is not part of what is computed.
+#[test]
+fn the_hash_does_not_depend_on_how_a_path_is_spelled() {
+    let folder = scratch();
+    let path = "assets/recordings/cataract-stylus/stylus.csv";
+    let absolute = microsim_tests::repository().join(path);
+    let spellings = [
+        path.to_owned(),
+        format!("./{path}"),
+        absolute.display().to_string(),
+    ];
+    let hashes = spellings.iter().enumerate().map(|(n, spelling)| {
+        let session = folder.path().join(format!("{n}.session"));
+        let input = format!("recording:{spelling}");
+        run("touch-spheres", &session, &["--input", &input])["state_hash"].clone()
+    });
+    let hashes: Vec<_> = hashes.collect();
+    assert!(
+        hashes.iter().all(|h| *h == hashes[0] && h.is_string()),
+        "{hashes:?}"
+    );
+}

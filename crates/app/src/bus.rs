@@ -158,7 +158,8 @@ fn rows(session: &Session, args: &BusArgs, skip: usize) -> Vec<Value> {
         .map(|p| p.name.as_str())
         .collect();
     let mut rows = Vec::new();
-    for (tick, record) in session.ticks.iter().skip(skip) {
+    let ticks = session.ticks.iter().chain(&session.failed_tick);
+    for (tick, record) in ticks.skip(skip) {
         for frame in Frames::new(&record.log).filter_map(Result::ok) {
             let kind = names.get(&frame.header.kind).cloned();
             let kind = kind.unwrap_or_else(|| format!("{:#018x}", frame.header.kind));

@@ -75,7 +75,7 @@ pub struct RunArgs {
     /// Run without a window (this version has none: every run is headless)
     #[arg(long)]
     pub headless: bool,
-    /// Draw pictures into this folder
+    /// Draw pictures into this folder, which must hold none yet
     #[arg(long, value_name = "DIR", value_parser = utf8_path)]
     pub frames: Option<PathBuf>,
     /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
@@ -124,7 +124,7 @@ pub struct ReplayArgs {
     /// Exit with status 1 unless every tick is recomputed to the bit
     #[arg(long)]
     pub verify: bool,
-    /// Draw pictures into this folder
+    /// Draw pictures into this folder, which must hold none yet
     #[arg(long, value_name = "DIR", value_parser = utf8_path)]
     pub frames: Option<PathBuf>,
     /// Pictures per simulated second [default: `picture.rate` of config/host.toml]

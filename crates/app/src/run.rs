@@ -122,6 +122,13 @@ fn refuse_existing(args: &RunArgs, session: &Path) -> Result<(), Problem> {
     if checkpoint.is_some_and(|c| c == session) {
         return Err("--checkpoint and --session name the same file".into());
     }
+    for path in std::iter::once(session).chain(checkpoint.map(PathBuf::as_path)) {
+        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|f| !f.is_dir()) {
+            let folder = folder.display();
+            return Err(format!("{}: there is no folder {folder}", path.display()).into());
+        }
+    }
     // A report of a session that is gone is replaced; a session never is.
     if let Some(path) = files_beside(session).iter().find(|p| is_session(p)) {
         let path = path.display();
@@ -229,14 +236,14 @@ fn finish(
     for complaint in &outcome.complaints {
         eprintln!("microsim: {complaint}");
     }
-    if let (Some(checkpoint), Some(path)) = (&outcome.checkpoint, &args.checkpoint) {
-        write_new(path, &encode(checkpoint))?;
-    } else if let (Some(path), None) = (&args.checkpoint, &outcome.failure) {
-        let path = path.display();
-        eprintln!("microsim: the level ended before --stop-at; {path} was not written");
-    }
     // The report is made from the file, so that it shows what was really recorded.
-    let report = report_of(&read(session)?, session);
+    let recorded = match (read(session), &outcome.failure) {
+        (Ok(recorded), _) => recorded,
+        // Nothing readable was written, and this is why.
+        (Err(_), Some(failure)) => return Err(failure.to_string().into()),
+        (Err(problem), None) => return Err(problem),
+    };
+    let report = report_of(&recorded, session);
     let page = write_beside(&report, session);
     let told = match (args.json, page.as_deref().ok()) {
         (true, page) => tell_json(plan, session, page, outcome, &report),
@@ -252,6 +259,12 @@ fn finish(
             session.display()
         )
         .into());
+    }
+    if let (Some(checkpoint), Some(path)) = (&outcome.checkpoint, &args.checkpoint) {
+        write_new(path, &encode(checkpoint))?;
+    } else if let (Some(path), None) = (&args.checkpoint, &outcome.failure) {
+        let path = path.display();
+        eprintln!("microsim: the level ended before --stop-at; {path} was not written");
     }
     page?;
     match told {

@@ -103,9 +103,13 @@ struct SourceSetup {
 }
 
 impl SourceSetup {
-    /// Digest of all that the source is told.
+    /// Digest of all that the source is told, but not of where its file lies.
     fn digest(&self) -> String {
-        let told = encode(&(&self.plugin, &self.config, &self.files));
+        let mut config = self.config.clone();
+        if let Some(config) = config.as_object_mut() {
+            config.remove("name");
+        }
+        let told = encode(&(&self.plugin, &config, &self.files));
         blake3::hash(&told).to_hex().to_string()
     }
 }
@@ -232,7 +236,7 @@ fn session_input(path: &Path, bytes: &[u8]) -> Result<RecordingInput, AssembleEr
     // Each with the time at which it arrived: devices need not share a clock.
     let mut samples: Vec<(f64, InputSample)> = Vec::new();
     let mut devices = BTreeSet::new();
-    for (index, tick) in &session.ticks {
+    for (index, tick) in session.ticks.iter().chain(&session.failed_tick) {
         let arrival = (index + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9;
         let frames = Frames::new(&tick.log).filter_map(Result::ok);
         for sample in frames.filter_map(|f| decode::<InputSample>(&f)) {
@@ -240,6 +244,13 @@ fn session_input(path: &Path, bytes: &[u8]) -> Result<RecordingInput, AssembleEr
             devices.insert(sample.device.clone());
             samples.push((arrival, sample));
         }
+    }
+    if let Some(checkpoint) = &session.resumed {
+        return refuse(format!(
+            "{}: it goes on from tick {} of another session, whose input is not in it; play that one",
+            path.display(),
+            checkpoint.tick
+        ));
     }
     let note = session.complaint.map(|complaint| {
         tracing::warn!(

@@ -138,6 +138,7 @@ impl Session {
         let mut frames = reading.frames.iter();
         let header = match frames.next() {
             Some(frame) if frame.kind == kind::HEADER => {
+                check_format(frame)?;
                 parse::<Header>(frame).map_err(|e| SessionError(e.to_string()))?
             }
             _ => {
@@ -147,12 +148,6 @@ impl Session {
                 )));
             }
         };
-        if header.format != RECORD_FORMAT {
-            return Err(SessionError(format!(
-                "its records have format {}, this version reads format {RECORD_FORMAT}",
-                header.format
-            )));
-        }
         let mut session = Self {
             header,
             resumed: None,
@@ -192,6 +187,20 @@ impl Session {
             _ => {}
         }
         Ok(())
+    }
+}
+
+/// The format stands in the header itself, and is looked at before the rest, which another format may spell otherwise.
+fn check_format(frame: &Frame<'_>) -> Result<(), SessionError> {
+    #[derive(Deserialize)]
+    struct Format {
+        format: u32,
+    }
+    match parse::<Format>(frame) {
+        Ok(Format { format }) if format != RECORD_FORMAT => Err(SessionError(format!(
+            "its records have format {format}, this version reads format {RECORD_FORMAT}"
+        ))),
+        _ => Ok(()),
     }
 }
 

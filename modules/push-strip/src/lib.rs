@@ -55,7 +55,7 @@ struct Mark {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Patch {
     nodes: Vec<u32>,
-    /// Height of each node at the start \[m\].
+    /// Height of each node before the first touch \[m\].
     heights: Vec<f64>,
 }
 
@@ -63,6 +63,8 @@ struct Patch {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     shown: bool,
+    /// Whether the strip has been touched.
+    touched: bool,
     patches: Vec<Patch>,
     current: usize,
     dwell: Dwell,
@@ -97,7 +99,7 @@ fn position(positions: &[f64], node: usize) -> [f64; 3] {
     ]
 }
 
-/// The nodes of the upper surface around a mark, as the tissue lies at the start.
+/// The nodes of the upper surface around a mark, as the tissue lies now.
 fn patch(mark: &Mark, radius: f64, block: &BlockView<'_>) -> Option<Patch> {
     let (ids, positions) = (block.u32s("node_id")?, block.f64s("position")?);
     let near = |p: [f64; 3]| {
@@ -147,6 +149,7 @@ impl PushStrip {
     fn fresh_state(keys: &Keys) -> Result<State, Fault> {
         Ok(State {
             shown: false,
+            touched: false,
             patches: Vec::new(),
             current: 0,
             dwell: Dwell::new(keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
@@ -248,21 +251,28 @@ impl PushStrip {
         });
     }
 
-    /// A way that no run can undercut: straight from the start to the least depth that counts at each mark \[m\].
+    /// A way that no run can undercut: straight from the start to the least depth that counts, anywhere within
+    /// `mark_radius` of each mark in turn \[m\].
     fn shortest_path(&self, start: [f64; 3], keys: &Keys) -> f64 {
         let mut from = start;
+        let mut margin = keys.mark_radius;
         let mut length = 0.0;
         for mark in &self.marks {
-            let to = [
-                mark.position[0],
-                mark.position[1],
-                mark.position[2] - (keys.depth - keys.depth_tolerance),
-            ];
+            let [x, y, z] = mark.position;
+            let to = [x, y, z - (keys.depth - keys.depth_tolerance)];
             let d = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-            length += (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+            length += ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - margin).max(0.0);
             from = to;
+            margin = 2.0 * keys.mark_radius;
         }
         length
+    }
+
+    /// Whether a tool touches the strip in this tick.
+    fn is_touched(&self, tick: &Tick<'_>) -> Result<bool, Fault> {
+        let forces = tick.messages::<ContactForces>()?;
+        let mut contacts = forces.iter().flat_map(|f| &f.contacts);
+        Ok(contacts.any(|c| c.body == self.body))
     }
 
     fn hear_forces(
@@ -354,8 +364,10 @@ impl Plugin for PushStrip {
             state.shown = true;
             self.show(tick);
         }
+        state.touched |= self.is_touched(tick)?;
         if let Some(block) = tick.block(TISSUE_SNAPSHOT, &self.body) {
-            if state.patches.is_empty() {
+            // The strip sags under gravity when the run begins: depth counts from where it lies when it is first touched.
+            if state.patches.is_empty() || !state.touched {
                 let patches = self
                     .marks
                     .iter()

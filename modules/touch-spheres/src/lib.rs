@@ -161,6 +161,10 @@ impl TouchSpheres {
         if tool.status != ToolStatus::Tracked {
             // Nothing is known of the tip: what it held is neither kept nor counted as lost.
             state.dwell.reset();
+            if state.colour != CURRENT {
+                state.colour = CURRENT;
+                self.colour(tick, state.current, CURRENT);
+            }
             return Ok(());
         }
         let tip = tool.pose.position;

@@ -239,6 +239,7 @@ impl Plugin for Physics {
                 return self.publish_bodies(tick);
             }
         };
+        let mut invalid = Vec::new();
         let contacts: Vec<ContactForce> = report
             .contacts
             .iter()
@@ -254,6 +255,7 @@ impl Plugin for Physics {
             })
             .collect();
         for motion in &report.invalid_motions {
+            invalid.push(motions[*motion].tool);
             let tool = &tools[motions[*motion].tool].tool;
             tick.log(
                 LogLevel::Warn,
@@ -280,6 +282,10 @@ impl Plugin for Physics {
             tick.publish(&ContactForces { contacts });
         }
         self.memory.touching = touching;
+        // The next valid pose must not be reached from one that is none.
+        for tool in invalid {
+            self.memory.places[tool] = None;
+        }
         self.publish_bodies(tick)
     }
 
