@@ -120,7 +120,7 @@ fn messages(path: &Path, args: &BusArgs) -> Result<Exit, Problem> {
                 row["message"]
             ))?;
         }
-        shown = session.ticks.len();
+        shown = session.ticks.len() + usize::from(session.failed_tick.is_some());
         let grown = std::fs::metadata(path).map(|m| m.len()).unwrap_or_default();
         quiet = if grown == size {
             quiet + FOLLOW
