@@ -118,7 +118,8 @@ impl Block {
                 }
             }
         }
-        Ok(TetMesh::first_generation(positions, tets))
+        let regions = vec![0; tets.len()];
+        Ok(TetMesh::new(positions, tets, regions))
     }
 }
 

@@ -20,6 +20,8 @@ pub struct TetMesh {
     pub positions: Vec<Vector3<f64>>,
     /// Four node indices per element, positively oriented.
     pub tets: Vec<[u32; 4]>,
+    /// Region of each element: layers of a wall, physical groups of a file. Materials are given by region.
+    pub regions: Vec<u32>,
     /// Stable id of each node.
     pub node_ids: Vec<u32>,
     /// Stable id of each element.
@@ -29,13 +31,14 @@ pub struct TetMesh {
 }
 
 impl TetMesh {
-    /// A first-generation mesh; ids are the indices.
-    pub(crate) fn first_generation(positions: Vec<Vector3<f64>>, tets: Vec<[u32; 4]>) -> Self {
+    /// A first-generation mesh; ids are the indices. Nothing is checked here.
+    pub fn new(positions: Vec<Vector3<f64>>, tets: Vec<[u32; 4]>, regions: Vec<u32>) -> Self {
         let node_ids = (0..positions.len() as u32).collect();
         let element_ids = (0..tets.len() as u32).collect();
         Self {
             positions,
             tets,
+            regions,
             node_ids,
             element_ids,
             generation: 0,

@@ -1,0 +1,1 @@
+//! Sparse symmetric matrices of 3×3 blocks: assembly, ordering, Cholesky factor, conjugate gradients.
