@@ -5,10 +5,13 @@
 //! same bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
 
 mod block;
+pub mod format;
 mod surface;
 mod tet_mesh;
+mod triangle_surface;
 
 pub use block::{Block, BlockError};
 pub use microsim_geometry::signed_volume;
 pub use surface::Surface;
 pub use tet_mesh::TetMesh;
+pub use triangle_surface::TriangleSurface;

@@ -5,10 +5,10 @@ use microsim_geometry::signed_volume;
 use nalgebra::Vector3;
 
 /// The six edges of a tetrahedron as pairs of corners.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// The four faces of a positive tetrahedron (A, B, C, D), outward by the right-hand rule: ACB, ABD, BCD, CAD.
-const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+pub(crate) const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
 /// A tetrahedral mesh at rest.
 ///
@@ -78,9 +78,25 @@ impl TetMesh {
 
     /// The faces that belong to one element only, outward, in the order of their elements.
     pub fn surface(&self) -> Surface {
+        self.surface_of(|_| true)
+    }
+
+    /// The boundary of the part made of the chosen elements, outward: of a region, with
+    /// `|element| mesh.regions[element] == region`.
+    pub fn surface_of(&self, chosen: impl FnMut(usize) -> bool) -> Surface {
+        let faces = self.boundary_faces(chosen);
+        Surface::new(faces.into_iter().map(|(triangle, _)| triangle).collect())
+    }
+
+    /// The faces that belong to one of the chosen elements only, outward, each with its element, in the order of the
+    /// elements.
+    pub fn boundary_faces(&self, mut chosen: impl FnMut(usize) -> bool) -> Vec<([u32; 3], u32)> {
         // Sorting all faces by their nodes puts the two copies of an inner face next to each other.
         let mut faces: Vec<([u32; 3], usize)> = Vec::with_capacity(4 * self.tets.len());
         for (element, tet) in self.tets.iter().enumerate() {
+            if !chosen(element) {
+                continue;
+            }
             for (face, corners) in FACES.iter().enumerate() {
                 let mut key = corners.map(|corner| tet[corner]);
                 key.sort_unstable();
@@ -94,12 +110,31 @@ impl TetMesh {
             .map(|copies| copies[0].1)
             .collect();
         outer.sort_unstable();
-        Surface::new(
-            outer
-                .iter()
-                .map(|&index| FACES[index % 4].map(|corner| self.tets[index / 4][corner]))
-                .collect(),
-        )
+        outer
+            .iter()
+            .map(|&index| {
+                let triangle = FACES[index % 4].map(|corner| self.tets[index / 4][corner]);
+                (triangle, (index / 4) as u32)
+            })
+            .collect()
+    }
+
+    /// Adds the nodes and elements of `other` behind those of this mesh, its regions raised by `region_offset`, with new
+    /// ids above all ids so far. Nothing is joined where the two touch.
+    pub fn append(&mut self, other: &Self, region_offset: u32) {
+        let first_node = self.positions.len() as u32;
+        let free = |ids: &[u32]| ids.iter().max().map_or(0, |id| id + 1);
+        let (node_id, element_id) = (free(&self.node_ids), free(&self.element_ids));
+        self.positions.extend(&other.positions);
+        self.tets
+            .extend(other.tets.iter().map(|tet| tet.map(|n| n + first_node)));
+        self.regions
+            .extend(other.regions.iter().map(|region| region + region_offset));
+        self.node_ids
+            .extend((node_id..).take(other.positions.len()));
+        self.element_ids
+            .extend((element_id..).take(other.tets.len()));
+        self.generation += 1;
     }
 
     /// Volume of each element [m³].

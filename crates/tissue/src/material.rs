@@ -1,32 +1,35 @@
-//! The spring–volume material: moduli in, stiffness of each element out.
+//! What a body is made of: checked values in, sets of elements out.
 //!
-//! Springs carry k = Σ_tets c·E·L0 with c = 2√2/25 (Lloyd, Székely, Harders 2007, for near-regular tetrahedra), volumes
-//! E_V = ½ κ V0 (V/V0 − 1)², so k = κ/V0 (NUMERICS 1.1). Both scale with the elements, so that static shapes and λ_max·(edge
-//! length)² depend on the moduli and not on the mesh.
-//!
-//! Limitations: E and κ are the constants of this discrete material, not Young's modulus and bulk modulus of a continuum;
-//! a spring network has a Poisson's ratio of its own near ¼, and strong volume forces lock on linear tetrahedra
-//! (NUMERICS 1.6).
+//! A material belongs to a region of a mesh; layers are regions with materials of their own. Static values are physical
+//! (NUMERICS 1.1): moduli in pascals, not constants of a mesh.
 
-/// c of k = Σ c·E·L0, 2√2/25.
-const SPRING_SHARE: f64 = 0.08 * std::f64::consts::SQRT_2;
+mod springs;
 
-/// Values of a [`SpringVolume`] material, not yet checked.
+pub use springs::SpringConstants;
+
+use crate::elements::Elements;
+use crate::model::{ModelError, TissueModel};
+use microsim_mesh::TetMesh;
+use std::sync::Arc;
+
+/// A material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpringVolumeSpec {
-    /// Modulus E of the springs [Pa], > 0.
-    pub stretch_modulus: f64,
-    /// Modulus κ of the volume forces [Pa], ≥ 0.
-    pub volume_modulus: f64,
+pub struct Material {
     /// Density [kg/m³], > 0.
     pub density: f64,
-    /// Drag per mass c of dv/dt = −c v [1/s], ≥ 0.
-    pub drag: f64,
+    /// Time τ of Kelvin–Voigt damping [s], ≥ 0: the stress of a strain rate ε̇ is that of the strain τ ε̇. For a viscosity η
+    /// [Pa·s] in uniaxial stretch τ = η/E.
+    pub relaxation_time: f64,
+    /// How it resists deformation.
+    pub behaviour: Behaviour,
 }
 
-/// Springs and volume forces with valid values.
+/// How a material resists deformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpringVolume(SpringVolumeSpec);
+pub enum Behaviour {
+    /// Springs along the edges, and areas and volumes of tetrahedra.
+    Springs(SpringConstants),
+}
 
 /// A value outside its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,114 +54,130 @@ impl std::fmt::Display for MaterialError {
 
 impl std::error::Error for MaterialError {}
 
-impl SpringVolume {
-    /// The material with the moduli of `spec`; refuses values that are not finite or out of range.
-    pub fn from_moduli(spec: SpringVolumeSpec) -> Result<Self, MaterialError> {
-        let positive = |value_name, value: f64, allowed| {
-            let valid = value.is_finite() && value > 0.0;
-            if valid {
-                Ok(())
-            } else {
-                Err(MaterialError {
-                    value_name,
-                    value,
-                    allowed,
-                })
+/// Why a body cannot be made of its materials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BuildError {
+    /// A value of the material of a region is out of range.
+    Material {
+        /// The region.
+        region: u32,
+        /// Which value.
+        source: MaterialError,
+    },
+    /// A region of the mesh has no material, or two.
+    Region {
+        /// The region.
+        region: u32,
+        /// How many it has.
+        materials: usize,
+    },
+    /// The mesh cannot be a body.
+    Model(ModelError),
+}
+
+impl std::fmt::Display for BuildError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Material { region, source } => write!(f, "material of region {region}: {source}"),
+            Self::Region { region, materials } => {
+                write!(
+                    f,
+                    "region {region} of the mesh needs one material, not {materials}"
+                )
             }
-        };
-        let not_negative = |value_name, value: f64, allowed| {
-            let valid = value.is_finite() && value >= 0.0;
-            if valid {
-                Ok(())
-            } else {
-                Err(MaterialError {
-                    value_name,
-                    value,
-                    allowed,
-                })
-            }
-        };
-        positive("stretch_modulus", spec.stretch_modulus, "> 0 Pa")?;
-        not_negative("volume_modulus", spec.volume_modulus, ">= 0 Pa")?;
-        positive("density", spec.density, "> 0 kg/m³")?;
-        not_negative("drag", spec.drag, ">= 0 1/s")?;
-        Ok(Self(spec))
-    }
-
-    /// The values.
-    pub fn spec(&self) -> &SpringVolumeSpec {
-        &self.0
-    }
-
-    /// Share of one tetrahedron in the stiffness of an edge of length `rest_length` [m]; [N/m].
-    pub fn spring_stiffness(&self, rest_length: f64) -> f64 {
-        SPRING_SHARE * self.0.stretch_modulus * rest_length
-    }
-
-    /// Stiffness of the volume energy of a tetrahedron of `rest_volume` [m³]; [N/m⁵].
-    pub fn volume_stiffness(&self, rest_volume: f64) -> f64 {
-        self.0.volume_modulus / rest_volume
+            Self::Model(source) => write!(f, "{source}"),
+        }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+impl std::error::Error for BuildError {}
 
-    #[test]
-    fn values_out_of_range_are_named() {
-        let good = SpringVolumeSpec {
-            stretch_modulus: 2e4,
-            volume_modulus: 0.0,
-            density: 1060.0,
-            drag: 0.0,
-        };
-        assert!(SpringVolume::from_moduli(good).is_ok());
-        for (bad, name) in [
-            (
-                SpringVolumeSpec {
-                    stretch_modulus: 0.0,
-                    ..good
-                },
-                "stretch_modulus",
-            ),
-            (
-                SpringVolumeSpec {
-                    volume_modulus: -1.0,
-                    ..good
-                },
-                "volume_modulus",
-            ),
-            (
-                SpringVolumeSpec {
-                    density: f64::INFINITY,
-                    ..good
-                },
-                "density",
-            ),
-            (
-                SpringVolumeSpec {
-                    drag: f64::NAN,
-                    ..good
-                },
-                "drag",
-            ),
-        ] {
-            assert_eq!(SpringVolume::from_moduli(bad).unwrap_err().value_name, name);
+impl Material {
+    /// Whether all values are in range.
+    pub fn check(&self) -> Result<(), MaterialError> {
+        positive("density", self.density, "> 0 kg/m³")?;
+        not_negative("relaxation_time", self.relaxation_time, ">= 0 s")?;
+        match &self.behaviour {
+            Behaviour::Springs(constants) => constants.check(),
         }
     }
 
-    #[test]
-    fn stiffness_follows_numerics_1_1() {
-        let spec = SpringVolumeSpec {
-            stretch_modulus: 25e3,
-            volume_modulus: 5e4,
-            density: 1060.0,
-            drag: 0.0,
+    /// The elements of `mesh` with the indices `elements`, made of this material.
+    fn build(&self, mesh: &TetMesh, elements: &[u32]) -> Vec<Arc<dyn Elements>> {
+        match &self.behaviour {
+            Behaviour::Springs(constants) => constants.build(mesh, elements, self.relaxation_time),
+        }
+    }
+}
+
+/// The model of a body: each region of `mesh` made of its material, `clamped[i]` fixes node `i`, `drag` per mass [1/s].
+/// `more` are sets of elements that no region holds, such as couplings.
+pub fn build_model(
+    mesh: &TetMesh,
+    materials: &[(u32, Material)],
+    clamped: &[bool],
+    drag: f64,
+    more: Vec<Arc<dyn Elements>>,
+) -> Result<TissueModel, BuildError> {
+    let mut regions = mesh.regions.clone();
+    regions.sort_unstable();
+    regions.dedup();
+    let mut densities = vec![0.0; mesh.tets.len()];
+    let mut sets = Vec::new();
+    for region in regions {
+        let mut of_region = materials.iter().filter(|(r, _)| *r == region);
+        let material = match (of_region.next(), of_region.count()) {
+            (Some((_, material)), 0) => material,
+            (first, more) => {
+                let materials = more + usize::from(first.is_some());
+                return Err(BuildError::Region { region, materials });
+            }
         };
-        let material = SpringVolume::from_moduli(spec).unwrap();
-        // 2√2/25 · 25 kPa · 1 mm = 2.828… N/m; 50 kPa / 2e-10 m³ = 2.5e14 N/m⁵.
-        assert!((material.spring_stiffness(1e-3) - 2.0 * 2f64.sqrt()).abs() < 1e-15 * 3.0);
-        assert!((material.volume_stiffness(2e-10) / 2.5e14 - 1.0).abs() < 1e-15);
+        material
+            .check()
+            .map_err(|source| BuildError::Material { region, source })?;
+        let elements: Vec<u32> = (0..mesh.tets.len() as u32)
+            .filter(|&e| mesh.regions[e as usize] == region)
+            .collect();
+        for &element in &elements {
+            densities[element as usize] = material.density;
+        }
+        sets.extend(material.build(mesh, &elements));
+    }
+    sets.extend(more);
+    TissueModel::new(mesh, &densities, clamped, sets, drag).map_err(BuildError::Model)
+}
+
+/// Refuses what is not finite and above zero.
+pub(crate) fn positive(
+    value_name: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), MaterialError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(MaterialError {
+            value_name,
+            value,
+            allowed,
+        })
+    }
+}
+
+/// Refuses what is not finite or below zero.
+pub(crate) fn not_negative(
+    value_name: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), MaterialError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(MaterialError {
+            value_name,
+            value,
+            allowed,
+        })
     }
 }

@@ -26,21 +26,17 @@
 //! conserved to rounding. A change of h keeps second order but not symplecticity. Velocities are those of the middle of a
 //! step.
 
-use crate::energies::{length_gradient, volume_gradient};
-use crate::executor::{Executor, fill};
+use crate::executor::Executor;
+use crate::forces::Forces;
 use crate::model::TissueModel;
+use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
 use nalgebra::Vector3;
 
 /// The solver: working memory for one model, no state of its own between steps.
 #[derive(Clone, Debug)]
 pub struct SolverVerlet {
-    /// Force on the first end of each spring [N]; empty in a body whose forces are added in place.
-    spring_forces: Vec<Vector3<f64>>,
-    /// Forces on the corners of each volume element [N]; likewise.
-    volume_forces: Vec<[Vector3<f64>; 4]>,
-    /// Force on each node [N].
-    forces: Vec<Vector3<f64>>,
+    forces: Forces,
     /// p̃ [m].
     predicted: Vec<Vector3<f64>>,
     /// u' without contact [m/s].
@@ -56,28 +52,12 @@ impl SolverVerlet {
     pub fn new(model: &TissueModel) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
         Self {
-            spring_forces: Vec::new(),
-            volume_forces: Vec::new(),
-            forces: zeros.clone(),
+            forces: Forces::new(model),
             predicted: zeros.clone(),
             predicted_velocities: zeros,
             step: 0.0,
             kick: 0.0,
         }
-    }
-
-    /// One step of length `h` [s] with contacts that are known beforehand.
-    pub fn step(
-        &mut self,
-        model: &TissueModel,
-        state: &mut State,
-        control: &Control,
-        contacts: &Contacts,
-        h: f64,
-        exec: &dyn Executor,
-    ) {
-        self.predict(model, state, control, h, exec);
-        self.finish(model, state, contacts);
     }
 
     /// First half of a step of length `h` [s]: where each node would be after it without contact [m]. Contact is
@@ -90,19 +70,24 @@ impl SolverVerlet {
         h: f64,
         exec: &dyn Executor,
     ) -> &[Vector3<f64>] {
-        self.forces(model, state, control, exec);
+        let forces = self.forces.compute(model, state, control, exec);
         let factor = libm::exp(-0.5 * model.drag() * (state.step + h));
         self.step = h;
         self.kick = 0.5 * (factor * state.step + h);
         for (node, &w) in model.inverse_masses().iter().enumerate() {
-            // A clamped node keeps position and velocity 0.
+            // A clamped node stands still; what moves it is added below.
             let velocity = if w == 0.0 {
                 Vector3::zeros()
             } else {
-                state.velocities[node] * factor + self.forces[node] * (self.kick * w)
+                state.velocities[node] * factor + forces[node] * (self.kick * w)
             };
             self.predicted_velocities[node] = velocity;
             self.predicted[node] = state.positions[node] + velocity * h;
+        }
+        for (node, position) in model.clamped().iter().zip(&control.clamped_positions) {
+            let node = *node as usize;
+            self.predicted[node] = *position;
+            self.predicted_velocities[node] = (position - state.positions[node]) / h;
         }
         &self.predicted
     }
@@ -146,7 +131,7 @@ impl SolverVerlet {
         }
     }
 
-    /// Elastic force and weight of each node [N], at the state's positions. On a clamped node it is what the clamp holds.
+    /// The force on each node [N] at the state's positions, as in [`Forces::compute`].
     pub fn forces(
         &mut self,
         model: &TissueModel,
@@ -154,73 +139,30 @@ impl SolverVerlet {
         control: &Control,
         exec: &dyn Executor,
     ) -> &[Vector3<f64>] {
-        match model.parts() {
-            1 => self.forces_in_place(model, state, control),
-            parts => self.forces_in_parts(model, state, control, parts, exec),
-        }
-        &self.forces
+        self.forces.compute(model, state, control, exec)
     }
+}
 
-    /// Adds each element to its nodes: the fastest way on one thread. Every node gets its weight, then its springs, then its
-    /// volume elements, in ascending order, as in [`forces_in_parts`](Self::forces_in_parts): the bits are the same.
-    fn forces_in_place(&mut self, model: &TissueModel, state: &State, control: &Control) {
-        let p = &state.positions;
-        for (force, mass) in self.forces.iter_mut().zip(model.masses()) {
-            *force = control.gravity * *mass;
-        }
-        for spring in model.springs() {
-            let [i, j] = spring.nodes.map(|node| node as usize);
-            let at_first = length_gradient([&p[i], &p[j]], spring.rest_length, spring.stiffness);
-            self.forces[i] += at_first;
-            self.forces[j] -= at_first;
-        }
-        for volume in model.volumes() {
-            let corners = volume.nodes.map(|node| &p[node as usize]);
-            let forces = volume_gradient(corners, volume.rest_volume, -volume.stiffness);
-            for (node, force) in volume.nodes.iter().zip(forces) {
-                self.forces[*node as usize] += force;
-            }
-        }
-    }
-
-    /// Computes every element once, into its own place; then every node gathers its elements in ascending order. No two
-    /// parts write to one place, and no sum depends on the parts.
-    fn forces_in_parts(
+impl Solver for SolverVerlet {
+    fn step(
         &mut self,
         model: &TissueModel,
-        state: &State,
+        state: &mut State,
         control: &Control,
-        parts: usize,
+        contacts: &Contacts,
+        h: f64,
         exec: &dyn Executor,
-    ) {
-        let p = &state.positions;
-        self.spring_forces
-            .resize(model.springs().len(), Vector3::zeros());
-        self.volume_forces
-            .resize(model.volumes().len(), [Vector3::zeros(); 4]);
-        fill(exec, parts, &mut self.spring_forces, |index| {
-            let spring = &model.springs()[index];
-            let ends = spring.nodes.map(|node| &p[node as usize]);
-            length_gradient(ends, spring.rest_length, spring.stiffness)
-        });
-        fill(exec, parts, &mut self.volume_forces, |index| {
-            let volume = &model.volumes()[index];
-            let corners = volume.nodes.map(|node| &p[node as usize]);
-            volume_gradient(corners, volume.rest_volume, -volume.stiffness)
-        });
-        let (springs, volumes) = (&self.spring_forces, &self.volume_forces);
-        fill(exec, parts, &mut self.forces, |node| {
-            let mut force = control.gravity * model.masses()[node];
-            for &end in model.spring_ends(node) {
-                // +1 at the first end, −1 at the second, without a branch that could not be foretold.
-                let sign = 1.0 - 2.0 * f64::from(end % 2);
-                force += springs[end as usize / 2] * sign;
-            }
-            for &corner in model.volume_corners(node) {
-                force += volumes[corner as usize / 4][corner as usize % 4];
-            }
-            force
-        });
+    ) -> Result<StepReport, StepFailure> {
+        self.predict(model, state, control, h, exec);
+        self.finish(model, state, contacts);
+        Ok(StepReport {
+            iterations: 1,
+            residual: 0.0,
+        })
+    }
+
+    fn boxed_clone(&self) -> Box<dyn Solver> {
+        Box::new(self.clone())
     }
 }
 

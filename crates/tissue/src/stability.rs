@@ -4,9 +4,9 @@
 //! factor does not lower the limit (NUMERICS 3.1). λ_max is that of the rest shape; finite deformation is covered by the
 //! safety factor (NUMERICS 3.1: at 0.6 random offsets of 20 % of a cell stay bounded).
 
-use crate::energies::volume_derivative;
+use crate::elements::{Configuration, ElementMatrix, Tangent};
 use crate::model::TissueModel;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Recommended share of the stability limit (NUMERICS 3.1).
 pub const SAFETY: f64 = 0.6;
@@ -17,33 +17,35 @@ const POWER_STEPS: usize = 40;
 /// The power iteration approaches λ_max from below; this factor covers what is missing (NUMERICS 3.2).
 const POWER_MARGIN: f64 = 1.1;
 
-/// Upper bound of λ_max [1/s²]: max over the free nodes of S_i/m_i, S_i = Σ_c k_c |g_ci| Σ_j |g_cj| (G of NUMERICS 3.2).
-/// Clamped nodes do not move: they have no row and no column.
-pub fn gershgorin_bound(model: &TissueModel) -> f64 {
+/// Which matrix of the rest shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The stiffness K.
+    Stiffness,
+    /// The damping matrix D of Kelvin–Voigt viscosity.
+    Damping,
+}
+
+/// Upper bound of the largest eigenvalue of M⁻¹K [1/s²] or M⁻¹D [1/s]: the largest over the free nodes of S_i/m_i, S_i = Σ_e
+/// Σ_j ‖K^e_ij‖ (Frobenius). For an element ½ k C² the terms are k |g_i| |g_j|: this is (G) of NUMERICS 3.2. Clamped nodes do
+/// not move: they have no row and no column.
+pub fn gershgorin_bound(model: &TissueModel, part: Part) -> f64 {
     let w = model.inverse_masses();
-    let free = |node: u32| if w[node as usize] > 0.0 { 1.0 } else { 0.0 };
     let mut sums = vec![0.0; model.node_count()];
-    for spring in model.springs() {
-        // |g| = 1 at both ends.
-        let total = free(spring.nodes[0]) + free(spring.nodes[1]);
-        for node in spring.nodes {
-            sums[node as usize] += spring.stiffness * total;
+    each_matrix(model, part, |nodes, matrix| {
+        for (i, &row) in nodes.iter().enumerate() {
+            for (j, &column) in nodes.iter().enumerate() {
+                if w[column as usize] > 0.0 {
+                    sums[row as usize] += matrix.block(i, j).norm();
+                }
+            }
         }
-    }
-    for (element, gradients) in rest_gradients(model) {
-        let volume = &model.volumes()[element];
-        let total: f64 = (0..4)
-            .map(|k| free(volume.nodes[k]) * gradients[k].norm())
-            .sum();
-        for (node, g) in volume.nodes.iter().zip(&gradients) {
-            sums[*node as usize] += volume.stiffness * g.norm() * total;
-        }
-    }
+    });
     sums.iter().zip(w).map(|(s, w)| s * w).fold(0.0, f64::max)
 }
 
-/// λ_max [1/s²] of the rest shape by `steps` steps of power iteration, from below.
-pub fn power_iteration(model: &TissueModel, steps: usize) -> f64 {
+/// Largest eigenvalue of M⁻¹K [1/s²] or M⁻¹D [1/s] at rest by `steps` steps of power iteration, from below.
+pub fn power_iteration(model: &TissueModel, part: Part, steps: usize) -> f64 {
     let w = model.inverse_masses();
     // Fixed numbers without symmetry, so that no eigenvector is missed.
     let mut seed = 1u64;
@@ -60,25 +62,20 @@ pub fn power_iteration(model: &TissueModel, steps: usize) -> f64 {
             if w > 0.0 { direction } else { Vector3::zeros() }
         })
         .collect();
-    let gradients: Vec<_> = rest_gradients(model).map(|(_, g)| g).collect();
+    let mut entries: Vec<([u32; 2], Matrix3<f64>)> = Vec::new();
+    each_matrix(model, part, |nodes, matrix| {
+        for (i, &row) in nodes.iter().enumerate() {
+            for (j, &column) in nodes.iter().enumerate() {
+                entries.push(([row, column], *matrix.block(i, j)));
+            }
+        }
+    });
     let mut lambda = 0.0;
     for _ in 0..steps {
         // y = K x, Rayleigh quotient x·Kx / x·Mx, then x = M⁻¹ y, scaled.
         let mut y = vec![Vector3::zeros(); x.len()];
-        for spring in model.springs() {
-            let [i, j] = spring.nodes.map(|n| n as usize);
-            let direction =
-                (model.rest_positions()[j] - model.rest_positions()[i]) / spring.rest_length;
-            let force = direction * (spring.stiffness * direction.dot(&(x[j] - x[i])));
-            y[i] -= force;
-            y[j] += force;
-        }
-        for (volume, g) in model.volumes().iter().zip(&gradients) {
-            let nodes = volume.nodes.map(|n| n as usize);
-            let rate: f64 = (0..4).map(|k| g[k].dot(&x[nodes[k]])).sum();
-            for k in 0..4 {
-                y[nodes[k]] += g[k] * (volume.stiffness * rate);
-            }
+        for ([row, column], block) in &entries {
+            y[*row as usize] += block * x[*column as usize];
         }
         let (mut xkx, mut xmx, mut size) = (0.0, 0.0, 0.0f64);
         for (i, &w) in w.iter().enumerate() {
@@ -98,81 +95,71 @@ pub fn power_iteration(model: &TissueModel, steps: usize) -> f64 {
     lambda
 }
 
-/// The longest step [s] at the share `safety` of the stability limit: 2·safety/√λ, λ the smaller of the Gershgorin bound
-/// and the estimate by power iteration with its margin. Infinite for a body without stiffness or without a free node.
+/// The longest step [s] at the share `safety` of the stability limit of explicit methods that take viscous forces from a known
+/// velocity: h²λ + 2hΛ = 4·safety² (NUMERICS 3.1, q < 4 − 2δ), λ and Λ of stiffness and damping the smaller of the Gershgorin
+/// bound and the estimate by power iteration with its margin. Infinite for a body without stiffness or without a free node.
 pub fn stable_step(model: &TissueModel, safety: f64) -> f64 {
-    let lambda = gershgorin_bound(model).min(POWER_MARGIN * power_iteration(model, POWER_STEPS));
-    2.0 * safety / lambda.sqrt()
+    let largest = |part| {
+        let estimate = POWER_MARGIN * power_iteration(model, part, POWER_STEPS);
+        gershgorin_bound(model, part).min(estimate)
+    };
+    let viscous = model.sets().iter().any(|set| set.is_viscous());
+    let damping = if viscous { largest(Part::Damping) } else { 0.0 };
+    let stiffness = largest(Part::Stiffness);
+    // The positive root, in the form that does not cancel.
+    let room = 4.0 * safety * safety;
+    room / (damping + (damping * damping + room * stiffness).sqrt())
 }
 
-/// Gradients of the volume of each element at rest [m²].
-fn rest_gradients(model: &TissueModel) -> impl Iterator<Item = (usize, [Vector3<f64>; 4])> {
-    model.volumes().iter().enumerate().map(|(element, volume)| {
-        let corners = volume
-            .nodes
-            .map(|node| &model.rest_positions()[node as usize]);
-        (element, volume_derivative(corners))
-    })
+/// Calls `visit` with nodes and matrix of every element of the rest shape, set after set in ascending order.
+fn each_matrix(model: &TissueModel, part: Part, mut visit: impl FnMut(&[u32], &ElementMatrix)) {
+    let still = vec![Vector3::zeros(); model.node_count()];
+    let mut matrix = ElementMatrix::new();
+    for set in model.sets() {
+        let internal = set.initial_internal();
+        let at = Configuration {
+            positions: model.rest_positions(),
+            velocities: &still,
+            internal: &internal,
+        };
+        for element in 0..set.count() {
+            match part {
+                Part::Stiffness => set.stiffness(element, &at, Tangent::Exact, &mut matrix),
+                Part::Damping => set.damping(element, &at, &mut matrix),
+            }
+            visit(set.nodes(element), &matrix);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{SpringVolume, SpringVolumeSpec};
-    use crate::model::Spring;
-    use microsim_mesh::Block;
+    use crate::elements::{Constraint, Springs};
+    use crate::testing::{build, soft_block};
     use nalgebra::DMatrix;
+    use std::sync::Arc;
 
     fn block(cells: [usize; 3], clamp: bool) -> TissueModel {
-        let mesh = Block {
-            center: [0.0; 3],
-            size: [2e-3, 2e-3, 1e-3],
-            cells,
-        }
-        .mesh()
-        .unwrap();
-        let spec = SpringVolumeSpec {
-            stretch_modulus: 25e3,
-            volume_modulus: 5e4,
-            density: 1060.0,
-            drag: 0.0,
-        };
-        let clamped: Vec<bool> = mesh
-            .positions
-            .iter()
-            .map(|p| clamp && p.x < -0.9e-3)
-            .collect();
-        TissueModel::new(&mesh, &SpringVolume::from_moduli(spec).unwrap(), &clamped).unwrap()
+        build(&soft_block(cells), |p| clamp && p.x < -0.9e-3)
     }
 
     /// λ_max of the assembled M^-½ K M^-½ by a dense eigen-solve.
     fn dense_lambda(model: &TissueModel) -> f64 {
         let n = model.node_count();
         let mut k = DMatrix::<f64>::zeros(3 * n, 3 * n);
-        let mut add = |nodes: &[u32], g: &[Vector3<f64>], stiffness: f64| {
-            for (a, ga) in nodes.iter().zip(g) {
-                for (b, gb) in nodes.iter().zip(g) {
-                    let root = (model.inverse_masses()[*a as usize]
-                        * model.inverse_masses()[*b as usize])
-                        .sqrt();
-                    for r in 0..3 {
-                        for c in 0..3 {
-                            k[(3 * *a as usize + r, 3 * *b as usize + c)] +=
-                                stiffness * ga[r] * gb[c] * root;
-                        }
+        each_matrix(model, Part::Stiffness, |nodes, matrix| {
+            for (a, &row) in nodes.iter().enumerate() {
+                for (b, &column) in nodes.iter().enumerate() {
+                    let w = [row, column].map(|node| model.inverse_masses()[node as usize]);
+                    let root = (w[0] * w[1]).sqrt();
+                    for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
+                        k[(3 * row as usize + r, 3 * column as usize + c)] +=
+                            matrix.block(a, b)[(r, c)] * root;
                     }
                 }
             }
-        };
-        for s in model.springs() {
-            let [i, j] = s.nodes.map(|i| model.rest_positions()[i as usize]);
-            let u = (j - i) / s.rest_length;
-            add(&s.nodes, &[-u, u], s.stiffness);
-        }
-        for (element, g) in rest_gradients(model) {
-            let volume = &model.volumes()[element];
-            add(&volume.nodes, &g, volume.stiffness);
-        }
+        });
         k.symmetric_eigenvalues().max()
     }
 
@@ -181,8 +168,8 @@ mod tests {
         for (cells, clamp) in [([2, 2, 1], false), ([2, 2, 2], true), ([4, 2, 1], true)] {
             let model = block(cells, clamp);
             let exact = dense_lambda(&model);
-            let bound = gershgorin_bound(&model);
-            let estimate = power_iteration(&model, POWER_STEPS);
+            let bound = gershgorin_bound(&model, Part::Stiffness);
+            let estimate = power_iteration(&model, Part::Stiffness, POWER_STEPS);
             assert!(bound >= exact, "{bound} < {exact}");
             assert!(
                 bound <= 4.0 * exact,
@@ -196,44 +183,39 @@ mod tests {
         }
     }
 
+    /// A mass of 2 kg on a spring of 8 N/m and 0.5 N·s/m to another one of 1 kg.
+    fn pair(clamped: [bool; 2], damping: f64) -> TissueModel {
+        let spring = Constraint {
+            nodes: [0, 1],
+            rest: 1.0,
+            stiffness: 8.0,
+            damping,
+        };
+        TissueModel::assemble(
+            vec![Vector3::zeros(), Vector3::x()],
+            vec![1.0, 2.0],
+            &clamped,
+            vec![],
+            1.0,
+            vec![Arc::new(Springs::new([spring]))],
+            0.0,
+        )
+    }
+
     #[test]
     fn one_oscillator_has_the_known_limit() {
         // A mass on a spring to a fixed point: λ = k/m, and (G) is exact.
-        let spring = Spring {
-            nodes: [0, 1],
-            rest_length: 1.0,
-            stiffness: 8.0,
-        };
-        let positions = vec![Vector3::zeros(), Vector3::x()];
-        let model = TissueModel::assemble(
-            positions,
-            vec![1.0, 2.0],
-            &[true, false],
-            vec![spring],
-            vec![],
-            0.0,
-        );
-        assert_eq!(gershgorin_bound(&model), 4.0);
-        assert!((power_iteration(&model, 3) - 4.0).abs() < 1e-14);
+        let model = pair([true, false], 0.0);
+        assert_eq!(gershgorin_bound(&model, Part::Stiffness), 4.0);
+        assert!((power_iteration(&model, Part::Stiffness, 3) - 4.0).abs() < 1e-14);
         assert_eq!(stable_step(&model, 1.0), 1.0, "h·√λ = 2 at h = 1 s");
+        // With c = k_d/m = ¼ per second: h² 4 + 2 h/4 = 4.
+        let step = stable_step(&pair([true, false], 0.5), 1.0);
+        assert!((4.0 * step * step + 0.5 * step - 4.0).abs() < 1e-14);
     }
 
     #[test]
     fn a_body_that_cannot_move_has_no_limit() {
-        let positions = vec![Vector3::zeros(), Vector3::x()];
-        let spring = Spring {
-            nodes: [0, 1],
-            rest_length: 1.0,
-            stiffness: 8.0,
-        };
-        let model = TissueModel::assemble(
-            positions,
-            vec![1.0; 2],
-            &[true; 2],
-            vec![spring],
-            vec![],
-            0.0,
-        );
-        assert_eq!(stable_step(&model, SAFETY), f64::INFINITY);
+        assert_eq!(stable_step(&pair([true; 2], 0.0), SAFETY), f64::INFINITY);
     }
 }

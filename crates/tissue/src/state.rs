@@ -1,19 +1,24 @@
 //! What evolves, what drives it, what touches it.
 
-use crate::energies::{length_energy, volume_energy};
+use crate::elements::{Configuration, EnergyKind};
 use crate::model::TissueModel;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// The evolving part of a body. Its bytes are all that is needed to continue exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Node positions p_n [m].
     pub positions: Vec<Vector3<f64>>,
-    /// (p_n − p_{n−1}) / (length of that step) [m/s]: the velocity in the middle of the last step. With `step` it is
-    /// the Δ of NUMERICS 2.2, in a form that survives a change of step.
+    /// Node velocities [m/s]: at the end of the last step, for Störmer–Verlet in its middle, (p_n − p_{n−1}) / (length of
+    /// that step). With `step` this is the Δ of NUMERICS 2.2, in a form that survives a change of step.
     pub velocities: Vec<Vector3<f64>>,
     /// Length of the last step [s]; 0 before the first one, when `velocities` are those at the start.
     pub step: f64,
+    /// Accelerations that a method carries from step to step [m/s²]; empty for a method without.
+    pub accelerations: Vec<Vector3<f64>>,
+    /// Internal variables of the elements (plasticity), set after set.
+    pub internal: Vec<f64>,
 }
 
 impl State {
@@ -23,47 +28,44 @@ impl State {
             positions: model.rest_positions().to_vec(),
             velocities: vec![Vector3::zeros(); model.node_count()],
             step: 0.0,
+            accelerations: Vec::new(),
+            internal: model
+                .sets()
+                .iter()
+                .flat_map(|set| set.initial_internal())
+                .collect(),
         }
     }
 
-    /// Energy by kind [J]. The elastic kinds are those of the positions, the kinetic energy that of the velocities in the
-    /// middle of the last step: their sum oscillates by up to h·ω/2 of the energy in a mode of frequency ω. Clamped nodes
-    /// have no kinetic energy.
+    /// The configuration as set `set` of `model` sees it.
+    pub fn configuration<'a>(&'a self, model: &TissueModel, set: usize) -> Configuration<'a> {
+        Configuration {
+            positions: &self.positions,
+            velocities: &self.velocities,
+            internal: &self.internal[model.internal_range(set)],
+        }
+    }
+
+    /// Energy by kind [J]. The elastic kinds are those of the positions, the kinetic energy that of `velocities`; with
+    /// Störmer–Verlet their sum oscillates by up to h·ω/2 of the energy in a mode of frequency ω. Clamped nodes have no
+    /// kinetic energy.
     pub fn energies(&self, model: &TissueModel) -> Energies {
-        let p = &self.positions;
-        let kinetic = self
+        let mut energies = Energies::default();
+        for ((v, m), w) in self
             .velocities
             .iter()
             .zip(model.masses())
-            .map(|(v, m)| 0.5 * m * v.norm_squared())
-            .sum();
-        let length = model
-            .springs()
-            .iter()
-            .map(|s| {
-                length_energy(
-                    s.nodes.map(|node| &p[node as usize]),
-                    s.rest_length,
-                    s.stiffness,
-                )
-            })
-            .sum();
-        let volume = model
-            .volumes()
-            .iter()
-            .map(|v| {
-                volume_energy(
-                    v.nodes.map(|node| &p[node as usize]),
-                    v.rest_volume,
-                    v.stiffness,
-                )
-            })
-            .sum();
-        Energies {
-            kinetic,
-            length,
-            volume,
+            .zip(model.inverse_masses())
+        {
+            if *w > 0.0 {
+                energies.kinetic += 0.5 * m * v.norm_squared();
+            }
         }
+        for (set, elements) in model.sets().iter().enumerate() {
+            let energy = elements.energy(&self.configuration(model, set));
+            *energies.of_kind(elements.kind()) += energy;
+        }
+        energies
     }
 
     /// Whether every number is finite.
@@ -81,13 +83,47 @@ impl State {
 }
 
 /// What drives a body during a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Control {
     /// Acceleration of gravity [m/s²].
     pub gravity: Vector3<f64>,
+    /// Where each of the model's clamped nodes is at the end of the step [m]; empty while they stay where they are.
+    pub clamped_positions: Vec<Vector3<f64>>,
+    /// Forces on single nodes that do not depend on the shape [N].
+    pub forces: Vec<(u32, Vector3<f64>)>,
+    /// Pressures on surfaces.
+    pub pressures: Vec<Pressure>,
 }
 
-/// Where contact wants one node after the step.
+/// A pressure on part of a surface; it follows the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pressure {
+    /// Outward triangles.
+    pub triangles: Arc<[[u32; 3]]>,
+    /// Pressure against the outward normal [Pa].
+    pub pressure: f64,
+}
+
+impl Control {
+    /// Adds the forces of loads at these positions to the nodes [N].
+    pub fn add_loads(&self, positions: &[Vector3<f64>], forces: &mut [Vector3<f64>]) {
+        for (node, force) in &self.forces {
+            forces[*node as usize] += force;
+        }
+        for load in &self.pressures {
+            for triangle in load.triangles.iter() {
+                let [a, b, c] = triangle.map(|node| &positions[node as usize]);
+                // −p·A·n, a third to each corner.
+                let share = (b - a).cross(&(c - a)) * (-load.pressure / 6.0);
+                for node in triangle {
+                    forces[*node as usize] += share;
+                }
+            }
+        }
+    }
+}
+
+/// Where contact, or a tool that holds, wants one node after the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeTarget {
     /// The node.
@@ -111,15 +147,36 @@ pub struct Contacts {
 pub struct Energies {
     /// Kinetic energy [J].
     pub kinetic: f64,
-    /// Energy of the springs (4.1) [J].
+    /// Energy of springs (4.1) [J].
     pub length: f64,
-    /// Energy of the volume elements (4.2) [J].
+    /// Energy of triangles [J].
+    pub area: f64,
+    /// Energy of volumes (4.2) [J].
     pub volume: f64,
+    /// Strain energy of continua [J].
+    pub strain: f64,
+    /// Energy of couplings [J].
+    pub coupling: f64,
 }
 
 impl Energies {
     /// Sum of all kinds [J].
     pub fn total(&self) -> f64 {
-        self.kinetic + self.length + self.volume
+        self.kinetic + self.elastic()
+    }
+
+    /// Sum of all kinds but the kinetic one [J].
+    pub fn elastic(&self) -> f64 {
+        self.length + self.area + self.volume + self.strain + self.coupling
+    }
+
+    fn of_kind(&mut self, kind: EnergyKind) -> &mut f64 {
+        match kind {
+            EnergyKind::Length => &mut self.length,
+            EnergyKind::Area => &mut self.area,
+            EnergyKind::Volume => &mut self.volume,
+            EnergyKind::Strain => &mut self.strain,
+            EnergyKind::Coupling => &mut self.coupling,
+        }
     }
 }

@@ -1,0 +1,139 @@
+//! The block pattern of a symmetric matrix: which 3×3 blocks are stored, and where.
+
+/// Block CSR pattern of the lower triangle, diagonal included: rows in order, columns ascending, so that the diagonal
+/// block is the last of its row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pattern {
+    starts: Vec<u32>,
+    columns: Vec<u32>,
+}
+
+impl Pattern {
+    /// The pattern in which every node of a clique (an element, a spring) is coupled to every other node of it.
+    ///
+    /// Diagonal blocks are always there, also for nodes without a clique. A node may appear twice in a clique.
+    ///
+    /// # Panics
+    /// When a clique names a node that is not below `nodes`: meshes are validated before they get here.
+    pub fn from_cliques<C: AsRef<[u32]>>(nodes: usize, cliques: impl IntoIterator<Item = C>) -> Self {
+        let mut rows: Vec<Vec<u32>> = (0..nodes as u32).map(|node| vec![node]).collect();
+        for clique in cliques {
+            let clique = clique.as_ref();
+            for (k, &i) in clique.iter().enumerate() {
+                for &j in &clique[..k] {
+                    rows[i.max(j) as usize].push(i.min(j));
+                }
+            }
+        }
+        let mut starts = Vec::with_capacity(nodes + 1);
+        starts.push(0);
+        let mut columns = Vec::new();
+        for row in &mut rows {
+            row.sort_unstable();
+            row.dedup();
+            columns.extend_from_slice(row);
+            starts.push(columns.len() as u32);
+        }
+        Self { starts, columns }
+    }
+
+    /// Number of nodes, that is of block rows.
+    pub fn nodes(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Number of stored blocks.
+    pub fn blocks(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// The block columns j ≤ i that row `i` stores, ascending; its slots are `first_slot(i)..` in the same order.
+    pub fn row(&self, i: usize) -> &[u32] {
+        &self.columns[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+
+    /// Slot of the first block of row `i`.
+    pub fn first_slot(&self, i: usize) -> usize {
+        self.starts[i] as usize
+    }
+
+    /// Slot of the diagonal block of row `i`.
+    pub fn diagonal_slot(&self, i: usize) -> usize {
+        self.starts[i + 1] as usize - 1
+    }
+
+    /// Slot of the block in row `i`, column `j`; none where it is not stored, which includes the upper triangle (i < j).
+    pub fn slot(&self, i: usize, j: usize) -> Option<usize> {
+        let found = self.row(i).binary_search(&u32::try_from(j).ok()?).ok()?;
+        Some(self.first_slot(i) + found)
+    }
+
+    /// The adjacency of the nodes in both directions, without the diagonal.
+    pub(crate) fn graph(&self) -> Graph {
+        let nodes = self.nodes();
+        let mut starts = vec![0_u32; nodes + 1];
+        for i in 0..nodes {
+            let row = self.row(i);
+            starts[i + 1] += row.len() as u32 - 1;
+            for &j in &row[..row.len() - 1] {
+                starts[j as usize + 1] += 1;
+            }
+        }
+        for i in 0..nodes {
+            starts[i + 1] += starts[i];
+        }
+        // Row by row: a node gets its smaller neighbours from its own row before the larger ones, both ascending.
+        let mut next = starts.clone();
+        let mut targets = vec![0; starts[nodes] as usize];
+        for i in 0..nodes {
+            let row = self.row(i);
+            for &j in &row[..row.len() - 1] {
+                for (from, to) in [(i, j), (j as usize, i as u32)] {
+                    targets[next[from] as usize] = to;
+                    next[from] += 1;
+                }
+            }
+        }
+        Graph { starts, targets }
+    }
+}
+
+/// Adjacency lists, each ascending.
+pub(crate) struct Graph {
+    starts: Vec<u32>,
+    targets: Vec<u32>,
+}
+
+impl Graph {
+    pub fn neighbours(&self, node: u32) -> &[u32] {
+        &self.targets[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_triangles_sharing_an_edge() {
+        // Nodes 1 and 2 are shared; 0 and 3 are not coupled; node 4 stands alone.
+        let pattern = Pattern::from_cliques(5, [[0, 1, 2], [3, 2, 1]]);
+        let rows: Vec<&[u32]> = (0..5).map(|i| pattern.row(i)).collect();
+        assert_eq!(rows, [&[0][..], &[0, 1], &[0, 1, 2], &[1, 2, 3], &[4]]);
+        assert_eq!(pattern.blocks(), 10);
+        assert_eq!(pattern.slot(3, 2), Some(7));
+        assert_eq!(pattern.slot(3, 0), None);
+        assert_eq!(pattern.slot(1, 3), None, "upper triangle");
+        assert_eq!(pattern.diagonal_slot(3), pattern.slot(3, 3).unwrap());
+        let graph = pattern.graph();
+        let neighbours: Vec<&[u32]> = (0..5).map(|i| graph.neighbours(i)).collect();
+        assert_eq!(neighbours, [&[1, 2][..], &[0, 2, 3], &[0, 1, 3], &[1, 2], &[]]);
+    }
+
+    #[test]
+    fn empty_and_repeated_nodes() {
+        assert_eq!(Pattern::from_cliques(0, [[0_u32; 0]; 0]).nodes(), 0);
+        let pattern = Pattern::from_cliques(2, [vec![1, 1, 0], vec![0, 1]]);
+        assert_eq!((pattern.row(0), pattern.row(1)), (&[0][..], &[0, 1][..]));
+    }
+}

@@ -1,0 +1,85 @@
+//! What every solver is: one step, and what it says of it.
+
+use crate::executor::Executor;
+use crate::model::TissueModel;
+use crate::state::{Contacts, Control, State};
+use std::fmt::Debug;
+
+/// Advances a body by one step.
+///
+/// A solver holds working memory for one model and nothing that evolves: from equal states come equal bits, whatever was
+/// computed before.
+pub trait Solver: Debug + Send {
+    /// Advances `state` by `h` [s]. After a failure the state is as it was.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the four types of a step stay apart"
+    )]
+    fn step(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<StepReport, StepFailure>;
+
+    /// A copy, for a scene that is copied.
+    fn boxed_clone(&self) -> Box<dyn Solver>;
+}
+
+impl Clone for Box<dyn Solver> {
+    fn clone(&self) -> Self {
+        self.boxed_clone()
+    }
+}
+
+/// What a step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Iterations; 1 for a method without any.
+    pub iterations: u32,
+    /// What is left of the equation that the method solves, as a share of the forces in it; 0 for a method without any.
+    pub residual: f64,
+}
+
+/// Why a step was not made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepFailure {
+    /// A number is not finite.
+    NotFinite,
+    /// The iteration came to its end with this residual, a share of the forces.
+    NotConverged {
+        /// Iterations made.
+        iterations: u32,
+        /// What is left.
+        residual: f64,
+    },
+    /// The linear system has no solution: a node can move without resistance.
+    Singular {
+        /// The node.
+        node: u32,
+    },
+}
+
+impl std::fmt::Display for StepFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotFinite => f.write_str("a number is not finite"),
+            Self::NotConverged {
+                iterations,
+                residual,
+            } => write!(
+                f,
+                "not converged after {iterations} iterations, {residual:.1e} of the forces are left"
+            ),
+            Self::Singular { node } => write!(
+                f,
+                "node {node} can move without resistance: the body needs a clamp, or a method with inertia"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for StepFailure {}

@@ -1,0 +1,45 @@
+//! Bodies and numbers that the tests of this crate share.
+
+use crate::material::{Behaviour, Material, SpringConstants, build_model};
+use crate::model::TissueModel;
+use microsim_mesh::{Block, TetMesh};
+use nalgebra::Vector3;
+
+/// Soft tissue of springs and volumes.
+pub fn soft() -> Material {
+    Material {
+        density: 1060.0,
+        relaxation_time: 0.0,
+        behaviour: Behaviour::Springs(SpringConstants {
+            stretch_modulus: 25e3,
+            volume_modulus: 5e4,
+        }),
+    }
+}
+
+/// A block of 2 × 2 × 1 mm around the origin.
+pub fn soft_block(cells: [usize; 3]) -> TetMesh {
+    let block = Block {
+        center: [0.0; 3],
+        size: [2e-3, 2e-3, 1e-3],
+        cells,
+    };
+    block.mesh().unwrap()
+}
+
+/// The body of a mesh of soft tissue, clamped where `clamp` says so of the rest position.
+pub fn build(mesh: &TetMesh, clamp: impl Fn(&Vector3<f64>) -> bool) -> TissueModel {
+    let clamped: Vec<bool> = mesh.positions.iter().map(clamp).collect();
+    build_model(mesh, &[(0, soft())], &clamped, 0.0, Vec::new()).unwrap()
+}
+
+/// A fixed sequence of numbers in −1..1.
+pub fn numbers() -> impl FnMut() -> f64 {
+    let mut state = 7u64;
+    move || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
