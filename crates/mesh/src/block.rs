@@ -3,21 +3,11 @@
 //! Every cell is cut along its 000–111 diagonal, one tetrahedron per order in which the three axes are walked. The cut is
 //! the same in every cell, so neighbours always fit. It is not isotropic: all diagonals point the same way.
 
-use crate::tet_mesh::TetMesh;
+use crate::{CellSplit, TetMesh};
 use nalgebra::Vector3;
 
 /// Largest number of cells: their nodes and elements are then countable in 32 bits.
 const MAX_CELLS: usize = 1 << 26;
-
-/// The orders in which the axes are walked, each with whether the path is positively oriented (even permutation).
-const WALKS: [([usize; 3], bool); 6] = [
-    ([0, 1, 2], true),
-    ([0, 2, 1], false),
-    ([1, 0, 2], false),
-    ([1, 2, 0], true),
-    ([2, 0, 1], true),
-    ([2, 1, 0], false),
-];
 
 /// A block of equal cells, parallel to the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,17 +93,8 @@ impl Block {
         for k in 0..nz {
             for j in 0..ny {
                 for i in 0..nx {
-                    for (axes, positive) in WALKS {
-                        let mut corner = [i, j, k];
-                        let mut tet = [node(corner); 4];
-                        for (step, axis) in axes.into_iter().enumerate() {
-                            corner[axis] += 1;
-                            tet[step + 1] = node(corner);
-                        }
-                        if !positive {
-                            tet.swap(2, 3);
-                        }
-                        tets.push(tet);
+                    for tet in CellSplit::Kuhn.tets([i, j, k]) {
+                        tets.push(tet.map(node));
                     }
                 }
             }

@@ -5,13 +5,26 @@
 //! same bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
 
 mod block;
+mod cell_split;
+mod defects;
 pub mod format;
+mod quality;
 mod surface;
+mod surface_defect;
 mod tet_mesh;
+mod topology;
 mod triangle_surface;
+mod tube;
 
 pub use block::{Block, BlockError};
+pub use cell_split::CellSplit;
+pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
 pub use microsim_geometry::signed_volume;
+pub use quality::{
+    Distribution, ElementQuality, HISTOGRAM_BINS, Histogram, QualityReport, RankedElement,
+};
 pub use surface::Surface;
+pub use surface_defect::SurfaceDefect;
 pub use tet_mesh::TetMesh;
 pub use triangle_surface::TriangleSurface;
+pub use tube::{Arc, Layer, Tube, TubeError, TubeSide};

@@ -32,14 +32,14 @@ impl ElementQuality {
         let [a, b, c, d] = corners;
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0f64);
         let (mut dihedral_min, mut dihedral_max) = (PI, 0.0f64);
-        for [i, j] in EDGES {
+        for (index, [i, j]) in EDGES.into_iter().enumerate() {
             let edge = corners[j] - corners[i];
             let length = edge.norm();
             shortest = shortest.min(length);
             longest = longest.max(length);
             // The angle at the edge between the directions to the other two corners, seen along the edge:
             // |u × v| = |edge| |edge · (p × q)| and u · v = |edge|² (components of p and q across the edge).
-            let [k, l] = EDGES[5 - EDGES.iter().position(|e| *e == [i, j]).unwrap_or(0)];
+            let [k, l] = EDGES[5 - index];
             let u = edge.cross(&(corners[k] - corners[i]));
             let v = edge.cross(&(corners[l] - corners[i]));
             let angle = libm::atan2(u.cross(&v).norm(), u.dot(&v));
@@ -225,12 +225,8 @@ mod tests {
     /// 0.7174, the 0.72 of NUMERICS 5.
     #[test]
     fn corner_and_kuhn_elements_have_their_closed_forms() {
-        let corner = ElementQuality::of(&[
-            Vector3::zeros(),
-            Vector3::x(),
-            Vector3::y(),
-            Vector3::z(),
-        ]);
+        let corner =
+            ElementQuality::of(&[Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()]);
         let root3 = 3f64.sqrt();
         assert!((corner.radius_ratio - 6.0 / ((3.0 + root3) * root3)).abs() < 1e-14);
         assert!((corner.dihedral_min - libm::acos(1.0 / root3)).abs() < 1e-14);

@@ -168,7 +168,11 @@ impl Tube {
             let direction = first * libm::cos(phi) + second * libm::sin(phi);
             for l in 0..=self.along {
                 let along = axis * (self.length * (l as f64 / self.along as f64 - 0.5));
-                positions.extend(radii.iter().map(|&radius| center + along + direction * radius));
+                positions.extend(
+                    radii
+                        .iter()
+                        .map(|&radius| center + along + direction * radius),
+                );
             }
         }
 
@@ -241,7 +245,8 @@ impl Tube {
         let mut radii = vec![inner];
         for layer in &self.layers {
             radii.extend(
-                (1..=layer.cells).map(|i| inner + layer.thickness * (i as f64 / layer.cells as f64)),
+                (1..=layer.cells)
+                    .map(|i| inner + layer.thickness * (i as f64 / layer.cells as f64)),
             );
             inner += layer.thickness;
         }

@@ -1,8 +1,9 @@
 //! When a body has diverged: it is rolled back and computed again with shorter steps, or held.
 
 use crate::scene::{Body, Scene, SceneState};
-use microsim_geometry::signed_volume;
-use microsim_tissue::{Control, State};
+use microsim_geometry::{Aabb, signed_volume};
+use microsim_tissue::{State, StepFailure};
+use nalgebra::Vector3;
 
 /// Energy may exceed what there was and what gravity and tools brought by this share of it. The measure itself oscillates by
 /// hω/2, which is 0.6 for the fastest modes at the recommended step.
@@ -11,8 +12,11 @@ const ENERGY_MARGIN: f64 = 1.0;
 /// Below −1 times its rest volume an element is turned inside out as far as its springs can hold it there.
 const INVERTED: f64 = -1.0;
 
+/// No node of a body that holds together gets further from the others than this many sizes of the body.
+const ESCAPE: f64 = 10.0;
+
 /// How a body diverged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Divergence {
     /// A number is not finite.
     NotFinite,
@@ -20,6 +24,10 @@ pub enum Divergence {
     EnergyGrowth,
     /// An element is inverted beyond recovery.
     Inversion,
+    /// A node is further away than anything that holds together could be.
+    Escape,
+    /// The solver could not make a step.
+    Step(StepFailure),
 }
 
 /// A body that diverged, whatever the sub-steps. The scene stands at the start of the tick, its last good state.
@@ -39,11 +47,13 @@ pub struct Diverged {
 
 impl std::fmt::Display for Divergence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Divergence::NotFinite => "has numbers that are not finite",
-            Divergence::EnergyGrowth => "gains energy without cause",
-            Divergence::Inversion => "has an element inverted beyond recovery",
-        })
+        match self {
+            Divergence::NotFinite => f.write_str("has numbers that are not finite"),
+            Divergence::EnergyGrowth => f.write_str("gains energy without cause"),
+            Divergence::Escape => f.write_str("has a node that flew away"),
+            Divergence::Inversion => f.write_str("has an element inverted beyond recovery"),
+            Divergence::Step(failure) => write!(f, "cannot be advanced: {failure}"),
+        }
     }
 }
 
@@ -69,6 +79,8 @@ pub(crate) struct Watch {
     pub work: f64,
     /// Whether an old overlap was undone: it changes the energy by an amount that is not followed.
     pub overlap_undone: bool,
+    /// Whether moving clamps or loads bring energy that is not followed either.
+    driven: bool,
 }
 
 impl Watch {
@@ -77,6 +89,7 @@ impl Watch {
             start_energy: state.energies(&body.model).total(),
             work: 0.0,
             overlap_undone: false,
+            driven: body.drive.does_work(),
         }
     }
 
@@ -86,8 +99,11 @@ impl Watch {
         body: &Body,
         start: &State,
         end: &State,
-        control: &Control,
+        gravity: &Vector3<f64>,
     ) -> Option<Divergence> {
+        if let Some(escape) = escaped(body, end) {
+            return Some(escape);
+        }
         let energy = end.energies(&body.model).total();
         // What gravity brought: Σ m g·(p_end − p_start).
         let fall: f64 = body
@@ -95,22 +111,36 @@ impl Watch {
             .masses()
             .iter()
             .zip(start.positions.iter().zip(&end.positions))
-            .map(|(m, (from, to))| m * control.gravity.dot(&(to - from)))
+            .map(|(m, (from, to))| m * gravity.dot(&(to - from)))
             .sum();
         let brought = self.start_energy + fall.abs() + self.work;
         let allowed = brought * (1.0 + ENERGY_MARGIN) + body.energy_scale;
         if !energy.is_finite() {
             return Some(Divergence::NotFinite);
         }
-        if !self.overlap_undone && energy > allowed {
+        if !self.overlap_undone && !self.driven && energy > allowed {
             return Some(Divergence::EnergyGrowth);
         }
-        let inverted = body.model.volumes().iter().any(|element| {
-            let [a, b, c, d] = element.nodes.map(|node| &end.positions[node as usize]);
-            signed_volume(a, b, c, d) < INVERTED * element.rest_volume
+        let mut elements = body.model.tets().iter().zip(body.model.rest_volumes());
+        let inverted = elements.any(|(tet, rest_volume)| {
+            let [a, b, c, d] = tet.map(|node| &end.positions[node as usize]);
+            signed_volume(a, b, c, d) < INVERTED * rest_volume
         });
         inverted.then_some(Divergence::Inversion)
     }
+}
+
+/// Whether a node has gone further from its rest position, relative to the body's mean motion, than [`ESCAPE`] sizes of the
+/// body.
+pub(crate) fn escaped(body: &Body, state: &State) -> Option<Divergence> {
+    let rest = body.model.rest_positions();
+    let count = rest.len() as f64;
+    let moved = || state.positions.iter().zip(rest).map(|(p, r)| p - r);
+    let mean = moved().sum::<Vector3<f64>>() / count;
+    let size = Aabb::of(rest);
+    let limit = ESCAPE * (size.max - size.min).norm();
+    let far = moved().any(|d| (d - mean).norm() > limit);
+    far.then_some(Divergence::Escape)
 }
 
 /// A failed try of a tick.

@@ -1,7 +1,6 @@
 //! Why a scene cannot be built or run.
 
-use microsim_mesh::BlockError;
-use microsim_tissue::{MaterialError, ModelError};
+use microsim_tissue::{BuildError, MethodError};
 
 /// Why a scene cannot be built or run. Each text says which part is meant and what is expected.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,33 +12,42 @@ pub enum SceneError {
         /// The name.
         name: String,
     },
-    /// The mesh of a body cannot be generated.
-    Mesh {
-        /// The body.
-        body: String,
-        /// Why.
-        source: BlockError,
-    },
-    /// A material value is out of range.
-    Material {
-        /// The body.
-        body: String,
-        /// Which value.
-        source: MaterialError,
-    },
     /// The model of a body cannot be built.
-    Model {
+    Build {
         /// The body.
         body: String,
         /// Why.
-        source: ModelError,
+        source: BuildError,
     },
-    /// A clamp box holds no node, is turned inside out or not finite.
-    Clamp {
+    /// A selection of a body holds no node, or none of its surface.
+    Empty {
         /// The body.
         body: String,
-        /// Index of the box.
+        /// What selects: `clamp`, `load`, `start`.
+        what: &'static str,
+        /// Index among those.
         index: usize,
+    },
+    /// The method cannot treat a body.
+    Method {
+        /// The body.
+        body: String,
+        /// Why.
+        source: MethodError,
+    },
+    /// The method cannot treat a body that tools touch.
+    Contact {
+        /// The body.
+        body: String,
+        /// The method.
+        method: &'static str,
+    },
+    /// The method cannot lead the nodes of a clamp that lets go.
+    Grip {
+        /// The body.
+        body: String,
+        /// The method.
+        method: &'static str,
     },
     /// A tool has no part, or a part with numbers that are not finite, no radius, or a hinge without direction.
     Tool {
@@ -86,12 +94,19 @@ impl std::fmt::Display for SceneError {
                     "each {kind} needs a name of its own, '{name}' is empty or stands twice"
                 )
             }
-            Self::Mesh { body, source } => write!(f, "body '{body}': {source}"),
-            Self::Material { body, source } => write!(f, "material of body '{body}': {source}"),
-            Self::Model { body, source } => write!(f, "body '{body}': {source}"),
-            Self::Clamp { body, index } => write!(
+            Self::Build { body, source } => write!(f, "body '{body}': {source}"),
+            Self::Empty { body, what, index } => write!(
                 f,
-                "clamp {index} of body '{body}' holds no node (boxes are in the body's frame, min must not exceed max)"
+                "{what} {index} of body '{body}' holds nothing of it (places are in the body's frame, min must not exceed max)"
+            ),
+            Self::Method { body, source } => write!(f, "body '{body}': {source}"),
+            Self::Contact { body, method } => write!(
+                f,
+                "tools touch body '{body}', which {method} cannot treat yet: use stoermer-verlet"
+            ),
+            Self::Grip { body, method } => write!(
+                f,
+                "a clamp of body '{body}' lets go, and {method} cannot lead nodes: use another method"
             ),
             Self::Tool { tool, part: None } => write!(f, "tool '{tool}' has no capsule"),
             Self::Tool {

@@ -5,10 +5,12 @@
 //! `contact`), files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
 
 mod containment;
+mod drive;
 mod error;
 mod report;
 mod save;
 mod scene;
+mod select;
 mod spec;
 mod tick;
 mod tool;
@@ -16,12 +18,15 @@ mod tool;
 pub use containment::{Diverged, Divergence};
 pub use error::SceneError;
 pub use microsim_geometry::Pose;
-pub use microsim_mesh::{Block, Surface};
-pub use microsim_tissue::{Energies, Executor, Serial, SpringVolumeSpec};
+pub use microsim_mesh::{Surface, TetMesh};
+pub use microsim_tissue::{Energies, Executor, Material, Method, Serial, State, TissueModel};
 pub use report::{ContactReport, Recovery, TickReport};
 pub use save::RestoreError;
 pub use scene::Scene;
-pub use spec::{BodySpec, BoxSpec, CapsuleSpec, Generator, HingeSpec, SceneSpec, ToolSpec};
+pub use spec::{
+    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, CouplingSpec, HingeSpec, LoadKind, LoadSpec,
+    MotionKey, MotionSpec, SceneSpec, Selection, StartSpec, ToolSpec,
+};
 pub use tool::ToolMotion;
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Exact bytes of all that evolves.
 //!
 //! Little-endian, in this order: magic, version u32, time f64, number of bodies u32; per body the number of nodes u32, the last
-//! step f64, positions and velocities (3 × f64 per node); number of pairs u32; per pair the number of remembered normals u32
+//! step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
+//! f64 and f64 each); number of pairs u32; per pair the number of remembered normals u32
 //! and per normal capsule u32, node u32, 3 × f64. What does not evolve is not saved: bytes are restored into a scene built from
 //! the same description.
 
@@ -11,7 +12,7 @@ use microsim_tissue::State;
 use nalgebra::Vector3;
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +69,12 @@ impl Scene {
                 .iter()
                 .chain(&body.velocities)
                 .for_each(|v| put_vector(&mut bytes, v));
+            put_u32(&mut bytes, body.accelerations.len() as u32);
+            put_u32(&mut bytes, body.internal.len() as u32);
+            body.accelerations
+                .iter()
+                .for_each(|a| put_vector(&mut bytes, a));
+            body.internal.iter().for_each(|&i| put_f64(&mut bytes, i));
         }
         put_u32(&mut bytes, self.state.memories.len() as u32);
         for memory in &self.state.memories {
@@ -105,10 +112,24 @@ impl Scene {
             let velocities = (0..nodes)
                 .map(|_| reader.vector())
                 .collect::<Result<_, _>>()?;
+            // Accelerations are there after the first step of a method that carries them.
+            let accelerations = reader.u32()? as usize;
+            if accelerations != 0 && accelerations != nodes {
+                return Err(RestoreError::OtherScene);
+            }
+            reader.expect(body.start.internal.len())?;
+            let accelerations = (0..accelerations)
+                .map(|_| reader.vector())
+                .collect::<Result<_, _>>()?;
+            let internal = (0..body.start.internal.len())
+                .map(|_| reader.f64())
+                .collect::<Result<_, _>>()?;
             bodies.push(State {
                 positions,
                 velocities,
                 step,
+                accelerations,
+                internal,
             });
         }
         reader.expect(self.pairs.len())?;

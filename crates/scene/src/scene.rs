@@ -1,19 +1,17 @@
 //! The scene: bodies, tools, contact pairs, and what evolves.
 
+use crate::drive::Drive;
 use crate::error::SceneError;
-use crate::spec::{BodySpec, Generator, SceneSpec};
+use crate::select;
+use crate::spec::{BodySpec, SceneSpec, Selection};
 use crate::tool::Tool;
 use microsim_contact::ContactMemory;
-use microsim_geometry::Aabb;
 use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::{
-    Control, Energies, Serial, SolverVerlet, SpringVolume, State, TissueModel, stability,
+    Energies, Forces, Method, Serial, Solver, SolverVerlet, State, TissueModel, build_model,
+    stability,
 };
-use nalgebra::Vector3;
-
-/// A clamp box is grown by this share of the body's mean edge length, so that a box that ends on a layer of nodes holds it
-/// whatever the rounding.
-const CLAMP_MARGIN: f64 = 1e-6;
+use nalgebra::{Matrix3, Vector3};
 
 /// A body: constant parts and working memory.
 #[derive(Clone, Debug)]
@@ -22,10 +20,25 @@ pub(crate) struct Body {
     pub mesh: TetMesh,
     pub surface: Surface,
     pub model: TissueModel,
-    pub solver: SolverVerlet,
+    pub advance: Advance,
+    pub drive: Drive,
+    /// Where it is at the start.
+    pub start: State,
+    /// Origin of the body's frame in the world [m].
+    pub origin: Vector3<f64>,
+    /// Longest step with safety factor [s]; infinite for a method without a limit.
     pub stable_step: f64,
     /// Energy below which growth is not worth a look [J]: that of the whole body stretched by 1 %.
     pub energy_scale: f64,
+}
+
+/// How a body is advanced.
+#[derive(Clone, Debug)]
+pub(crate) enum Advance {
+    /// With a step in two halves, between which contact is sought.
+    Contact(SolverVerlet),
+    /// In one step.
+    Plain(Box<dyn Solver>),
 }
 
 /// Indices of a tool and a body that touch.
@@ -52,7 +65,9 @@ pub struct Scene {
     pub(crate) bodies: Vec<Body>,
     pub(crate) tools: Vec<Tool>,
     pub(crate) pairs: Vec<Pair>,
-    pub(crate) control: Control,
+    pub(crate) gravity: Vector3<f64>,
+    pub(crate) method: Method,
+    pub(crate) containment: bool,
     pub(crate) state: SceneState,
 }
 
@@ -65,10 +80,11 @@ impl Scene {
         if !gravity.iter().all(|g| g.is_finite()) {
             return Err(SceneError::Gravity);
         }
+        let touched = |body: &BodySpec| spec.contact_pairs.iter().any(|(_, b)| *b == body.name);
         let bodies = spec
             .bodies
             .iter()
-            .map(Body::new)
+            .map(|body| Body::new(body, &spec.method, touched(body)))
             .collect::<Result<Vec<_>, _>>()?;
         let tools = spec
             .tools
@@ -77,10 +93,7 @@ impl Scene {
             .collect::<Result<Vec<_>, _>>()?;
         let pairs = find_pairs(spec)?;
         let state = SceneState {
-            bodies: bodies
-                .iter()
-                .map(|body| State::at_rest(&body.model))
-                .collect(),
+            bodies: bodies.iter().map(|body| body.start.clone()).collect(),
             memories: vec![ContactMemory::new(); pairs.len()],
             time: 0.0,
         };
@@ -88,18 +101,16 @@ impl Scene {
             bodies,
             tools,
             pairs,
-            control: Control { gravity },
+            gravity,
+            method: spec.method,
+            containment: spec.containment,
             state,
         })
     }
 
     /// Back to the state at which the scene was built.
     pub fn reset(&mut self) {
-        self.state.bodies = self
-            .bodies
-            .iter()
-            .map(|body| State::at_rest(&body.model))
-            .collect();
+        self.state.bodies = self.bodies.iter().map(|body| body.start.clone()).collect();
         self.state
             .memories
             .iter_mut()
@@ -174,7 +185,7 @@ impl Scene {
         self.bodies[body].model.rest_positions()
     }
 
-    /// Node velocities of a body in the middle of its last step [m/s].
+    /// Node velocities of a body [m/s]: at the end of its last step, with Störmer–Verlet in its middle.
     pub fn velocities(&self, body: usize) -> &[Vector3<f64>] {
         &self.state.bodies[body].velocities
     }
@@ -239,18 +250,40 @@ impl Scene {
         self.state.bodies[body].energies(&self.bodies[body].model)
     }
 
-    /// Elastic force and weight at each node of a body [N]; at a clamped node it is what the clamp holds.
+    /// Elastic force, weight and loads at each node of a body [N]; at a clamped node it is what the clamp holds.
     pub fn forces(&self, body: usize) -> Vec<Vector3<f64>> {
-        let body_ref = &self.bodies[body];
-        let mut solver = body_ref.solver.clone();
-        solver
-            .forces(
-                &body_ref.model,
-                &self.state.bodies[body],
-                &self.control,
-                &Serial,
-            )
+        let of = &self.bodies[body];
+        let control = of.drive.control(&self.gravity, self.state.time);
+        let mut forces = Forces::new(&of.model);
+        forces
+            .compute(&of.model, &self.state.bodies[body], &control, &Serial)
             .to_vec()
+    }
+
+    /// The nodes of a body that `selection` means, ascending.
+    pub fn select(&self, body: usize, selection: &Selection) -> Vec<u32> {
+        let of = &self.bodies[body];
+        select::nodes(&of.mesh, &of.origin, selection)
+    }
+
+    /// The mesh of a body at rest.
+    pub fn mesh(&self, body: usize) -> &TetMesh {
+        &self.bodies[body].mesh
+    }
+
+    /// The model of a body.
+    pub fn model(&self, body: usize) -> &TissueModel {
+        &self.bodies[body].model
+    }
+
+    /// The state of a body.
+    pub fn body_state(&self, body: usize) -> &State {
+        &self.state.bodies[body]
+    }
+
+    /// How the bodies are advanced.
+    pub fn method(&self) -> &Method {
+        &self.method
     }
 
     /// Mean edge length of a body at rest [m]: its characteristic length.
@@ -258,61 +291,116 @@ impl Scene {
         self.bodies[body].model.mean_edge_length()
     }
 
-    /// Longest step [s] that a body allows, safety factor included.
+    /// Longest step [s] that a body allows, safety factor included; infinite for a method without a limit.
     pub fn stable_step(&self, body: usize) -> f64 {
         self.bodies[body].stable_step
     }
 }
 
 impl Body {
-    fn new(spec: &BodySpec) -> Result<Self, SceneError> {
+    fn new(spec: &BodySpec, method: &Method, touched: bool) -> Result<Self, SceneError> {
         let name = spec.name.clone();
-        let Generator::Block(block) = &spec.generator;
-        let mesh = block.mesh().map_err(|source| SceneError::Mesh {
-            body: name.clone(),
-            source,
-        })?;
-        let material =
-            SpringVolume::from_moduli(spec.material).map_err(|source| SceneError::Material {
+        let (mesh, origin) = (&spec.mesh, Vector3::from(spec.origin));
+        let surface = mesh.surface();
+        let selected = |what: &'static str, index: usize, selection: &Selection| {
+            let nodes = select::nodes(mesh, &origin, selection);
+            if nodes.is_empty() {
+                let body = name.clone();
+                return Err(SceneError::Empty { body, what, index });
+            }
+            Ok(nodes)
+        };
+
+        let mut clamps = Vec::new();
+        let mut clamped = vec![false; mesh.positions.len()];
+        for (index, clamp) in spec.clamps.iter().enumerate() {
+            let nodes = selected("clamp", index, &clamp.nodes)?;
+            if clamp.release.is_none() {
+                nodes.iter().for_each(|&node| clamped[node as usize] = true);
+            }
+            clamps.push((clamp, nodes));
+        }
+        let mut loads = Vec::new();
+        for (index, load) in spec.loads.iter().enumerate() {
+            let nodes = selected("load", index, &load.surface)?;
+            let triangles = select::triangles(&surface.triangles, &nodes);
+            if triangles.is_empty() {
+                let (body, what) = (name.clone(), "load");
+                return Err(SceneError::Empty { body, what, index });
+            }
+            loads.push((load, triangles));
+        }
+        let model = build_model(mesh, &spec.materials, &clamped, spec.drag, couplings(spec)?)
+            .map_err(|source| SceneError::Build {
                 body: name.clone(),
                 source,
             })?;
-        let origin = Vector3::from(block.center);
-        let mut clamped = vec![false; mesh.positions.len()];
-        let margin = CLAMP_MARGIN * mesh.mean_edge_length();
-        for (index, clamp) in spec.clamps.iter().enumerate() {
-            let region = Aabb {
-                min: clamp.min.into(),
-                max: clamp.max.into(),
+        let drive = Drive::new(mesh, &origin, &clamps, &loads, model.clamped());
+        let advance = match method {
+            Method::StoermerVerlet if touched => Advance::Contact(SolverVerlet::new(&model)),
+            _ if touched => {
+                return Err(SceneError::Contact {
+                    body: name,
+                    method: method.name(),
+                });
             }
-            .inflated(margin);
-            let mut holds_node = false;
-            for (flag, position) in clamped.iter_mut().zip(&mesh.positions) {
-                if region.contains(&(position - origin)) {
-                    *flag = true;
-                    holds_node = true;
+            _ if drive.has_grips() && !method.leads_nodes() => {
+                return Err(SceneError::Grip {
+                    body: name,
+                    method: method.name(),
+                });
+            }
+            _ => Advance::Plain(method.solver(&model).map_err(|source| SceneError::Method {
+                body: name.clone(),
+                source,
+            })?),
+        };
+        let mut start = State::at_rest(&model);
+        for (index, part) in spec.start.iter().enumerate() {
+            let matrix = Matrix3::from_fn(|row, column| part.matrix[row][column]);
+            let pivot = origin + Vector3::from(part.pivot);
+            for node in selected("start", index, &part.nodes)? {
+                let node = node as usize;
+                if !model.is_clamped(node) {
+                    let from_pivot = start.positions[node] - pivot;
+                    start.positions[node] = pivot + matrix * from_pivot + Vector3::from(part.shift);
+                    start.velocities[node] += Vector3::from(part.velocity);
                 }
             }
-            if !holds_node {
-                return Err(SceneError::Clamp { body: name, index });
-            }
         }
-        let model =
-            TissueModel::new(&mesh, &material, &clamped).map_err(|source| SceneError::Model {
-                body: name.clone(),
-                source,
-            })?;
-        let volume: f64 = mesh.volumes().iter().sum();
+        let stable_step = if method.is_explicit() {
+            stability::stable_step(&model, stability::SAFETY)
+        } else {
+            f64::INFINITY
+        };
         Ok(Self {
-            surface: mesh.surface(),
-            solver: SolverVerlet::new(&model),
-            stable_step: stability::stable_step(&model, stability::SAFETY),
-            energy_scale: 0.5 * spec.material.stretch_modulus * volume * 1e-4,
+            energy_scale: energy_scale(&model),
+            surface,
+            advance,
+            drive,
+            start,
+            origin,
+            stable_step,
             name,
-            mesh,
+            mesh: spec.mesh.clone(),
             model,
         })
     }
+}
+
+/// Energy of a body stretched by 1 % along x [J].
+fn energy_scale(model: &TissueModel) -> f64 {
+    let mut state = State::at_rest(model);
+    state.positions.iter_mut().for_each(|p| p.x *= 1.01);
+    state.energies(model).elastic()
+}
+
+/// The couplings of a body as sets of elements.
+fn couplings(
+    spec: &BodySpec,
+) -> Result<Vec<std::sync::Arc<dyn microsim_tissue::Elements>>, SceneError> {
+    let _ = spec;
+    Ok(Vec::new())
 }
 
 fn check_names<'a>(

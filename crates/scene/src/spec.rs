@@ -1,7 +1,7 @@
 //! What a scene is made of, as plain values. They are checked when the scene is built.
 
-use microsim_mesh::Block;
-use microsim_tissue::SpringVolumeSpec;
+use microsim_mesh::TetMesh;
+use microsim_tissue::{Material, Method};
 
 /// A scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,11 @@ pub struct SceneSpec {
     pub contact_pairs: Vec<(String, String)>,
     /// Acceleration of gravity in the world [m/s²].
     pub gravity: [f64; 3],
+    /// How the bodies are advanced.
+    pub method: Method,
+    /// Whether a body that diverges is rolled back and computed again with shorter steps. Without it the first divergence
+    /// ends the run: measurements of methods need that.
+    pub containment: bool,
 }
 
 /// A deformable body.
@@ -21,19 +26,123 @@ pub struct SceneSpec {
 pub struct BodySpec {
     /// Its name.
     pub name: String,
-    /// Where its mesh comes from.
-    pub generator: Generator,
-    /// What it is made of.
-    pub material: SpringVolumeSpec,
-    /// Nodes in any of these boxes are fixed in space. Boxes are in the body's frame.
-    pub clamps: Vec<BoxSpec>,
+    /// Its mesh in the world at rest.
+    pub mesh: TetMesh,
+    /// Origin of the body's frame in the world [m]; its axes are the world's.
+    pub origin: [f64; 3],
+    /// What each region of the mesh is made of.
+    pub materials: Vec<(u32, Material)>,
+    /// Drag per mass c of dv/dt = −c v [1/s], ≥ 0.
+    pub drag: f64,
+    /// What is held.
+    pub clamps: Vec<ClampSpec>,
+    /// Soft couplings between regions.
+    pub couplings: Vec<CouplingSpec>,
+    /// Loads on the surface.
+    pub loads: Vec<LoadSpec>,
+    /// How the body lies and moves at the start, other than at rest; one after the other.
+    pub start: Vec<StartSpec>,
 }
 
-/// The source of a mesh.
+/// Nodes of a body, in the body's frame and at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Selection {
+    /// Every node.
+    All,
+    /// Those in a box.
+    Box(BoxSpec),
+    /// Those whose distance from an axis is in a range.
+    Shell {
+        /// A point of the axis [m].
+        point: [f64; 3],
+        /// Direction of the axis, not zero.
+        axis: [f64; 3],
+        /// Smallest and largest distance [m].
+        radius: [f64; 2],
+    },
+    /// The one that is nearest to a point [m]; of several the first.
+    Nearest([f64; 3]),
+}
+
+/// Nodes that are held, and how what holds them moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClampSpec {
+    /// Which nodes.
+    pub nodes: Selection,
+    /// How they are moved; `None` for a clamp that stands.
+    pub motion: Option<MotionSpec>,
+    /// When it lets go [s]; `None` for never.
+    pub release: Option<f64>,
+}
+
+/// A rigid motion given by its values at some times; between them it is interpolated linearly, after the last it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionSpec {
+    /// A point of the axis of rotation at rest, in the body's frame [m].
+    pub pivot: [f64; 3],
+    /// Axis of rotation; not zero.
+    pub axis: [f64; 3],
+    /// The values, in ascending order of time. At time 0 the motion is zero unless a key says otherwise.
+    pub keys: Vec<MotionKey>,
+}
+
+/// A value of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Generator {
-    /// A block of equal cells. The body's frame has its origin in the block's centre and the axes of the world.
-    Block(Block),
+pub struct MotionKey {
+    /// Time [s].
+    pub time: f64,
+    /// Translation [m].
+    pub shift: [f64; 3],
+    /// Right-handed angle about the axis [rad].
+    pub angle: f64,
+}
+
+/// A load on part of the surface of a body. It grows linearly from 0 to its full value during `ramp` [s].
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadSpec {
+    /// The surface: all triangles of which every node is selected.
+    pub surface: Selection,
+    /// What acts on it.
+    pub kind: LoadKind,
+    /// Time to the full value [s]; 0 for a load that is there from the start.
+    pub ramp: f64,
+}
+
+/// What acts on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadKind {
+    /// A pressure against the outward normal of the deformed surface [Pa].
+    Pressure(f64),
+    /// A force per area at rest that keeps its direction [Pa].
+    Traction([f64; 3]),
+}
+
+/// A soft two-sided coupling of the nodes of one region to the surface of another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CouplingSpec {
+    /// Region whose nodes are coupled.
+    pub from: u32,
+    /// Region to whose surface they are coupled.
+    pub to: u32,
+    /// Stiffness per area [N/m³], > 0.
+    pub stiffness: f64,
+    /// Distance at which a node tears off [m]; infinite for never.
+    pub break_distance: f64,
+}
+
+/// Where nodes are at the start, and how fast: p = pivot + matrix (p_rest − pivot) + shift. Clamped nodes stay.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StartSpec {
+    /// Which nodes.
+    pub nodes: Selection,
+    /// Rows of the matrix.
+    pub matrix: [[f64; 3]; 3],
+    /// Fixed point of the matrix, in the body's frame [m].
+    pub pivot: [f64; 3],
+    /// Translation [m].
+    pub shift: [f64; 3],
+    /// Velocity [m/s].
+    pub velocity: [f64; 3],
 }
 
 /// A box parallel to the axes; its boundary belongs to it.

@@ -1,6 +1,8 @@
 //! The strip under a probe: contact, balance of forces, same bits, saving.
 
 use crate::*;
+use microsim_mesh::Block;
+use microsim_tissue::{Behaviour, SpringConstants};
 use nalgebra::{UnitQuaternion, Vector3};
 
 mod limits;
@@ -16,25 +18,40 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
     } else {
         ([0.0; 3], [0.0, 0.0, 20e-3])
     };
-    let end = |x: f64| BoxSpec {
-        min: [x, -1.0, -1.0],
-        max: [x, 1.0, 1.0],
+    let end = |x: f64| ClampSpec {
+        nodes: Selection::Box(BoxSpec {
+            min: [x, -1.0, -1.0],
+            max: [x, 1.0, 1.0],
+        }),
+        motion: None,
+        release: None,
+    };
+    let block = Block {
+        center: [0.0; 3],
+        size: [20e-3, 4e-3, 1e-3],
+        cells,
     };
     SceneSpec {
         bodies: vec![BodySpec {
             name: "strip".into(),
-            generator: Generator::Block(Block {
-                center: [0.0; 3],
-                size: [20e-3, 4e-3, 1e-3],
-                cells,
-            }),
-            material: SpringVolumeSpec {
-                stretch_modulus: 25e3,
-                volume_modulus: 5e4,
-                density: 1060.0,
-                drag: 100.0,
-            },
+            mesh: block.mesh().unwrap(),
+            origin: [0.0; 3],
+            materials: vec![(
+                0,
+                Material {
+                    density: 1060.0,
+                    relaxation_time: 0.0,
+                    behaviour: Behaviour::Springs(SpringConstants {
+                        stretch_modulus: 25e3,
+                        volume_modulus: 5e4,
+                    }),
+                },
+            )],
+            drag: 100.0,
             clamps: vec![end(-10e-3), end(10e-3)],
+            couplings: Vec::new(),
+            loads: Vec::new(),
+            start: Vec::new(),
         }],
         tools: vec![ToolSpec {
             name: "probe".into(),
@@ -47,6 +64,8 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
         }],
         contact_pairs: vec![("probe".into(), "strip".into())],
         gravity: [0.0, 0.0, -9.81],
+        method: Method::StoermerVerlet,
+        containment: true,
     }
 }
 
@@ -196,7 +215,7 @@ fn at_rest_the_probe_carries_what_clamps_and_weight_do_not() {
 fn impulse_is_the_momentum_that_a_free_body_takes() {
     let mut spec = strip([6, 2, 1], true);
     spec.bodies[0].clamps.clear();
-    spec.bodies[0].material.drag = 0.0;
+    spec.bodies[0].drag = 0.0;
     spec.gravity = [0.0; 3];
     let mut scene = Scene::new(&spec).unwrap();
     let steps = scene.required_steps(TICK);

@@ -1,12 +1,12 @@
 //! One tick: sub-steps, contact, solver, containment.
 
-use crate::containment::{Diverged, Divergence, Failure, Watch};
+use crate::containment::{self, Diverged, Divergence, Failure, Watch};
 use crate::report::{ContactReport, Recovery, TickReport};
-use crate::scene::{Body, Scene};
+use crate::scene::{Advance, Body, Scene};
 use crate::tool::ToolMotion;
 use microsim_contact::{BodySurface, CapsuleMotion, Response, respond};
 use microsim_geometry::Aabb;
-use microsim_tissue::{Contacts, Executor, NodeTarget};
+use microsim_tissue::{Executor, NodeTarget, State, StepFailure, TissueModel};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
@@ -42,7 +42,12 @@ impl Scene {
         let start = self.state.clone();
         let mut recoveries = Vec::new();
         let mut failure = None;
-        for (index, &factor) in TRIES.iter().enumerate() {
+        let tries = if self.containment {
+            &TRIES[..]
+        } else {
+            &TRIES[..1]
+        };
+        for (index, &factor) in tries.iter().enumerate() {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             match self.attempt(&motions, tick_s, count, exec) {
                 Ok(contacts) => {
@@ -58,7 +63,7 @@ impl Scene {
                 Err(found) => {
                     self.state.clone_from(&start);
                     failure = Some((found, tick_s / f64::from(count)));
-                    if let Some(&next) = TRIES.get(index + 1) {
+                    if let Some(&next) = tries.get(index + 1) {
                         recoveries.push(Recovery {
                             body: found.body,
                             what: found.what,
@@ -144,21 +149,24 @@ impl Scene {
             for motion in motions {
                 tools[motion.tool] = Some(self.tools[motion.tool].step(motion, t0, t1));
             }
+            let end = self.state.time + f64::from(step + 1) * h;
             for (body, watch) in watches.iter_mut().enumerate() {
-                self.step_body(body, &tools, h, exec, watch, &mut tallies);
+                let failure = |what| Failure { body, step, what };
+                self.step_body(body, &tools, end, h, exec, watch, &mut tallies)
+                    .map_err(|what| failure(Divergence::Step(what)))?;
                 if !self.state.bodies[body].is_finite() {
-                    return Err(Failure {
-                        body,
-                        step,
-                        what: Divergence::NotFinite,
-                    });
+                    return Err(failure(Divergence::NotFinite));
                 }
             }
         }
         for (index, watch) in watches.iter().enumerate() {
-            let end = &self.state.bodies[index];
-            if let Some(what) = watch.judge(&self.bodies[index], &start[index], end, &self.control)
-            {
+            let (body, end) = (&self.bodies[index], &self.state.bodies[index]);
+            let found = if self.containment {
+                watch.judge(body, &start[index], end, &self.gravity)
+            } else {
+                containment::escaped(body, end)
+            };
+            if let Some(what) = found {
                 return Err(Failure {
                     body: index,
                     step: count,
@@ -170,23 +178,36 @@ impl Scene {
     }
 
     /// One step of one body: forces and prediction, contact with each tool in turn, motion.
+    #[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
     fn step_body(
         &mut self,
         body_index: usize,
         tools: &[Option<Vec<CapsuleMotion>>],
+        end: f64,
         h: f64,
         exec: &dyn Executor,
         watch: &mut Watch,
         tallies: &mut [Tally],
-    ) {
+    ) -> Result<(), StepFailure> {
         let Body {
             model,
-            solver,
+            advance,
+            drive,
             surface,
             ..
         } = &mut self.bodies[body_index];
         let state = &mut self.state.bodies[body_index];
-        let predicted = solver.predict(model, state, &self.control, h, exec);
+        let control = drive.control(&self.gravity, end);
+        let grips = drive.contacts(end);
+        let solver = match advance {
+            Advance::Contact(solver) => solver,
+            Advance::Plain(solver) => {
+                solver.step(model, state, &control, &grips, h, exec)?;
+                flow(model, state, h);
+                return Ok(());
+            }
+        };
+        let predicted = solver.predict(model, state, &control, h, exec);
 
         // Each tool sees where the ones before it have led the nodes.
         let mut targets: Vec<Vector3<f64>> = Vec::new();
@@ -214,7 +235,7 @@ impl Scene {
             responses.push((index, respond(&surface, capsules, memory, &mut targets)));
         }
 
-        let mut contacts = Contacts::default();
+        let mut contacts = grips;
         for (_, response) in &responses {
             for moved in &response.nodes {
                 contacts.targets.push(NodeTarget {
@@ -245,6 +266,8 @@ impl Scene {
             tally.peak = tally.peak.max(total.norm());
         }
         solver.finish(model, state, &contacts);
+        flow(model, state, h);
+        Ok(())
     }
 
     fn contact_reports(&self, tallies: &[Tally], tick_s: f64) -> Vec<ContactReport> {
@@ -283,6 +306,16 @@ impl Scene {
             }
         });
         reports.collect()
+    }
+}
+
+/// Lets the internal variables of a body flow over a step.
+fn flow(model: &TissueModel, state: &mut State, h: f64) {
+    for (index, set) in model.sets().iter().enumerate() {
+        let internal = &mut state.internal[model.internal_range(index)];
+        if !internal.is_empty() {
+            set.flow(&state.positions, internal, h);
+        }
     }
 }
 

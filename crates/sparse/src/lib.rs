@@ -1,1 +1,50 @@
-//! Sparse symmetric matrices of 3×3 blocks: assembly, ordering, Cholesky factor, conjugate gradients.
+//! Sparse symmetric positive definite matrices of 3×3 blocks: assembly, ordering, Cholesky factor, conjugate gradients.
+//!
+//! One block row per node of a mesh, one block per pair of coupled nodes. The way of an implicit solver:
+//!
+//! ```
+//! use std::sync::Arc;
+//! use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Symbolic};
+//! use nalgebra::{Matrix3, Vector3};
+//!
+//! // Once per mesh: where the blocks are, and how to eliminate. `positions` make a better ordering; None will do.
+//! let pattern = Arc::new(Pattern::from_cliques(3, [[0, 1], [1, 2]]));
+//! let ordering = Ordering::nested_dissection(&pattern, None);
+//! let mut factor = Factor::new(Arc::new(Symbolic::analyse(&pattern, &ordering)));
+//! let mut matrix = BlockMatrix::zeros(pattern);
+//!
+//! // Each step: numbers, factor, solution.
+//! matrix.clear();
+//! for (i, j) in [(0, 1), (1, 2)] {
+//!     matrix.add_diagonal(i, &Matrix3::identity());
+//!     matrix.add_diagonal(j, &Matrix3::identity());
+//!     matrix.add(i, j, &-Matrix3::identity());
+//! }
+//! let mut x = [Vector3::zeros(), Vector3::zeros(), Vector3::x()];
+//! factor.factorise(&matrix, Some(&[true, false, false]))?;
+//! factor.solve(&mut x);
+//! assert!((x[2].x - 2.0).abs() < 1e-15);
+//! # Ok::<(), microsim_sparse::NotPositive>(())
+//! ```
+//!
+//! What is not here: nonlinear iterations, where the numbers come from, matrices that are not positive definite. Pure
+//! and on one thread; the same numbers give the same bits on any machine.
+
+mod assembly;
+mod elimination;
+mod factor;
+mod gradients;
+mod kernels;
+mod matrix;
+mod minimum_degree;
+mod ordering;
+mod pattern;
+mod separator;
+mod symbolic;
+
+pub use factor::{Factor, NotPositive};
+pub use gradients::{BlockJacobi, CgOutcome, conjugate_gradients};
+pub use matrix::BlockMatrix;
+pub use ordering::{NotPermutation, Ordering};
+pub use pattern::Pattern;
+pub use symbolic::Symbolic;

@@ -8,7 +8,7 @@ use crate::pattern::Graph;
 use crate::separator::Separator;
 
 /// Parts of at most this many nodes are not dissected further.
-const LEAF_NODES: usize = 48;
+const LEAF_NODES: usize = 32;
 
 /// An elimination ordering: a permutation of the nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -172,22 +172,21 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
             "each tool needs a name of its own, ''",
         ),
         (
-            |s| s.bodies[0].material.density = -1.0,
-            "body 'strip': density is -1, allowed is > 0 kg/m³",
+            |s| s.bodies[0].materials[0].1.density = -1.0,
+            "body 'strip': material of region 0: density is -1, allowed is > 0 kg/m³",
+        ),
+        (
+            |s| s.bodies[0].mesh.tets[3].swap(0, 1),
+            "element 3 has the rest volume",
         ),
         (
             |s| {
-                s.bodies[0].generator = Generator::Block(Block {
-                    center: [0.0; 3],
-                    size: [1.0; 3],
-                    cells: [0; 3],
+                s.bodies[0].clamps[1].nodes = Selection::Box(BoxSpec {
+                    min: [1.0; 3],
+                    max: [2.0; 3],
                 })
             },
-            "cell",
-        ),
-        (
-            |s| s.bodies[0].clamps[1].min[0] = 1.0,
-            "clamp 1 of body 'strip' holds no node",
+            "clamp 1 of body 'strip' holds nothing",
         ),
         (
             |s| s.tools[0].capsules.clear(),

@@ -1,0 +1,178 @@
+//! A grid of cells that finds things by their boxes.
+
+use microsim_geometry::Aabb;
+use nalgebra::Vector3;
+
+/// Most cells along an axis; more would cost more to empty than they save.
+const MAX_CELLS_ALONG: usize = 256;
+
+/// Boxes sorted into the cells of a grid. Everything found is a number of a box in the order in which they came.
+pub(crate) struct BoxGrid {
+    bounds: Aabb,
+    /// Edge of a cell along each axis [m].
+    cell: Vector3<f64>,
+    cells: [usize; 3],
+    /// Where the list of each cell begins; one more for the end of the last.
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl BoxGrid {
+    /// The grid over `boxes`, none of them empty, its cells about as large as the mean box.
+    pub(crate) fn new(boxes: &[Aabb]) -> Self {
+        let bounds = boxes
+            .iter()
+            .fold(Aabb::empty(), |all, item| all.union(item));
+        let mut extent = Vector3::zeros();
+        for item in boxes {
+            extent += item.max - item.min;
+        }
+        let mean = extent.sum() / (3 * boxes.len()).max(1) as f64;
+        let size = bounds.max - bounds.min;
+        let cells = [0, 1, 2].map(|axis| {
+            // The conversion takes NaN (no size, no boxes) to 0 and bounds infinity.
+            ((size[axis] / mean) as usize).clamp(1, MAX_CELLS_ALONG)
+        });
+        let cell = Vector3::from_fn(|axis, _| size[axis] / cells[axis] as f64);
+        let mut grid = Self {
+            bounds,
+            cell,
+            cells,
+            starts: vec![0; cells.iter().product::<usize>() + 1],
+            items: Vec::new(),
+        };
+        // Counting sort: how many per cell, where each list ends, then filled from the back so that each ascends.
+        for item in boxes {
+            let range = grid.range(item);
+            grid.visit(range, |starts, _, cell| starts[cell] += 1);
+        }
+        let mut sum = 0;
+        for start in &mut grid.starts {
+            sum += *start;
+            *start = sum;
+        }
+        grid.items = vec![0; sum as usize];
+        for (index, item) in boxes.iter().enumerate().rev() {
+            let range = grid.range(item);
+            grid.visit(range, |starts, items, cell| {
+                starts[cell] -= 1;
+                items[starts[cell] as usize] = index as u32;
+            });
+        }
+        grid
+    }
+
+    /// The boxes that may hold `point`, ascending.
+    pub(crate) fn at(&self, point: &Vector3<f64>) -> &[u32] {
+        if !self.bounds.contains(point) {
+            return &[];
+        }
+        self.list([0, 1, 2].map(|axis| self.coordinate(axis, point[axis])))
+    }
+
+    /// The boxes that may overlap `region`, ascending, each once.
+    pub(crate) fn near(&self, region: &Aabb) -> Vec<u32> {
+        if !self.bounds.overlaps(region) {
+            return Vec::new();
+        }
+        let [from, to] = self.range(region);
+        let mut found = Vec::new();
+        for z in from[2]..=to[2] {
+            for y in from[1]..=to[1] {
+                for x in from[0]..=to[0] {
+                    found.extend_from_slice(self.list([x, y, z]));
+                }
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Calls `distance` [m] with things near `point` and on to those farther away until none that is left can be closer
+    /// than the smallest distance returned so far; a thing may come more than once. `distance` is never smaller than the
+    /// distance to the thing's box.
+    pub(crate) fn search_nearest(
+        &self,
+        point: &Vector3<f64>,
+        mut distance: impl FnMut(u32) -> f64,
+    ) {
+        let home = [0, 1, 2].map(|axis| self.coordinate(axis, point[axis]));
+        // The point moved into the bounds is not farther from anything inside than the point itself.
+        let inside = point.sup(&self.bounds.min).inf(&self.bounds.max);
+        let mut best = f64::INFINITY;
+        for ring in 0..*self.cells.iter().max().unwrap_or(&1) {
+            // All that is not in an earlier ring lies at least this far away along some axis that has cells left.
+            let reached = (0..3)
+                .flat_map(|axis| {
+                    let below = (home[axis] >= ring && ring > 0).then(|| {
+                        inside[axis]
+                            - self.bounds.min[axis]
+                            - self.cell[axis] * (home[axis] - ring + 1) as f64
+                    });
+                    let above = (home[axis] + ring < self.cells[axis] && ring > 0).then(|| {
+                        self.bounds.min[axis] + self.cell[axis] * (home[axis] + ring) as f64
+                            - inside[axis]
+                    });
+                    [below, above]
+                })
+                .flatten()
+                .fold(f64::INFINITY, f64::min);
+            // A hair of the cells, so that rounding cannot leave out a thing at the same distance.
+            let margin = 1e-9 * self.cell.max();
+            if ring > 0 && reached - margin > best {
+                return;
+            }
+            self.visit_ring(home, ring, |cell| {
+                for &item in self.list(cell) {
+                    best = best.min(distance(item));
+                }
+            });
+        }
+    }
+
+    /// Calls `f` with each cell `ring` cells away from `home` in the largest coordinate.
+    fn visit_ring(&self, home: [usize; 3], ring: usize, mut f: impl FnMut([usize; 3])) {
+        let from = home.map(|h| h.saturating_sub(ring));
+        let to = [0, 1, 2].map(|axis| (home[axis] + ring).min(self.cells[axis] - 1));
+        for z in from[2]..=to[2] {
+            for y in from[1]..=to[1] {
+                for x in from[0]..=to[0] {
+                    let away = [x.abs_diff(home[0]), y.abs_diff(home[1]), z.abs_diff(home[2])];
+                    if away.into_iter().max() == Some(ring) {
+                        f([x, y, z]);
+                    }
+                }
+            }
+        }
+    }
+
+    fn coordinate(&self, axis: usize, x: f64) -> usize {
+        // The conversion takes everything below 0, and the NaN of a flat grid, to 0.
+        (((x - self.bounds.min[axis]) / self.cell[axis]) as usize).min(self.cells[axis] - 1)
+    }
+
+    fn range(&self, region: &Aabb) -> [[usize; 3]; 2] {
+        [region.min, region.max].map(|p| [0, 1, 2].map(|axis| self.coordinate(axis, p[axis])))
+    }
+
+    fn list(&self, [x, y, z]: [usize; 3]) -> &[u32] {
+        let cell = (z * self.cells[1] + y) * self.cells[0] + x;
+        &self.items[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    fn visit(
+        &mut self,
+        [from, to]: [[usize; 3]; 2],
+        mut f: impl FnMut(&mut [u32], &mut [u32], usize),
+    ) {
+        for z in from[2]..=to[2] {
+            for y in from[1]..=to[1] {
+                for x in from[0]..=to[0] {
+                    let cell = (z * self.cells[1] + y) * self.cells[0] + x;
+                    f(&mut self.starts, &mut self.items, cell);
+                }
+            }
+        }
+    }
+}

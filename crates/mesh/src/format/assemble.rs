@@ -1,0 +1,129 @@
+//! From what a file holds to a mesh: orientation, regions, notes.
+
+use super::Import;
+use super::error::{FormatError, Place};
+use super::scalar::Numbers;
+use crate::{TetMesh, signed_volume};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// Cell arrays that say which material a cell is made of, the first that is there counts: our own name, then those of
+/// Gmsh (by way of meshio and of VTK), SfePy, OpenGeoSys, Medit and TetGen.
+const REGION_ARRAYS: [&str; 7] = [
+    "region",
+    "gmsh:physical",
+    "CellEntityIds",
+    "mat_id",
+    "MaterialIDs",
+    "medit:ref",
+    "tetgen:ref",
+];
+
+/// Rank of a cell array as the one that holds the regions, smaller is better; nothing if it does not.
+pub(super) fn region_rank(name: &str) -> Option<usize> {
+    REGION_ARRAYS.iter().position(|known| *known == name)
+}
+
+/// A mesh in the making.
+#[derive(Default)]
+pub(super) struct Parts {
+    /// Nodes.
+    pub(super) positions: Vec<Vector3<f64>>,
+    /// Linear tetrahedra; every index is that of a node.
+    pub(super) tets: Vec<[u32; 4]>,
+    /// One region per tetrahedron.
+    pub(super) regions: Vec<u32>,
+    /// Elements that are not linear tetrahedra, by name.
+    pub(super) left_out: BTreeMap<String, usize>,
+    /// What else is to be said.
+    pub(super) notes: Vec<String>,
+}
+
+impl Parts {
+    /// Notes `count` elements called `name` that are not taken.
+    pub(super) fn leave_out(&mut self, name: &str, count: usize) {
+        if count > 0 {
+            *self.left_out.entry(name.to_owned()).or_default() += count;
+        }
+    }
+
+    /// The mesh, its elements turned positive.
+    pub(super) fn finish(mut self) -> Result<Import, FormatError> {
+        let others: Vec<String> = self
+            .left_out
+            .iter()
+            .map(|(name, count)| format!("{count} {name}"))
+            .collect();
+        if self.tets.is_empty() {
+            let found = if others.is_empty() {
+                "no element".to_owned()
+            } else {
+                format!("no tetrahedron, only {}", others.join(", "))
+            };
+            return Err(FormatError::new(Place::File, found, "linear tetrahedra"));
+        }
+        if !others.is_empty() {
+            self.notes.push(format!(
+                "left out, since only linear tetrahedra are taken: {}",
+                others.join(", ")
+            ));
+        }
+
+        let mut turned = 0;
+        for tet in &mut self.tets {
+            let [a, b, c, d] = tet.map(|node| self.positions[node as usize]);
+            if signed_volume(&a, &b, &c, &d) < 0.0 {
+                tet.swap(2, 3);
+                turned += 1;
+            }
+        }
+        if turned > 0 {
+            self.notes.push(format!(
+                "{turned} of {} tetrahedra were negative and had two nodes swapped",
+                self.tets.len()
+            ));
+        }
+        Ok(Import {
+            mesh: TetMesh::new(self.positions, self.tets, self.regions),
+            notes: self.notes,
+        })
+    }
+}
+
+/// Coordinates in threes as positions; `place` is the array's.
+pub(super) fn positions(numbers: Numbers, place: &Place) -> Result<Vec<Vector3<f64>>, FormatError> {
+    let values = numbers.into_reals();
+    if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+        return Err(FormatError::new(
+            place.clone(),
+            format!("{} as a coordinate of point {}", values[index], index / 3),
+            "finite coordinates",
+        ));
+    }
+    Ok(values
+        .chunks_exact(3)
+        .map(|p| Vector3::new(p[0], p[1], p[2]))
+        .collect())
+}
+
+/// The values of a region array of `cells` cells, or a note why they cannot be regions.
+pub(super) fn region_values(
+    name: &str,
+    numbers: Numbers,
+    cells: usize,
+) -> Result<Vec<u32>, String> {
+    let count = numbers.len();
+    if count != cells {
+        return Err(format!(
+            "cell array \"{name}\" has {count} values for {cells} cells and is not used: every region is 0"
+        ));
+    }
+    numbers
+        .into_wholes()
+        .and_then(|values| values.into_iter().map(|value| u32::try_from(value).ok()).collect())
+        .ok_or_else(|| {
+            format!(
+                "cell array \"{name}\" holds values other than 0, 1, 2, … and is not used: every region is 0"
+            )
+        })
+}

@@ -1,0 +1,87 @@
+//! Version 2.x: every element carries its tags, the first of which is its physical group.
+
+use super::Reader;
+use super::elements::TETRAHEDRON;
+use crate::format::error::FormatError;
+use crate::format::scalar::{Encoding, Scalar};
+
+/// Reads all sections.
+pub(super) fn read(reader: &mut Reader<'_>) -> Result<(), FormatError> {
+    reader.sections(|reader, name| {
+        match name {
+            "Nodes" => nodes(reader)?,
+            "Elements" => elements(reader)?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    })
+}
+
+fn nodes(reader: &mut Reader<'_>) -> Result<(), FormatError> {
+    let count = reader.decimal_count(reader.least_bytes(4, 28), "nodes")?;
+    for _ in 0..count {
+        let tag = reader.int("a node number (or fewer nodes in $Nodes)")?;
+        reader.number_node(tag)?;
+        let position = reader.position()?;
+        reader.parts.positions.push(position);
+    }
+    Ok(())
+}
+
+fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
+    let count = reader.decimal_count(reader.least_bytes(4, 8), "elements")?;
+    let mut read = 0;
+    while read < count {
+        // ASCII: number, type, number of tags per element. Binary: a header for several elements, then their numbers.
+        let ascii = reader.encoding == Encoding::Ascii;
+        if ascii {
+            reader.int("an element number (or fewer elements in $Elements)")?;
+        }
+        let element_type = reader.int("an element type")?;
+        let block = if ascii {
+            1
+        } else {
+            let block = reader.int("a number of elements")?;
+            reader.scanner.check_count(block, 4, "elements")?
+        };
+        if block == 0 || block > count - read {
+            return Err(reader.scanner.error(
+                format!("{block} elements after {read} of {count}"),
+                "blocks that add up to the number of elements",
+            ));
+        }
+        let tags = reader.int("a number of tags")?;
+        let tags = reader.scanner.check_count(tags, 1, "tags")?;
+        let (nodes, name) = reader.known_type(element_type)?;
+        for _ in 0..block {
+            if !ascii {
+                reader.int("an element number")?;
+            }
+            let mut physical = 0;
+            for tag in 0..tags {
+                let value = reader.int("a tag of an element")?;
+                if tag == 0 {
+                    physical = value;
+                }
+            }
+            if element_type == TETRAHEDRON {
+                let region = reader.region(physical)?;
+                let mut tet = [0; 4];
+                for slot in &mut tet {
+                    *slot = reader.node(|reader| reader.int("a node number"))?;
+                }
+                reader.parts.tets.push(tet);
+                reader.parts.regions.push(region);
+            } else {
+                reader
+                    .scanner
+                    .numbers(reader.encoding, Scalar::I32, nodes, "node numbers")?;
+            }
+        }
+        if element_type != TETRAHEDRON {
+            reader.parts.leave_out(name, block);
+        }
+        read += block;
+    }
+    Ok(())
+}

@@ -1,0 +1,236 @@
+//! What drives the bodies from step to step: moving clamps, grips that let go, loads that grow.
+
+use crate::spec::{ClampSpec, LoadKind, LoadSpec, MotionSpec};
+use microsim_mesh::TetMesh;
+use microsim_tissue::{Contacts, Control, NodeTarget, Pressure};
+use nalgebra::{Unit, UnitQuaternion, Vector3};
+use std::sync::Arc;
+
+/// The drive of one body.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Drive {
+    /// Clamps that stay closed, with the places of their nodes among the model's clamped ones.
+    clamps: Vec<(Option<Motion>, Vec<(usize, Vector3<f64>)>)>,
+    /// Number of the model's clamped nodes.
+    clamped: usize,
+    /// Grips: they let go at a time.
+    grips: Vec<Grip>,
+    loads: Vec<Load>,
+}
+
+#[derive(Clone, Debug)]
+struct Grip {
+    motion: Option<Motion>,
+    /// Nodes with their rest positions [m].
+    nodes: Vec<(u32, Vector3<f64>)>,
+    release: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Motion {
+    pivot: Vector3<f64>,
+    axis: Unit<Vector3<f64>>,
+    keys: Vec<(f64, Vector3<f64>, f64)>,
+}
+
+#[derive(Clone, Debug)]
+struct Load {
+    triangles: Arc<[[u32; 3]]>,
+    kind: LoadKind,
+    /// Area at rest that belongs to each node [m²], for tractions.
+    areas: Vec<(u32, f64)>,
+    ramp: f64,
+}
+
+impl Drive {
+    /// The drive of a body. `clamps` and `loads` come with the nodes or triangles that they mean; `clamped` are the model's
+    /// clamped nodes, ascending.
+    pub fn new(
+        mesh: &TetMesh,
+        origin: &Vector3<f64>,
+        clamps: &[(&ClampSpec, Vec<u32>)],
+        loads: &[(&LoadSpec, Vec<[u32; 3]>)],
+        clamped: &[u32],
+    ) -> Self {
+        let mut drive = Self {
+            clamped: clamped.len(),
+            ..Self::default()
+        };
+        for (spec, nodes) in clamps {
+            let motion = spec
+                .motion
+                .as_ref()
+                .map(|motion| Motion::new(motion, origin));
+            let at_rest = |node: u32| mesh.positions[node as usize];
+            match spec.release {
+                Some(release) => drive.grips.push(Grip {
+                    motion,
+                    nodes: nodes.iter().map(|&node| (node, at_rest(node))).collect(),
+                    release,
+                }),
+                None => {
+                    let places = nodes.iter().filter_map(|node| {
+                        let place = clamped.binary_search(node).ok()?;
+                        Some((place, at_rest(*node)))
+                    });
+                    drive.clamps.push((motion, places.collect()));
+                }
+            }
+        }
+        for (spec, triangles) in loads {
+            let mut areas = vec![0.0; mesh.positions.len()];
+            for triangle in triangles {
+                let [a, b, c] = triangle.map(|node| mesh.positions[node as usize]);
+                let third = (b - a).cross(&(c - a)).norm() / 6.0;
+                for node in triangle {
+                    areas[*node as usize] += third;
+                }
+            }
+            let areas = (0u32..).zip(areas).filter(|(_, area)| *area > 0.0);
+            drive.loads.push(Load {
+                triangles: triangles.as_slice().into(),
+                kind: spec.kind,
+                areas: areas.collect(),
+                ramp: spec.ramp,
+            });
+        }
+        drive
+    }
+
+    /// Whether any grip needs a method that leads nodes.
+    pub fn has_grips(&self) -> bool {
+        !self.grips.is_empty()
+    }
+
+    /// Whether it may bring energy: something moves or presses.
+    pub fn does_work(&self) -> bool {
+        let moves = self.clamps.iter().any(|(motion, _)| motion.is_some());
+        moves || !self.grips.is_empty() || !self.loads.is_empty()
+    }
+
+    /// What drives the body in the step that ends at `time` [s].
+    pub fn control(&self, gravity: &Vector3<f64>, time: f64) -> Control {
+        let mut control = Control {
+            gravity: *gravity,
+            ..Control::default()
+        };
+        if self.clamps.iter().any(|(motion, _)| motion.is_some()) {
+            control.clamped_positions = vec![Vector3::zeros(); self.clamped];
+            for (motion, places) in &self.clamps {
+                for (place, rest) in places {
+                    control.clamped_positions[*place] = placed(motion.as_ref(), rest, time);
+                }
+            }
+        }
+        for load in &self.loads {
+            let share = if time < load.ramp {
+                time / load.ramp
+            } else {
+                1.0
+            };
+            match load.kind {
+                LoadKind::Pressure(pressure) => control.pressures.push(Pressure {
+                    triangles: load.triangles.clone(),
+                    pressure: share * pressure,
+                }),
+                LoadKind::Traction(traction) => {
+                    let traction = Vector3::from(traction) * share;
+                    let forces = load
+                        .areas
+                        .iter()
+                        .map(|(node, area)| (*node, traction * *area));
+                    control.forces.extend(forces);
+                }
+            }
+        }
+        control
+    }
+
+    /// The targets of gripped nodes at the end of the step that ends at `time` [s]: of a node in two grips the first.
+    pub fn contacts(&self, time: f64) -> Contacts {
+        let mut targets: Vec<NodeTarget> = Vec::new();
+        // A grip holds through the step in which it lets go; a tolerance of rounding on times that are sums of steps.
+        let closed = |grip: &&Grip| time <= grip.release * (1.0 + 1e-12);
+        for grip in self.grips.iter().filter(closed) {
+            targets.extend(grip.nodes.iter().map(|(node, rest)| NodeTarget {
+                node: *node,
+                target: placed(grip.motion.as_ref(), rest, time),
+                overlap: Vector3::zeros(),
+            }));
+        }
+        targets.sort_by_key(|target| target.node);
+        targets.dedup_by_key(|target| target.node);
+        Contacts { targets }
+    }
+}
+
+/// Where something at `rest` is at `time`.
+fn placed(motion: Option<&Motion>, rest: &Vector3<f64>, time: f64) -> Vector3<f64> {
+    motion.map_or(*rest, |motion| motion.place(rest, time))
+}
+
+impl Motion {
+    fn new(spec: &MotionSpec, origin: &Vector3<f64>) -> Self {
+        let keys = spec.keys.iter();
+        Self {
+            pivot: origin + Vector3::from(spec.pivot),
+            axis: Unit::new_normalize(Vector3::from(spec.axis)),
+            keys: keys
+                .map(|key| (key.time, Vector3::from(key.shift), key.angle))
+                .collect(),
+        }
+    }
+
+    fn place(&self, rest: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        let (mut before, mut shift, mut angle) = (0.0, Vector3::zeros(), 0.0);
+        for (at, next_shift, next_angle) in &self.keys {
+            if time < *at {
+                let share = (time - before) / (at - before);
+                shift += (next_shift - shift) * share;
+                angle += (next_angle - angle) * share;
+                break;
+            }
+            (before, shift, angle) = (*at, *next_shift, *next_angle);
+        }
+        let turned = UnitQuaternion::from_axis_angle(&self.axis, angle) * (rest - self.pivot);
+        self.pivot + turned + shift
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::MotionKey;
+
+    #[test]
+    fn a_motion_is_linear_between_its_keys_and_stands_after_the_last() {
+        let key = |time, x, angle| MotionKey {
+            time,
+            shift: [x, 0.0, 0.0],
+            angle,
+        };
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let spec = MotionSpec {
+            pivot: [0.0; 3],
+            axis: [0.0, 0.0, 2.0],
+            keys: vec![key(1.0, 2.0, 0.0), key(3.0, 2.0, quarter)],
+        };
+        let motion = Motion::new(&spec, &Vector3::new(1.0, 0.0, 0.0));
+        let rest = Vector3::new(2.0, 0.0, 0.0);
+        let root = std::f64::consts::FRAC_1_SQRT_2;
+        for (time, x, y) in [
+            (0.0, 2.0, 0.0),
+            (0.5, 3.0, 0.0),
+            (1.0, 4.0, 0.0),
+            (2.0, 3.0 + root, root),
+            (3.0, 3.0, 1.0),
+            (9.0, 3.0, 1.0),
+        ] {
+            let place = motion.place(&rest, time);
+            assert!(
+                (place - Vector3::new(x, y, 0.0)).norm() < 1e-14,
+                "{time}: {place}"
+            );
+        }
+    }
+}

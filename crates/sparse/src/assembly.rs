@@ -1,0 +1,139 @@
+//! Filling a front: with the blocks of the matrix, and with the updates of its children.
+
+use crate::BlockMatrix;
+use crate::kernels::{Quad, WIDTH, triangle_start};
+use crate::symbolic::{Entry, Front, Kind, Symbolic};
+
+/// A pivot must exceed this share of the diagonal entry it is left of. Each subtraction rounds by up to ε/2 of that
+/// entry, and there are some hundreds, of either sign: a pivot below some ten ε has no correct digit.
+const PIVOT_SHARE: f64 = 64.0 * f64::EPSILON;
+
+/// Fills a panel with the blocks of the matrix, the nodes marked in `fixed` decoupled, and the identity in the rows
+/// added at its end; and sets the least admissible pivot of each column.
+pub(crate) fn assemble(
+    entries: &[Entry],
+    front: &Front,
+    matrix: &BlockMatrix,
+    fixed: Option<&[bool]>,
+    panel: &mut [Quad],
+    least: &mut [f64],
+) {
+    panel.fill(Quad::ZERO);
+    let mut set = |target: usize, value: f64| panel[target / WIDTH].0[target % WIDTH] = value;
+    for row in 3 * front.columns.len()..WIDTH * front.triangle() {
+        let (quad, lane) = Front::own_row(row);
+        set(WIDTH * (quad + row) + lane, 1.0);
+        least[row] = 0.0;
+    }
+    for entry in entries {
+        let is_fixed = fixed.is_some_and(|fixed| entry.nodes.iter().any(|&node| fixed[node as usize]));
+        let block = &matrix.values()[entry.slot as usize];
+        let targets = entry.targets.map(|target| target as usize);
+        match entry.kind {
+            Kind::Diagonal(column) => {
+                for (a, &target) in targets.iter().enumerate() {
+                    for b in 0..a {
+                        set(target + WIDTH * b, if is_fixed { 0.0 } else { block[(a, b)] });
+                    }
+                    let diagonal = if is_fixed { 1.0 } else { block[(a, a)] };
+                    set(target + WIDTH * a, diagonal);
+                    least[column as usize + a] = PIVOT_SHARE * diagonal.max(0.0);
+                }
+            }
+            _ if is_fixed => {}
+            Kind::Lower => {
+                for (a, &target) in targets.iter().enumerate() {
+                    (0..3).for_each(|b| set(target + WIDTH * b, block[(a, b)]));
+                }
+            }
+            Kind::Upper => {
+                for (a, &target) in targets.iter().enumerate() {
+                    (0..3).for_each(|b| set(target + WIDTH * b, block[(b, a)]));
+                }
+            }
+        }
+    }
+}
+
+/// Which part of a front.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Panel,
+    Update,
+}
+
+/// Where the rows and columns of a child's update go in its parent.
+#[derive(Debug)]
+pub(crate) struct Places {
+    /// First quad of the row, and its lane.
+    rows: Vec<(u32, u32)>,
+    columns: Vec<u32>,
+}
+
+impl Places {
+    /// Room for updates of up to `rows` rows.
+    pub fn new(rows: usize) -> Self {
+        Self { rows: vec![(0, 0); rows], columns: vec![0; rows] }
+    }
+
+    /// Adds what the update of `child`, on `stack`, holds for one part of its parent's front to that part (`target`).
+    pub fn add_update(
+        &mut self,
+        symbolic: &Symbolic,
+        child: u32,
+        parent: &Front,
+        stack: &[Quad],
+        part: Part,
+        target: &mut [Quad],
+    ) {
+        let child = &symbolic.fronts[child as usize];
+        let update = &stack[child.update..][..child.update_quads()];
+        let in_parent = &symbolic.in_parent[child.rows.clone()];
+        let count = 3 * in_parent.len();
+        let split = self.find(in_parent, parent, part);
+        let (begin, end) = if part == Part::Panel { (0, split) } else { (split, count) };
+        let columns = &self.columns[..count];
+        for strip in begin / WIDTH..count.div_ceil(WIDTH) {
+            let first = WIDTH * strip;
+            let source = &update[triangle_start(strip)..][..first + WIDTH];
+            let rows = &self.rows[first..count.min(first + WIDTH)];
+            // Four rows at once left of the diagonal tile; row by row within it and where a strip is not whole.
+            let mut done = begin;
+            if let &[a, b, c, d] = rows
+                && first >= begin
+            {
+                done = end.min(first);
+                for (&column, value) in columns[begin..done].iter().zip(&source[begin..done]) {
+                    for (lane, row) in [a, b, c, d].into_iter().enumerate() {
+                        target[(row.0 + column) as usize].0[row.1 as usize % WIDTH] += value.0[lane];
+                    }
+                }
+            }
+            for (lane, row) in rows.iter().enumerate() {
+                let last = end.min(first + lane + 1).max(done);
+                for (&column, value) in columns[done..last].iter().zip(&source[done..last]) {
+                    target[(row.0 + column) as usize].0[row.1 as usize % WIDTH] += value.0[lane];
+                }
+            }
+        }
+    }
+
+    /// Sets the places of an update whose nodes have the numbers `in_parent`, within one part of the parent's front;
+    /// returns how many of its rows the parent eliminates.
+    fn find(&mut self, in_parent: &[u32], parent: &Front, part: Part) -> usize {
+        let eliminated = parent.columns.len();
+        let split = 3 * in_parent.partition_point(|&number| (number as usize) < eliminated);
+        let first = if part == Part::Panel { 0 } else { split };
+        for index in first..3 * in_parent.len() {
+            let row = 3 * in_parent[index / 3] as usize + index % 3;
+            let (row, (quad, lane)) = match part {
+                Part::Panel if index < split => (row, Front::own_row(row)),
+                Part::Panel => (row, parent.below_row(row - 3 * eliminated)),
+                Part::Update => (row - 3 * eliminated, Front::own_row(row - 3 * eliminated)),
+            };
+            self.rows[index] = (quad as u32, lane as u32);
+            self.columns[index] = row as u32;
+        }
+        split
+    }
+}

@@ -1,0 +1,186 @@
+//! The multifrontal Cholesky factor: factorisation and solution.
+//!
+//! Duff and Reid (1983), Liu, "The multifrontal method for sparse matrix solution" (1992). Fronts are visited children
+//! first; each takes the blocks of the matrix and the updates of its children, eliminates its own nodes with dense
+//! kernels, and leaves its update for its parent.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::BlockMatrix;
+use crate::assembly::{Part, Places, assemble};
+use crate::kernels::{Quad, WIDTH, factor_panel, outer_product, solve_backward, solve_forward, triangle_start};
+use crate::symbolic::{Front, Symbolic};
+
+/// The matrix is not positive definite, to working accuracy, or not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotPositive {
+    /// The node at whose elimination it showed.
+    pub node: usize,
+}
+
+impl std::fmt::Display for NotPositive {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "the matrix is not positive definite: no positive pivot at node {}", self.node)
+    }
+}
+
+impl std::error::Error for NotPositive {}
+
+/// Cholesky factor A = L Lᵀ of matrices on one pattern, with its workspace: after `new` nothing is allocated.
+#[derive(Debug)]
+pub struct Factor {
+    symbolic: Arc<Symbolic>,
+    panels: Vec<Quad>,
+    updates: [Vec<Quad>; 2],
+    /// Whether `panels` hold a factor.
+    valid: bool,
+    /// Least admissible pivots of a front's columns.
+    least: Vec<f64>,
+    places: Places,
+    /// Right-hand side in the order of elimination; that of a front, above and below; room for the backward solution.
+    x: Vec<f64>,
+    own: Vec<Quad>,
+    below: Vec<Quad>,
+    sums: Vec<Quad>,
+}
+
+impl Factor {
+    /// Allocates the factor; it holds no numbers until `factorise`.
+    pub fn new(symbolic: Arc<Symbolic>) -> Self {
+        let most = |size: fn(&Front) -> usize| symbolic.fronts.iter().map(size).max().unwrap_or(0);
+        let (triangle, below) = (most(Front::triangle), most(Front::below));
+        Self {
+            panels: vec![Quad::ZERO; symbolic.panel_quads],
+            updates: symbolic.stack_quads.map(|quads| vec![Quad::ZERO; quads]),
+            valid: false,
+            least: vec![0.0; WIDTH * triangle],
+            places: Places::new(WIDTH * below),
+            x: vec![0.0; 3 * symbolic.sequence.len()],
+            own: vec![Quad::ZERO; triangle],
+            below: vec![Quad::ZERO; below],
+            sums: vec![Quad::ZERO; WIDTH * triangle],
+            symbolic,
+        }
+    }
+
+    /// The analysis it was made from.
+    pub fn symbolic(&self) -> &Arc<Symbolic> {
+        &self.symbolic
+    }
+
+    /// Factors the matrix. Nodes marked in `fixed` get rows and columns of the identity and no coupling: the solution
+    /// there is the right-hand side, and has no effect on the other nodes. (To prescribe values x_f, first take A x_f
+    /// from the right-hand side of the free nodes.)
+    ///
+    /// # Errors
+    /// When a pivot is not positive, not finite or lost in rounding, with its node. The factor is then not usable.
+    ///
+    /// # Panics
+    /// When the matrix is on another pattern, or `fixed` does not have one entry per node.
+    pub fn factorise(&mut self, matrix: &BlockMatrix, fixed: Option<&[bool]>) -> Result<(), NotPositive> {
+        let symbolic = self.symbolic.clone();
+        assert!(
+            Arc::ptr_eq(matrix.pattern(), &symbolic.pattern) || *matrix.pattern() == symbolic.pattern,
+            "the matrix is on the analysed pattern"
+        );
+        if let Some(fixed) = fixed {
+            assert_eq!(fixed.len(), symbolic.sequence.len(), "one mark per node");
+        }
+        self.valid = false;
+        for front in &symbolic.fronts {
+            let panel = &mut self.panels[front.panel..][..front.panel_quads()];
+            let triangle = front.triangle();
+            let least = &mut self.least[..WIDTH * triangle];
+            let [even, odd] = &mut self.updates;
+            let (own, of_children) = if front.stack == 0 { (even, odd) } else { (odd, even) };
+            let update = &mut own[front.update..][..front.update_quads()];
+            assemble(&symbolic.entries[front.entries.clone()], front, matrix, fixed, panel, least);
+            for &child in &symbolic.children[front.children.clone()] {
+                self.places.add_update(&symbolic, child, front, of_children, Part::Panel, panel);
+            }
+            factor_panel(panel, triangle, least).map_err(|column| NotPositive {
+                node: symbolic.sequence[front.columns.start + column / 3] as usize,
+            })?;
+            outer_product(&panel[triangle_start(triangle)..], WIDTH * triangle, update);
+            for &child in &symbolic.children[front.children.clone()] {
+                self.places.add_update(&symbolic, child, front, of_children, Part::Update, update);
+            }
+        }
+        self.valid = true;
+        Ok(())
+    }
+
+    /// Solves A x = b in place, in the numbering of the nodes.
+    ///
+    /// # Panics
+    /// When the last factorisation failed or there was none, or `rhs` does not have one vector per node.
+    pub fn solve(&mut self, rhs: &mut [Vector3<f64>]) {
+        assert!(self.valid, "factorised before");
+        let symbolic = &*self.symbolic;
+        assert_eq!(rhs.len(), symbolic.sequence.len(), "one vector per node");
+        for (x, &node) in self.x.chunks_exact_mut(3).zip(&symbolic.sequence) {
+            x.copy_from_slice(rhs[node as usize].as_slice());
+        }
+        for front in &symbolic.fronts {
+            let panel = &self.panels[front.panel..][..front.panel_quads()];
+            let (own, below) = (&mut self.own[..front.triangle()], &mut self.below[..front.below()]);
+            let columns = 3 * front.columns.start..3 * front.columns.end;
+            let rows = &symbolic.rows[front.rows.clone()];
+            load(own, &self.x[columns.clone()]);
+            gather(below, rows, &self.x);
+            solve_forward(panel, own, below);
+            store(own, &mut self.x[columns]);
+            scatter(below, rows, &mut self.x);
+        }
+        for front in symbolic.fronts.iter().rev() {
+            let panel = &self.panels[front.panel..][..front.panel_quads()];
+            let (own, below) = (&mut self.own[..front.triangle()], &mut self.below[..front.below()]);
+            let columns = 3 * front.columns.start..3 * front.columns.end;
+            load(own, &self.x[columns.clone()]);
+            gather(below, &symbolic.rows[front.rows.clone()], &self.x);
+            solve_backward(panel, own, below, &mut self.sums);
+            store(own, &mut self.x[columns]);
+        }
+        for (x, &node) in self.x.chunks_exact(3).zip(&symbolic.sequence) {
+            rhs[node as usize].copy_from_slice(x);
+        }
+    }
+}
+
+/// Copies numbers into quads; the last quad is filled up with zeros.
+fn load(quads: &mut [Quad], x: &[f64]) {
+    for (quad, x) in quads.iter_mut().zip(x.chunks(WIDTH)) {
+        *quad = Quad::ZERO;
+        quad.0[..x.len()].copy_from_slice(x);
+    }
+}
+
+/// The way back.
+fn store(quads: &[Quad], x: &mut [f64]) {
+    for (quad, x) in quads.iter().zip(x.chunks_mut(WIDTH)) {
+        x.copy_from_slice(&quad.0[..x.len()]);
+    }
+}
+
+/// Copies the vectors at `rows` into quads; the last quad is filled up with zeros.
+fn gather(quads: &mut [Quad], rows: &[u32], x: &[f64]) {
+    if let Some(last) = quads.last_mut() {
+        *last = Quad::ZERO;
+    }
+    for (k, &row) in rows.iter().enumerate() {
+        for (a, &value) in x[3 * row as usize..][..3].iter().enumerate() {
+            quads[(3 * k + a) / WIDTH].0[(3 * k + a) % WIDTH] = value;
+        }
+    }
+}
+
+/// The way back.
+fn scatter(quads: &[Quad], rows: &[u32], x: &mut [f64]) {
+    for (k, &row) in rows.iter().enumerate() {
+        for (a, value) in x[3 * row as usize..][..3].iter_mut().enumerate() {
+            *value = quads[(3 * k + a) / WIDTH].0[(3 * k + a) % WIDTH];
+        }
+    }
+}
