@@ -138,7 +138,11 @@ impl BoxGrid {
         for z in from[2]..=to[2] {
             for y in from[1]..=to[1] {
                 for x in from[0]..=to[0] {
-                    let away = [x.abs_diff(home[0]), y.abs_diff(home[1]), z.abs_diff(home[2])];
+                    let away = [
+                        x.abs_diff(home[0]),
+                        y.abs_diff(home[1]),
+                        z.abs_diff(home[2]),
+                    ];
                     if away.into_iter().max() == Some(ring) {
                         f([x, y, z]);
                     }

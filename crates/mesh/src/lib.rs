@@ -5,8 +5,10 @@
 //! same bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
 
 mod block;
+mod box_grid;
 mod cell_split;
 mod defects;
+mod fill;
 pub mod format;
 mod quality;
 mod surface;
@@ -19,6 +21,7 @@ mod tube;
 pub use block::{Block, BlockError};
 pub use cell_split::CellSplit;
 pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
+pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
 pub use microsim_geometry::signed_volume;
 pub use quality::{
     Distribution, ElementQuality, HISTOGRAM_BINS, Histogram, QualityReport, RankedElement,

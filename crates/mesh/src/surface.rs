@@ -101,10 +101,9 @@ mod tests {
         let areas = top.node_areas(&mesh.positions);
         assert!((areas.iter().sum::<f64>() - 12.0).abs() < 1e-13);
         // Unit cells: inner nodes have six of the half-unit triangles.
-        let inner = top
-            .nodes
-            .iter()
-            .position(|&n| (mesh.positions[n as usize] - Vector3::new(0.0, 0.5, 1.0)).norm() < 1e-12);
+        let inner = top.nodes.iter().position(|&n| {
+            (mesh.positions[n as usize] - Vector3::new(0.0, 0.5, 1.0)).norm() < 1e-12
+        });
         assert!((areas[inner.unwrap()] - 1.0).abs() < 1e-14);
     }
 }

@@ -1,6 +1,7 @@
 //! A file that has been read: its text, its values in SI, and the place of each.
 
-use crate::error::{ConfigError, ConfigErrors, KeyPath};
+use crate::error::{ConfigError, ConfigErrors, KeyPath, Position};
+use crate::overrides::Override;
 use crate::read::Reader;
 use crate::schema::{Kind, Schema};
 use crate::tree::Node;
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 pub struct Document {
     file: String,
     text: String,
+    /// The values that were not taken from the file, as they were written.
+    overrides: Vec<String>,
     root: Node,
     value: Value,
 }
@@ -50,13 +53,23 @@ impl Document {
 
     /// A complaint about the value at `key`, for checks that need more than this file.
     pub fn error_at(&self, key: &KeyPath, found: &str, expected: &str) -> ConfigError {
-        ConfigError {
+        let error = ConfigError {
             file: self.file.clone(),
             position: Some(self.root.position(key)),
             key: key.clone(),
             found: found.to_owned(),
             expected: expected.to_owned(),
+        };
+        self.placed(error)
+    }
+
+    /// A complaint that names the override where one is to blame.
+    fn placed(&self, mut error: ConfigError) -> ConfigError {
+        if let Some(Position { line: 0, column }) = error.position {
+            error.file = format!("--set {}", self.overrides[column]);
+            error.position = None;
         }
+        error
     }
 }
 
@@ -69,7 +82,21 @@ pub(crate) struct Reading {
 impl Reading {
     /// Reads a text by a schema. Fails at once only if the text is no TOML; otherwise complaints are kept for the end.
     pub fn new(text: &str, file: &str, schema: &Schema) -> Result<Reading, ConfigErrors> {
-        let root = Node::parse(text, file).map_err(sorted)?;
+        Self::with_overrides(text, file, schema, &[])
+    }
+
+    /// The same, with values that take the place of some in the text.
+    pub fn with_overrides(
+        text: &str,
+        file: &str,
+        schema: &Schema,
+        overrides: &[Override],
+    ) -> Result<Reading, ConfigErrors> {
+        let mut root = Node::parse(text, file).map_err(sorted)?;
+        for (index, value) in overrides.iter().enumerate() {
+            let applied = value.apply(&mut root, index);
+            applied.map_err(|error| ConfigErrors(vec![error]))?;
+        }
         let mut reader = Reader {
             file,
             errors: Vec::new(),
@@ -79,15 +106,28 @@ impl Reading {
         let document = Document {
             file: file.to_owned(),
             text: text.to_owned(),
+            overrides: overrides.iter().map(|o| o.text().to_owned()).collect(),
             root,
             value: value.unwrap_or_default(),
         };
+        let errors = errors.into_iter().map(|e| document.placed(e)).collect();
         Ok(Reading { document, errors })
     }
 
     /// The values so far. What was wrong is missing (or null in a list), so checks ask for everything with `get`.
     pub fn value(&self) -> &Value {
         &self.document.value
+    }
+
+    /// The value at `key`, if it is there and right.
+    pub fn value_at(&self, key: &KeyPath) -> Option<&Value> {
+        use crate::error::Step;
+        key.steps()
+            .iter()
+            .try_fold(self.value(), |value, step| match step {
+                Step::Key(key) => value.get(key),
+                Step::Index(index) => value.get(index),
+            })
     }
 
     /// Whether something stands at `key` in the file, right or wrong.
@@ -111,7 +151,10 @@ impl Reading {
         };
         let value = reader.value(node, kind, key);
         *place = value.clone().unwrap_or_default();
-        self.errors.append(&mut reader.errors);
+        let errors = reader.errors;
+        let document = &self.document;
+        self.errors
+            .extend(errors.into_iter().map(|e| document.placed(e)));
         value
     }
 

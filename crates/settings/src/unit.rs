@@ -44,8 +44,18 @@ pub enum Unit {
     Impulse,
     /// \[Pa\]
     Pressure,
+    /// \[Pa s\]
+    Viscosity,
     /// \[J\]
     Energy,
+    /// \[N m\]
+    Torque,
+    /// \[N/m\], force per change of a length.
+    LengthStiffness,
+    /// \[N/m³\], force per length and area: that of springs between surfaces, or of plain area springs.
+    AreaStiffness,
+    /// \[N/m⁵\], that of plain volume springs.
+    VolumeStiffness,
 }
 
 /// Why a text is no quantity of the wanted unit.
@@ -120,7 +130,7 @@ use Scale::{Degree, Ten, Times};
 
 impl Unit {
     /// Every dimension.
-    pub const ALL: [Unit; 17] = [
+    pub const ALL: [Unit; 22] = [
         Unit::Ratio,
         Unit::Count,
         Unit::Length,
@@ -137,7 +147,12 @@ impl Unit {
         Unit::Force,
         Unit::Impulse,
         Unit::Pressure,
+        Unit::Viscosity,
         Unit::Energy,
+        Unit::Torque,
+        Unit::LengthStiffness,
+        Unit::AreaStiffness,
+        Unit::VolumeStiffness,
     ];
 
     /// Symbols with their scale, the SI unit first, then from large to small.
@@ -181,12 +196,17 @@ impl Unit {
                 ("MPa", Ten(6)),
                 ("kPa", Ten(3)),
             ],
+            Unit::Viscosity => &[("Pa s", Ten(0)), ("kPa s", Ten(3)), ("mPa s", Ten(-3))],
             Unit::Energy => &[
                 ("J", Ten(0)),
                 ("mJ", Ten(-3)),
                 ("uJ", Ten(-6)),
                 ("nJ", Ten(-9)),
             ],
+            Unit::Torque => &[("N m", Ten(0)), ("mN m", Ten(-3)), ("uN m", Ten(-6))],
+            Unit::LengthStiffness => &[("N/m", Ten(0)), ("kN/m", Ten(3))],
+            Unit::AreaStiffness => &[("N/m^3", Ten(0)), ("N/mm^3", Ten(9))],
+            Unit::VolumeStiffness => &[("N/m^5", Ten(0))],
         }
     }
 
@@ -227,7 +247,12 @@ impl Unit {
             Unit::Force => "a force",
             Unit::Impulse => "an impulse",
             Unit::Pressure => "a pressure",
+            Unit::Viscosity => "a viscosity",
             Unit::Energy => "an energy",
+            Unit::Torque => "a torque",
+            Unit::LengthStiffness => "a stiffness per length",
+            Unit::AreaStiffness => "a stiffness per area",
+            Unit::VolumeStiffness => "a stiffness per volume",
         }
     }
 
@@ -317,6 +342,7 @@ fn plain_symbol(symbol: &str) -> String {
         .replace(['µ', 'μ'], "u")
         .replace('²', "^2")
         .replace('³', "^3")
+        .replace('⁵', "^5")
         .replace('°', "deg")
 }
 
@@ -389,6 +415,9 @@ mod tests {
             (Unit::Density, "1060 kg/m^3", 1060.0),
             (Unit::Density, "1.06 g/cm³", 1060.0),
             (Unit::Volume, "0.3 mm^3", 0.3e-9),
+            (Unit::Viscosity, "250 mPa s", 0.25),
+            (Unit::AreaStiffness, "2 N/mm³", 2e9),
+            (Unit::VolumeStiffness, "5 N/m⁵", 5.0),
             (Unit::Rate, "100 1/s", 100.0),
             (Unit::Speed, "0.3 mm/s", 0.0003),
             (Unit::Ratio, "35 %", 0.35),

@@ -9,8 +9,13 @@ use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Symbolic};
 use nalgebra::{Matrix3, Vector3};
 
 fn main() {
-    let repetitions = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(5);
-    println!("grid  nodes fronts  entries    MFLOP  order  analyse factorise GFLOP/s  solve product [ms]");
+    let repetitions = std::env::args()
+        .nth(1)
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(5);
+    println!(
+        "grid  nodes fronts  entries    MFLOP  order  analyse factorise GFLOP/s  solve product [ms]"
+    );
     for (name, size) in [("S", [16, 4, 4]), ("M", [36, 8, 8]), ("L", [61, 13, 13])] {
         bench(name, size, repetitions);
     }
@@ -34,13 +39,25 @@ fn bench(name: &str, size: [usize; 3], repetitions: usize) {
     }
     let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
 
-    let (order, ordering) = fastest(repetitions, || Ordering::nested_dissection(&pattern, Some(&positions)));
-    let (analyse, symbolic) = fastest(repetitions, || Arc::new(Symbolic::analyse(&pattern, &ordering)));
+    let (order, ordering) = fastest(repetitions, || {
+        Ordering::nested_dissection(&pattern, Some(&positions))
+    });
+    let (analyse, symbolic) = fastest(repetitions, || {
+        Arc::new(Symbolic::analyse(&pattern, &ordering))
+    });
     let mut factor = Factor::new(symbolic.clone());
     let (factorise, outcome) = fastest(repetitions, || factor.factorise(&matrix, Some(&fixed)));
     outcome.expect("a beam held at one end");
-    let load: Vec<Vector3<f64>> =
-        fixed.iter().map(|&fixed| if fixed { Vector3::zeros() } else { -Vector3::z() }).collect();
+    let load: Vec<Vector3<f64>> = fixed
+        .iter()
+        .map(|&fixed| {
+            if fixed {
+                Vector3::zeros()
+            } else {
+                -Vector3::z()
+            }
+        })
+        .collect();
     let (solve, x) = fastest(repetitions, || {
         let mut x = load.clone();
         factor.solve(&mut x);
@@ -48,7 +65,10 @@ fn bench(name: &str, size: [usize; 3], repetitions: usize) {
     });
     let mut product = vec![Vector3::zeros(); nodes];
     let (multiply, ()) = fastest(repetitions, || matrix.multiply(&x, &mut product));
-    let residual = (0..nodes).filter(|&i| !fixed[i]).map(|i| (product[i] - load[i]).norm()).fold(0.0, f64::max);
+    let residual = (0..nodes)
+        .filter(|&i| !fixed[i])
+        .map(|i| (product[i] - load[i]).norm())
+        .fold(0.0, f64::max);
     println!(
         "{name:4} {nodes:6} {:6} {:8} {:8.1} {order:6.2} {analyse:8.2} {factorise:9.2} {:7.1} {solve:6.2} {multiply:7.3}  residual {residual:.0e}",
         symbolic.fronts(),
@@ -87,7 +107,14 @@ fn kuhn_grid(size: [usize; 3]) -> (Vec<Vector3<f64>>, Vec<[u32; 4]>) {
                     continue;
                 }
                 // One tetrahedron per order of the axes: from one corner to the opposite one along three edges.
-                for axes in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+                for axes in [
+                    [0, 1, 2],
+                    [0, 2, 1],
+                    [1, 0, 2],
+                    [1, 2, 0],
+                    [2, 0, 1],
+                    [2, 1, 0],
+                ] {
                     let mut at = [x, y, z];
                     cells.push(std::array::from_fn(|k| {
                         if k > 0 {

@@ -5,7 +5,8 @@ use crate::kernels::{Quad, WIDTH, triangle_start};
 use crate::symbolic::{Entry, Front, Kind, Symbolic};
 
 /// A pivot must exceed this share of the diagonal entry it is left of. Each subtraction rounds by up to ε/2 of that
-/// entry, and there are some hundreds, of either sign: a pivot below some ten ε has no correct digit.
+/// entry, and there are some hundreds of either sign; what is smaller has no correct digit. A longer way through many
+/// fronts can leave more, but a larger share would refuse slender bodies, whose pivots are small rightly.
 const PIVOT_SHARE: f64 = 64.0 * f64::EPSILON;
 
 /// Fills a panel with the blocks of the matrix, the nodes marked in `fixed` decoupled, and the identity in the rows
@@ -20,20 +21,25 @@ pub(crate) fn assemble(
 ) {
     panel.fill(Quad::ZERO);
     let mut set = |target: usize, value: f64| panel[target / WIDTH].0[target % WIDTH] = value;
-    for row in 3 * front.columns.len()..WIDTH * front.triangle() {
+    let added = 3 * front.columns.len()..WIDTH * front.triangle();
+    least[added.clone()].fill(0.0);
+    for row in added {
         let (quad, lane) = Front::own_row(row);
         set(WIDTH * (quad + row) + lane, 1.0);
-        least[row] = 0.0;
     }
     for entry in entries {
-        let is_fixed = fixed.is_some_and(|fixed| entry.nodes.iter().any(|&node| fixed[node as usize]));
+        let is_fixed =
+            fixed.is_some_and(|fixed| entry.nodes.iter().any(|&node| fixed[node as usize]));
         let block = &matrix.values()[entry.slot as usize];
         let targets = entry.targets.map(|target| target as usize);
         match entry.kind {
             Kind::Diagonal(column) => {
                 for (a, &target) in targets.iter().enumerate() {
                     for b in 0..a {
-                        set(target + WIDTH * b, if is_fixed { 0.0 } else { block[(a, b)] });
+                        set(
+                            target + WIDTH * b,
+                            if is_fixed { 0.0 } else { block[(a, b)] },
+                        );
                     }
                     let diagonal = if is_fixed { 1.0 } else { block[(a, a)] };
                     set(target + WIDTH * a, diagonal);
@@ -73,7 +79,10 @@ pub(crate) struct Places {
 impl Places {
     /// Room for updates of up to `rows` rows.
     pub fn new(rows: usize) -> Self {
-        Self { rows: vec![(0, 0); rows], columns: vec![0; rows] }
+        Self {
+            rows: vec![(0, 0); rows],
+            columns: vec![0; rows],
+        }
     }
 
     /// Adds what the update of `child`, on `stack`, holds for one part of its parent's front to that part (`target`).
@@ -91,7 +100,11 @@ impl Places {
         let in_parent = &symbolic.in_parent[child.rows.clone()];
         let count = 3 * in_parent.len();
         let split = self.find(in_parent, parent, part);
-        let (begin, end) = if part == Part::Panel { (0, split) } else { (split, count) };
+        let (begin, end) = if part == Part::Panel {
+            (0, split)
+        } else {
+            (split, count)
+        };
         let columns = &self.columns[..count];
         for strip in begin / WIDTH..count.div_ceil(WIDTH) {
             let first = WIDTH * strip;
@@ -105,7 +118,8 @@ impl Places {
                 done = end.min(first);
                 for (&column, value) in columns[begin..done].iter().zip(&source[begin..done]) {
                     for (lane, row) in [a, b, c, d].into_iter().enumerate() {
-                        target[(row.0 + column) as usize].0[row.1 as usize % WIDTH] += value.0[lane];
+                        target[(row.0 + column) as usize].0[row.1 as usize % WIDTH] +=
+                            value.0[lane];
                     }
                 }
             }

@@ -23,7 +23,10 @@ pub(crate) struct Fronts {
 pub(crate) fn fronts(graph: &Graph, sequence: &[u32]) -> Fronts {
     let (parent, _) = elimination_tree(graph, sequence);
     // With the columns in postorder a supernode is a run of columns.
-    let sequence: Vec<u32> = postorder(&parent).into_iter().map(|k| sequence[k as usize]).collect();
+    let sequence: Vec<u32> = postorder(&parent)
+        .into_iter()
+        .map(|k| sequence[k as usize])
+        .collect();
     let (parent, place) = elimination_tree(graph, &sequence);
     let supernodes = Supernodes::find(graph, &sequence, &place, &parent);
     supernodes.merged().into_fronts(&sequence)
@@ -61,7 +64,11 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
     let mut children = vec![Vec::new(); parent.len()];
     let mut roots = Vec::new();
     for (k, &p) in parent.iter().enumerate() {
-        let list = if p == NONE { &mut roots } else { &mut children[p as usize] };
+        let list = if p == NONE {
+            &mut roots
+        } else {
+            &mut children[p as usize]
+        };
         list.push(k as u32);
     }
     // Parents before children and the last sibling first: the reverse of the postorder.
@@ -106,7 +113,10 @@ impl Supernodes {
                 take(place[other as usize]);
             }
             for &child in &children[k as usize] {
-                structure[child as usize].iter().copied().for_each(&mut take);
+                structure[child as usize]
+                    .iter()
+                    .copied()
+                    .for_each(&mut take);
             }
             rows.sort_unstable();
             let continues = children[k as usize].last().is_some_and(|&child: &u32| {
@@ -126,7 +136,10 @@ impl Supernodes {
             }
         }
         let last = |columns: &Vec<u32>| *columns.last().expect("a supernode has a column") as usize;
-        let rows = columns.iter().map(|columns| std::mem::take(&mut structure[last(columns)])).collect();
+        let rows = columns
+            .iter()
+            .map(|columns| std::mem::take(&mut structure[last(columns)]))
+            .collect();
         let parent = columns
             .iter()
             .map(|columns| match parent[last(columns)] {
@@ -134,7 +147,11 @@ impl Supernodes {
                 parent => owner[parent as usize],
             })
             .collect();
-        Self { columns, rows, parent }
+        Self {
+            columns,
+            rows,
+            parent,
+        }
     }
 
     /// Merges a child into its parent wherever the front of both together is cheaper than the two, although it holds
@@ -169,11 +186,18 @@ impl Supernodes {
 
     /// Numbers what is left anew, in postorder.
     fn into_fronts(mut self, sequence: &[u32]) -> Fronts {
-        let order: Vec<u32> =
-            postorder(&self.parent).into_iter().filter(|&k| !self.columns[k as usize].is_empty()).collect();
+        let order: Vec<u32> = postorder(&self.parent)
+            .into_iter()
+            .filter(|&k| !self.columns[k as usize].is_empty())
+            .collect();
         let mut number = vec![NONE; self.columns.len()];
         let mut renamed = vec![0; sequence.len()];
-        let mut fronts = Fronts { sequence: Vec::new(), first: vec![0], rows: Vec::new(), parent: Vec::new() };
+        let mut fronts = Fronts {
+            sequence: Vec::new(),
+            first: vec![0],
+            rows: Vec::new(),
+            parent: Vec::new(),
+        };
         for (k, &supernode) in order.iter().enumerate() {
             number[supernode as usize] = k as u32;
             for &column in &self.columns[supernode as usize] {
@@ -184,11 +208,14 @@ impl Supernodes {
         }
         for &supernode in &order {
             let mut rows = std::mem::take(&mut self.rows[supernode as usize]);
-            rows.iter_mut().for_each(|row| *row = renamed[*row as usize]);
+            rows.iter_mut()
+                .for_each(|row| *row = renamed[*row as usize]);
             rows.sort_unstable();
             fronts.rows.push(rows);
             let parent = self.parent[supernode as usize];
-            fronts.parent.push((parent != NONE).then(|| number[parent as usize]));
+            fronts
+                .parent
+                .push((parent != NONE).then(|| number[parent as usize]));
         }
         fronts
     }

@@ -35,7 +35,12 @@ pub fn conjugate_gradients(
 ) -> CgOutcome {
     assert_eq!(b.len(), x.len(), "one vector per node");
     let scale = dot(b, b).sqrt();
-    let mut outcome = CgOutcome { iterations: 0, residual: 0.0, converged: true, negative_curvature: false };
+    let mut outcome = CgOutcome {
+        iterations: 0,
+        residual: 0.0,
+        converged: true,
+        negative_curvature: false,
+    };
     if scale == 0.0 {
         x.fill(Vector3::zeros());
         return outcome;
@@ -54,17 +59,21 @@ pub fn conjugate_gradients(
         }
         precondition(&r, &mut z);
         let next = dot(&r, &z);
-        if !(next > 0.0) {
+        if next <= 0.0 || next.is_nan() {
             outcome.negative_curvature = true;
             return outcome;
         }
-        let beta = if outcome.iterations == 0 { 0.0 } else { next / rz };
+        let beta = if outcome.iterations == 0 {
+            0.0
+        } else {
+            next / rz
+        };
         rz = next;
         p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * beta);
         apply(&p, &mut q);
         outcome.iterations += 1;
         let curvature = dot(&p, &q);
-        if !(curvature > 0.0 && curvature < f64::INFINITY) {
+        if curvature <= 0.0 || !curvature.is_finite() {
             outcome.negative_curvature = true;
             return outcome;
         }
@@ -94,16 +103,176 @@ impl BlockJacobi {
             if fixed.is_some_and(|fixed| fixed[node]) {
                 return Ok(Matrix3::identity());
             }
-            let inverse = matrix.diagonal(node).cholesky().map(|factor| factor.inverse());
-            inverse.filter(|inverse| inverse.iter().all(|v| v.is_finite())).ok_or(NotPositive { node })
+            let block = matrix.diagonal(node);
+            let inverse = block.cholesky().map(|factor| factor.inverse());
+            let is_finite = |matrix: &Matrix3<f64>| matrix.iter().all(|value| value.is_finite());
+            inverse
+                .filter(|inverse| is_finite(block) && is_finite(inverse))
+                .ok_or(NotPositive { node })
         };
-        Ok(Self { inverses: (0..matrix.pattern().nodes()).map(invert).collect::<Result<_, _>>()? })
+        Ok(Self {
+            inverses: (0..matrix.pattern().nodes())
+                .map(invert)
+                .collect::<Result<_, _>>()?,
+        })
     }
 
     /// z = C⁻¹ r.
     pub fn apply(&self, r: &[Vector3<f64>], z: &mut [Vector3<f64>]) {
         for ((inverse, r), z) in self.inverses.iter().zip(r).zip(z) {
             *z = inverse * r;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::testing::{Random, bits, elastic, grid};
+    use crate::{Factor, Ordering, Symbolic};
+
+    fn copy(r: &[Vector3<f64>], z: &mut [Vector3<f64>]) {
+        z.copy_from_slice(r);
+    }
+
+    /// A bar held at one end, its stiffness growing 10⁴-fold towards the other.
+    fn bar() -> (BlockMatrix, Vec<Vector3<f64>>) {
+        let (positions, edges) = grid([12, 3, 3]);
+        let mut matrix = elastic(&positions, &edges);
+        let scale = |node: usize| 1.0 + 99.0 * (positions[node].x / 11.0).powi(3);
+        for i in 0..positions.len() {
+            for k in 0..matrix.pattern().row(i).len() {
+                let j = matrix.pattern().row(i)[k] as usize;
+                let slot = matrix.pattern().first_slot(i) + k;
+                matrix.values_mut()[slot] *= scale(i) * scale(j);
+            }
+        }
+        let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
+        matrix.constrain(&fixed);
+        (matrix, Random(21).vectors(positions.len()))
+    }
+
+    #[test]
+    fn agrees_with_the_factor() {
+        let (matrix, b) = bar();
+        let ordering = Ordering::natural(b.len());
+        let mut factor = Factor::new(Arc::new(Symbolic::analyse(matrix.pattern(), &ordering)));
+        factor.factorise(&matrix, None).unwrap();
+        let mut expected = b.clone();
+        factor.solve(&mut expected);
+        let jacobi = BlockJacobi::new(&matrix, None).unwrap();
+        let tolerance = 1e-11;
+        let mut x = vec![Vector3::zeros(); b.len()];
+        let apply = |x: &[Vector3<f64>], y: &mut [Vector3<f64>]| matrix.multiply(x, y);
+        let outcome = conjugate_gradients(
+            apply,
+            |r, z| jacobi.apply(r, z),
+            &b,
+            &mut x,
+            tolerance,
+            3000,
+        );
+        assert!(outcome.converged && !outcome.negative_curvature && outcome.residual <= tolerance);
+        // |x − x*| = |A⁻¹ r| ≤ tolerance |b| / λ_min; twice for the rounding of both.
+        let smallest = crate::testing::dense(&matrix).symmetric_eigenvalues().min();
+        let difference: Vec<_> = x.iter().zip(&expected).map(|(x, e)| x - e).collect();
+        assert!(
+            dot(&difference, &difference).sqrt() <= 2.0 * tolerance * dot(&b, &b).sqrt() / smallest
+        );
+        // Without preconditioner it takes longer on a badly scaled matrix.
+        let plain = conjugate_gradients(
+            apply,
+            copy,
+            &b,
+            &mut vec![Vector3::zeros(); b.len()],
+            tolerance,
+            3000,
+        );
+        assert!(
+            plain.iterations > 2 * outcome.iterations,
+            "{} {}",
+            plain.iterations,
+            outcome.iterations
+        );
+        // From the solution nothing is left to do; and the same bits come again.
+        assert_eq!(
+            conjugate_gradients(apply, copy, &b, &mut x.clone(), 1e-10, 10).iterations,
+            0
+        );
+        let mut again = vec![Vector3::zeros(); b.len()];
+        conjugate_gradients(
+            apply,
+            |r, z| jacobi.apply(r, z),
+            &b,
+            &mut again,
+            tolerance,
+            3000,
+        );
+        assert_eq!(bits(&again), bits(&x));
+    }
+
+    #[test]
+    fn one_iteration_for_separate_nodes() {
+        let matrix = crate::testing::random_matrix(&mut Random(22), 9, 0, 0.7);
+        let jacobi = BlockJacobi::new(&matrix, None).unwrap();
+        let b = Random(23).vectors(9);
+        let mut x = Random(24).vectors(9);
+        let apply = |x: &[Vector3<f64>], y: &mut [Vector3<f64>]| matrix.multiply(x, y);
+        let outcome = conjugate_gradients(apply, |r, z| jacobi.apply(r, z), &b, &mut x, 1e-14, 5);
+        assert_eq!((outcome.iterations, outcome.converged), (1, true));
+    }
+
+    #[test]
+    fn stops_at_negative_curvature_at_the_limit_and_at_zero() {
+        let b = [Vector3::new(1.0, 1.0, 1.0)];
+        let indefinite = |x: &[Vector3<f64>], y: &mut [Vector3<f64>]| {
+            y[0] = Vector3::new(x[0].x, x[0].y, -3.0 * x[0].z)
+        };
+        let mut x = [Vector3::zeros()];
+        let outcome = conjugate_gradients(indefinite, copy, &b, &mut x, 1e-10, 9);
+        assert!(outcome.negative_curvature && !outcome.converged);
+        assert_eq!(
+            x[0],
+            Vector3::zeros(),
+            "the last iterate before: p·A p = −1 at once"
+        );
+
+        let nan = |_: &[Vector3<f64>], y: &mut [Vector3<f64>]| y[0] = Vector3::repeat(f64::NAN);
+        assert!(!conjugate_gradients(nan, copy, &b, &mut x, 1e-10, 9).converged);
+
+        let negative = |r: &[Vector3<f64>], z: &mut [Vector3<f64>]| z[0] = -r[0];
+        assert!(conjugate_gradients(copy, negative, &b, &mut x, 1e-10, 9).negative_curvature);
+
+        let scaled = |x: &[Vector3<f64>], y: &mut [Vector3<f64>]| {
+            y[0] = x[0].component_mul(&Vector3::new(1.0, 2.0, 3.0))
+        };
+        let outcome = conjugate_gradients(scaled, copy, &b, &mut x, 1e-10, 2);
+        assert!(
+            !outcome.converged && outcome.iterations == 2,
+            "three eigenvalues take three iterations"
+        );
+        assert!(conjugate_gradients(scaled, copy, &b, &mut x, 1e-10, 3).converged);
+
+        let outcome = conjugate_gradients(scaled, copy, &[Vector3::zeros()], &mut x, 1e-10, 3);
+        assert_eq!(
+            (outcome.converged, outcome.residual, x[0]),
+            (true, 0.0, Vector3::zeros())
+        );
+    }
+
+    #[test]
+    fn a_bad_diagonal_has_no_preconditioner() {
+        let mut matrix = crate::testing::random_matrix(&mut Random(25), 4, 6, 0.5);
+        for bad in [-1.0, f64::NAN, f64::INFINITY] {
+            let slot = matrix.pattern().diagonal_slot(2);
+            matrix.values_mut()[slot][(0, 0)] = bad;
+            assert_eq!(
+                BlockJacobi::new(&matrix, None).unwrap_err(),
+                NotPositive { node: 2 }
+            );
+            assert!(BlockJacobi::new(&matrix, Some(&[false, false, true, false])).is_ok());
         }
     }
 }

@@ -83,7 +83,7 @@ fn cholesky(mut tile: Tile, least: &[f64]) -> Result<Tile, usize> {
             }
         }
         let pivot = tile[j].0[j];
-        if !(pivot > least[j] && pivot < f64::INFINITY) {
+        if pivot <= least[j] || !pivot.is_finite() {
             return Err(j);
         }
         let reciprocal = 1.0 / pivot.sqrt();
@@ -97,7 +97,11 @@ fn cholesky(mut tile: Tile, least: &[f64]) -> Result<Tile, usize> {
 
 /// Factors a panel in place: `triangle` strips of a lower triangle, then full strips of 4·`triangle` columns below it.
 /// `least` bounds each pivot from below. Fails with the column of the pivot that is not above it.
-pub(crate) fn factor_panel(panel: &mut [Quad], triangle: usize, least: &[f64]) -> Result<(), usize> {
+pub(crate) fn factor_panel(
+    panel: &mut [Quad],
+    triangle: usize,
+    least: &[f64],
+) -> Result<(), usize> {
     let width = WIDTH * triangle;
     // The triangle: blocks of strips against all strips before the block, then within the block.
     for begin in (0..triangle).step_by(BLOCK) {
@@ -171,16 +175,15 @@ pub(crate) fn solve_forward(panel: &[Quad], own: &mut [Quad], below: &mut [Quad]
         for (j, column) in tile.iter().enumerate() {
             y[j] = (y[j] - sum[j]) * column.0[j];
             let value = y[j];
-            for lane in j + 1..WIDTH {
-                y[lane] -= column.0[lane] * value;
+            for (y, l) in y.iter_mut().zip(&column.0).skip(j + 1) {
+                *y -= l * value;
             }
         }
     }
     let strips = panel[triangle_start(own.len())..].chunks_exact(width);
     for (strip, y) in strips.zip(below) {
-        let sum = row_sums(strip, own);
-        for lane in 0..WIDTH {
-            y.0[lane] -= sum[lane];
+        for (y, sum) in y.0.iter_mut().zip(row_sums(strip, own)) {
+            *y -= sum;
         }
     }
 }
@@ -191,8 +194,8 @@ fn row_sums(strip: &[Quad], x: &[Quad]) -> [f64; WIDTH] {
     let mut sums = [[0.0; WIDTH]; WIDTH];
     for (tile, x) in strip.as_chunks::<WIDTH>().0.iter().zip(x) {
         for ((sum, column), x) in sums.iter_mut().zip(tile).zip(&x.0) {
-            for lane in 0..WIDTH {
-                sum[lane] += column.0[lane] * x;
+            for (sum, value) in sum.iter_mut().zip(&column.0) {
+                *sum += value * x;
             }
         }
     }
@@ -233,3 +236,6 @@ fn add_lanes(sums: &mut [Quad], strip: &[Quad], x: &Quad) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

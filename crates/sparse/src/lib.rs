@@ -48,3 +48,6 @@ pub use matrix::BlockMatrix;
 pub use ordering::{NotPermutation, Ordering};
 pub use pattern::Pattern;
 pub use symbolic::Symbolic;
+
+#[cfg(test)]
+mod testing;

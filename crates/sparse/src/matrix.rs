@@ -51,7 +51,10 @@ impl BlockMatrix {
     /// # Panics
     /// When the pattern does not couple `i` and `j`.
     pub fn add(&mut self, i: usize, j: usize, block: &Matrix3<f64>) {
-        let slot = self.pattern.slot(i.max(j), i.min(j)).expect("the pattern couples the two nodes");
+        let slot = self
+            .pattern
+            .slot(i.max(j), i.min(j))
+            .expect("the pattern couples the two nodes");
         if i >= j {
             self.values[slot] += block;
         } else {
@@ -100,10 +103,89 @@ impl BlockMatrix {
         for i in 0..fixed.len() {
             for (k, &j) in self.pattern.row(i).iter().enumerate() {
                 if fixed[i] || fixed[j as usize] {
-                    self.values[self.pattern.first_slot(i) + k] =
-                        if j as usize == i { Matrix3::identity() } else { Matrix3::zeros() };
+                    self.values[self.pattern.first_slot(i) + k] = if j as usize == i {
+                        Matrix3::identity()
+                    } else {
+                        Matrix3::zeros()
+                    };
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Random, dense, dense_vector, random_matrix};
+
+    #[test]
+    fn product_is_that_of_the_dense_matrix() {
+        let mut random = Random(1);
+        for nodes in [1, 2, 7, 30] {
+            let matrix = random_matrix(&mut random, nodes, 2 * nodes, 0.5);
+            let x = random.vectors(nodes);
+            let mut y = random.vectors(nodes);
+            matrix.multiply(&x, &mut y);
+            let dense = dense(&matrix);
+            assert_eq!(dense, dense.transpose());
+            let expected = &dense * dense_vector(&x);
+            // Both sum at most 3n products of a row, each rounding by ε of the sum of magnitudes: γ_3n twice.
+            let bound =
+                dense.abs() * dense_vector(&x).abs() * (2.0 * 3.0 * nodes as f64 * f64::EPSILON);
+            assert!(
+                (dense_vector(&y) - expected)
+                    .abs()
+                    .iter()
+                    .zip(bound.iter())
+                    .all(|(error, bound)| error <= bound)
+            );
+        }
+    }
+
+    #[test]
+    fn blocks_land_where_they_belong() {
+        let mut matrix = BlockMatrix::zeros(Arc::new(Pattern::from_cliques(3, [[0, 2]])));
+        let block = Matrix3::from_fn(|r, c| (3 * r + c) as f64);
+        matrix.add(2, 0, &block);
+        matrix.add(0, 2, &block);
+        matrix.add_slot(matrix.pattern().slot(2, 0).unwrap(), &Matrix3::identity());
+        matrix.add_diagonal(1, &Matrix3::identity());
+        assert_eq!(
+            matrix.values()[2],
+            block + block.transpose() + Matrix3::identity()
+        );
+        assert_eq!(*matrix.diagonal(1), Matrix3::identity());
+        assert_eq!(*matrix.diagonal(2), Matrix3::zeros());
+        matrix.clear();
+        assert!(
+            matrix
+                .values()
+                .iter()
+                .all(|block| *block == Matrix3::zeros())
+        );
+    }
+
+    #[test]
+    #[should_panic(expected = "couples")]
+    fn a_block_beyond_the_pattern_is_a_bug() {
+        let mut matrix = BlockMatrix::zeros(Arc::new(Pattern::from_cliques(3, [[0, 2]])));
+        matrix.add(1, 0, &Matrix3::identity());
+    }
+
+    #[test]
+    fn constrained_nodes_are_cut_off() {
+        let mut random = Random(2);
+        let mut matrix = random_matrix(&mut random, 6, 20, 0.5);
+        let mut expected = dense(&matrix);
+        for node in [1, 4] {
+            for a in 3 * node..3 * node + 3 {
+                expected.row_mut(a).fill(0.0);
+                expected.column_mut(a).fill(0.0);
+                expected[(a, a)] = 1.0;
+            }
+        }
+        matrix.constrain(&[false, true, false, false, true, false]);
+        assert_eq!(dense(&matrix), expected);
     }
 }

@@ -14,7 +14,12 @@ pub(crate) struct MinimumDegree {
 
 impl MinimumDegree {
     pub fn new(nodes: usize) -> Self {
-        Self { local: vec![0; nodes], stamp: vec![0; nodes], current: 0, bits: Vec::new() }
+        Self {
+            local: vec![0; nodes],
+            stamp: vec![0; nodes],
+            current: 0,
+            bits: Vec::new(),
+        }
     }
 
     /// Appends `leaf` to `sequence` in the order of smallest degree, ties by position in `leaf`. Degrees count the
@@ -49,7 +54,12 @@ impl MinimumDegree {
         }
         let mut waiting: Vec<usize> = (0..leaf.len()).collect();
         while !waiting.is_empty() {
-            let degree = |i: usize| self.bits[i * words..(i + 1) * words].iter().map(|w| w.count_ones()).sum::<u32>();
+            let degree = |i: usize| {
+                self.bits[i * words..(i + 1) * words]
+                    .iter()
+                    .map(|w| w.count_ones())
+                    .sum::<u32>()
+            };
             let (place, _) = waiting
                 .iter()
                 .enumerate()
@@ -61,10 +71,51 @@ impl MinimumDegree {
             let row = self.bits[pivot * words..(pivot + 1) * words].to_vec();
             for j in (0..count as usize).filter(|&j| row[j / 64] >> (j % 64) & 1 == 1) {
                 let other = &mut self.bits[j * words..(j + 1) * words];
-                other.iter_mut().zip(&row).for_each(|(word, clique)| *word |= clique);
+                other
+                    .iter_mut()
+                    .zip(&row)
+                    .for_each(|(word, clique)| *word |= clique);
                 other[j / 64] &= !(1 << (j % 64));
                 other[pivot / 64] &= !(1 << (pivot % 64));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Pattern;
+
+    fn order(nodes: usize, edges: &[[u32; 2]], leaf: &[u32]) -> Vec<u32> {
+        let graph = Pattern::from_cliques(nodes, edges).graph();
+        let mut sequence = Vec::new();
+        MinimumDegree::new(nodes).order(&graph, leaf, &mut sequence);
+        sequence
+    }
+
+    #[test]
+    fn a_star_goes_from_its_tips() {
+        // Centre 0 with tips 1..5: degree 4 against 1; when one tip is left both have degree 1 and 0 stands first.
+        let edges = [[0, 1], [0, 2], [0, 3], [0, 4]];
+        assert_eq!(order(5, &edges, &[0, 1, 2, 3, 4]), [1, 2, 3, 0, 4]);
+    }
+
+    #[test]
+    fn degrees_count_fill() {
+        // Ring 0-1-2-3-4-5: after 0 goes, 1 and 5 are joined and keep degree 2; after 1, 5 and 2 are.
+        let edges = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]];
+        assert_eq!(order(6, &edges, &[0, 1, 2, 3, 4, 5]), [0, 1, 2, 3, 4, 5]);
+        // With tip 6 on 1, eliminating 0 gives 5 the degree 2 still, and 1 the degree 3: 2 would too. The tip is first.
+        assert_eq!(
+            order(7, &[&edges[..], &[[1, 6]]].concat(), &[0, 1, 2, 3, 4, 5, 6])[0],
+            6
+        );
+    }
+
+    #[test]
+    fn surroundings_count_but_stay() {
+        // Node 0 touches two nodes outside the leaf, node 1 one.
+        assert_eq!(order(5, &[[0, 2], [0, 3], [1, 4]], &[0, 1]), [1, 0]);
     }
 }

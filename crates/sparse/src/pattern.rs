@@ -15,7 +15,10 @@ impl Pattern {
     ///
     /// # Panics
     /// When a clique names a node that is not below `nodes`: meshes are validated before they get here.
-    pub fn from_cliques<C: AsRef<[u32]>>(nodes: usize, cliques: impl IntoIterator<Item = C>) -> Self {
+    pub fn from_cliques<C: AsRef<[u32]>>(
+        nodes: usize,
+        cliques: impl IntoIterator<Item = C>,
+    ) -> Self {
         let mut rows: Vec<Vec<u32>> = (0..nodes as u32).map(|node| vec![node]).collect();
         for clique in cliques {
             let clique = clique.as_ref();
@@ -127,7 +130,10 @@ mod tests {
         assert_eq!(pattern.diagonal_slot(3), pattern.slot(3, 3).unwrap());
         let graph = pattern.graph();
         let neighbours: Vec<&[u32]> = (0..5).map(|i| graph.neighbours(i)).collect();
-        assert_eq!(neighbours, [&[1, 2][..], &[0, 2, 3], &[0, 1, 3], &[1, 2], &[]]);
+        assert_eq!(
+            neighbours,
+            [&[1, 2][..], &[0, 2, 3], &[0, 1, 3], &[1, 2], &[]]
+        );
     }
 
     #[test]

@@ -23,17 +23,36 @@ pub(crate) struct Separator {
 
 impl Separator {
     pub fn new(nodes: usize) -> Self {
-        Self { partner: vec![NONE; nodes], origin: vec![NONE; nodes], seen: vec![0; nodes], search: 0 }
+        Self {
+            partner: vec![NONE; nodes],
+            origin: vec![NONE; nodes],
+            seen: vec![0; nodes],
+            search: 0,
+        }
     }
 
     /// The smallest set of nodes, part of `left` or of `right`, that touches every edge between the two. `part` gives
     /// the side of a node (`sides` = left, right); nodes of neither are ignored. Sorted by node.
-    pub fn cover(&mut self, graph: &Graph, left: &[u32], part: &[u32], sides: [u32; 2]) -> Vec<u32> {
+    pub fn cover(
+        &mut self,
+        graph: &Graph,
+        left: &[u32],
+        part: &[u32],
+        sides: [u32; 2],
+    ) -> Vec<u32> {
         let across = |node: u32| {
             let side = sides[1];
-            graph.neighbours(node).iter().copied().filter(move |&other| part[other as usize] == side)
+            graph
+                .neighbours(node)
+                .iter()
+                .copied()
+                .filter(move |&other| part[other as usize] == side)
         };
-        let border: Vec<u32> = left.iter().copied().filter(|&node| across(node).next().is_some()).collect();
+        let border: Vec<u32> = left
+            .iter()
+            .copied()
+            .filter(|&node| across(node).next().is_some())
+            .collect();
         for &node in &border {
             self.partner[node as usize] = NONE;
             across(node).for_each(|other| self.partner[other as usize] = NONE);
@@ -91,7 +110,12 @@ impl Separator {
                 }
             }
         }
-        cover.extend(border.iter().copied().filter(|&node| self.seen[node as usize] != self.search));
+        cover.extend(
+            border
+                .iter()
+                .copied()
+                .filter(|&node| self.seen[node as usize] != self.search),
+        );
         cover.sort_unstable();
         cover
     }
@@ -112,5 +136,60 @@ impl Separator {
             }
             end = next;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Pattern;
+    use crate::testing::{Random, grid};
+
+    /// Cover of the edges between the first `left` nodes and the others.
+    fn cover(pattern: &Pattern, left: usize) -> Vec<u32> {
+        let nodes = pattern.nodes();
+        let part: Vec<u32> = (0..nodes).map(|k| if k < left { 7 } else { 8 }).collect();
+        let half: Vec<u32> = (0..left as u32).collect();
+        Separator::new(nodes).cover(&pattern.graph(), &half, &part, [7, 8])
+    }
+
+    #[test]
+    fn as_small_as_brute_force() {
+        let mut random = Random(3);
+        for _ in 0..200 {
+            let nodes = 2 + random.below(9);
+            let left = 1 + random.below(nodes - 1);
+            let edges: Vec<[u32; 2]> = (0..random.below(16))
+                .map(|_| [0; 2].map(|_| random.below(nodes) as u32))
+                .collect();
+            let crossing: Vec<[u32; 2]> = edges
+                .iter()
+                .copied()
+                .filter(|[a, b]| (*a as usize) < left && *b as usize >= left)
+                .collect();
+            let covers = |set: u32| crossing.iter().all(|[a, b]| (set >> a | set >> b) & 1 == 1);
+            let smallest = (0..1_u32 << nodes)
+                .filter(|&set| covers(set))
+                .map(u32::count_ones)
+                .min()
+                .unwrap();
+            let found = cover(&Pattern::from_cliques(nodes, &crossing), left);
+            assert!(
+                covers(found.iter().map(|node| 1 << node).sum()),
+                "{crossing:?} {found:?}"
+            );
+            assert_eq!(found.len() as u32, smallest, "{crossing:?} {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_cut_through_a_layer_gives_one_layer() {
+        // 7 layers of 25 nodes, cut in the middle of the fourth: no cover is smaller than a layer, since 25 straight
+        // lines cross the cut.
+        let (positions, edges) = grid([7, 5, 5]);
+        assert_eq!(
+            cover(&Pattern::from_cliques(positions.len(), &edges), 3 * 25 + 12).len(),
+            25
+        );
     }
 }

@@ -77,7 +77,10 @@ impl Front {
     /// The same in the panel for scalar row `row` of those below its triangle.
     pub fn below_row(&self, row: usize) -> (usize, usize) {
         let triangle = self.triangle();
-        (triangle_start(triangle) + row / WIDTH * triangle * WIDTH, row % WIDTH)
+        (
+            triangle_start(triangle) + row / WIDTH * triangle * WIDTH,
+            row % WIDTH,
+        )
     }
 }
 
@@ -108,8 +111,17 @@ impl Symbolic {
     /// # Panics
     /// When the ordering is not one of the pattern's nodes.
     pub fn analyse(pattern: &Arc<Pattern>, ordering: &Ordering) -> Self {
-        assert_eq!(ordering.sequence().len(), pattern.nodes(), "the ordering is one of the pattern's nodes");
-        let Fronts { sequence, first, rows, parent } = fronts(&pattern.graph(), ordering.sequence());
+        assert_eq!(
+            ordering.sequence().len(),
+            pattern.nodes(),
+            "the ordering is one of the pattern's nodes"
+        );
+        let Fronts {
+            sequence,
+            first,
+            rows,
+            parent,
+        } = fronts(&pattern.graph(), ordering.sequence());
         let mut symbolic = Self {
             pattern: pattern.clone(),
             sequence,
@@ -198,7 +210,10 @@ impl Symbolic {
         }
         let mut below = vec![0; place.len()];
         for front in &mut self.fronts {
-            assert!(front.panel_quads() < u32::MAX as usize / WIDTH, "a front has less than 2³² numbers");
+            assert!(
+                front.panel_quads() < u32::MAX as usize / WIDTH,
+                "a front has less than 2³² numbers"
+            );
             for (k, &row) in self.rows[front.rows.clone()].iter().enumerate() {
                 below[row as usize] = k;
             }
@@ -220,7 +235,12 @@ impl Symbolic {
                         std::cmp::Ordering::Equal => Kind::Diagonal(3 * k as u32),
                         std::cmp::Ordering::Greater => Kind::Lower,
                     };
-                    self.entries.push(Entry { slot, nodes, targets, kind });
+                    self.entries.push(Entry {
+                        slot,
+                        nodes,
+                        targets,
+                        kind,
+                    });
                 }
             }
             front.entries = start..self.entries.len();
@@ -240,7 +260,10 @@ impl Symbolic {
     /// Additions and multiplications of one factorisation, without those on filling.
     pub fn flops(&self) -> f64 {
         let front = |front: &Front| {
-            let (s, u) = (3.0 * front.columns.len() as f64, 3.0 * front.rows.len() as f64);
+            let (s, u) = (
+                3.0 * front.columns.len() as f64,
+                3.0 * front.rows.len() as f64,
+            );
             s * s * s / 3.0 + s * s * u + s * u * (u + 1.0)
         };
         self.fronts.iter().map(front).sum()

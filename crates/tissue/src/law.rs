@@ -2,9 +2,29 @@
 //!
 //! A law is a type of its own with three functions that share one contract test: at rest no energy and no stress, stress =
 //! gradient of energy, tangent = derivative of stress, no change under rotation, isotropy. Every law here is linear in the two
-//! Lamé constants, so that the part of μ and the part of λ can be integrated over different domains.
+//! Lamé constants, so that the part of μ and the part of λ can be integrated over different domains, and is finite for every F,
+//! inverted or collapsed, so that a solver can come back from there.
 
-use nalgebra::{Matrix3, SMatrix};
+#[cfg(test)]
+mod contract;
+mod corotational;
+pub mod decomposition;
+mod invariants;
+mod neo_hookean;
+mod neo_hookean_polynomial;
+mod principal;
+mod st_venant_kirchhoff;
+mod stable_neo_hookean;
+pub mod viscosity;
+
+pub use corotational::Corotational;
+pub use neo_hookean::NeoHookean;
+pub use neo_hookean_polynomial::NeoHookeanPolynomial;
+pub use principal::PrincipalTangent;
+pub use st_venant_kirchhoff::StVenantKirchhoff;
+pub use stable_neo_hookean::StableNeoHookean;
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::fmt::Debug;
 
 /// ∂P/∂F with matrices written column after column: entry (i + 3j, k + 3l) is ∂P_ij/∂F_kl.
@@ -34,7 +54,11 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// Its name in files and reports.
     const NAME: &'static str;
 
-    /// Energy density Ψ(F) [J/m³], up to nothing: Ψ(1) = 0.
+    /// Whether Ψ = μ/2 tr FᵀF + (λ+μ)/2 (det F − 1 − μ/(λ+μ))² up to a constant, so that position-based methods can treat it
+    /// as two constraints with compliance.
+    const IS_SUM_OF_SQUARES: bool = false;
+
+    /// Energy density Ψ(F) [J/m³], Ψ(1) = 0.
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64;
 
     /// First Piola–Kirchhoff stress P = ∂Ψ/∂F [Pa].
@@ -42,4 +66,104 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
 
     /// ∂P/∂F [Pa].
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9;
+
+    /// ∂P/∂F [Pa] at F = diag(`stretches`).
+    fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
+        PrincipalTangent::from_tangent(&Self::tangent(&Matrix3::from_diagonal(stretches), lame))
+    }
+}
+
+/// The laws by name: one list for files, reports and comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LawName {
+    /// [`StVenantKirchhoff`].
+    StVenantKirchhoff,
+    /// [`NeoHookean`].
+    NeoHookean,
+    /// [`Corotational`].
+    Corotational,
+    /// [`StableNeoHookean`].
+    StableNeoHookean,
+    /// [`NeoHookeanPolynomial`].
+    NeoHookeanPolynomial,
+}
+
+/// Evaluates an expression with the type of a named law: `with_law!(name, L => Continuum::<L>::new(..))`.
+macro_rules! with_law {
+    ($name:expr, $law:ident => $body:expr) => {
+        match $name {
+            $crate::law::LawName::StVenantKirchhoff => {
+                type $law = $crate::law::StVenantKirchhoff;
+                $body
+            }
+            $crate::law::LawName::NeoHookean => {
+                type $law = $crate::law::NeoHookean;
+                $body
+            }
+            $crate::law::LawName::Corotational => {
+                type $law = $crate::law::Corotational;
+                $body
+            }
+            $crate::law::LawName::StableNeoHookean => {
+                type $law = $crate::law::StableNeoHookean;
+                $body
+            }
+            $crate::law::LawName::NeoHookeanPolynomial => {
+                type $law = $crate::law::NeoHookeanPolynomial;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_law;
+
+impl LawName {
+    /// All laws.
+    pub const ALL: [Self; 5] = [
+        Self::StVenantKirchhoff,
+        Self::NeoHookean,
+        Self::Corotational,
+        Self::StableNeoHookean,
+        Self::NeoHookeanPolynomial,
+    ];
+
+    /// Names of all laws, in the order of [`ALL`](Self::ALL).
+    pub const NAMES: [&'static str; 5] = [
+        StVenantKirchhoff::NAME,
+        NeoHookean::NAME,
+        Corotational::NAME,
+        StableNeoHookean::NAME,
+        NeoHookeanPolynomial::NAME,
+    ];
+
+    /// Its name in files and reports.
+    pub fn name(self) -> &'static str {
+        with_law!(self, L => L::NAME)
+    }
+
+    /// The law of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|law| law.name() == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back_to_their_laws() {
+        for (law, name) in LawName::ALL.into_iter().zip(LawName::NAMES) {
+            assert_eq!((law.name(), LawName::from_name(name)), (name, Some(law)));
+        }
+        assert_eq!(LawName::from_name("hooke"), None);
+    }
+
+    #[test]
+    fn moduli_are_those_of_linear_elasticity() {
+        // E = μ (3λ + 2μ)/(λ + μ), ν = λ/(2 (λ + μ)).
+        let Lame { mu, lambda } = Lame::from_young_poisson(3e4, 0.4);
+        assert!((mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu) - 3e4).abs() < 1e-9);
+        assert!((lambda / (2.0 * (lambda + mu)) - 0.4).abs() < 1e-15);
+    }
 }

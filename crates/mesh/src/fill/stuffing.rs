@@ -4,7 +4,6 @@
 //! face's points, so that neighbours fit.
 
 use super::lattice::Lattice;
-use microsim_geometry::signed_volume;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -62,7 +61,10 @@ fn crossings(
     for i in (0..lattice.len() as u32).filter(|&i| inside[i as usize]) {
         for o in lattice.neighbours(i).filter(|&o| !inside[o as usize]) {
             let share = crossing(i, o).clamp(0.0, 1.0);
-            crossings.insert((i.min(o), i.max(o)), if i < o { share } else { 1.0 - share });
+            crossings.insert(
+                (i.min(o), i.max(o)),
+                if i < o { share } else { 1.0 - share },
+            );
         }
     }
     crossings
@@ -263,3 +265,6 @@ impl Pieces<'_> {
         (self.place(a) - self.place(b)).norm()
     }
 }
+
+#[cfg(test)]
+mod tests;

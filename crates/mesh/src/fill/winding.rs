@@ -170,7 +170,9 @@ mod tests {
         assert!(counted[0] > 1000 && counted[1] > 100);
 
         let mut twice = surface.clone();
-        twice.positions.extend(surface.positions.iter().map(|p| p * 0.9));
+        twice
+            .positions
+            .extend(surface.positions.iter().map(|p| p * 0.9));
         twice
             .triangles
             .extend(surface.triangles.iter().map(|t| t.map(|v| v + 6)));

@@ -98,6 +98,10 @@ impl<'a> Reader<'a> {
                         .error(quoted(word), "a section ($Nodes, $Elements, …)"));
                 }
             };
+            if self.encoding != Encoding::Ascii {
+                // Binary data begin after the end of the line.
+                self.scanner.line();
+            }
             elements |= name == "Elements";
             if name == "Elements" && self.parts.positions.is_empty() {
                 return Err(self

@@ -282,7 +282,9 @@ impl<'a> Xml<'a> {
             "ascii" | "" => Source::Ascii(self.content(empty)?),
             "binary" => Source::Base64(self.content(empty)?),
             other => {
-                return Err(self.error(quoted(other.as_bytes()), "format ascii, binary or appended"));
+                return Err(
+                    self.error(quoted(other.as_bytes()), "format ascii, binary or appended")
+                );
             }
         };
         Ok(Array {

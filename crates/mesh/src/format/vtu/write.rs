@@ -155,8 +155,9 @@ impl File {
             VtuEncoding::Ascii => {
                 self.text.push_str(" format=\"ascii\">\n");
                 for tuple in values.chunks(components) {
-                    for value in tuple {
-                        let _ = write!(self.text, "{value:?} ");
+                    for (component, value) in tuple.iter().enumerate() {
+                        let space = if component == 0 { "" } else { " " };
+                        let _ = write!(self.text, "{space}{value:?}");
                     }
                     self.text.push('\n');
                 }

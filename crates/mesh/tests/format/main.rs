@@ -1,0 +1,7 @@
+//! Mesh files: round trips, files of other programs, damaged files.
+
+mod damage;
+mod encode;
+mod foreign;
+mod round_trip;
+mod samples;

@@ -1,0 +1,295 @@
+//! What bodies must fulfil beyond their single values: what their generator, law and form need is there, and nothing else.
+
+use crate::check::items;
+use crate::document::Reading;
+use crate::error::KeyPath;
+use crate::schema::Kind;
+use crate::unit::Unit;
+use serde_json::Value;
+
+/// A key with those who may have it, and those who need it.
+struct Rule {
+    key: &'static str,
+    of: &'static [&'static str],
+    needed: bool,
+}
+
+const fn needed(key: &'static str, of: &'static [&'static str]) -> Rule {
+    Rule {
+        key,
+        of,
+        needed: true,
+    }
+}
+
+const fn allowed(key: &'static str, of: &'static [&'static str]) -> Rule {
+    Rule {
+        key,
+        of,
+        needed: false,
+    }
+}
+
+/// Keys of the generators.
+const GENERATOR: [Rule; 13] = [
+    needed("size", &["block"]),
+    needed("cells", &["block"]),
+    needed("inner_radius", &["tube"]),
+    needed("layer", &["tube"]),
+    needed("length", &["tube"]),
+    needed("around", &["tube"]),
+    needed("along", &["tube"]),
+    allowed("axis", &["tube"]),
+    allowed("arc", &["tube"]),
+    allowed("arc_start", &["tube"]),
+    allowed("split", &["block", "tube"]),
+    needed("file", &["file"]),
+    allowed("scale", &["file"]),
+];
+
+/// The laws of continua.
+const CONTINUUM: &[&str] = &[
+    "corotational",
+    "stable-neo-hookean",
+    "neo-hookean",
+    "st-venant-kirchhoff",
+];
+
+/// Keys that all forms of springs have, and a continuum has not, and the other way round.
+const LAW: [Rule; 3] = [
+    allowed("discretisation", CONTINUUM),
+    allowed("form", &["springs"]),
+    allowed("plasticity", &["springs"]),
+];
+
+/// Keys of the forms of springs; a continuum counts as a form here.
+const FORM: [Rule; 7] = [
+    needed("youngs_modulus", &["fitted", "continuum"]),
+    needed("poisson_ratio", &["fitted", "continuum"]),
+    needed("stretch_modulus", &["scaled"]),
+    allowed("volume_modulus", &["scaled"]),
+    needed("length_stiffness", &["plain", "normalised"]),
+    allowed("area_stiffness", &["plain", "normalised"]),
+    allowed("volume_stiffness", &["plain", "normalised"]),
+];
+
+/// Complains about all that is wrong in the bodies of a file.
+pub(crate) fn check_bodies(reading: &mut Reading) {
+    let bodies: Vec<Value> = items(reading.value(), "body").map(|(_, b)| b.clone()).collect();
+    for (b, body) in bodies.iter().enumerate() {
+        let key = KeyPath::root().key("body").at(b);
+        if let Some(generator) = body["generator"].as_str() {
+            let whose = format!("a body from a {generator}");
+            apply(reading, &key, &GENERATOR, generator, &whose);
+            let surface = body["file"].as_str().map(is_surface);
+            check_fill(reading, &key, surface);
+            if generator != "block" && reading.is_written(&key.key("arc_start")) {
+                needs(reading, &key, "arc_start", "arc");
+            }
+        }
+        for (m, material) in items(body, "material") {
+            check_material(reading, &key.key("material").at(m), material);
+        }
+        check_regions(reading, &key, body);
+        for (c, clamp) in items(body, "clamp") {
+            let key = key.key("clamp").at(c);
+            check_nodes(reading, &key.key("nodes"), true);
+            check_motion(reading, &key, clamp);
+        }
+        for (l, _) in items(body, "load") {
+            let key = key.key("load").at(l);
+            check_nodes(reading, &key.key("surface"), false);
+            let written = ["pressure", "traction"].map(|k| reading.is_written(&key.key(k)));
+            match written {
+                [true, true] => reading.complain(&key, "a pressure and a traction", "one of them"),
+                [false, false] => {
+                    reading.complain(&key, "a load without value", "`pressure` or `traction`")
+                }
+                _ => {}
+            }
+        }
+        for (s, _) in items(body, "start") {
+            check_nodes(reading, &key.key("start").at(s).key("nodes"), false);
+        }
+        for (c, coupling) in items(body, "coupling") {
+            let regions = ["from", "to"].map(|end| coupling[end].as_u64());
+            if regions[0].is_some() && regions[0] == regions[1] {
+                let key = key.key("coupling").at(c).key("to");
+                reading.complain(&key, "the same region", "another region than `from`");
+            }
+        }
+    }
+}
+
+/// Whether the ending of a file is that of a surface.
+fn is_surface(file: &str) -> bool {
+    let file = file.to_ascii_lowercase();
+    file.ends_with(".obj") || file.ends_with(".stl")
+}
+
+fn check_fill(reading: &mut Reading, body: &KeyPath, surface: Option<bool>) {
+    let key = body.key("fill");
+    match (surface, reading.is_written(&key)) {
+        (Some(true), false) => reading.complain(
+            &key,
+            "nothing",
+            "`fill`, the size of the cells that fill a closed surface",
+        ),
+        (Some(false), true) => reading.complain(
+            &key,
+            "`fill`",
+            "no `fill`, as the file holds tetrahedra already",
+        ),
+        (None, true) => reading.complain(&key, "`fill`", "no `fill` without a file to be filled"),
+        _ => {}
+    }
+}
+
+/// Holds the keys of a table to its rules; `which` is the generator, law or form.
+fn apply(reading: &mut Reading, table: &KeyPath, rules: &[Rule], which: &str, whose: &str) {
+    for rule in rules {
+        let key = table.key(rule.key);
+        let name = rule.key;
+        match (rule.of.contains(&which), reading.is_written(&key)) {
+            (true, false) if rule.needed => {
+                reading.complain(&key, "nothing", &format!("`{name}`, which {whose} needs"));
+            }
+            (false, true) => {
+                let expected = format!("no `{name}`, which {whose} does not have");
+                reading.complain(&key, &format!("`{name}`"), &expected);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn needs(reading: &mut Reading, table: &KeyPath, one: &str, other: &str) {
+    if !reading.is_written(&table.key(other)) {
+        let expected = format!("`{other}` as well");
+        reading.complain(&table.key(one), &format!("`{one}` alone"), &expected);
+    }
+}
+
+fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
+    let Some(law) = material["law"].as_str() else {
+        return;
+    };
+    apply(reading, key, &LAW, law, &format!("the law {law}"));
+    let form = match law {
+        "springs" => material["form"].as_str().unwrap_or("scaled"),
+        _ => "continuum",
+    };
+    let whose = match law {
+        "springs" => format!("the form {form} of springs"),
+        _ => format!("the law {law}"),
+    };
+    apply(reading, key, &FORM, form, &whose);
+
+    let units = match form {
+        "plain" => [Unit::LengthStiffness, Unit::AreaStiffness, Unit::VolumeStiffness],
+        _ => [Unit::Energy; 3],
+    };
+    let names = ["length_stiffness", "area_stiffness", "volume_stiffness"];
+    for (name, unit) in names.into_iter().zip(units) {
+        reading.refine(&key.key(name), &Kind::quantity(unit, 0.0, f64::INFINITY));
+    }
+
+    let viscosity = key.key("viscosity");
+    if reading.is_written(&viscosity) {
+        if reading.is_written(&key.key("relaxation_time")) {
+            let found = "`viscosity` and `relaxation_time`";
+            reading.complain(&viscosity, found, "one of them");
+        } else if matches!(form, "plain" | "normalised") {
+            let found = format!("a viscosity of {form} springs, which have no modulus");
+            reading.complain(&viscosity, &found, "`relaxation_time`");
+        }
+    }
+}
+
+/// Each region has one material; that without a region is for the rest.
+fn check_regions(reading: &mut Reading, body: &KeyPath, value: &Value) {
+    let regions: Vec<Option<u64>> = items(value, "material")
+        .map(|(_, material)| material["region"].as_u64())
+        .collect();
+    for (m, region) in regions.iter().enumerate() {
+        if regions[..m].contains(region) {
+            let key = body.key("material").at(m);
+            let found = match region {
+                Some(region) => format!("a second material of region {region}"),
+                None => "a second material without a region".to_owned(),
+            };
+            reading.complain(&key, &found, "one material per region");
+        }
+    }
+}
+
+/// A selection is at most one of a box, a shell and a node; `all` says whether one of them is needed.
+fn check_nodes(reading: &mut Reading, key: &KeyPath, needed: bool) {
+    check_box(reading, key);
+    let written: Vec<&str> = ["min", "shell", "nearest"]
+        .into_iter()
+        .filter(|way| reading.is_written(&key.key(way)))
+        .collect();
+    match written.as_slice() {
+        [] if needed && !reading.is_written(&key.key("max")) => reading.complain(
+            key,
+            "every node",
+            "some of them: `min` and `max`, `shell` or `nearest`",
+        ),
+        [_, second, ..] => {
+            let found = format!("`{second}` besides `{}`", written[0]);
+            reading.complain(&key.key(second), &found, "one way to select nodes here");
+        }
+        _ => {}
+    }
+}
+
+/// The corners of a box come together, and in order; the distances of a shell too.
+pub(crate) fn check_box(reading: &mut Reading, key: &KeyPath) {
+    let [min, max] = ["min", "max"].map(|corner| key.key(corner));
+    match (reading.is_written(&min), reading.is_written(&max)) {
+        (true, false) => needs(reading, key, "min", "max"),
+        (false, true) => needs(reading, key, "max", "min"),
+        _ => {}
+    }
+    let value = |path: &KeyPath| reading.value_at(path).cloned().unwrap_or_default();
+    let (low, high) = (value(&min), value(&max));
+    let outside = (0..3).any(|axis| {
+        let corners = low[axis].as_f64().zip(high[axis].as_f64());
+        corners.is_some_and(|(low, high)| low > high)
+    });
+    let radius = key.key("shell").key("radius");
+    let distances = value(&radius);
+    let turned = distances[0]
+        .as_f64()
+        .zip(distances[1].as_f64())
+        .is_some_and(|(low, high)| low > high);
+    if outside {
+        reading.complain(
+            &max,
+            "a region that is empty",
+            "no coordinate of `max` below that of `min`",
+        );
+    }
+    if turned {
+        reading.complain(
+            &radius,
+            "a shell that is empty",
+            "the smaller distance first",
+        );
+    }
+}
+
+/// Times ascend, and what lets go does not move on.
+fn check_motion(reading: &mut Reading, key: &KeyPath, clamp: &Value) {
+    let times: Vec<(usize, f64)> = items(clamp, "motion")
+        .filter_map(|(k, at)| Some((k, at["time"].as_f64()?)))
+        .collect();
+    for pair in times.windows(2) {
+        if pair[1].1 <= pair[0].1 {
+            let found = Unit::Time.describe(pair[1].1);
+            let key = key.key("motion").at(pair[1].0).key("time");
+            reading.complain(&key, &found, "a time after that of the key before");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! How bodies are advanced: the method and its parameters, and what accuracy is stated of the result. Levels and scenes
+//! share them.
+
+use crate::document::Reading;
+use crate::error::KeyPath;
+use crate::schema::{Key, Kind};
+use crate::unit::Unit;
+use serde::Deserialize;
+
+/// A method with the parameters that a file gives; the rest is the method's own.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Method {
+    /// Which.
+    pub name: MethodName,
+    /// Largest number of iterations in a step.
+    pub iterations: Option<u32>,
+    /// Share of the forces at which an iteration ends.
+    pub tolerance: Option<f64>,
+}
+
+/// A method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodName {
+    /// Position Verlet in its joint form.
+    StoermerVerlet,
+}
+
+impl MethodName {
+    /// As files write them.
+    pub const NAMES: [&str; 1] = ["stoermer-verlet"];
+}
+
+/// What is stated of the result.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Accuracy {
+    /// Largest relative error.
+    pub error: f64,
+    /// Factor between the step and the largest stable one.
+    pub stability_margin: f64,
+}
+
+/// What `microsim tune` chose, and what it measured.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tuned {
+    /// Command line that chose it.
+    pub command: Option<String>,
+    /// Method.
+    pub method: Option<String>,
+    /// Step \[s\].
+    pub step: Option<f64>,
+    /// Number of tetrahedra.
+    pub elements: Option<u32>,
+    /// Largest relative error that was measured.
+    pub error: Option<f64>,
+    /// Factor between the step and the largest stable one that was measured.
+    pub margin: Option<f64>,
+    /// CPU time per simulated time.
+    pub cost: Option<f64>,
+    /// What was rejected, and why: a sentence each.
+    pub rejected: Vec<String>,
+}
+
+/// The keys of a method.
+pub(crate) fn method_keys() -> Vec<Key> {
+    vec![
+        Key::required(
+            "name",
+            Kind::choice(&MethodName::NAMES),
+            "Integrator or solver of the equations of motion.",
+        ),
+        Key::optional(
+            "iterations",
+            Kind::Integer {
+                min: 1,
+                max: 100_000,
+            },
+            "Largest number of iterations in a step, for methods that iterate.",
+        ),
+        Key::optional(
+            "tolerance",
+            Kind::quantity(Unit::Ratio, 1e-15, 1.0),
+            "Share of the forces at which an iteration ends, for methods that iterate.",
+        ),
+    ]
+}
+
+/// The keys of a statement of accuracy.
+pub(crate) fn accuracy_keys() -> Vec<Key> {
+    vec![
+        Key::required(
+            "error",
+            Kind::quantity(Unit::Ratio, 1e-6, 1.0),
+            "Largest relative error that the file states.",
+        ),
+        Key::with_default(
+            "stability_margin",
+            Kind::quantity(Unit::Ratio, 1.0, 100.0),
+            "Factor that must lie between the step and the largest stable one.",
+            1.5,
+        ),
+    ]
+}
+
+/// The keys of what `microsim tune` writes.
+pub(crate) fn tuned_keys() -> Vec<Key> {
+    let share = || Kind::quantity(Unit::Ratio, 0.0, f64::INFINITY);
+    vec![
+        Key::optional("command", Kind::Text, "Command line that chose it."),
+        Key::optional("method", Kind::Text, "Method."),
+        Key::optional(
+            "step",
+            Kind::quantity(Unit::Time, 1e-9, 1.0),
+            "Step of the solver.",
+        ),
+        Key::optional(
+            "elements",
+            Kind::Integer {
+                min: 1,
+                max: 100_000_000,
+            },
+            "Number of tetrahedra.",
+        ),
+        Key::optional("error", share(), "Largest relative error that was measured."),
+        Key::optional(
+            "margin",
+            share(),
+            "Factor between the step and the largest stable one that was measured.",
+        ),
+        Key::optional("cost", share(), "CPU time per simulated time."),
+        Key::list(
+            "rejected",
+            Kind::Text,
+            256,
+            "What was rejected, and why: a sentence each.",
+        ),
+    ]
+}
+
+/// Complains about parameters that the method at `key` does not have.
+pub(crate) fn check_method(reading: &mut Reading, key: &KeyPath) {
+    let name = reading
+        .value()
+        .pointer("/method/name")
+        .and_then(|name| name.as_str())
+        .map(str::to_owned);
+    let Some(name) = name else { return };
+    let own: &[&str] = match name.as_str() {
+        _ => &[],
+    };
+    for parameter in ["iterations", "tolerance"] {
+        let key = key.key(parameter);
+        if reading.is_written(&key) && !own.contains(&parameter) {
+            let expected = format!("no `{parameter}`, which {name} does not have");
+            reading.complain(&key, &format!("`{parameter}`"), &expected);
+        }
+    }
+}

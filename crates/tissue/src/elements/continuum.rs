@@ -1,0 +1,154 @@
+//! A continuum of a material law: E = Σ V Ψ(F) over domains in each of which the deformation gradient is constant.
+//!
+//! A domain is a tetrahedron ([`Continuum`]) or a smoothing domain ([`Smoothed`]); the law and the kind of domain are types,
+//! so the loop over the elements has no calls through pointers. Forces are −V P b_i with the gradients b_i of the domain;
+//! viscosity is that of [`law::viscosity`](crate::law::viscosity).
+
+use super::continuum_matrix::{add_positive_tangent, add_tangent};
+use super::domains::{Domains, Tetrahedra};
+use super::smoothed::SmoothingDomains;
+use crate::elements::{
+    Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
+};
+use crate::law::{Lame, Law, viscosity};
+use nalgebra::Vector3;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// Linear tetrahedra.
+///
+/// # Limitations
+/// Nearly incompressible tissue locks: see [`Discretisation`](crate::Discretisation).
+pub type Continuum<L> = ContinuumSet<L, Tetrahedra>;
+
+/// Smoothing domains around edges or nodes.
+pub type Smoothed<L> = ContinuumSet<L, SmoothingDomains>;
+
+/// Domains of one law with the same constants.
+#[derive(Clone, Debug)]
+pub struct ContinuumSet<L, D> {
+    pub(super) domains: D,
+    pub(super) lame: Lame,
+    pub(super) relaxation_time: f64,
+    law: PhantomData<L>,
+}
+
+impl<L: Law, D: Domains> ContinuumSet<L, D> {
+    /// These domains with Lamé's constants `lame` and the relaxation time τ [s] of Kelvin–Voigt viscosity.
+    pub fn new(domains: D, lame: Lame, relaxation_time: f64) -> Self {
+        Self {
+            domains,
+            lame,
+            relaxation_time,
+            law: PhantomData,
+        }
+    }
+
+    /// Lamé's constants.
+    pub fn lame(&self) -> Lame {
+        self.lame
+    }
+}
+
+impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
+    fn kind(&self) -> EnergyKind {
+        EnergyKind::Strain
+    }
+
+    fn count(&self) -> usize {
+        self.domains.count()
+    }
+
+    fn nodes(&self, element: usize) -> &[u32] {
+        self.domains.nodes(element)
+    }
+
+    fn energy(&self, at: &Configuration<'_>) -> f64 {
+        let energies = (0..self.domains.count()).map(|element| {
+            let f = self.domains.deformation(element, at.positions);
+            self.domains.volume(element) * L::energy(&f, &self.lame)
+        });
+        energies.sum()
+    }
+
+    fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
+        if self.is_viscous() {
+            for element in range {
+                let f = self.domains.deformation(element, at.positions);
+                let rate = self.domains.deformation(element, at.velocities);
+                let stress = L::stress(&f, &self.lame)
+                    + viscosity::stress(&f, &rate, &self.lame, self.relaxation_time);
+                self.domains.add_forces(element, &stress, forces);
+            }
+        } else {
+            for element in range {
+                let f = self.domains.deformation(element, at.positions);
+                let stress = L::stress(&f, &self.lame);
+                self.domains.add_forces(element, &stress, forces);
+            }
+        }
+    }
+
+    fn stiffness(
+        &self,
+        element: usize,
+        at: &Configuration<'_>,
+        tangent: Tangent,
+        out: &mut ElementMatrix,
+    ) {
+        out.reset(self.domains.nodes(element).len());
+        let f = self.domains.deformation(element, at.positions);
+        let volume = self.domains.volume(element);
+        let gradient = |corner| self.domains.gradient(element, corner);
+        match tangent {
+            Tangent::Exact => add_tangent(&L::tangent(&f, &self.lame), volume, gradient, out),
+            Tangent::Positive => add_positive_tangent::<L>(&f, &self.lame, volume, gradient, out),
+        }
+    }
+
+    fn is_viscous(&self) -> bool {
+        self.relaxation_time > 0.0
+    }
+
+    fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix) {
+        out.reset(self.domains.nodes(element).len());
+        if !self.is_viscous() {
+            return;
+        }
+        let f = self.domains.deformation(element, at.positions);
+        let tangent = viscosity::tangent(&f, &self.lame, self.relaxation_time);
+        let gradient = |corner| self.domains.gradient(element, corner);
+        add_tangent(&tangent, self.domains.volume(element), gradient, out);
+    }
+
+    fn constraints(&self) -> Option<&dyn Constraints> {
+        if L::IS_SUM_OF_SQUARES {
+            Some(self)
+        } else {
+            None
+        }
+    }
+}
+
+impl<L: Law, D: Domains> Constraints for ContinuumSet<L, D> {
+    /// μ, λ + μ, and for viscosity six rates of strain and their trace.
+    fn multipliers(&self) -> usize {
+        if self.is_viscous() { 9 } else { 2 }
+    }
+
+    fn project(
+        &self,
+        element: usize,
+        positions: &mut [Vector3<f64>],
+        previous: &[Vector3<f64>],
+        inverse_masses: &[f64],
+        _internal: &[f64],
+        multipliers: &mut [f64],
+        h: f64,
+    ) {
+        self.project_domain(element, positions, previous, inverse_masses, multipliers, h);
+    }
+}
+
+#[cfg(test)]
+mod tests;

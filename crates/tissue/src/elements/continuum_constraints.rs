@@ -1,0 +1,139 @@
+//! A continuum for position-based methods: the neo-Hookean law as constraints with compliance (Macklin & Müller 2021).
+//!
+//! With the square completed ([`NeoHookeanPolynomial`](crate::law::NeoHookeanPolynomial)) the energy of a domain is ½ μV C_D² +
+//! ½ (λ+μ)V C_H² with
+//!
+//! ```text
+//! C_D = √(tr FᵀF)     C_H = det F − 1 − μ/(λ+μ)
+//! ```
+//!
+//! Both are solved together as a 2×2 system, so that the rest state, in which they pull against each other, is one projection
+//! away. Viscosity is the dissipation of an implicit Euler step, τV/h (μ ε:ε + λ/2 tr²ε) with ε = sym(F_nᵀ ΔF), F_n at the start
+//! of the step: one linear constraint for each entry of ε and one for its trace.
+//!
+//! All constraints of a domain have gradients A b_i with a matrix A, so with W = Σ w_i b_i b_iᵀ the products of gradients are
+//! A:(A' W) and nodes are touched once.
+
+use super::continuum::ContinuumSet;
+use super::domains::Domains;
+use crate::law::Law;
+use crate::law::decomposition::cofactor;
+use nalgebra::{Matrix3, Vector3};
+
+/// Below this square of F a domain has collapsed to a point, and C_D has no gradient.
+const COLLAPSED: f64 = 1e-300;
+
+impl<L: Law, D: Domains> ContinuumSet<L, D> {
+    /// Projects one domain.
+    pub(super) fn project_domain(
+        &self,
+        domain: usize,
+        positions: &mut [Vector3<f64>],
+        previous: &[Vector3<f64>],
+        inverse_masses: &[f64],
+        multipliers: &mut [f64],
+        h: f64,
+    ) {
+        let nodes = self.domains.nodes(domain);
+        let volume = self.domains.volume(domain);
+        let mut mobility = Matrix3::zeros();
+        for (i, node) in nodes.iter().enumerate() {
+            let b = self.domains.gradient(domain, i);
+            mobility += b * b.transpose() * inverse_masses[*node as usize];
+        }
+        // The move of each node is w_i (Σ A Δλ) b_i.
+        let f = self.domains.deformation(domain, positions);
+        let (elastic, viscous) = multipliers.split_at_mut(2);
+        let mut moves = self.project_elastic(&f, &mobility, volume, elastic, h);
+        if self.is_viscous_domain() {
+            let start = self.domains.deformation(domain, previous);
+            let change = f + moves * mobility - start;
+            moves += self.project_viscous(&start, change, &mobility, volume, viscous, h);
+        }
+        for (i, node) in nodes.iter().enumerate() {
+            let node = *node as usize;
+            positions[node] += moves * self.domains.gradient(domain, i) * inverse_masses[node];
+        }
+    }
+
+    fn is_viscous_domain(&self) -> bool {
+        self.relaxation_time > 0.0
+    }
+
+    /// Σ A Δλ of C_D and C_H.
+    fn project_elastic(
+        &self,
+        f: &Matrix3<f64>,
+        mobility: &Matrix3<f64>,
+        volume: f64,
+        multipliers: &mut [f64],
+        h: f64,
+    ) -> Matrix3<f64> {
+        let (mu, bulk) = (self.lame.mu, self.lame.lambda + self.lame.mu);
+        let (volume_gradient, j) = cofactor(f);
+        let volume_compliance = 1.0 / (bulk * volume * h * h);
+        let volume_rest = j - 1.0 - mu / bulk + volume_compliance * multipliers[1];
+        let moved = volume_gradient * mobility;
+        let volume_resistance = volume_gradient.dot(&moved) + volume_compliance;
+        let square = f.norm_squared();
+        if mu <= 0.0 || square < COLLAPSED {
+            let change = -volume_rest / volume_resistance;
+            multipliers[1] += change;
+            return volume_gradient * change;
+        }
+        let size = square.sqrt();
+        let shape_gradient = f / size;
+        let shape_compliance = 1.0 / (mu * volume * h * h);
+        let shape_rest = size + shape_compliance * multipliers[0];
+        let shape_resistance =
+            shape_gradient.dot(&(shape_gradient * mobility)) + shape_compliance;
+        let both = shape_gradient.dot(&moved);
+        let determinant = shape_resistance * volume_resistance - both * both;
+        let changes = [
+            (both * volume_rest - volume_resistance * shape_rest) / determinant,
+            (both * shape_rest - shape_resistance * volume_rest) / determinant,
+        ];
+        multipliers[0] += changes[0];
+        multipliers[1] += changes[1];
+        shape_gradient * changes[0] + volume_gradient * changes[1]
+    }
+
+    /// Σ A Δλ of the rates of strain; `change` is ΔF.
+    fn project_viscous(
+        &self,
+        start: &Matrix3<f64>,
+        mut change: Matrix3<f64>,
+        mobility: &Matrix3<f64>,
+        volume: f64,
+        multipliers: &mut [f64],
+        h: f64,
+    ) -> Matrix3<f64> {
+        // ½ k C² with k = τV/h · 2μ for a diagonal entry, 4μ for the two equal ones off it, λ for the trace.
+        let scale = self.relaxation_time * volume / h;
+        let mut moves = Matrix3::zeros();
+        let mut project = |gradient: &Matrix3<f64>, stiffness: f64, multiplier: &mut f64| {
+            if stiffness <= 0.0 {
+                return;
+            }
+            let compliance = 1.0 / (stiffness * h * h);
+            let moved = gradient * mobility;
+            let step = -(gradient.dot(&change) + compliance * *multiplier)
+                / (gradient.dot(&moved) + compliance);
+            *multiplier += step;
+            moves += gradient * step;
+            change += moved * step;
+        };
+        let entries = [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)];
+        for ((a, b), multiplier) in entries.into_iter().zip(multipliers.iter_mut()) {
+            let mut gradient = Matrix3::zeros();
+            for i in 0..3 {
+                gradient[(i, b)] += 0.5 * start[(i, a)];
+                gradient[(i, a)] += 0.5 * start[(i, b)];
+            }
+            let factor = if a == b { 2.0 } else { 4.0 };
+            project(&gradient, scale * factor * self.lame.mu, multiplier);
+        }
+        project(start, scale * self.lame.lambda, &mut multipliers[6]);
+        moves
+    }
+}

@@ -1,0 +1,104 @@
+//! Domains with a constant deformation gradient, and the plain ones: tetrahedra.
+
+use crate::elements::NodeWindow;
+use microsim_mesh::TetMesh;
+use nalgebra::{Matrix3, Vector3};
+use std::fmt::Debug;
+
+/// Domains over which F = Σ x_i ⊗ b_i, with Σ b_i = 0.
+pub trait Domains: Debug + Send + Sync + 'static {
+    /// Number of domains.
+    fn count(&self) -> usize;
+
+    /// Nodes of a domain, each once.
+    fn nodes(&self, domain: usize) -> &[u32];
+
+    /// Volume at rest [m³].
+    fn volume(&self, domain: usize) -> f64;
+
+    /// b_i [1/m] of the i-th node of a domain.
+    fn gradient(&self, domain: usize, i: usize) -> Vector3<f64>;
+
+    /// F of positions [m], or Ḟ of velocities [m/s].
+    fn deformation(&self, domain: usize, positions: &[Vector3<f64>]) -> Matrix3<f64>;
+
+    /// Adds the forces −V P b_i of a stress P [Pa] to the nodes.
+    fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>);
+}
+
+/// Linear tetrahedra, as arrays.
+#[derive(Clone, Debug)]
+pub struct Tetrahedra {
+    nodes: Vec<[u32; 4]>,
+    /// Gradients of the last three corners; that of the first is minus their sum.
+    gradients: Vec<[Vector3<f64>; 3]>,
+    volumes: Vec<f64>,
+}
+
+impl Tetrahedra {
+    /// The elements of `mesh` with the indices `elements`.
+    pub fn new(mesh: &TetMesh, elements: &[u32]) -> Self {
+        let mut tetrahedra = Self {
+            nodes: Vec::with_capacity(elements.len()),
+            gradients: Vec::with_capacity(elements.len()),
+            volumes: Vec::with_capacity(elements.len()),
+        };
+        for &element in elements {
+            let (gradients, volume) = shape(&mesh.corners(element as usize));
+            tetrahedra.nodes.push(mesh.tets[element as usize]);
+            tetrahedra.gradients.push(gradients);
+            tetrahedra.volumes.push(volume);
+        }
+        tetrahedra
+    }
+}
+
+/// Gradients of the shape functions of the last three corners [1/m], and the volume [m³].
+pub(super) fn shape([a, b, c, d]: &[Vector3<f64>; 4]) -> ([Vector3<f64>; 3], f64) {
+    let (e1, e2, e3) = (b - a, c - a, d - a);
+    let normals = [e2.cross(&e3), e3.cross(&e1), e1.cross(&e2)];
+    let six_volumes = e1.dot(&normals[0]);
+    (normals.map(|n| n / six_volumes), six_volumes / 6.0)
+}
+
+impl Domains for Tetrahedra {
+    fn count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn nodes(&self, domain: usize) -> &[u32] {
+        &self.nodes[domain]
+    }
+
+    fn volume(&self, domain: usize) -> f64 {
+        self.volumes[domain]
+    }
+
+    fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {
+        let [g1, g2, g3] = &self.gradients[domain];
+        match i {
+            0 => -(g1 + g2 + g3),
+            _ => self.gradients[domain][i - 1],
+        }
+    }
+
+    #[inline]
+    fn deformation(&self, domain: usize, positions: &[Vector3<f64>]) -> Matrix3<f64> {
+        let [a, b, c, d] = self.nodes[domain].map(|node| &positions[node as usize]);
+        let [g1, g2, g3] = &self.gradients[domain];
+        let (e1, e2, e3) = (b - a, c - a, d - a);
+        let column = |k: usize| e1 * g1[k] + e2 * g2[k] + e3 * g3[k];
+        Matrix3::from_columns(&[column(0), column(1), column(2)])
+    }
+
+    #[inline]
+    fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>) {
+        let [a, b, c, d] = self.nodes[domain];
+        let scaled = stress * -self.volumes[domain];
+        let [f1, f2, f3] = self.gradients[domain].map(|g| scaled * g);
+        forces.add(a, -(f1 + f2 + f3));
+        forces.add(b, f1);
+        forces.add(c, f2);
+        forces.add(d, f3);
+    }
+}

@@ -1,0 +1,152 @@
+//! What every law keeps, as one test.
+
+use super::decomposition::SignedSvd;
+use super::{Lame, Law, Matrix9, PrincipalTangent};
+use crate::testing::numbers;
+use nalgebra::{Matrix3, Vector3};
+
+/// Constants of unequal size, in units that make all numbers of order one.
+const LAME: Lame = Lame { mu: 0.8, lambda: 2.5 };
+
+/// Step of central differences: ∛ε balances rounding ε/d against the truncated d² term, about 4e-11 with numbers of order one.
+const STEP: f64 = 6e-6;
+
+/// Difference quotients, relative to the stresses that occur.
+const DIFFERENCES: f64 = 1e-8;
+
+/// A few hundred operations on numbers of order one.
+const ROUNDING: f64 = 1e-13;
+
+/// Checks one law.
+pub fn check<L: Law>() {
+    let mut next = numbers();
+    let states = states(&mut next);
+    rest::<L>();
+    for f in &states {
+        derivatives::<L>(f);
+        frame_and_axes::<L>(f, &rotation(&mut next));
+        additivity::<L>(f);
+        positive_tangent::<L>(f);
+    }
+    far_states::<L>();
+}
+
+/// Moderate and large strain, near and far from a rotation, some inverted.
+fn states(next: &mut impl FnMut() -> f64) -> Vec<Matrix3<f64>> {
+    let mut states = Vec::new();
+    for size in [0.05, 0.3, 0.8] {
+        for _ in 0..20 {
+            let strain = Matrix3::from_fn(|_, _| next()) * size;
+            states.push(rotation(next) * (Matrix3::identity() + strain));
+        }
+    }
+    for stretches in [[1.3, 0.9, -0.4], [1.1, 0.8, -0.2], [2.0, 0.5, 0.1]] {
+        let stretches = Matrix3::from_diagonal(&Vector3::from(stretches));
+        states.push(rotation(next) * stretches * rotation(next));
+    }
+    // Where a rotation is not unique nothing can be differentiated, and near it no difference quotient is exact.
+    states.retain(|f| {
+        let s = SignedSvd::new(f).stretches;
+        s[1] + s[2] > 0.2
+    });
+    assert!(states.len() > 40 && states.iter().any(|f| f.determinant() < 0.0));
+    states
+}
+
+fn rotation(next: &mut impl FnMut() -> f64) -> Matrix3<f64> {
+    SignedSvd::new(&Matrix3::from_fn(|_, _| next())).rotation()
+}
+
+/// No energy, no stress, and the tangent of linear elasticity, under any rotation.
+fn rest<L: Law>() {
+    let one = Matrix3::identity();
+    assert!(L::energy(&one, &LAME).abs() < ROUNDING);
+    assert!(L::stress(&one, &LAME).amax() < ROUNDING);
+    let elasticity = Matrix9::from_fn(|p, q| {
+        let (i, j, k, l) = (p % 3, p / 3, q % 3, q / 3);
+        let same = |a, b| f64::from(u8::from(a == b));
+        LAME.lambda * same(i, j) * same(k, l)
+            + LAME.mu * (same(i, k) * same(j, l) + same(i, l) * same(j, k))
+    });
+    let error = L::tangent(&one, &LAME) - elasticity;
+    assert!(error.amax() < ROUNDING, "{error}");
+}
+
+/// Stress is the gradient of the energy, tangent the derivative of the stress, and symmetric.
+fn derivatives<L: Law>(f: &Matrix3<f64>) {
+    let (stress, tangent) = (L::stress(f, &LAME), L::tangent(f, &LAME));
+    let (stress_scale, tangent_scale) = (stress.amax().max(1.0), tangent.amax().max(1.0));
+    for q in 0..9 {
+        let [plus, minus] = [STEP, -STEP].map(|d| {
+            let mut moved = *f;
+            moved.as_mut_slice()[q] += d;
+            moved
+        });
+        let slope = (L::energy(&plus, &LAME) - L::energy(&minus, &LAME)) / (2.0 * STEP);
+        let error = slope - stress.as_slice()[q];
+        assert!(error.abs() < DIFFERENCES * stress_scale, "stress {q}: {error:e} at {f}");
+        let slopes = (L::stress(&plus, &LAME) - L::stress(&minus, &LAME)) / (2.0 * STEP);
+        for p in 0..9 {
+            let error = slopes.as_slice()[p] - tangent[(p, q)];
+            assert!(error.abs() < DIFFERENCES * tangent_scale, "tangent {p} {q}: {error:e} at {f}");
+        }
+    }
+    assert!((tangent - tangent.transpose()).amax() < ROUNDING * tangent_scale);
+}
+
+/// Ψ(Q F) = Ψ(F) and P(Q F) = Q P(F); Ψ(F Q) = Ψ(F) and P(F Q) = P(F) Q.
+fn frame_and_axes<L: Law>(f: &Matrix3<f64>, q: &Matrix3<f64>) {
+    let (energy, stress) = (L::energy(f, &LAME), L::stress(f, &LAME));
+    let scale = energy.abs().max(stress.amax()).max(1.0);
+    for (turned, expected) in [(q * f, q * stress), (f * q, stress * q)] {
+        assert!((L::energy(&turned, &LAME) - energy).abs() < ROUNDING * scale);
+        assert!((L::stress(&turned, &LAME) - expected).amax() < ROUNDING * scale);
+    }
+}
+
+/// The parts of μ and λ sum up to the whole.
+fn additivity<L: Law>(f: &Matrix3<f64>) {
+    let parts = [Lame { lambda: 0.0, ..LAME }, Lame { mu: 0.0, ..LAME }];
+    let energy: f64 = parts.iter().map(|part| L::energy(f, part)).sum();
+    let stress: Matrix3<f64> = parts.iter().map(|part| L::stress(f, part)).sum();
+    let tangent: Matrix9 = parts.iter().map(|part| L::tangent(f, part)).sum();
+    let scale = L::tangent(f, &LAME).amax().max(energy.abs()).max(1.0);
+    assert!((energy - L::energy(f, &LAME)).abs() < ROUNDING * scale);
+    assert!((stress - L::stress(f, &LAME)).amax() < ROUNDING * scale);
+    assert!((tangent - L::tangent(f, &LAME)).amax() < ROUNDING * scale);
+}
+
+/// In principal axes the tangent is the same, and its positive form is the dense one with the eigenvalues cut off at zero.
+fn positive_tangent<L: Law>(f: &Matrix3<f64>) {
+    let svd = SignedSvd::new(f);
+    let tangent = L::tangent(f, &LAME);
+    let scale = tangent.amax().max(1.0);
+    let principal: PrincipalTangent = L::principal_tangent(&svd.stretches, &LAME);
+    assert!((principal.rotated(&svd) - tangent).amax() < ROUNDING * scale);
+    let eigen = tangent.symmetric_eigen();
+    let cut = Matrix9::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0)));
+    let nearest = eigen.eigenvectors * cut * eigen.eigenvectors.transpose();
+    let error = (principal.positive().rotated(&svd) - nearest).amax();
+    assert!(error < 10.0 * ROUNDING * scale, "{error:e} at {f}");
+}
+
+/// Finite where laws with logarithms or rotations break: flat, collapsed, inverted, huge.
+fn far_states<L: Law>() {
+    for stretches in [
+        [0.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, -1.0],
+        [1.0, 0.5, -0.5],
+        [-1.0, -1.0, -1.0],
+        [1e6, 1e-6, -1e6],
+    ] {
+        let f = Matrix3::from_diagonal(&Vector3::from(stretches));
+        assert!(L::energy(&f, &LAME).is_finite(), "{stretches:?}");
+        assert!(L::stress(&f, &LAME).iter().all(|p| p.is_finite()), "{stretches:?}");
+        assert!(L::tangent(&f, &LAME).iter().all(|p| p.is_finite()), "{stretches:?}");
+        let svd = SignedSvd::new(&f);
+        let positive = L::principal_tangent(&svd.stretches, &LAME).positive();
+        assert!(positive.rotated(&svd).iter().all(|p| p.is_finite()), "{stretches:?}");
+    }
+}

@@ -1,0 +1,94 @@
+//! Compressible neo-Hookean law with logarithms.
+
+use super::decomposition::cofactor;
+use super::invariants::{self, Derivatives};
+use super::{Lame, Law, Matrix9};
+use nalgebra::Matrix3;
+
+/// Ψ = μ/2 (tr FᵀF − 3) − μ ln J + λ/2 ln²J, J = det F (Bonet & Wood 1997).
+///
+/// The logarithm has no value at J ≤ 0, and next to it a stiffness that no step survives. Below J = 1/5 it goes on as its
+/// Taylor polynomial of second order: energy, stress and tangent are continuous and finite for every F, and the pressure
+/// against collapse goes on growing through inversion, so that line searches and explicit steps find back. For J ≥ 1/5, far
+/// beyond what tissue bears, it is the law as printed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NeoHookean;
+
+/// J from which down the logarithm is replaced.
+const SMALLEST_VOLUME: f64 = 0.2;
+
+/// ln J and its first two derivatives, continued below [`SMALLEST_VOLUME`].
+#[inline]
+fn log_volume(j: f64) -> [f64; 3] {
+    if j >= SMALLEST_VOLUME {
+        let inverse = 1.0 / j;
+        return [libm::log(j), inverse, -inverse * inverse];
+    }
+    const SLOPE: f64 = 1.0 / SMALLEST_VOLUME;
+    let below = j - SMALLEST_VOLUME;
+    [
+        libm::log(SMALLEST_VOLUME) + below * SLOPE - 0.5 * (below * SLOPE) * (below * SLOPE),
+        SLOPE - below * SLOPE * SLOPE,
+        -SLOPE * SLOPE,
+    ]
+}
+
+impl Law for NeoHookean {
+    const NAME: &'static str = "neo-hookean";
+
+    fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
+        let [log, ..] = log_volume(f.determinant());
+        0.5 * lame.mu * (f.norm_squared() - 3.0) - lame.mu * log + 0.5 * lame.lambda * log * log
+    }
+
+    #[inline]
+    fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
+        let (cofactor, j) = cofactor(f);
+        let [log, slope, _] = log_volume(j);
+        let b1 = (lame.lambda * log - lame.mu) * slope;
+        invariants::stress(f, &cofactor, 0.5 * lame.mu, b1)
+    }
+
+    fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
+        let (cofactor, j) = cofactor(f);
+        let [log, slope, curvature] = log_volume(j);
+        let pull = lame.lambda * log - lame.mu;
+        let derivatives = Derivatives {
+            a1: 0.5 * lame.mu,
+            a2: 0.0,
+            b1: pull * slope,
+            b2: lame.lambda * slope * slope + pull * curvature,
+        };
+        invariants::tangent(f, &cofactor, &derivatives)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_the_contract() {
+        crate::law::contract::check::<NeoHookean>();
+    }
+
+    #[test]
+    fn collapse_and_inversion_are_pushed_back_ever_harder() {
+        let lame = Lame { mu: 1.0, lambda: 2.0 };
+        let derivative = |j: f64| {
+            let [log, slope, _] = log_volume(j);
+            (lame.lambda * log - lame.mu) * slope
+        };
+        let pressures: Vec<f64> = (0..40).map(|k| derivative(0.5 - 0.05 * k as f64)).collect();
+        assert!(pressures[0] < 0.0 && pressures.is_sorted_by(|a, b| a > b), "{pressures:?}");
+    }
+
+    #[test]
+    fn the_continuation_is_smooth() {
+        let [above, below] = [0.0, -1e-15].map(|d| log_volume(SMALLEST_VOLUME + d));
+        for k in 0..3 {
+            // 1e-15 times the next derivative, 2/J³ = 250, and rounding of values up to 25.
+            assert!((above[k] - below[k]).abs() < 3e-13, "{above:?} {below:?}");
+        }
+    }
+}

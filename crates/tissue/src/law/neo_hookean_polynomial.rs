@@ -1,0 +1,54 @@
+//! Neo-Hookean law without logarithm.
+
+use super::decomposition::cofactor;
+use super::invariants::{self, Derivatives};
+use super::{Lame, Law, Matrix9};
+use nalgebra::Matrix3;
+
+/// Ψ = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ+μ)/2 (J − 1)², J = det F: the simplest form of Smith, de Goes, Kim 2018 (their eq. 12
+/// with the constants of linear elasticity), and what XPBD of Macklin & Müller 2021 solves.
+///
+/// A polynomial: finite everywhere, the cheapest law, and inverted matter is pushed back. With the square completed it is
+/// μ/2 tr FᵀF + (λ+μ)/2 (J − 1 − μ/(λ+μ))² up to a constant.
+///
+/// # Limitations
+/// Collapse to a point costs finite energy and is an unstable equilibrium: F = 0 has no stress.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NeoHookeanPolynomial;
+
+impl Law for NeoHookeanPolynomial {
+    const NAME: &'static str = "neo-hookean-polynomial";
+    const IS_SUM_OF_SQUARES: bool = true;
+
+    fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
+        let growth = f.determinant() - 1.0;
+        0.5 * lame.mu * (f.norm_squared() - 3.0) - lame.mu * growth
+            + 0.5 * (lame.lambda + lame.mu) * growth * growth
+    }
+
+    #[inline]
+    fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
+        let (cofactor, j) = cofactor(f);
+        let b1 = (lame.lambda + lame.mu) * (j - 1.0) - lame.mu;
+        invariants::stress(f, &cofactor, 0.5 * lame.mu, b1)
+    }
+
+    fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
+        let (cofactor, j) = cofactor(f);
+        let derivatives = Derivatives {
+            a1: 0.5 * lame.mu,
+            a2: 0.0,
+            b1: (lame.lambda + lame.mu) * (j - 1.0) - lame.mu,
+            b2: lame.lambda + lame.mu,
+        };
+        invariants::tangent(f, &cofactor, &derivatives)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn keeps_the_contract() {
+        crate::law::contract::check::<super::NeoHookeanPolynomial>();
+    }
+}

@@ -1,0 +1,79 @@
+//! St Venant–Kirchhoff: linear in Green's strain.
+
+use super::{Lame, Law, Matrix9};
+use nalgebra::Matrix3;
+
+/// Ψ = μ E:E + λ/2 tr²E with Green's strain E = (FᵀF − 1)/2.
+///
+/// # Limitations
+/// Softens under compression and has no resistance left at a stretch of 1/√3. Mirrored matter is at rest: what is inverted stays
+/// inverted. Fit for large rotations with small strain only.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StVenantKirchhoff;
+
+/// Green's strain.
+#[inline]
+fn strain(f: &Matrix3<f64>) -> Matrix3<f64> {
+    (f.tr_mul(f) - Matrix3::identity()) * 0.5
+}
+
+/// Second Piola–Kirchhoff stress of a strain of Green's kind, 2μ E + λ tr E [Pa].
+#[inline]
+pub(super) fn second_piola(strain: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
+    let mut stress = strain * (2.0 * lame.mu);
+    let pressure = lame.lambda * strain.trace();
+    for k in 0..3 {
+        stress[(k, k)] += pressure;
+    }
+    stress
+}
+
+/// The part of ∂P/∂F that comes from the change of the strain: λ F_ij F_kl + μ ((FFᵀ)_ik δ_jl + F_il F_kj); symmetric, no
+/// negative eigenvalue for μ ≥ 0, λ ≥ 0.
+pub(super) fn material_tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
+    let left = f * f.transpose() * lame.mu;
+    Matrix9::from_fn(|p, q| {
+        let (i, j, k, l) = (p % 3, p / 3, q % 3, q / 3);
+        let mut entry = lame.lambda * f[(i, j)] * f[(k, l)] + lame.mu * f[(i, l)] * f[(k, j)];
+        if j == l {
+            entry += left[(i, k)];
+        }
+        entry
+    })
+}
+
+impl Law for StVenantKirchhoff {
+    const NAME: &'static str = "st-venant-kirchhoff";
+
+    fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
+        let strain = strain(f);
+        let trace = strain.trace();
+        lame.mu * strain.norm_squared() + 0.5 * lame.lambda * trace * trace
+    }
+
+    #[inline]
+    fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
+        f * second_piola(&strain(f), lame)
+    }
+
+    fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
+        let mut tangent = material_tangent(f, lame);
+        let stress = second_piola(&strain(f), lame);
+        for j in 0..3 {
+            for l in 0..3 {
+                for i in 0..3 {
+                    tangent[(i + 3 * j, i + 3 * l)] += stress[(l, j)];
+                }
+            }
+        }
+        tangent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn keeps_the_contract() {
+        crate::law::contract::check::<super::StVenantKirchhoff>();
+    }
+}

@@ -1,0 +1,68 @@
+//! Kelvin–Voigt viscosity of a continuum: the stress of the rate of Green's strain, for a relaxation time.
+//!
+//! Second Piola–Kirchhoff stress S = τ (λ tr Ė + 2μ Ė) with Ė = sym(Fᵀ Ḟ). A rigid rotation has Ė = 0 and no stress; the power
+//! −τ (λ tr²Ė + 2μ Ė:Ė) is never positive; at rest the damping matrix is τ times the stiffness of linear elasticity.
+
+use super::st_venant_kirchhoff::{material_tangent, second_piola};
+use super::{Lame, Matrix9};
+use nalgebra::Matrix3;
+
+/// First Piola–Kirchhoff stress F S [Pa] of the rate `rate` = Ḟ [1/s]; `relaxation_time` τ [s].
+#[inline]
+pub fn stress(
+    f: &Matrix3<f64>,
+    rate: &Matrix3<f64>,
+    lame: &Lame,
+    relaxation_time: f64,
+) -> Matrix3<f64> {
+    let product = f.tr_mul(rate);
+    let strain_rate = (product + product.transpose()) * (0.5 * relaxation_time);
+    f * second_piola(&strain_rate, lame)
+}
+
+/// Its derivative by Ḟ [Pa·s]; symmetric, no negative eigenvalue for μ ≥ 0, λ ≥ 0.
+pub fn tangent(f: &Matrix3<f64>, lame: &Lame, relaxation_time: f64) -> Matrix9 {
+    material_tangent(f, lame) * relaxation_time
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::numbers;
+
+    const LAME: Lame = Lame { mu: 3.0, lambda: 7.0 };
+    const TIME: f64 = 0.2;
+
+    fn random(next: &mut impl FnMut() -> f64) -> Matrix3<f64> {
+        Matrix3::from_fn(|_, _| next())
+    }
+
+    #[test]
+    fn rigid_rotation_is_free_and_everything_else_costs_power() {
+        let mut next = numbers();
+        for _ in 0..50 {
+            let f = Matrix3::identity() + random(&mut next) * 0.5;
+            let spin = random(&mut next);
+            let spin = spin - spin.transpose();
+            // Numbers of size 10; Ė of a spin is zero up to rounding.
+            assert!(stress(&f, &(spin * f), &LAME, TIME).amax() < 1e-13);
+            let rate = random(&mut next);
+            assert!(stress(&f, &rate, &LAME, TIME).dot(&rate) > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_stress_is_linear_in_the_rate_with_this_tangent() {
+        let mut next = numbers();
+        for _ in 0..50 {
+            let (f, rate) = (random(&mut next), random(&mut next));
+            let tangent = tangent(&f, &LAME, TIME);
+            let stress = stress(&f, &rate, &LAME, TIME);
+            for p in 0..9 {
+                let row: f64 = (0..9).map(|q| tangent[(p, q)] * rate.as_slice()[q]).sum();
+                assert!((row - stress.as_slice()[p]).abs() < 1e-13);
+            }
+            assert!((tangent - tangent.transpose()).amax() < 1e-14);
+        }
+    }
+}
