@@ -457,6 +457,28 @@ impl Planner<'_> {
         })
     }
 
+    /// The mesh files that bodies name, under the names by which they do.
+    fn mesh_files(&self) -> Result<Vec<SetupFile>, AssembleError> {
+        let level = self.level.document.path();
+        let folder = level.parent().unwrap_or(Path::new(""));
+        let mut files: Vec<SetupFile> = Vec::new();
+        for (index, body) in self.level.settings.body.iter().enumerate() {
+            for name in body.files() {
+                if files.iter().any(|file| file.name == name) {
+                    continue;
+                }
+                let bytes = std::fs::read(folder.join(&name)).map_err(|e| {
+                    let key = KeyPath::root().key("body").at(index).key("file");
+                    let found = format!("`{name}`, which cannot be read ({e})");
+                    let error = self.level.document.error_at(&key, &found, "a mesh file");
+                    AssembleError(error.to_string())
+                })?;
+                files.push(SetupFile { name, bytes });
+            }
+        }
+        Ok(files)
+    }
+
     /// What a kind of plugin is told.
     fn config(&self, kind: PluginKind) -> Result<(Value, Vec<SetupFile>), AssembleError> {
         let level = self.level.document.value();
@@ -479,13 +501,17 @@ impl Planner<'_> {
                     "tools": level["tool"],
                 })
             }
-            PluginKind::Physics => json!({
-                "physics": level["physics"],
-                "bodies": level["body"],
-                "contacts": level["contact"],
-                "tools": level["tool"],
-                "models": self.models,
-            }),
+            PluginKind::Physics => {
+                let config = json!({
+                    "physics": level["physics"],
+                    "method": level["method"],
+                    "bodies": level["body"],
+                    "contacts": level["contact"],
+                    "tools": level["tool"],
+                    "models": self.models,
+                });
+                return Ok((config, self.mesh_files()?));
+            }
             PluginKind::Module => json!({
                 "tools": level["tool"],
                 "models": self.models,
@@ -575,11 +601,14 @@ impl Planner<'_> {
             self.request.without.iter().any(|w| w == "physics"),
         ) {
             for body in &level.body {
-                let tets = 6 * body.cells.iter().product::<u32>();
+                let mesh = match (body.elements(), &body.file) {
+                    (Some(elements), _) => format!("{elements} tetrahedra"),
+                    (None, file) => format!("its mesh from {}", file.as_deref().unwrap_or("a file")),
+                };
                 parts.push(part(
                     "body",
                     body.name.clone(),
-                    format!("the level names it; {tets} tetrahedra"),
+                    format!("the level names it; {mesh}"),
                 ));
             }
             for pair in &level.contact {
@@ -592,7 +621,7 @@ impl Planner<'_> {
             }
             parts.push(part(
                 "method",
-                self.level.document.value()["physics"]["method"]
+                self.level.document.value()["method"]["name"]
                     .as_str()
                     .unwrap_or_default()
                     .to_owned(),

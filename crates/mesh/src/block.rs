@@ -1,7 +1,4 @@
-//! The block generator: Kuhn (Freudenthal) cells of six tetrahedra (NUMERICS 5).
-//!
-//! Every cell is cut along its 000–111 diagonal, one tetrahedron per order in which the three axes are walked. The cut is
-//! the same in every cell, so neighbours always fit. It is not isotropic: all diagonals point the same way.
+//! The block generator: cells of six tetrahedra (NUMERICS 5).
 
 use crate::{CellSplit, TetMesh};
 use nalgebra::Vector3;
@@ -18,6 +15,8 @@ pub struct Block {
     pub size: [f64; 3],
     /// Number of cells along each axis, each ≥ 1.
     pub cells: [usize; 3],
+    /// How the cells are cut.
+    pub split: CellSplit,
 }
 
 /// Why a block cannot be built.
@@ -93,7 +92,7 @@ impl Block {
         for k in 0..nz {
             for j in 0..ny {
                 for i in 0..nx {
-                    for tet in CellSplit::Kuhn.tets([i, j, k]) {
+                    for tet in self.split.tets([i, j, k]) {
                         tets.push(tet.map(node));
                     }
                 }
@@ -110,14 +109,18 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn blocks() -> Vec<Block> {
-        [[1, 1, 1], [2, 1, 1], [3, 2, 4], [20, 4, 2]]
-            .into_iter()
-            .map(|cells| Block {
-                center: [0.003, -0.001, 0.0],
-                size: [0.02, 0.004, 0.001],
-                cells,
-            })
-            .collect()
+        let mut blocks = Vec::new();
+        for cells in [[1, 1, 1], [2, 1, 1], [3, 2, 4], [20, 4, 2]] {
+            for split in [CellSplit::Kuhn, CellSplit::Mirrored] {
+                blocks.push(Block {
+                    center: [0.003, -0.001, 0.0],
+                    size: [0.02, 0.004, 0.001],
+                    cells,
+                    split,
+                });
+            }
+        }
+        blocks
     }
 
     #[test]
@@ -190,7 +193,7 @@ mod tests {
         a.dot(&b.cross(&c)) / 6.0
     }
 
-    /// Kuhn block of nx·ny·nz cells: edges along the axes, one diagonal per face, one per cell.
+    /// Block of nx·ny·nz cells: edges along the axes, one diagonal per face, one per cell.
     #[test]
     fn unique_edges_are_counted_by_formula() {
         for block in blocks() {
@@ -204,11 +207,41 @@ mod tests {
             center: [0.0; 3],
             size: [1.0; 3],
             cells: [1; 3],
+            split: CellSplit::Kuhn,
         }
         .mesh()
         .unwrap();
         let expected = (12.0 + 6.0 * 2f64.sqrt() + 3f64.sqrt()) / 19.0;
         assert!((cube.mean_edge_length() - expected).abs() < 1e-15);
+    }
+
+    /// The diagonals of the cells: all along (1, 1, 1) in Kuhn cells, as many along each of the four space diagonals in
+    /// mirrored ones, where the numbers of cells are even.
+    #[test]
+    fn mirrored_cells_prefer_no_diagonal() {
+        for (split, expected) in [
+            (CellSplit::Kuhn, [64, 0, 0, 0]),
+            (CellSplit::Mirrored, [16; 4]),
+        ] {
+            let mesh = Block {
+                center: [0.0; 3],
+                size: [4.0; 3],
+                cells: [4; 3],
+                split,
+            }
+            .mesh()
+            .unwrap();
+            let mut counts = [0; 4];
+            for [i, j] in mesh.edges() {
+                let edge = mesh.positions[j as usize] - mesh.positions[i as usize];
+                if (edge.norm_squared() - 3.0).abs() < 1e-9 {
+                    let edge = edge * edge.z.signum();
+                    counts[usize::from(edge.x < 0.0) + 2 * usize::from(edge.y < 0.0)] += 1;
+                }
+            }
+            assert_eq!(counts, expected);
+            assert_eq!(crate::defects(&mesh), []);
+        }
     }
 
     #[test]
@@ -231,6 +264,7 @@ mod tests {
             center: [0.0; 3],
             size: [1.0; 3],
             cells: [1; 3],
+            split: CellSplit::Kuhn,
         };
         for size in [[0.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, f64::NAN]] {
             assert!(matches!(

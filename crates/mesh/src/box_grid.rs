@@ -29,10 +29,14 @@ impl BoxGrid {
         }
         let mean = extent.sum() / (3 * boxes.len()).max(1) as f64;
         let size = bounds.max - bounds.min;
-        let cells = [0, 1, 2].map(|axis| {
+        let mut cells = [0, 1, 2].map(|axis| {
             // The conversion takes NaN (no size, no boxes) to 0 and bounds infinity.
             ((size[axis] / mean) as usize).clamp(1, MAX_CELLS_ALONG)
         });
+        // Boxes far apart: no more cells than a few per box.
+        while cells.iter().product::<usize>() > 64 + 8 * boxes.len() {
+            cells = cells.map(|n| n.div_ceil(2));
+        }
         let cell = Vector3::from_fn(|axis, _| size[axis] / cells[axis] as f64);
         let mut grid = Self {
             bounds,
@@ -178,5 +182,74 @@ impl BoxGrid {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Boxes of all sizes, some flat, some far away.
+    fn boxes() -> impl Strategy<Value = Vec<Aabb>> {
+        let coordinate = -1.0..1.0f64;
+        let one = (
+            [coordinate.clone(), coordinate.clone(), coordinate],
+            [0.0..0.3f64, 0.0..0.3, 0.0..0.3],
+            prop::sample::select(vec![1.0, 1.0, 1.0, 5.0]),
+        );
+        let one = one.prop_map(|(min, size, scale)| {
+            let min = Vector3::from(min) * scale;
+            Aabb {
+                min,
+                max: min + Vector3::from(size.map(|s| if s < 0.03 { 0.0 } else { s })),
+            }
+        });
+        prop::collection::vec(one, 1..60)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+
+        /// Brute force over all boxes.
+        #[test]
+        fn nothing_is_missed(boxes in boxes(), p in [-2.0..2.0f64, -2.0..2.0, -2.0..2.0], reach in 0.0..1.0f64) {
+            let grid = BoxGrid::new(&boxes);
+            let point = Vector3::from(p);
+            let region = Aabb { min: point, max: point + Vector3::repeat(reach) };
+            let (at, near) = (grid.at(&point), grid.near(&region));
+            for (index, item) in boxes.iter().enumerate() {
+                let index = index as u32;
+                prop_assert!(!item.contains(&point) || at.contains(&index));
+                prop_assert!(!item.overlaps(&region) || near.contains(&index));
+            }
+            let distance = |index: u32| {
+                let item = &boxes[index as usize];
+                (point.sup(&item.min).inf(&item.max) - point).norm()
+            };
+            let mut found = f64::INFINITY;
+            grid.search_nearest(&point, |index| {
+                found = found.min(distance(index));
+                distance(index)
+            });
+            let expected = (0..boxes.len() as u32).map(distance).fold(f64::INFINITY, f64::min);
+            prop_assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn a_grid_of_one_point_or_of_nothing_answers() {
+        let point = Vector3::new(1.0, 2.0, 3.0);
+        let grid = BoxGrid::new(&[Aabb::of([&point])]);
+        assert_eq!(grid.at(&point), [0]);
+        assert_eq!(grid.near(&Aabb::of([&point])), [0]);
+        let mut seen = Vec::new();
+        grid.search_nearest(&Vector3::zeros(), |index| {
+            seen.push(index);
+            1.0
+        });
+        assert_eq!(seen, [0]);
+        let empty = BoxGrid::new(&[]);
+        assert!(empty.at(&point).is_empty() && empty.near(&Aabb::of([&point])).is_empty());
     }
 }

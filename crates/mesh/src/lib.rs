@@ -1,8 +1,10 @@
-//! Tetrahedral meshes: connectivity, generators, surface, volumes.
+//! Tetrahedral meshes: generators, files, connectivity, quality, validity, mapping.
 //!
-//! What is here: the mesh with stable ids, the block generator, everything that follows from connectivity. What is not:
-//! physics, files, topology edits (they come with cutting; ids and the generation are here for them). Pure: same input,
-//! same bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
+//! What is here: the mesh with stable ids and regions; blocks, tubes of layers, closed surfaces filled with tetrahedra;
+//! the boundary and parts of it; the quality of elements; reports on what is wrong with a mesh or surface, with place and
+//! remedy; points that follow a mesh. What is not: physics, reading and writing of disks (formats turn bytes into meshes
+//! and back), topology edits (they come with cutting; ids and the generation are here for them). Pure: same input, same
+//! bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
 
 mod block;
 mod box_grid;
@@ -10,6 +12,7 @@ mod cell_split;
 mod defects;
 mod fill;
 pub mod format;
+mod mapping;
 mod quality;
 mod surface;
 mod surface_defect;
@@ -22,6 +25,7 @@ pub use block::{Block, BlockError};
 pub use cell_split::CellSplit;
 pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
+pub use mapping::{Location, Locator, Mapping, MappingError};
 pub use microsim_geometry::signed_volume;
 pub use quality::{
     Distribution, ElementQuality, HISTOGRAM_BINS, Histogram, QualityReport, RankedElement,

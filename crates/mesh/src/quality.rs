@@ -193,7 +193,7 @@ impl Distribution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Block;
+    use crate::{Block, CellSplit};
 
     const REGULAR: [Vector3<f64>; 4] = [
         Vector3::new(1.0, 1.0, 1.0),
@@ -281,6 +281,7 @@ mod tests {
             center: [0.0; 3],
             size: [1.0; 3],
             cells: [2; 3],
+            split: CellSplit::Kuhn,
         }
         .mesh()
         .unwrap();

@@ -72,7 +72,7 @@ impl Surface {
 
 #[cfg(test)]
 mod tests {
-    use crate::Block;
+    use crate::{Block, CellSplit};
     use nalgebra::Vector3;
 
     /// One face of a block: its triangles, area and area vector are known in closed form; a corner node of a Kuhn face
@@ -83,6 +83,7 @@ mod tests {
             center: [0.0; 3],
             size: [4.0, 3.0, 2.0],
             cells: [4, 3, 2],
+            split: CellSplit::Kuhn,
         };
         let mesh = block.mesh().unwrap();
         let surface = mesh.surface();

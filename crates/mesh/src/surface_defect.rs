@@ -168,7 +168,7 @@ impl std::fmt::Display for SurfaceDefect {
             ),
             Self::Components { count } => write!(
                 f,
-                "the surface falls into {count} parts that share no vertex: remove what does not belong to the body"
+                "the surface falls into {count} parts that share no vertex: remove what does not belong to the body (a cavity does)"
             ),
         }
     }

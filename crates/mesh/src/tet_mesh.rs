@@ -158,3 +158,76 @@ impl TetMesh {
         masses
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Arc, CellSplit, Layer, Severity, Tube, defects};
+
+    fn two_layers() -> Tube {
+        let layer = |region| Layer {
+            thickness: 1e-4,
+            cells: 1,
+            region,
+        };
+        Tube {
+            center: [0.0; 3],
+            axis: [0.0, 0.0, 1.0],
+            inner_radius: 5e-4,
+            layers: vec![layer(1), layer(2)],
+            length: 2e-3,
+            around: 12,
+            along: 6,
+            arc: Arc::Full,
+            split: CellSplit::Kuhn,
+        }
+    }
+
+    /// Each layer of 12 × 6 cells by itself: two triangles per cell on both walls, per cell of the ring on both ends. The
+    /// layers' boundaries share their common wall, which is not on that of the whole.
+    #[test]
+    fn the_surface_of_a_region_is_that_of_its_elements() {
+        let mesh = two_layers().mesh().unwrap();
+        let layers = [1, 2].map(|region| mesh.surface_of(|e| mesh.regions[e] == region));
+        for layer in &layers {
+            assert_eq!(layer.triangles.len(), 4 * 12 * 6 + 4 * 12);
+        }
+        let whole = mesh.surface();
+        assert_eq!(whole.triangles.len(), 4 * 12 * 6 + 2 * 4 * 12);
+        let common = layers[0].within(|node| layers[1].nodes.binary_search(&node).is_ok());
+        assert_eq!(common.triangles.len(), 2 * 12 * 6);
+        assert!(
+            common
+                .triangles
+                .iter()
+                .all(|t| !whole.triangles.contains(t))
+        );
+        for (face, element) in mesh.boundary_faces(|_| true) {
+            let tet = mesh.tets[element as usize];
+            assert!(face.iter().all(|node| tet.contains(node)));
+        }
+    }
+
+    #[test]
+    fn appended_parts_keep_what_they_are_under_new_indices_and_ids() {
+        let first = two_layers().mesh().unwrap();
+        let second = Tube {
+            center: [5e-3, 0.0, 0.0],
+            around: 9,
+            ..two_layers()
+        }
+        .mesh()
+        .unwrap();
+        let mut both = first.clone();
+        both.append(&second, 10);
+        assert_eq!(both.generation, first.generation + 1);
+        let (n, e) = (first.positions.len(), first.tets.len());
+        assert_eq!(both.corners(e + 5), second.corners(5));
+        assert_eq!(both.regions[e..].iter().min(), Some(&11));
+        assert_eq!(both.node_ids[n], n as u32);
+        assert_eq!(both.element_ids[e], e as u32);
+        let found = defects(&both);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].severity(), Severity::Warning);
+        assert!(found[0].to_string().contains("2 parts"));
+    }
+}

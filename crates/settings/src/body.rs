@@ -267,17 +267,20 @@ pub enum Law {
     StableNeoHookean,
     /// Compressible neo-Hookean elasticity with a logarithm.
     NeoHookean,
+    /// Neo-Hookean elasticity without a logarithm: it is finite for inverted elements.
+    NeoHookeanPolynomial,
     /// St Venant–Kirchhoff elasticity.
     StVenantKirchhoff,
 }
 
 impl Law {
     /// As files write them.
-    pub const NAMES: [&str; 5] = [
+    pub const NAMES: [&str; 6] = [
         "springs",
         "corotational",
         "stable-neo-hookean",
         "neo-hookean",
+        "neo-hookean-polynomial",
         "st-venant-kirchhoff",
     ];
 }
@@ -286,13 +289,27 @@ impl Law {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Discretisation {
-    /// Linear tetrahedra; they lock from ν = 0.4 on.
-    Linear,
+    /// The tetrahedra themselves; they lock from ν = 0.4 on.
+    Tetrahedra,
+    /// Domains around edges; they lock as well.
+    EdgeSmoothed,
+    /// Domains around nodes.
+    NodeSmoothed,
+    /// Shear around edges, pressure around nodes.
+    Selective,
+    /// Shear in tetrahedra, pressure around nodes.
+    NodalPressure,
 }
 
 impl Discretisation {
     /// As files write them.
-    pub const NAMES: [&str; 1] = ["linear"];
+    pub const NAMES: [&str; 5] = [
+        "tetrahedra",
+        "edge-smoothed",
+        "node-smoothed",
+        "selective",
+        "nodal-pressure",
+    ];
 }
 
 /// What the constants of springs mean.

@@ -52,6 +52,7 @@ const CONTINUUM: &[&str] = &[
     "corotational",
     "stable-neo-hookean",
     "neo-hookean",
+    "neo-hookean-polynomial",
     "st-venant-kirchhoff",
 ];
 

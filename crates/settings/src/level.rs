@@ -4,11 +4,13 @@
 //! Frames: the field frame is right-handed, x to the right and y away from the trainee in the picture, z up towards the
 //! microscope. Everything is in SI.
 
+use crate::body::Body;
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level_check::check;
 use crate::level_schema::level_schema;
 use crate::manifest::{Direction, Manifest};
+use crate::method::{Accuracy, Method, Tuned};
 use crate::text::{Colour, Finish, LocalText};
 use crate::unit::Unit;
 use serde::Deserialize;
@@ -35,8 +37,14 @@ pub struct Level {
     pub body: Vec<Body>,
     /// Which tool may touch which body.
     pub contact: Vec<ContactPair>,
-    /// How bodies move; `None` in a level without physics.
+    /// What drives all bodies; `None` in a level without physics.
     pub physics: Option<Physics>,
+    /// How they are advanced; `None` in a level without physics.
+    pub method: Option<Method>,
+    /// What is stated of their motion.
+    pub accuracy: Option<Accuracy>,
+    /// What `microsim tune` chose.
+    pub tuned: Option<Tuned>,
     /// What is demanded.
     pub limit: Vec<Limit>,
     /// Parameters of the metrics.
@@ -202,72 +210,6 @@ pub(crate) fn expanded_names(name: &str, count: Option<u64>) -> Vec<String> {
     }
 }
 
-/// A tetrahedral body.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Body {
-    /// Its name.
-    pub name: String,
-    /// What makes its mesh.
-    pub generator: Generator,
-    /// Of the block \[m\].
-    pub size: [f64; 3],
-    /// Cells along each side; each cell is several tetrahedra.
-    pub cells: [u32; 3],
-    /// Of the block in the field frame \[m\].
-    pub centre: [f64; 3],
-    /// Colour.
-    pub colour: Colour,
-    /// How its surface answers light.
-    pub finish: Finish,
-    /// What it is made of.
-    pub material: Material,
-    /// Regions whose nodes are held.
-    pub clamp: Vec<Clamp>,
-}
-
-/// What makes a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Generator {
-    /// A regular box of tetrahedra.
-    Block,
-}
-
-/// What a body is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Material {
-    /// Its law.
-    pub model: MaterialModel,
-    /// Stiffness against a change of length \[Pa\].
-    pub stretch_modulus: f64,
-    /// Stiffness against a change of volume \[Pa\].
-    pub volume_modulus: f64,
-    /// \[kg/m³\]
-    pub density: f64,
-    /// Drag per mass \[1/s\].
-    pub drag: f64,
-}
-
-/// The law of a material.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MaterialModel {
-    /// Springs along the edges and a volume force in each tetrahedron (equations 4.1 and 4.2).
-    SpringVolume,
-}
-
-/// A box along the axes, in the body's rest frame: origin at the body's centre, axes of the field frame.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Clamp {
-    /// Corner with the smallest coordinates \[m\].
-    pub min: [f64; 3],
-    /// Corner with the largest coordinates \[m\].
-    pub max: [f64; 3],
-}
-
 /// A tool that may touch a body.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -278,22 +220,12 @@ pub struct ContactPair {
     pub body: String,
 }
 
-/// How bodies move.
+/// What drives all bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Physics {
-    /// Integrator.
-    pub method: Method,
     /// In the field frame \[m/s²\].
     pub gravity: [f64; 3],
-}
-
-/// Integrator of the equations of motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Position Verlet in its joint form.
-    StoermerVerlet,
 }
 
 /// What is demanded of one metric. Values are in the SI unit of the metric.

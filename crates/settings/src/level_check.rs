@@ -1,10 +1,12 @@
 //! What a level must fulfil beyond its single values: names, references, the module's reasons, consistent limits.
 
+use crate::body_check::check_bodies;
 use crate::check::{items, refers, texts, unique};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::level::{KnownMetric, expanded_names};
 use crate::manifest::{Direction, Manifest};
+use crate::method::check_method;
 use crate::schema::Kind;
 use crate::unit::Unit;
 use serde_json::Value;
@@ -15,7 +17,8 @@ pub(crate) fn check(reading: &mut Reading, manifest: &Manifest, known_metrics: &
     check_names(reading);
     check_shapes(reading);
     check_parents(reading);
-    check_clamps(reading);
+    check_bodies(reading);
+    check_method(reading, &KeyPath::root().key("method"));
     check_contacts(reading);
     check_physics(reading);
     check_limits(reading, manifest, known_metrics);
@@ -127,37 +130,6 @@ fn check_parents(reading: &mut Reading) {
     }
 }
 
-fn check_clamps(reading: &mut Reading) {
-    let mut empty = Vec::new();
-    for (b, body) in items(reading.value(), "body") {
-        for (c, clamp) in items(body, "clamp") {
-            let below = |axis: usize| {
-                let corner = |name: &str| clamp[name][axis].as_f64();
-                corner("min")
-                    .zip(corner("max"))
-                    .is_none_or(|(min, max)| min < max)
-            };
-            if !(0..3).all(below) {
-                empty.push(
-                    KeyPath::root()
-                        .key("body")
-                        .at(b)
-                        .key("clamp")
-                        .at(c)
-                        .key("max"),
-                );
-            }
-        }
-    }
-    for key in empty {
-        reading.complain(
-            &key,
-            "a region that is empty",
-            "each coordinate of `max` above that of `min`",
-        );
-    }
-}
-
 fn check_contacts(reading: &mut Reading) {
     let tools = texts(reading.value(), "tool", "name");
     let bodies = texts(reading.value(), "body", "name");
@@ -185,15 +157,20 @@ fn check_contacts(reading: &mut Reading) {
 
 fn check_physics(reading: &mut Reading) {
     let root = KeyPath::root();
-    let (physics, body) = (root.key("physics"), root.key("body"));
-    match (reading.is_written(&physics), reading.is_written(&body)) {
-        (false, true) => {
-            reading.complain(&physics, "nothing", "a table [physics], which bodies need")
+    let bodies = reading.is_written(&root.key("body"));
+    for table in ["physics", "method"] {
+        let key = root.key(table);
+        match (reading.is_written(&key), bodies) {
+            (false, true) => {
+                let expected = format!("a table [{table}], which bodies need");
+                reading.complain(&key, "nothing", &expected);
+            }
+            (true, false) => {
+                let expected = format!("no {table}, as there are no bodies");
+                reading.complain(&key, "a table", &expected);
+            }
+            _ => {}
         }
-        (true, false) => {
-            reading.complain(&physics, "a table", "no physics, as there are no bodies")
-        }
-        _ => {}
     }
 }
 

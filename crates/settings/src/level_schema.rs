@@ -1,15 +1,12 @@
 //! The keys of a level.
 
+use crate::body_schema::{body_keys, point, size, size3};
 use crate::manifest::Manifest;
+use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::schema::{Form, Key, Kind, Schema};
 use crate::text::Finish;
 use crate::unit::Unit;
 use serde_json::json;
-
-/// Largest coordinate and size in a level \[m\].
-const LENGTH_MAX: f64 = 1.0;
-/// Smallest size of anything: a micrometre \[m\].
-const LENGTH_MIN: f64 = 1e-6;
 
 /// The schema of a level; of the module whose manifest is given, or of any.
 pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
@@ -73,7 +70,22 @@ pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
             Key::optional(
                 "physics",
                 Kind::Table(physics_keys()),
-                "How bodies move; needed if and only if there are bodies.",
+                "What drives all bodies; needed if and only if there are bodies.",
+            ),
+            Key::optional(
+                "method",
+                Kind::Table(method_keys()),
+                "How the bodies are advanced; needed if and only if there are bodies.",
+            ),
+            Key::optional(
+                "accuracy",
+                Kind::Table(accuracy_keys()),
+                "What is stated of the motion of the bodies; `microsim tune` looks for the cheapest way to keep it.",
+            ),
+            Key::optional(
+                "tuned",
+                Kind::Table(tuned_keys()),
+                "What `microsim tune` chose and measured.",
             ),
             Key::list(
                 "limit",
@@ -193,86 +205,6 @@ fn object_keys() -> Vec<Key> {
     ]
 }
 
-fn body_keys() -> Vec<Key> {
-    let cells = Kind::List {
-        of: Box::new(Kind::Integer { min: 1, max: 200 }),
-        min: 3,
-        max: 3,
-    };
-    vec![
-        name("Its name."),
-        Key::required(
-            "generator",
-            Kind::choice(&["block"]),
-            "What makes its mesh: `block`, a regular box of tetrahedra.",
-        ),
-        Key::required("size", size3(), "Sides of the block."),
-        Key::required(
-            "cells",
-            cells,
-            "Cells along each side; each cell is several tetrahedra.",
-        ),
-        Key::with_default(
-            "centre",
-            point(),
-            "Of the block, in the field frame.",
-            json!([0.0, 0.0, 0.0]),
-        ),
-        colour(),
-        finish("moist"),
-        Key::required(
-            "material",
-            Kind::Table(material_keys()),
-            "What it is made of.",
-        ),
-        Key::list(
-            "clamp",
-            Kind::Table(clamp_keys()),
-            16,
-            "Regions whose nodes are held.",
-        ),
-    ]
-}
-
-fn material_keys() -> Vec<Key> {
-    let modulus = |name, doc| Key::required(name, Kind::quantity(Unit::Pressure, 1.0, 1e10), doc);
-    vec![
-        Key::required(
-            "model",
-            Kind::choice(&["spring-volume"]),
-            "Its law: `spring-volume`, springs along the edges and a volume force in each tetrahedron.",
-        ),
-        modulus("stretch_modulus", "Stiffness against a change of length."),
-        modulus("volume_modulus", "Stiffness against a change of volume."),
-        Key::required(
-            "density",
-            Kind::quantity(Unit::Density, 1.0, 20_000.0),
-            "Mass per volume.",
-        ),
-        Key::required(
-            "drag",
-            Kind::quantity(Unit::Rate, 0.0, 1e5),
-            "Drag per mass: a free body loses its speed at this rate.",
-        ),
-    ]
-}
-
-fn clamp_keys() -> Vec<Key> {
-    let frame = "in the body's rest frame (origin at the body's centre, axes of the field frame).";
-    vec![
-        Key::required(
-            "min",
-            point(),
-            &format!("Corner with the smallest coordinates, {frame}"),
-        ),
-        Key::required(
-            "max",
-            point(),
-            &format!("Corner with the largest coordinates, {frame}"),
-        ),
-    ]
-}
-
 fn contact_keys() -> Vec<Key> {
     vec![
         Key::required("tool", Kind::Name(Form::Identifier), "Slot of the tool."),
@@ -282,11 +214,6 @@ fn contact_keys() -> Vec<Key> {
 
 fn physics_keys() -> Vec<Key> {
     vec![
-        Key::required(
-            "method",
-            Kind::choice(&["stoermer-verlet"]),
-            "Integrator of the equations of motion.",
-        ),
         Key::with_default(
             "gravity",
             Kind::vector3(Unit::Acceleration, 100.0),
@@ -390,21 +317,4 @@ fn finish(default: &str) -> Key {
         "How its surface answers light.",
         default,
     )
-}
-
-fn point() -> Kind {
-    Kind::vector3(Unit::Length, LENGTH_MAX)
-}
-
-fn size() -> Kind {
-    Kind::quantity(Unit::Length, LENGTH_MIN, LENGTH_MAX)
-}
-
-fn size3() -> Kind {
-    Kind::Vector {
-        unit: Unit::Length,
-        len: 3,
-        min: LENGTH_MIN,
-        max: LENGTH_MAX,
-    }
 }

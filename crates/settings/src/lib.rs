@@ -8,6 +8,10 @@
 //! Each kind of file has `*_schema`, `read_*` (from a text), `load_*` (from a path) and a typed struct. Complaints are
 //! collected: one reading names all that is wrong in a file.
 
+mod body;
+mod body_check;
+mod body_schema;
+mod chart;
 mod check;
 mod describe;
 mod discover;
@@ -20,8 +24,13 @@ mod level_schema;
 mod manifest;
 mod manifest_check;
 mod manifest_schema;
+mod method;
+mod overrides;
 mod read;
 mod recording;
+mod scene;
+mod scene_check;
+mod scene_schema;
 mod schema;
 mod script;
 mod text;
@@ -30,6 +39,14 @@ mod translator;
 mod tree;
 mod unit;
 
+pub use body::{
+    Body, Clamp, Coupling, Discretisation, Generator, Law, Layer, Load, Material, MotionKey, Nodes,
+    Plasticity, Shell, Split, SpringForm, Start,
+};
+pub use chart::{
+    Chart, ChartBudget, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution, ChartScene,
+    ChartSweep, ChartVariant, ExactKind, chart_schema, load_chart, read_chart,
+};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
 pub use document::{Document, Loaded};
@@ -39,8 +56,8 @@ pub use host::{
     read_host,
 };
 pub use level::{
-    Body, Clamp, Clock, ContactPair, Generator, KnownMetric, Level, Limit, Material, MaterialModel,
-    Method, MetricParameters, Object, Physics, Shape, ToolSlot, View, load_level, read_level,
+    Clock, ContactPair, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape,
+    ToolSlot, View, load_level, read_level,
 };
 pub use level_schema::level_schema;
 pub use manifest::{
@@ -48,10 +65,16 @@ pub use manifest::{
     PluginFile, PluginKind, Reason, load_manifest, read_manifest,
 };
 pub use manifest_schema::manifest_schema;
+pub use method::{Accuracy, Method, MethodName, Tuned};
+pub use overrides::Override;
 pub use recording::{
     DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,
     recording_map_help, recording_map_path, recording_schema,
 };
+pub use scene::{
+    End, Expect, Feature, Probe, Quantity, Scene, SceneRun, load_scene, read_scene,
+};
+pub use scene_schema::scene_schema;
 pub use schema::{Form, Key, Kind, Presence, Schema};
 pub use script::{
     Interpolation, Script, ScriptKey, ScriptTool, load_script, orientation_of_direction,
@@ -66,7 +89,7 @@ pub use translator::{
 pub use unit::{QuantityError, Unit};
 
 /// The kinds of file, by the names that the command line uses, each with a line about it.
-pub const KINDS: [(&str, &str); 7] = [
+pub const KINDS: [(&str, &str); 9] = [
     (
         "manifest",
         "plugin.toml, module.toml: what a plugin or training module is, needs and declares",
@@ -74,6 +97,14 @@ pub const KINDS: [(&str, &str); 7] = [
     (
         "level",
         "modules/NAME/levels/level<N>.toml: one level of a training module",
+    ),
+    (
+        "scene",
+        "config/scenes/NAME.toml: physics alone, as demonstration, test and benchmark",
+    ),
+    (
+        "chart",
+        "config/chart.toml: the runs that `microsim chart` compares",
     ),
     ("tool", "config/tools/NAME.toml: the shape of an instrument"),
     (
@@ -94,6 +125,8 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
     Some(match kind {
         "manifest" => manifest_schema(),
         "level" => level_schema(None),
+        "scene" => scene_schema(),
+        "chart" => chart_schema(),
         "tool" => tool_schema(),
         "translator" => translator_schema(),
         "recording" => recording_schema(),

@@ -5,11 +5,19 @@
 //! range of elements for forces, and once per element for matrices.
 
 mod constraint;
+mod continuum;
+mod continuum_constraints;
+mod continuum_matrix;
+mod domains;
 mod measure;
 mod plasticity;
+mod smoothed;
 
 pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
+pub use continuum::{Continuum, ContinuumSet, Smoothed};
+pub use domains::{Domains, Tetrahedra};
 pub use plasticity::Plasticity;
+pub use smoothed::SmoothingDomains;
 
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;

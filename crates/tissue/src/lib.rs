@@ -22,7 +22,10 @@ mod state;
 pub use elements::Elements;
 pub use executor::{Executor, Serial};
 pub use forces::Forces;
-pub use material::{Behaviour, BuildError, Material, MaterialError, SpringConstants, build_model};
+pub use material::{
+    Behaviour, BuildError, ContinuumConstants, Discretisation, Material, MaterialError,
+    SpringConstants, build_model,
+};
 pub use method::{Method, MethodError};
 pub use model::{ModelError, TissueModel};
 pub use solver::{Solver, StepFailure, StepReport};

@@ -3,8 +3,10 @@
 //! A material belongs to a region of a mesh; layers are regions with materials of their own. Static values are physical
 //! (NUMERICS 1.1): moduli in pascals, not constants of a mesh.
 
+mod continuum;
 mod springs;
 
+pub use continuum::{ContinuumConstants, Discretisation};
 pub use springs::SpringConstants;
 
 use crate::elements::Elements;
@@ -29,6 +31,8 @@ pub struct Material {
 pub enum Behaviour {
     /// Springs along the edges, and areas and volumes of tetrahedra.
     Springs(SpringConstants),
+    /// A continuum of a material law.
+    Continuum(ContinuumConstants),
 }
 
 /// A value outside its range.
@@ -99,6 +103,7 @@ impl Material {
         not_negative("relaxation_time", self.relaxation_time, ">= 0 s")?;
         match &self.behaviour {
             Behaviour::Springs(constants) => constants.check(),
+            Behaviour::Continuum(constants) => constants.check(),
         }
     }
 
@@ -106,6 +111,9 @@ impl Material {
     fn build(&self, mesh: &TetMesh, elements: &[u32]) -> Vec<Arc<dyn Elements>> {
         match &self.behaviour {
             Behaviour::Springs(constants) => constants.build(mesh, elements, self.relaxation_time),
+            Behaviour::Continuum(constants) => {
+                constants.build(mesh, elements, self.relaxation_time)
+            }
         }
     }
 }

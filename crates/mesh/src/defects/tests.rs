@@ -1,13 +1,14 @@
 //! Each defect is made by hand in a sound block and must be found where it was put, and nothing else.
 
 use super::*;
-use crate::Block;
+use crate::{Block, CellSplit};
 
 fn block() -> TetMesh {
     let mut mesh = Block {
         center: [0.0; 3],
         size: [2e-3; 3],
         cells: [2; 3],
+        split: CellSplit::Kuhn,
     }
     .mesh()
     .unwrap();

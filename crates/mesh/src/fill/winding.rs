@@ -96,7 +96,7 @@ fn crossings(
                 if turn != 0 {
                     // Counter-clockwise in (y, z) seen against x: the normal points along x, so the line leaves.
                     lines[k * rows + j].push(Crossing {
-                        x: height(&corners, y, z).clamp(low.x, high.x),
+                        x: height(&corners, y, z),
                         triangle: index as u32,
                         turn: -turn,
                     });
@@ -123,10 +123,17 @@ fn passes(surface: &TriangleSurface, [from, to]: [u32; 2], y: f64, z: f64) -> i3
     if rises == (from < to) { 1 } else { -1 }
 }
 
-/// The x at which the plane of the triangle is met [m].
+/// The x at which the plane of the triangle is met [m], within the triangle's own.
 fn height([a, b, c]: &[Vector3<f64>; 3], y: f64, z: f64) -> f64 {
+    let (low, high) = (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
     let normal = (b - a).cross(&(c - a));
-    a.x - (normal.y * (y - a.y) + normal.z * (z - a.z)) / normal.x
+    let x = a.x - (normal.y * (y - a.y) + normal.z * (z - a.z)) / normal.x;
+    if x.is_finite() {
+        x.clamp(low, high)
+    } else {
+        // Seen edge-on: only rounding can bring a line here, and any x of the triangle is as good.
+        0.5 * (low + high)
+    }
 }
 
 #[cfg(test)]

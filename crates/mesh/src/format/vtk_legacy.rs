@@ -221,7 +221,7 @@ impl Reader<'_> {
                         ends.len(),
                         following.len()
                     ),
-                    "as many points as the list holds",
+                    "as many points as the list holds (binary legacy files are big-endian)",
                 ));
             };
             connectivity.extend_from_slice(cell);
@@ -389,7 +389,7 @@ pub fn write_vtk_legacy(mesh: &TetMesh) -> Vec<u8> {
     out.push_str(&"10\n".repeat(cells));
     let _ = writeln!(
         out,
-        "CELL_DATA {cells}\nSCALARS region unsigned_int 1\nLOOKUP_TABLE default"
+        "CELL_DATA {cells}\nSCALARS region unsigned_int\nLOOKUP_TABLE default"
     );
     for region in &mesh.regions {
         let _ = writeln!(out, "{region}");

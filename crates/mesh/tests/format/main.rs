@@ -3,5 +3,6 @@
 mod damage;
 mod encode;
 mod foreign;
+mod refusals;
 mod round_trip;
 mod samples;

@@ -33,6 +33,7 @@ fn accept(kind: &str, value: &Value) -> Result<(), String> {
     match kind {
         "manifest" => parse::<Manifest>(value),
         "level" => parse::<Level>(value),
+        "scene" => parse::<Scene>(value),
         "tool" => parse::<Tool>(value),
         "translator" => parse::<Translator>(value),
         "recording" => parse::<RecordingMap>(value),

@@ -53,6 +53,10 @@ fn a_file_that_is_missing_or_no_text_is_named_with_what_it_should_be() {
             "a level of the module `touch-spheres` (level<N>.toml)".to_owned(),
         ),
         (
+            message(load_scene(&missing, &[]).err()),
+            "a scene (config/scenes/NAME.toml)".to_owned(),
+        ),
+        (
             message(load_tool(&missing).err()),
             "the shape of a tool (config/tools/NAME.toml)".to_owned(),
         ),

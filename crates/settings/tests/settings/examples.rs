@@ -30,9 +30,12 @@ fn a_level_is_read_in_si() {
         length: 0.004,
     };
     assert_eq!(level.object[2].shape, capsule);
-    assert_eq!(level.body[0].cells, [20, 4, 2]);
-    assert_eq!(level.body[0].material.stretch_modulus, 25e3);
-    assert_eq!(level.body[0].clamp[0].min, [-0.011, -0.003, -0.002]);
+    assert_eq!(level.body[0].cells, Some([20, 4, 2]));
+    assert_eq!(level.body[0].elements(), Some(6 * 20 * 4 * 2));
+    assert_eq!(level.body[1].elements(), Some(6 * 12 * 40 * 3));
+    assert_eq!(level.body[0].material[0].stretch_modulus, Some(25e3));
+    let held = level.body[0].clamp[0].nodes;
+    assert_eq!(held.min, Some([-0.011, -0.003, -0.002]));
     let gravity = level.physics.expect("there is a body").gravity;
     assert_eq!(gravity, [0.0, 0.0, -9.81]);
     // In the unit of the metric: seconds, radians.

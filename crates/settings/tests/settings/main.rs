@@ -10,9 +10,10 @@ use microsim_settings::*;
 use serde_json::Value;
 
 /// A full example of each kind: every key of its schema occurs.
-const EXAMPLES: [(&str, &str); 7] = [
+const EXAMPLES: [(&str, &str); 8] = [
     ("manifest", include_str!("../examples/manifest.toml")),
     ("level", include_str!("../examples/level.toml")),
+    ("scene", include_str!("../examples/scene.toml")),
     ("tool", include_str!("../examples/tool.toml")),
     ("translator", include_str!("../examples/translator.toml")),
     ("recording", include_str!("../examples/recording.toml")),
@@ -51,6 +52,7 @@ fn read(kind: &str, text: &str) -> Result<Value, ConfigErrors> {
     let document = match kind {
         "manifest" => read_manifest(text, file)?.document,
         "level" => read_level(text, file, &manifest(), &KNOWN_METRICS)?.document,
+        "scene" => read_scene(text, file, &[])?.document,
         "tool" => read_tool(text, file)?.document,
         "translator" => read_translator(text, file)?.document,
         "recording" => read_recording_map(text, file)?.document,

@@ -150,5 +150,6 @@ impl<L: Law, D: Domains> Constraints for ContinuumSet<L, D> {
     }
 }
 
+
 #[cfg(test)]
 mod tests;

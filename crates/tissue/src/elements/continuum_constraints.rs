@@ -137,3 +137,6 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
         moves
     }
 }
+
+#[cfg(test)]
+mod tests;

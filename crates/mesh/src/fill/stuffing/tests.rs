@@ -1,5 +1,5 @@
 use super::*;
-use crate::ElementQuality;
+use crate::{ElementQuality, MAX_DIHEDRAL, MIN_DIHEDRAL, TetMesh};
 
 /// Smallest and largest dihedral angle [rad] over all pieces that one tetrahedron of the lattice can be cut into, with
 /// these limits of warping: each of its points inside, outside or moved along any of its edges by 0, half or all of the
@@ -89,8 +89,9 @@ fn extreme_angles(tet: [u32; 4], long: f64, short: f64) -> (f64, f64) {
     (min, max)
 }
 
+/// The bounds of the angles, for every kind of position of a tetrahedron in the lattice: of either parity.
 #[test]
-fn explore_limits() {
+fn no_piece_is_worse_than_the_stated_bounds() {
     let lattice = Lattice {
         origin: Vector3::zeros(),
         cell: 1.0,
@@ -102,16 +103,62 @@ fn explore_limits() {
             tets.push(tet);
         }
     });
-    println!("{} tets", tets.len());
-    let d = 180.0 / std::f64::consts::PI;
-    for k in 0..4 {
-        let (min, max) = extreme_angles(tets[k * 7], 0.24999, 0.41189);
-        println!("{:?} {} {}", tets[k * 7], min * d, max * d);
+    for tet in [tets[0], tets[21]] {
+        let (min, max) = extreme_angles(tet, WARP_LONG, WARP_SHORT);
+        assert!(min >= MIN_DIHEDRAL && min < MIN_DIHEDRAL + 0.001, "{min}");
+        assert!(max <= MAX_DIHEDRAL && max > MAX_DIHEDRAL - 0.001, "{max}");
     }
-    for long in [0.22, 0.24, 0.25, 0.26] {
-        for short in [0.41189, 0.42, 0.43, 0.44, 0.46, 0.49] {
-            let (min, max) = extreme_angles(tets[0], long, short);
-            println!("{long} {short}: {:.4} {:.4}", min * d, max * d);
+}
+
+/// Random sides and crossings at every point and edge, far wilder than any surface: the pieces fit together (each face
+/// has one or two owners, the boundary is closed), and sum to what the boundary encloses.
+#[test]
+fn pieces_of_any_sides_and_crossings_fit_together() {
+    let mut total = 0;
+    for seed in 4..10u64 {
+        let mut state = seed;
+        // A linear congruential generator (Knuth's MMIX constants), its upper bits.
+        let mut random = move || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 33) as f64 / (1u64 << 31) as f64
+        };
+        let lattice = Lattice {
+            origin: Vector3::zeros(),
+            cell: 1.0,
+            cells: [10; 3],
+        };
+        let inside: Vec<bool> = (0..lattice.len() as u32)
+            .map(|point| lattice.neighbours(point).count() == 14 && random() * 10.0 < seed as f64)
+            .collect();
+        let (positions, tets) = stuff(&lattice, &inside, |_, _| random());
+        let mesh = TetMesh::new(positions, tets, Vec::new());
+        total += mesh.tets.len();
+        let quality = crate::QualityReport::of(&mesh).unwrap();
+        assert!(quality.radius_ratio.min > 0.0);
+        assert!(
+            quality.dihedral_min.min >= MIN_DIHEDRAL && quality.dihedral_max.max <= MAX_DIHEDRAL
+        );
+        // Pieces may touch in edges and nodes here; anything else is wrong.
+        for defect in crate::defects(&mesh) {
+            assert!(defect.severity() == crate::Severity::Warning, "{defect}");
         }
+        let boundary = mesh.surface();
+        for shared in crate::topology::edge_uses(&boundary.triangles) {
+            let forward = shared.triangles.iter().filter(|(_, f)| *f).count();
+            assert_eq!(2 * forward, shared.triangles.len());
+        }
+        let enclosed: f64 = boundary
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|n| mesh.positions[n as usize]);
+                a.dot(&b.cross(&c)) / 6.0
+            })
+            .sum();
+        let volume: f64 = mesh.volumes().iter().sum();
+        assert!((enclosed / volume - 1.0).abs() < 1e-12);
     }
+    assert!(total > 1000, "{total}");
 }

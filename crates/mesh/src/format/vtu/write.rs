@@ -147,10 +147,10 @@ impl File {
         bytes: impl Fn(&T) -> [u8; N],
     ) {
         let name = quick_xml::escape::escape(name);
-        let _ = write!(
-            self.text,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\""
-        );
+        let _ = write!(self.text, "<DataArray type=\"{kind}\" Name=\"{name}\"");
+        if components > 1 {
+            let _ = write!(self.text, " NumberOfComponents=\"{components}\"");
+        }
         match self.encoding {
             VtuEncoding::Ascii => {
                 self.text.push_str(" format=\"ascii\">\n");

@@ -1,0 +1,220 @@
+//! `config/scenes/NAME.toml`: physics alone. Bodies, materials, loads, method, what is watched and what must come out: the
+//! same file is a demonstration, a test and a benchmark.
+//!
+//! Frame: the world's, right-handed, z up. Everything is in SI.
+
+use crate::body::{Body, Nodes};
+use crate::document::{Loaded, Reading, load_text};
+use crate::error::ConfigErrors;
+use crate::method::{Accuracy, Method, Tuned};
+use crate::overrides::Override;
+use crate::scene_check::check;
+use crate::scene_schema::scene_schema;
+use crate::text::LocalText;
+use crate::unit::Unit;
+use serde::Deserialize;
+use std::path::Path;
+
+/// A scene.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// For people: its name.
+    pub title: LocalText,
+    /// For people: what it shows.
+    pub summary: LocalText,
+    /// How long, in which steps.
+    pub run: SceneRun,
+    /// How the bodies are advanced.
+    pub method: Method,
+    /// Tetrahedral bodies.
+    pub body: Vec<Body>,
+    /// What is watched.
+    pub probe: Vec<Probe>,
+    /// What must come out.
+    pub expect: Vec<Expect>,
+    /// What is stated of the result.
+    pub accuracy: Option<Accuracy>,
+    /// What `microsim tune` chose.
+    pub tuned: Option<Tuned>,
+}
+
+/// How long a scene runs, and in which steps.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneRun {
+    /// Simulated time; with `end = "rest"` the longest \[s\].
+    pub duration: f64,
+    /// Step of the solver \[s\]; shortened so that a whole number fits between two samples.
+    pub step: f64,
+    /// Time between two samples of the series \[s\].
+    pub sample: f64,
+    /// Time between two exported meshes \[s\].
+    pub frame: f64,
+    /// When it ends.
+    pub end: End,
+    /// Largest speed of a node that counts as rest \[m/s\].
+    pub rest_speed: Option<f64>,
+    /// \[m/s²\]
+    pub gravity: [f64; 3],
+    /// Whether a body that diverges is rolled back and computed again with shorter steps.
+    pub containment: bool,
+}
+
+/// When a scene ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// After its duration.
+    Time,
+    /// When no node has been faster than the speed of rest over a whole sample.
+    Rest,
+}
+
+impl End {
+    /// As files write them.
+    pub const NAMES: [&str; 2] = ["time", "rest"];
+}
+
+/// A number that is sampled into the series.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Its name.
+    pub name: String,
+    /// The body.
+    pub body: String,
+    /// Nodes of the body.
+    pub nodes: Nodes,
+    /// What of them.
+    pub quantity: Quantity,
+    /// Direction of a displacement or force, of length 1.
+    pub direction: Option<[f64; 3]>,
+    /// A point of the axis of a radius or torque, in the body's frame \[m\].
+    pub point: Option<[f64; 3]>,
+    /// Direction of that axis, of length 1.
+    pub axis: Option<[f64; 3]>,
+}
+
+/// What a probe measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Mean displacement along a direction.
+    Displacement,
+    /// Displacement of the centre of mass along a direction.
+    Centre,
+    /// Mean change of the distance from an axis.
+    Radius,
+    /// Largest distance of a node from its place at rest.
+    Distance,
+    /// Force along a direction with which clamps hold the nodes.
+    Force,
+    /// Torque about an axis with which clamps hold the nodes.
+    Torque,
+    /// Relative change of the body's volume.
+    Volume,
+    /// Kinetic, elastic and potential energy of the body, the last one 0 at rest.
+    Energy,
+}
+
+impl Quantity {
+    /// As files write them.
+    pub const NAMES: [&str; 8] = [
+        "displacement",
+        "centre",
+        "radius",
+        "distance",
+        "force",
+        "torque",
+        "volume",
+        "energy",
+    ];
+
+    /// Unit of its values.
+    pub fn unit(self) -> Unit {
+        match self {
+            Self::Displacement | Self::Centre | Self::Radius | Self::Distance => Unit::Length,
+            Self::Force => Unit::Force,
+            Self::Torque => Unit::Torque,
+            Self::Volume => Unit::Ratio,
+            Self::Energy => Unit::Energy,
+        }
+    }
+}
+
+/// What must come out of a probe.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Expect {
+    /// The probe.
+    pub probe: String,
+    /// What of its series.
+    pub what: Feature,
+    /// The right value, in SI.
+    pub value: f64,
+    /// Largest error that is right, as a share of `scale`.
+    pub tolerance: f64,
+    /// What errors are a share of, in SI; the size of `value` if `None`.
+    pub scale: Option<f64>,
+    /// How long a curve must have fallen after its first peak \[s\].
+    pub settle: f64,
+    /// Where value and tolerance come from.
+    pub source: String,
+}
+
+/// What is taken from a series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Feature {
+    /// The last value.
+    AtEnd,
+    /// The largest value.
+    Largest,
+    /// Largest minus smallest value.
+    Spread,
+    /// The largest value before the curve has fallen for a time.
+    FirstPeak,
+    /// When that is.
+    FirstPeakTime,
+    /// Frequency of the crossings of the middle.
+    Frequency,
+}
+
+impl Feature {
+    /// As files write them.
+    pub const NAMES: [&str; 6] = [
+        "at-end",
+        "largest",
+        "spread",
+        "first-peak",
+        "first-peak-time",
+        "frequency",
+    ];
+
+    /// Unit of its values for a probe of this quantity.
+    pub fn unit(self, quantity: Quantity) -> Unit {
+        match self {
+            Self::AtEnd | Self::Largest | Self::Spread | Self::FirstPeak => quantity.unit(),
+            Self::FirstPeakTime => Unit::Time,
+            Self::Frequency => Unit::Frequency,
+        }
+    }
+}
+
+/// Reads a scene from a text, with values that take the place of some in it; `file` is the name that complaints use.
+pub fn read_scene(
+    text: &str,
+    file: &str,
+    overrides: &[Override],
+) -> Result<Loaded<Scene>, ConfigErrors> {
+    let mut reading = Reading::with_overrides(text, file, &scene_schema(), overrides)?;
+    check(&mut reading);
+    reading.finish()
+}
+
+/// Reads the scene at `path`.
+pub fn load_scene(path: &Path, overrides: &[Override]) -> Result<Loaded<Scene>, ConfigErrors> {
+    let text = load_text(path, "a scene (config/scenes/NAME.toml)")?;
+    read_scene(&text, &path.display().to_string(), overrides)
+}

@@ -1,0 +1,143 @@
+//! One line of the table: a run with all its figures.
+
+use crate::plan::RunKey;
+
+/// Against what an error is stated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Against {
+    /// The closed form, or the external reference.
+    Reference,
+    /// The exact solution on the same mesh with the same material: what is left is the solver's own.
+    SameMesh,
+}
+
+impl Against {
+    /// Both, the one that matters to a user first.
+    pub const ALL: [Self; 2] = [Self::Reference, Self::SameMesh];
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// It came to its end.
+    Ok,
+    /// It diverged at this simulated time [s].
+    Diverged {
+        /// Simulated time [s].
+        time: f64,
+        /// How.
+        reason: String,
+    },
+    /// It was cut off at this simulated time [s].
+    OverBudget {
+        /// Simulated time [s].
+        time: f64,
+    },
+    /// The method or the material cannot be used here.
+    NotApplicable {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Status {
+    /// Its name in tables.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Diverged { .. } => "diverged",
+            Self::OverBudget { .. } => "over budget",
+            Self::NotApplicable { .. } => "not applicable",
+        }
+    }
+}
+
+/// A value with what it should be; all in SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// What came out; `None` where the run did not get there.
+    pub value: Option<f64>,
+    /// The closed form or external reference.
+    pub reference: Option<f64>,
+    /// The exact solution on the same mesh.
+    pub exact: Option<f64>,
+}
+
+impl Measured {
+    /// The relative error.
+    pub fn error(&self, against: Against) -> Option<f64> {
+        let right = match against {
+            Against::Reference => self.reference?,
+            Against::SameMesh => self.exact?,
+        };
+        let error = (self.value? - right).abs() / right.abs();
+        error.is_finite().then_some(error)
+    }
+}
+
+/// A run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What was run.
+    pub key: RunKey,
+    /// Step of the solver [s]; NaN if the scene could not be built.
+    pub step: f64,
+    /// Largest number of iterations in a step, where the plan sets it.
+    pub iteration_limit: Option<u32>,
+    /// Number of tetrahedra.
+    pub elements: usize,
+    /// How it ended.
+    pub status: Status,
+    /// One per measure of the scene.
+    pub measures: Vec<Measured>,
+    /// Energy gained over the run as a share of the largest kinetic energy, where the energy should stay.
+    pub energy_drift: Option<f64>,
+    /// Simulated time [s].
+    pub simulated: f64,
+    /// CPU time [s].
+    pub cpu: f64,
+    /// Mean number of iterations in a step.
+    pub iterations: Option<f64>,
+}
+
+impl Row {
+    /// CPU time per simulated time; below 1 is faster than real time.
+    pub fn cost(&self) -> Option<f64> {
+        (self.simulated > 0.0 && self.cpu > 0.0).then(|| self.cpu / self.simulated)
+    }
+
+    /// The largest error of all measures; `None` if one of them cannot be stated.
+    pub fn error(&self, against: Against) -> Option<f64> {
+        if self.status != Status::Ok {
+            return None;
+        }
+        let mut largest = None;
+        for measure in &self.measures {
+            let error = measure.error(against)?;
+            largest = Some(error.max(largest.unwrap_or(0.0)));
+        }
+        largest
+    }
+}
+
+/// The runs on one mesh with one material, and their exact solution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupResult {
+    /// Which: the method of the key has no meaning.
+    pub key: crate::plan::GroupKey,
+    /// The measures of the exact solution against the reference; empty where there is none.
+    pub exact: Vec<Measured>,
+    /// Why there is no exact solution.
+    pub exact_failure: Option<String>,
+    /// The runs, in the order of the plan.
+    pub rows: Vec<Row>,
+}
+
+impl GroupResult {
+    /// The largest error of the exact solution against the reference: what mesh and material do, whatever the solver.
+    pub fn exact_error(&self) -> Option<f64> {
+        let errors = self.exact.iter().map(|m| m.error(Against::Reference));
+        let errors: Option<Vec<f64>> = errors.collect();
+        errors?.into_iter().reduce(f64::max)
+    }
+}

@@ -1,0 +1,10 @@
+//! The tissue against solutions by others: the cantilever of `data/reference`, static and released.
+//!
+//! Expected values stand in `data/reference/cantilever.json`, made with independent finite-element codes; here they are read,
+//! never repeated.
+
+mod beam;
+mod locking;
+mod refinement;
+mod released;
+mod still;
