@@ -468,7 +468,7 @@ impl Planner<'_> {
                     continue;
                 }
                 let bytes = std::fs::read(folder.join(&name)).map_err(|e| {
-                    let key = KeyPath::root().key("body").at(index).key("file");
+                    let key = settings::KeyPath::root().key("body").at(index).key("file");
                     let found = format!("`{name}`, which cannot be read ({e})");
                     let error = self.level.document.error_at(&key, &found, "a mesh file");
                     AssembleError(error.to_string())

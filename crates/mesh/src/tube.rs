@@ -255,9 +255,8 @@ impl Tube {
 
     fn check(&self) -> Result<(), TubeError> {
         let axis = Vector3::from(self.axis);
-        if !self.center.iter().all(|c| c.is_finite())
-            || !(axis.norm().is_finite() && axis.norm() > 0.0)
-        {
+        let directed = axis.norm().is_finite() && axis.norm() > 0.0;
+        if !directed || !self.center.iter().all(|c| c.is_finite()) {
             return Err(TubeError::Place {
                 center: self.center,
                 axis: self.axis,

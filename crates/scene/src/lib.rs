@@ -7,7 +7,9 @@
 mod containment;
 mod drive;
 mod error;
+mod from_settings;
 mod report;
+mod run;
 mod save;
 mod scene;
 mod select;
@@ -17,10 +19,14 @@ mod tool;
 
 pub use containment::{Diverged, Divergence};
 pub use error::SceneError;
+pub use from_settings::{
+    Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
+};
 pub use microsim_geometry::Pose;
 pub use microsim_mesh::{Surface, TetMesh};
 pub use microsim_tissue::{Energies, Executor, Material, Method, Serial, State, TissueModel};
 pub use report::{ContactReport, Recovery, TickReport};
+pub use run::{End, ProbeError, Runner, Series, Verdict};
 pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{

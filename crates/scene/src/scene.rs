@@ -266,6 +266,16 @@ impl Scene {
         select::nodes(&of.mesh, &of.origin, selection)
     }
 
+    /// Origin of a body's frame in the world [m]; its axes are the world's.
+    pub fn origin(&self, body: usize) -> Vector3<f64> {
+        self.bodies[body].origin
+    }
+
+    /// Acceleration of gravity [m/s²].
+    pub fn gravity(&self) -> Vector3<f64> {
+        self.gravity
+    }
+
     /// The mesh of a body at rest.
     pub fn mesh(&self, body: usize) -> &TetMesh {
         &self.bodies[body].mesh

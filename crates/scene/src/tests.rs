@@ -1,7 +1,7 @@
 //! The strip under a probe: contact, balance of forces, same bits, saving.
 
 use crate::*;
-use microsim_mesh::Block;
+use microsim_mesh::{Block, CellSplit};
 use microsim_tissue::{Behaviour, SpringConstants};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -30,6 +30,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
         center: [0.0; 3],
         size: [20e-3, 4e-3, 1e-3],
         cells,
+        split: CellSplit::Kuhn,
     };
     SceneSpec {
         bodies: vec![BodySpec {

@@ -63,6 +63,19 @@ pub struct Body {
 }
 
 impl Body {
+    /// The files that its mesh is made of, from the folder of this one: two for TetGen, whose nodes have a file of their own.
+    pub fn files(&self) -> Vec<String> {
+        let Some(file) = &self.file else {
+            return Vec::new();
+        };
+        match file.rsplit_once('.') {
+            Some((stem, ending)) if ["node", "ele"].contains(&ending.to_lowercase().as_str()) => {
+                vec![format!("{stem}.node"), format!("{stem}.ele")]
+            }
+            _ => vec![file.clone()],
+        }
+    }
+
     /// Number of tetrahedra, if that stands in the settings: six per cell.
     pub fn elements(&self) -> Option<u64> {
         let cells: u64 = match self.generator {

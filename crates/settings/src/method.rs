@@ -25,11 +25,25 @@ pub struct Method {
 pub enum MethodName {
     /// Position Verlet in its joint form.
     StoermerVerlet,
+    /// Explicit Euler.
+    ExplicitEuler,
+    /// Symplectic Euler.
+    SymplecticEuler,
+    /// Velocity Verlet in its standard form.
+    VelocityVerlet,
+    /// Velocity Verlet with stored values of the step before.
+    VelocityVerletLagged,
 }
 
 impl MethodName {
     /// As files write them.
-    pub const NAMES: [&str; 1] = ["stoermer-verlet"];
+    pub const NAMES: [&str; 5] = [
+        "stoermer-verlet",
+        "explicit-euler",
+        "symplectic-euler",
+        "velocity-verlet",
+        "velocity-verlet-lagged",
+    ];
 }
 
 /// What is stated of the result.

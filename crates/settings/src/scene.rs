@@ -47,9 +47,9 @@ pub struct SceneRun {
     pub duration: f64,
     /// Step of the solver \[s\]; shortened so that a whole number fits between two samples.
     pub step: f64,
-    /// Time between two samples of the series \[s\].
+    /// Time between two samples of the series \[s\]; a longer step takes its place.
     pub sample: f64,
-    /// Time between two exported meshes \[s\].
+    /// Time between two exported meshes \[s\]; a longer sample takes its place.
     pub frame: f64,
     /// When it ends.
     pub end: End,

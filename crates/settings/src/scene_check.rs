@@ -7,7 +7,6 @@ use crate::error::KeyPath;
 use crate::method::check_method;
 use crate::scene::{Feature, Quantity};
 use crate::schema::Kind;
-use crate::unit::Unit;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
@@ -27,35 +26,6 @@ pub(crate) fn check(reading: &mut Reading) {
 
 fn check_run(reading: &mut Reading) {
     let run = KeyPath::root().key("run");
-    let time = |name: &str| reading.value()["run"][name].as_f64();
-    let [duration, step, sample, frame] = ["duration", "step", "sample", "frame"].map(time);
-    let longer = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| a > b);
-    let complaints = [
-        (
-            "step",
-            longer(step, sample),
-            step,
-            "a step that is not longer than `sample`",
-        ),
-        (
-            "sample",
-            longer(sample, duration),
-            sample,
-            "a time that is not longer than `duration`",
-        ),
-        (
-            "frame",
-            longer(sample, frame),
-            frame,
-            "a time that is not shorter than `sample`",
-        ),
-    ];
-    for (key, wrong, value, expected) in complaints {
-        if wrong {
-            let found = Unit::Time.describe(value.unwrap_or_default());
-            reading.complain(&run.key(key), &found, expected);
-        }
-    }
     let rests = reading.value()["run"]["end"] == "rest";
     let key = run.key("rest_speed");
     match (rests, reading.is_written(&key)) {

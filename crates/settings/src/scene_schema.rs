@@ -73,13 +73,13 @@ fn run_keys() -> Vec<Key> {
         Key::with_default(
             "sample",
             time(1e-9, 1e3),
-            "Time between two samples of the series.",
+            "Time between two samples of the series; a longer step takes its place.",
             0.001,
         ),
         Key::with_default(
             "frame",
             time(1e-9, 1e4),
-            "Time between two exported meshes (--vtu).",
+            "Time between two exported meshes (--vtu); a longer sample takes its place.",
             0.02,
         ),
         Key::with_default(

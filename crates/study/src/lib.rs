@@ -1,1 +1,22 @@
-//! Many runs, one table: chart, tune, atlas.
+//! Many runs, one table: speed against accuracy of methods, elements and meshes, and the choice among them.
+//!
+//! What is here: the plan of runs, the loop over them with budgets, exact solutions on the same mesh to compare with, the
+//! Pareto front, the table as CSV, drawings as SVG, one page as HTML, and the choice of the cheapest method for a scene. What is
+//! not: files (a function that the caller brings loads scenes) and clocks (another one gives CPU time). Nowhere else are
+//! methods compared.
+
+mod drawing;
+mod execute;
+mod front;
+mod number;
+mod page;
+mod plan;
+mod results;
+mod row;
+
+pub use execute::{Context, LoadScene, LoadedScene, Step, run_group};
+pub use front::{Point, cheapest, pareto_front};
+pub use page::{PageInfo, panel_svg};
+pub use plan::{Group, GroupKey, PlannedRun, PlannedStep, RunKey, groups};
+pub use results::{ERRORS, Panel, Results};
+pub use row::{Against, GroupResult, Measured, Row, Status};

@@ -123,8 +123,10 @@ impl Row {
 /// The runs on one mesh with one material, and their exact solution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupResult {
-    /// Which: the method of the key has no meaning.
+    /// Which.
     pub key: crate::plan::GroupKey,
+    /// Number of tetrahedra; 0 if the scene could not be built.
+    pub elements: usize,
     /// The measures of the exact solution against the reference; empty where there is none.
     pub exact: Vec<Measured>,
     /// Why there is no exact solution.

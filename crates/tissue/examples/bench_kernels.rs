@@ -3,7 +3,7 @@
 //! `cargo run --release -p microsim-tissue --example bench_kernels [repetitions]`; the fastest repetition counts. The body is
 //! bent and stretched a little, so that no branch is that of the rest shape.
 
-use microsim_mesh::{Block, TetMesh};
+use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
     Behaviour, ContinuumConstants, Control, Discretisation, Forces, Material, Serial,
@@ -21,6 +21,7 @@ fn main() {
         center: [0.0; 3],
         size: [0.1, 0.02, 0.02],
         cells: [35, 7, 7],
+        split: CellSplit::Kuhn,
     };
     let mesh = block.mesh().expect("a block with positive sizes");
     println!("behaviour                                   ns per tetrahedron, elastic and viscous");

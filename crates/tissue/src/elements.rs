@@ -8,6 +8,7 @@ mod constraint;
 mod continuum;
 mod continuum_constraints;
 mod continuum_matrix;
+mod coupling;
 mod domains;
 mod measure;
 mod plasticity;
@@ -15,6 +16,7 @@ mod smoothed;
 
 pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Smoothed};
+pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
 pub use domains::{Domains, Tetrahedra};
 pub use plasticity::Plasticity;
 pub use smoothed::SmoothingDomains;
@@ -192,6 +194,9 @@ impl ElementMatrix {
         }
     }
 }
+
+#[cfg(test)]
+pub(crate) mod contract;
 
 #[cfg(test)]
 mod tests {

@@ -9,18 +9,27 @@
 
 pub mod elements;
 mod executor;
+mod flow;
 mod forces;
 pub mod law;
 mod material;
 mod method;
 mod model;
+mod newton;
+mod prescribed;
 mod solver;
+mod solver_explicit;
+mod solver_implicit;
+mod solver_quasi_static;
 mod solver_verlet;
+mod solver_xpbd;
 pub mod stability;
 mod state;
+mod system;
 
 pub use elements::Elements;
 pub use executor::{Executor, Serial};
+pub use flow::flow;
 pub use forces::Forces;
 pub use material::{
     Behaviour, BuildError, ContinuumConstants, Discretisation, Material, MaterialError,
@@ -28,8 +37,13 @@ pub use material::{
 };
 pub use method::{Method, MethodError};
 pub use model::{ModelError, TissueModel};
+pub use newton::Newton;
 pub use solver::{Solver, StepFailure, StepReport};
+pub use solver_explicit::{Scheme, SolverExplicit};
+pub use solver_implicit::{ImplicitScheme, SolverImplicit};
+pub use solver_quasi_static::SolverQuasiStatic;
 pub use solver_verlet::SolverVerlet;
+pub use solver_xpbd::SolverXpbd;
 pub use state::{Contacts, Control, Energies, NodeTarget, Pressure, State};
 
 #[cfg(test)]

@@ -153,7 +153,14 @@ impl Solver for SolverVerlet {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        self.predict(model, state, control, h, exec);
+        let predicted = self.predict(model, state, control, h, exec);
+        // A velocity is a difference of positions, a target a position: with these all is finite.
+        let targets = contacts.targets.iter();
+        let sum: Vector3<f64> = predicted.iter().sum::<Vector3<f64>>()
+            + targets.map(|t| t.target + t.overlap).sum::<Vector3<f64>>();
+        if !sum.iter().all(|c| c.is_finite()) {
+            return Err(StepFailure::NotFinite);
+        }
         self.finish(model, state, contacts);
         Ok(StepReport {
             iterations: 1,

@@ -2,7 +2,7 @@
 
 use crate::material::{Behaviour, Material, SpringConstants, build_model};
 use crate::model::TissueModel;
-use microsim_mesh::{Block, TetMesh};
+use microsim_mesh::{Block, CellSplit, TetMesh};
 use nalgebra::Vector3;
 
 /// Soft tissue of springs and volumes.
@@ -17,14 +17,20 @@ pub fn soft() -> Material {
     }
 }
 
-/// A block of 2 × 2 × 1 mm around the origin.
-pub fn soft_block(cells: [usize; 3]) -> TetMesh {
+/// A block around the origin.
+pub fn block_mesh(size: [f64; 3], cells: [usize; 3]) -> TetMesh {
     let block = Block {
         center: [0.0; 3],
-        size: [2e-3, 2e-3, 1e-3],
+        size,
         cells,
+        split: CellSplit::Kuhn,
     };
     block.mesh().unwrap()
+}
+
+/// A block of 2 × 2 × 1 mm around the origin.
+pub fn soft_block(cells: [usize; 3]) -> TetMesh {
+    block_mesh([2e-3, 2e-3, 1e-3], cells)
 }
 
 /// The body of a mesh of soft tissue, clamped where `clamp` says so of the rest position.

@@ -1,10 +1,7 @@
 //! Tissue: a thin adapter over the crate `scene`. Bodies, materials, clamps, contact pairs and the method come from the
 //! level; tools come as tracked poses once per tick, and the scene moves them in sub-steps.
 
-use microsim_scene::{
-    Block, BodySpec, BoxSpec, CapsuleSpec, Executor, Generator, HingeSpec, Pose, Scene, SceneSpec,
-    SpringVolumeSpec, ToolMotion, ToolSpec,
-};
+use microsim_scene::{Executor, LevelParts, Pose, Scene, ToolMotion, level_spec};
 use microsim_sdk::message::{
     ContactForce, ContactForces, TISSUE_SNAPSHOT, TissueRecovery, ToolState, ToolStates,
     ToolStatus, decode_bytes, encode,
@@ -15,11 +12,14 @@ use microsim_sdk::{
 use microsim_settings as settings;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
 
 /// The parts of a level that physics needs.
 #[derive(Debug, Deserialize)]
 struct Config {
     physics: settings::Physics,
+    method: settings::Method,
     bodies: Vec<settings::Body>,
     contacts: Vec<settings::ContactPair>,
     tools: Vec<settings::ToolSlot>,
@@ -62,62 +62,6 @@ struct HostExecutor(Parallel);
 impl Executor for HostExecutor {
     fn for_each(&self, parts: usize, body: &(dyn Fn(usize) + Sync)) {
         self.0.for_each(parts, body);
-    }
-}
-
-fn body(body: &settings::Body) -> BodySpec {
-    let settings::Generator::Block = body.generator;
-    let settings::MaterialModel::SpringVolume = body.material.model;
-    BodySpec {
-        name: body.name.clone(),
-        generator: Generator::Block(Block {
-            center: body.centre,
-            size: body.size,
-            cells: body.cells.map(|n| n as usize),
-        }),
-        material: SpringVolumeSpec {
-            stretch_modulus: body.material.stretch_modulus,
-            volume_modulus: body.material.volume_modulus,
-            density: body.material.density,
-            drag: body.material.drag,
-        },
-        clamps: body
-            .clamp
-            .iter()
-            .map(|c| BoxSpec {
-                min: c.min,
-                max: c.max,
-            })
-            .collect(),
-    }
-}
-
-/// A tool as physics sees it: the level's slot name, the model's capsules. The left jaw opens towards +x, about an axis
-/// along y through the hinge, each jaw by half of the opening angle.
-fn tool(slot: &settings::ToolSlot, model: &settings::Tool) -> ToolSpec {
-    let half = model.opening_angle.unwrap_or_default() / 2.0;
-    let hinge = |angle| {
-        model.hinge.map(|pivot| HingeSpec {
-            pivot,
-            axis: [0.0, 1.0, 0.0],
-            angle,
-        })
-    };
-    let touching = model.capsule.iter().filter(|part| part.touches);
-    let capsules = touching.map(|part| CapsuleSpec {
-        a: part.a,
-        b: part.b,
-        radius: part.radius,
-        hinge: match part.jaw {
-            settings::Jaw::Fixed => None,
-            // Below the hinge a right-handed turn about +y moves the jaw towards -x.
-            settings::Jaw::Left => hinge(-half),
-            settings::Jaw::Right => hinge(half),
-        },
-    });
-    ToolSpec {
-        name: slot.name.clone(),
-        capsules: capsules.collect(),
     }
 }
 
@@ -183,24 +127,25 @@ impl Plugin for Physics {
 
     fn initialise(&mut self, setup: &Setup, services: Services) -> Result<(), Fault> {
         let config: Config = serde_json::from_value(setup.config.clone())?;
-        let settings::Method::StoermerVerlet = config.physics.method;
-        let mut tools = Vec::new();
-        for slot in &config.tools {
-            let model = config.models.get(&slot.model);
-            let model =
-                model.ok_or_else(|| Fault::new(format!("no tool model \"{}\"", slot.model)))?;
-            tools.push(tool(slot, model));
-        }
-        let spec = SceneSpec {
-            bodies: config.bodies.iter().map(body).collect(),
-            tools,
-            contact_pairs: config
-                .contacts
-                .iter()
-                .map(|c| (c.tool.clone(), c.body.clone()))
-                .collect(),
-            gravity: config.physics.gravity,
+        let level = LevelParts {
+            physics: &config.physics,
+            method: &config.method,
+            bodies: &config.bodies,
+            contacts: &config.contacts,
+            tools: &config.tools,
+            models: &config.models,
         };
+        // The host hands over the mesh files that bodies name.
+        let mut load = |path: &Path| {
+            let name = path.to_string_lossy();
+            let file = setup.files.iter().find(|file| file.name == name);
+            let file = file.ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
+            Ok(file.bytes.clone())
+        };
+        let described = level_spec(&level, &mut load);
+        let spec = described
+            .map_err(|error| Fault::new(error.to_string()))?
+            .spec;
         let scene = Scene::new(&spec).map_err(|error| Fault::new(error.to_string()))?;
         let checked = scene.check_step(setup.tick_ns as f64 * 1e-9, setup.steps);
         checked.map_err(|error| Fault::new(error.to_string()))?;

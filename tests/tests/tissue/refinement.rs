@@ -1,7 +1,7 @@
 //! Convergence to the exact beam under refinement.
 
 use crate::beam::{LENGTH, beam, expected, static_sag};
-use microsim_mesh::Block;
+use microsim_mesh::{Block, CellSplit};
 use microsim_tissue::Discretisation;
 use microsim_tissue::law::LawName;
 
@@ -17,7 +17,7 @@ fn the_sag_converges_with_the_order_of_linear_elements() {
                 center: [LENGTH / 2.0, 0.01, 0.01],
                 size: [LENGTH, 0.02, 0.02],
                 cells: [5 * cells, cells, cells],
-                ..Block::default()
+                split: CellSplit::Kuhn,
             };
             let mesh = block.mesh().expect("a mesh");
             let model = beam(&mesh, LawName::StVenantKirchhoff, 0.3, Discretisation::Tetrahedra);

@@ -1,7 +1,7 @@
 //! Exactness of landing, distribution of forces, fall-backs.
 
 use super::*;
-use microsim_mesh::{Block, TetMesh};
+use microsim_mesh::{Block, CellSplit, TetMesh};
 
 /// Edge length of the cells [m].
 const CELL: f64 = 1e-3;
@@ -21,6 +21,7 @@ impl Scene {
             center: [0.0, 0.0, -0.5 * CELL],
             size,
             cells: [6, 6, 1],
+            split: CellSplit::Kuhn,
         }
         .mesh()
         .unwrap();
@@ -36,13 +37,7 @@ impl Scene {
     /// One triangle with unequal masses.
     fn triangle() -> Self {
         let positions = vec![Vector3::zeros(), Vector3::x() * CELL, Vector3::y() * CELL];
-        let mesh = TetMesh {
-            positions,
-            tets: vec![],
-            node_ids: vec![0, 1, 2],
-            element_ids: vec![],
-            generation: 0,
-        };
+        let mesh = TetMesh::new(positions, vec![], vec![]);
         let surface = Surface::new(vec![[0, 1, 2]]);
         Self {
             mesh,

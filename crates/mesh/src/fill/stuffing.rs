@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 /// A crossing closer to an end of a long edge than this share of the edge pulls that end onto the surface. With
-/// [`WARP_SHORT`] the paper's best pair for a uniform lattice.
+/// [`WARP_SHORT`] the paper's pair: the bounds of the angles are an optimum there, or close to it.
 pub(super) const WARP_LONG: f64 = 0.24999;
 
 /// The same for the short edges.

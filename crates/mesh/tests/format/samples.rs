@@ -1,7 +1,7 @@
 //! Meshes that the tests write and read.
 
 use microsim_mesh::format::{Import, MeshFormat, read_tet_mesh};
-use microsim_mesh::{Block, TetMesh};
+use microsim_mesh::{Block, CellSplit, TetMesh};
 
 /// Two Kuhn cells of six elements each, regions 1 and 2, coordinates that no short decimal holds.
 pub fn two_cells() -> TetMesh {
@@ -9,6 +9,7 @@ pub fn two_cells() -> TetMesh {
         center: [0.1, -0.2, 0.0],
         size: [2.0 / 3.0, 0.1, 1e-7],
         cells: [2, 1, 1],
+        split: CellSplit::Kuhn,
     };
     let mut mesh = block.mesh().unwrap();
     for (element, region) in mesh.regions.iter_mut().enumerate() {

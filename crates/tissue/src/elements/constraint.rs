@@ -82,6 +82,17 @@ impl<M: Measure<N>, const N: usize> ConstraintSet<M, N> {
         &self.stiffness
     }
 
+    /// The same set with stiffness and damping of each element times its factor: the stiffness cap of NUMERICS 3.5 d.
+    pub fn with_factors(mut self, factors: &[f64]) -> Self {
+        for (stiffness, factor) in self.stiffness.iter_mut().zip(factors) {
+            *stiffness *= factor;
+        }
+        for (damping, factor) in self.damping.iter_mut().zip(factors) {
+            *damping *= factor;
+        }
+        self
+    }
+
     /// Rest value, stiffness and damping of an element now. Damping grows with the stiffness.
     #[inline]
     fn constants(&self, element: usize, internal: &[f64]) -> (f64, f64, f64) {
@@ -95,6 +106,39 @@ impl<M: Measure<N>, const N: usize> ConstraintSet<M, N> {
         }
         let factor = internal[self.nodes.len() + element];
         (internal[element], stiffness * factor, damping * factor)
+    }
+
+    /// The loop of all forces: what a set does not have costs nothing, and the arrays are walked as slices of one length.
+    #[inline]
+    fn add<const VISCOUS: bool, const PLASTIC: bool>(
+        &self,
+        range: Range<usize>,
+        at: &Configuration<'_>,
+        forces: &mut NodeWindow<'_>,
+    ) {
+        let nodes = &self.nodes[range.clone()];
+        let stiffness = &self.stiffness[range.clone()][..nodes.len()];
+        let damping = &self.damping[range.clone()][..nodes.len()];
+        let (rest, factors) = match PLASTIC {
+            true => at.internal.split_at(self.nodes.len()),
+            false => (&self.rest[..], &self.stiffness[..]),
+        };
+        let rest = &rest[range.clone()][..nodes.len()];
+        let factors = &factors[range][..nodes.len()];
+        for element in 0..nodes.len() {
+            let nodes = &nodes[element];
+            let (value, g) = M::gradient(nodes.map(|node| &at.positions[node as usize]));
+            let mut pull = stiffness[element] * (value - rest[element]);
+            if VISCOUS {
+                pull += damping[element] * rate(nodes, &g, at.velocities);
+            }
+            if PLASTIC {
+                pull *= factors[element];
+            }
+            for (node, g) in nodes.iter().zip(&g) {
+                forces.add(*node, g * -pull);
+            }
+        }
     }
 
     #[inline]
@@ -137,16 +181,11 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
     }
 
     fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
-        for element in range {
-            let (rest, stiffness, damping) = self.constants(element, at.internal);
-            let (value, g) = M::gradient(self.corners(element, at.positions));
-            let mut pull = stiffness * (value - rest);
-            if self.viscous {
-                pull += damping * rate(&self.nodes[element], &g, at.velocities);
-            }
-            for (node, g) in self.nodes[element].iter().zip(&g) {
-                forces.add(*node, g * -pull);
-            }
+        match (self.viscous, !at.internal.is_empty()) {
+            (false, false) => self.add::<false, false>(range, at, forces),
+            (true, false) => self.add::<true, false>(range, at, forces),
+            (false, true) => self.add::<false, true>(range, at, forces),
+            (true, true) => self.add::<true, true>(range, at, forces),
         }
     }
 
@@ -180,18 +219,12 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         let Some(plasticity) = &self.plasticity else {
             return false;
         };
+        let flow = plasticity.over(M::EXPONENT, h);
         let (rest_values, factors) = internal.split_at_mut(self.nodes.len());
         let mut stiffer = false;
-        for element in 0..self.nodes.len() {
+        for (element, (rest, factor)) in rest_values.iter_mut().zip(factors).enumerate() {
             let value = M::value(self.corners(element, positions));
-            stiffer |= plasticity.flow(
-                value,
-                self.rest[element],
-                M::EXPONENT,
-                &mut rest_values[element],
-                &mut factors[element],
-                h,
-            );
+            stiffer |= flow.apply(value, self.rest[element], rest, factor);
         }
         stiffer
     }
@@ -253,3 +286,6 @@ fn rate<const N: usize>(
     }
     rate
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,7 @@
 //! so the loop over the elements has no calls through pointers. Forces are −V P b_i with the gradients b_i of the domain;
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
+use super::continuum_constraints::{ELASTIC, VISCOUS};
 use super::continuum_matrix::{add_positive_tangent, add_tangent};
 use super::domains::{Domains, Tetrahedra};
 use super::smoothed::SmoothingDomains;
@@ -131,9 +132,12 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
 }
 
 impl<L: Law, D: Domains> Constraints for ContinuumSet<L, D> {
-    /// μ, λ + μ, and for viscosity six rates of strain and their trace.
     fn multipliers(&self) -> usize {
-        if self.is_viscous() { 9 } else { 2 }
+        if self.is_viscous() {
+            ELASTIC + VISCOUS
+        } else {
+            ELASTIC
+        }
     }
 
     fn project(

@@ -3,7 +3,8 @@
 use crate::elements::{ElementMatrix, EnergyKind, Tangent};
 use nalgebra::{Matrix3, Vector3};
 
-/// A spring shorter than this share of its scale has no usable direction: it exerts no force.
+/// At this size [m or m²] and below, the square of a length or of an area vector leaves the range of numbers: there is no
+/// direction, and no force. Anything larger has one, however small the body.
 const COLLAPSED: f64 = 1e-150;
 
 /// A size of N nodes.

@@ -364,6 +364,7 @@ fn sag(discretisation: Discretisation, poisson: f64) -> f64 {
         center: [0.05, 0.01, 0.01],
         size: [0.1, 0.02, 0.02],
         cells: [15, 3, 3],
+        split: microsim_mesh::CellSplit::Kuhn,
     };
     let mesh = block.mesh().unwrap();
     let law = LawName::StableNeoHookean;

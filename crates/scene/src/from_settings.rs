@@ -1,0 +1,151 @@
+//! From what a file says of bodies to what a scene is made of: the one conversion, for scenes and levels.
+//!
+//! What is here: generators and mesh files to meshes, laws to materials, selections, tools. Files are read by a function that
+//! the caller brings. What is not: checks of single values (crate `settings`) and of the whole (when the scene is built).
+
+mod body;
+mod error;
+mod material;
+mod method;
+
+pub use error::{FromSettingsCause, FromSettingsError};
+
+use crate::spec::{BodySpec, CapsuleSpec, HingeSpec, SceneSpec, Selection, ToolSpec};
+use error::missing;
+use microsim_settings as settings;
+use settings::KeyPath;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+
+/// Reads a file, given by its path from the folder of the settings.
+pub type Load<'a> = dyn FnMut(&Path) -> io::Result<Vec<u8>> + 'a;
+
+/// A scene as a file describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Described {
+    /// What it is made of.
+    pub spec: SceneSpec,
+    /// What was left out, turned round or assumed in mesh files: a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// The scene of a file `config/scenes/NAME.toml`.
+pub fn scene_spec(
+    scene: &settings::Scene,
+    load: &mut Load<'_>,
+) -> Result<Described, FromSettingsError> {
+    let (bodies, notes) = bodies(&scene.body, load)?;
+    let spec = SceneSpec {
+        bodies,
+        tools: Vec::new(),
+        contact_pairs: Vec::new(),
+        gravity: scene.run.gravity,
+        method: method::method(&scene.method)?,
+        containment: scene.run.containment,
+    };
+    Ok(Described { spec, notes })
+}
+
+/// The parts of a level that physics needs.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelParts<'a> {
+    /// What drives all bodies.
+    pub physics: &'a settings::Physics,
+    /// How they are advanced.
+    pub method: &'a settings::Method,
+    /// The bodies.
+    pub bodies: &'a [settings::Body],
+    /// Which tool may touch which body.
+    pub contacts: &'a [settings::ContactPair],
+    /// The tool slots.
+    pub tools: &'a [settings::ToolSlot],
+    /// The shapes of the tools, by the names that slots use.
+    pub models: &'a BTreeMap<String, settings::Tool>,
+}
+
+/// The scene of a level. A body that diverges is rolled back: the trainee never sees it.
+pub fn level_spec(
+    level: &LevelParts<'_>,
+    load: &mut Load<'_>,
+) -> Result<Described, FromSettingsError> {
+    let (bodies, notes) = bodies(level.bodies, load)?;
+    let mut tools = Vec::new();
+    for (index, slot) in level.tools.iter().enumerate() {
+        let key = || KeyPath::root().key("tool").at(index).key("model");
+        let model = level.models.get(&slot.model);
+        let model = model.ok_or_else(|| missing(key(), "a tool model of this name"))?;
+        tools.push(tool(slot, model));
+    }
+    let pairs = level.contacts.iter();
+    let spec = SceneSpec {
+        bodies,
+        tools,
+        contact_pairs: pairs.map(|c| (c.tool.clone(), c.body.clone())).collect(),
+        gravity: level.physics.gravity,
+        method: method::method(level.method)?,
+        containment: true,
+    };
+    Ok(Described { spec, notes })
+}
+
+fn bodies(
+    bodies: &[settings::Body],
+    load: &mut Load<'_>,
+) -> Result<(Vec<BodySpec>, Vec<String>), FromSettingsError> {
+    let mut notes = Vec::new();
+    let bodies = bodies.iter().enumerate().map(|(index, body)| {
+        let key = KeyPath::root().key("body").at(index);
+        body::body(body, &key, load, &mut notes)
+    });
+    Ok((bodies.collect::<Result<_, _>>()?, notes))
+}
+
+/// The selections whose common nodes are meant: none for every node.
+pub(crate) fn selections(nodes: &settings::Nodes) -> Vec<Selection> {
+    let mut all = Vec::new();
+    if let (Some(min), Some(max)) = (nodes.min, nodes.max) {
+        all.push(Selection::Box(crate::spec::BoxSpec { min, max }));
+    }
+    if let Some(shell) = &nodes.shell {
+        all.push(Selection::Shell {
+            point: shell.point,
+            axis: shell.axis,
+            radius: shell.radius,
+        });
+    }
+    all.extend(nodes.nearest.map(Selection::Nearest));
+    all
+}
+
+/// A tool as physics sees it: the level's slot name, the model's capsules. The left jaw opens towards +x, about an axis
+/// along y through the hinge, each jaw by half of the opening angle.
+fn tool(slot: &settings::ToolSlot, model: &settings::Tool) -> ToolSpec {
+    let half = model.opening_angle.unwrap_or_default() / 2.0;
+    let hinge = |angle| {
+        model.hinge.map(|pivot| HingeSpec {
+            pivot,
+            axis: [0.0, 1.0, 0.0],
+            angle,
+        })
+    };
+    let touching = model.capsule.iter().filter(|part| part.touches);
+    let capsules = touching.map(|part| CapsuleSpec {
+        a: part.a,
+        b: part.b,
+        radius: part.radius,
+        hinge: match part.jaw {
+            settings::Jaw::Fixed => None,
+            // Below the hinge a right-handed turn about +y moves the jaw towards −x.
+            settings::Jaw::Left => hinge(-half),
+            settings::Jaw::Right => hinge(half),
+        },
+    });
+    ToolSpec {
+        name: slot.name.clone(),
+        capsules: capsules.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

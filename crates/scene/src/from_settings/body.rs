@@ -1,0 +1,228 @@
+//! Bodies: meshes, materials, and what is attached to them.
+
+use super::error::{FromSettingsCause, FromSettingsError, missing};
+use super::{Load, selections};
+use crate::spec::{
+    BodySpec, ClampSpec, CouplingSpec, LoadKind, LoadSpec, MotionKey, MotionSpec, Selection,
+    StartSpec,
+};
+use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
+use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, Tube, fill};
+use microsim_settings as settings;
+use microsim_tissue::Material;
+use nalgebra::Vector3;
+use settings::KeyPath;
+use std::path::Path;
+
+/// A body; `key` is its own.
+pub(super) fn body(
+    body: &settings::Body,
+    key: &KeyPath,
+    load: &mut Load<'_>,
+    notes: &mut Vec<String>,
+) -> Result<BodySpec, FromSettingsError> {
+    let mesh = mesh(body, key, load, notes)?;
+    let materials = materials(body, key, &mesh)?;
+    let mut loads = Vec::new();
+    for (index, load) in body.load.iter().enumerate() {
+        let kind = match (load.pressure, load.traction) {
+            (Some(pressure), _) => LoadKind::Pressure(pressure),
+            (None, Some(traction)) => LoadKind::Traction(traction),
+            (None, None) => {
+                return Err(missing(key.key("load").at(index), "`pressure` or `traction`"));
+            }
+        };
+        loads.push(LoadSpec {
+            surface: selection(&load.surface),
+            kind,
+            ramp: load.ramp,
+        });
+    }
+    let couplings = body.coupling.iter().map(|coupling| CouplingSpec {
+        from: coupling.from,
+        to: coupling.to,
+        stiffness: coupling.stiffness,
+        break_distance: coupling.break_distance.unwrap_or(f64::INFINITY),
+    });
+    let starts = body.start.iter().map(|start| StartSpec {
+        nodes: selection(&start.nodes),
+        matrix: start.matrix,
+        pivot: start.pivot,
+        shift: start.shift,
+        velocity: start.velocity,
+    });
+    Ok(BodySpec {
+        name: body.name.clone(),
+        mesh,
+        origin: body.centre,
+        materials,
+        drag: body.drag,
+        clamps: body.clamp.iter().map(clamp).collect(),
+        couplings: couplings.collect(),
+        loads,
+        start: starts.collect(),
+    })
+}
+
+/// One selection: the settings allow no more here.
+fn selection(nodes: &settings::Nodes) -> Selection {
+    selections(nodes).into_iter().next().unwrap_or(Selection::All)
+}
+
+fn clamp(clamp: &settings::Clamp) -> ClampSpec {
+    let keys: Vec<MotionKey> = clamp
+        .motion
+        .iter()
+        .map(|key| MotionKey {
+            time: key.time,
+            shift: key.shift,
+            angle: key.angle,
+        })
+        .collect();
+    ClampSpec {
+        nodes: selection(&clamp.nodes),
+        motion: (!keys.is_empty()).then_some(MotionSpec {
+            pivot: clamp.pivot,
+            axis: clamp.axis,
+            keys,
+        }),
+        release: clamp.release,
+    }
+}
+
+fn mesh(
+    body: &settings::Body,
+    key: &KeyPath,
+    load: &mut Load<'_>,
+    notes: &mut Vec<String>,
+) -> Result<TetMesh, FromSettingsError> {
+    let wrong = |cause| FromSettingsError {
+        key: key.key("generator"),
+        cause,
+    };
+    let split = match body.split {
+        None | Some(settings::Split::Kuhn) => CellSplit::Kuhn,
+        Some(settings::Split::Mirrored) => CellSplit::Mirrored,
+    };
+    match body.generator {
+        settings::Generator::Block => {
+            let size = body.size.ok_or_else(|| missing(key.key("size"), "`size`"))?;
+            let cells = body.cells.ok_or_else(|| missing(key.key("cells"), "`cells`"))?;
+            let block = Block {
+                center: body.centre,
+                size,
+                cells: cells.map(|n| n as usize),
+                split,
+            };
+            block.mesh().map_err(|e| wrong(FromSettingsCause::Block(e)))
+        }
+        settings::Generator::Tube => {
+            let size = |name: &'static str, value: Option<f64>| {
+                value.ok_or_else(|| missing(key.key(name), name))
+            };
+            let cells = |name: &'static str, value: Option<u32>| {
+                value.ok_or_else(|| missing(key.key(name), name))
+            };
+            let layers = body.layer.iter().map(|layer| Layer {
+                thickness: layer.thickness,
+                cells: layer.cells as usize,
+                region: layer.region,
+            });
+            let tube = Tube {
+                center: body.centre,
+                axis: body.axis.unwrap_or([1.0, 0.0, 0.0]),
+                inner_radius: size("inner_radius", body.inner_radius)?,
+                layers: layers.collect(),
+                length: size("length", body.length)?,
+                around: cells("around", body.around)? as usize,
+                along: cells("along", body.along)? as usize,
+                arc: match body.arc {
+                    None => Arc::Full,
+                    Some(angle) => Arc::Sector {
+                        start: body.arc_start.unwrap_or(0.0),
+                        angle,
+                    },
+                },
+                split,
+            };
+            tube.mesh().map_err(|e| wrong(FromSettingsCause::Tube(e)))
+        }
+        settings::Generator::File => from_file(body, key, load, notes),
+    }
+}
+
+fn from_file(
+    body: &settings::Body,
+    key: &KeyPath,
+    load: &mut Load<'_>,
+    notes: &mut Vec<String>,
+) -> Result<TetMesh, FromSettingsError> {
+    let at = key.key("file");
+    let wrong = |cause| FromSettingsError {
+        key: at.clone(),
+        cause,
+    };
+    let file = body.file.clone().ok_or_else(|| missing(at.clone(), "`file`"))?;
+    let mut bytes = Vec::new();
+    for part in body.files() {
+        bytes.push(load(Path::new(&part)).map_err(|error| {
+            wrong(FromSettingsCause::File {
+                file: part,
+                reason: error.to_string(),
+            })
+        })?);
+    }
+    let unit = body.scale.unwrap_or(1.0);
+    let place = |p: &Vector3<f64>| p * unit + Vector3::from(body.centre);
+    let note = |text: &String| format!("{file}: {text}");
+    let format = |source| FromSettingsCause::Format {
+        file: file.clone(),
+        source,
+    };
+    if let Some(kind) = MeshFormat::from_path(&file) {
+        let parts: Vec<&[u8]> = bytes.iter().map(Vec::as_slice).collect();
+        let mut import = read_tet_mesh(kind, &parts).map_err(|e| wrong(format(e)))?;
+        notes.extend(import.notes.iter().map(note));
+        import.mesh.positions.iter_mut().for_each(|p| *p = place(p));
+        return Ok(import.mesh);
+    }
+    let Some(kind) = SurfaceFormat::from_path(&file) else {
+        return Err(wrong(FromSettingsCause::Ending { file: file.clone() }));
+    };
+    let mut import = read_surface(kind, &bytes[0]).map_err(|e| wrong(format(e)))?;
+    notes.extend(import.notes.iter().map(note));
+    import.surface.positions.iter_mut().for_each(|p| *p = place(p));
+    let cell = body.fill.ok_or_else(|| missing(key.key("fill"), "`fill`"))?;
+    fill(&import.surface, cell).map_err(|e| wrong(FromSettingsCause::Fill(e)))
+}
+
+/// The material of each region of the mesh; one without a region is for all that no other names.
+fn materials(
+    body: &settings::Body,
+    key: &KeyPath,
+    mesh: &TetMesh,
+) -> Result<Vec<(u32, Material)>, FromSettingsError> {
+    let mut regions = mesh.regions.clone();
+    regions.sort_unstable();
+    regions.dedup();
+    let named: Vec<u32> = body.material.iter().filter_map(|m| m.region).collect();
+    let mut materials = Vec::new();
+    for (index, of) in body.material.iter().enumerate() {
+        let key = key.key("material").at(index);
+        let material = super::material::material(of, &key)?;
+        match of.region {
+            Some(region) if !regions.contains(&region) => {
+                return Err(FromSettingsError {
+                    key: key.key("region"),
+                    cause: FromSettingsCause::Region { region, regions },
+                });
+            }
+            Some(region) => materials.push((region, material)),
+            None => {
+                let rest = regions.iter().filter(|region| !named.contains(region));
+                materials.extend(rest.map(|&region| (region, material)));
+            }
+        }
+    }
+    Ok(materials)
+}

@@ -1,0 +1,91 @@
+//! Why settings do not describe a scene.
+
+use microsim_mesh::format::FormatError;
+use microsim_mesh::{BlockError, FillError, TubeError};
+use microsim_settings::KeyPath;
+
+/// Why settings do not describe a scene, and which key is to blame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FromSettingsError {
+    /// The key, from the top of the file.
+    pub key: KeyPath,
+    /// Why.
+    pub cause: FromSettingsCause,
+}
+
+/// Why settings do not describe a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FromSettingsCause {
+    /// A mesh file cannot be read.
+    File {
+        /// The file.
+        file: String,
+        /// What the system says.
+        reason: String,
+    },
+    /// The ending of a mesh file is none of ours.
+    Ending {
+        /// The file.
+        file: String,
+    },
+    /// A mesh file is not what its ending says.
+    Format {
+        /// The file.
+        file: String,
+        /// Where and why.
+        source: FormatError,
+    },
+    /// A block cannot be generated.
+    Block(BlockError),
+    /// A tube cannot be generated.
+    Tube(TubeError),
+    /// A surface cannot be filled.
+    Fill(FillError),
+    /// A material is for a region that the mesh does not have.
+    Region {
+        /// The region.
+        region: u32,
+        /// Those of the mesh.
+        regions: Vec<u32>,
+    },
+    /// Something is not there.
+    Missing(&'static str),
+}
+
+impl std::fmt::Display for FromSettingsCause {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File { file, reason } => {
+                write!(f, "the mesh file `{file}` cannot be read: {reason}")
+            }
+            Self::Ending { file } => write!(
+                f,
+                "`{file}` is no mesh file: its name must end in .msh, .vtk, .vtu, .node, .ele (tetrahedra), .obj or .stl (a closed surface)"
+            ),
+            Self::Format { file, source } => write!(f, "`{file}`: {source}"),
+            Self::Block(source) => write!(f, "{source}"),
+            Self::Tube(source) => write!(f, "{source}"),
+            Self::Fill(source) => write!(f, "{source}"),
+            Self::Region { region, regions } => write!(
+                f,
+                "the mesh has no region {region}, only {regions:?}: correct the region of the material or of the mesh"
+            ),
+            Self::Missing(what) => write!(f, "{what} is missing"),
+        }
+    }
+}
+
+impl std::fmt::Display for FromSettingsError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "key `{}`: {}", self.key, self.cause)
+    }
+}
+
+impl std::error::Error for FromSettingsError {}
+
+pub(super) fn missing(key: KeyPath, what: &'static str) -> FromSettingsError {
+    FromSettingsError {
+        key,
+        cause: FromSettingsCause::Missing(what),
+    }
+}

@@ -1,0 +1,142 @@
+//! Probes: numbers taken from a scene.
+
+use crate::from_settings::selections;
+use crate::scene::Scene;
+use microsim_settings as settings;
+use nalgebra::Vector3;
+use settings::Quantity;
+
+/// A probe that is ready to measure.
+#[derive(Clone, Debug)]
+pub(super) struct Probe {
+    pub name: String,
+    body: usize,
+    nodes: Vec<u32>,
+    quantity: Quantity,
+    direction: Vector3<f64>,
+    /// A point of the axis in the world [m], and its direction.
+    point: Vector3<f64>,
+    axis: Vector3<f64>,
+    /// Mean distance of the nodes from the axis at rest [m], for a radius; volume of the body at rest [m³], for a volume.
+    reference: f64,
+}
+
+/// Why a probe cannot measure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProbeError {
+    /// Index of the probe in the settings.
+    pub probe: usize,
+    /// Its name.
+    pub name: String,
+    /// Why.
+    pub reason: &'static str,
+}
+
+impl std::fmt::Display for ProbeError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "probe '{}' {}", self.name, self.reason)
+    }
+}
+
+impl std::error::Error for ProbeError {}
+
+impl Probe {
+    pub fn new(
+        index: usize,
+        settings: &settings::Probe,
+        scene: &Scene,
+    ) -> Result<Self, ProbeError> {
+        let wrong = |reason| ProbeError {
+            probe: index,
+            name: settings.name.clone(),
+            reason,
+        };
+        let body = (0..scene.body_count()).find(|&body| scene.body_name(body) == settings.body);
+        let body = body.ok_or_else(|| wrong("is for a body that is not there"))?;
+        let mut nodes: Vec<u32> = (0..scene.rest_positions(body).len() as u32).collect();
+        for selection in selections(&settings.nodes) {
+            let selected = scene.select(body, &selection);
+            nodes.retain(|node| selected.binary_search(node).is_ok());
+        }
+        if nodes.is_empty() {
+            return Err(wrong(
+                "selects no node of its body (places are in the body's frame, at rest)",
+            ));
+        }
+        let vector = |v: Option<[f64; 3]>| v.map_or_else(Vector3::zeros, Vector3::from);
+        let mut probe = Self {
+            name: settings.name.clone(),
+            body,
+            nodes,
+            quantity: settings.quantity,
+            direction: vector(settings.direction),
+            point: scene.origin(body) + vector(settings.point),
+            axis: vector(settings.axis),
+            reference: 0.0,
+        };
+        probe.reference = match settings.quantity {
+            Quantity::Radius => probe.mean_radius(scene.rest_positions(body)),
+            Quantity::Volume => scene.model(body).rest_volumes().iter().sum(),
+            _ => 0.0,
+        };
+        Ok(probe)
+    }
+
+    /// The value now, in SI.
+    pub fn value(&self, scene: &Scene) -> f64 {
+        let (now, rest) = (scene.positions(self.body), scene.rest_positions(self.body));
+        let moved = |node: &u32| now[*node as usize] - rest[*node as usize];
+        let count = self.nodes.len() as f64;
+        match self.quantity {
+            Quantity::Displacement => {
+                let sum: f64 = self.nodes.iter().map(|n| moved(n).dot(&self.direction)).sum();
+                sum / count
+            }
+            Quantity::Centre => {
+                let masses = scene.masses(self.body);
+                let (mut sum, mut mass) = (0.0, 0.0);
+                for node in &self.nodes {
+                    let m = masses[*node as usize];
+                    sum += m * moved(node).dot(&self.direction);
+                    mass += m;
+                }
+                sum / mass
+            }
+            Quantity::Radius => self.mean_radius(now) - self.reference,
+            Quantity::Distance => self.nodes.iter().map(|n| moved(n).norm()).fold(0.0, f64::max),
+            Quantity::Force => {
+                let forces = scene.forces(self.body);
+                let nodes = self.nodes.iter();
+                -nodes.map(|n| forces[*n as usize].dot(&self.direction)).sum::<f64>()
+            }
+            Quantity::Torque => {
+                let forces = scene.forces(self.body);
+                let torque: Vector3<f64> = self
+                    .nodes
+                    .iter()
+                    .map(|n| (now[*n as usize] - self.point).cross(&forces[*n as usize]))
+                    .sum();
+                -torque.dot(&self.axis)
+            }
+            Quantity::Volume => scene.volume(self.body) / self.reference - 1.0,
+            Quantity::Energy => {
+                let masses = scene.masses(self.body);
+                let gravity = scene.gravity();
+                let fallen: f64 = self
+                    .nodes
+                    .iter()
+                    .map(|n| masses[*n as usize] * gravity.dot(&moved(n)))
+                    .sum();
+                scene.energies(self.body).total() - fallen
+            }
+        }
+    }
+
+    fn mean_radius(&self, positions: &[Vector3<f64>]) -> f64 {
+        let radius = |node: &u32| {
+            let arm = positions[*node as usize] - self.point;
+            (arm - self.axis * self.axis.dot(&arm)).norm()
+        };
+        self.nodes.iter().map(radius).sum::<f64>() / self.nodes.len() as f64
+    }
+}

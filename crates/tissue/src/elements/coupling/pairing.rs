@@ -1,0 +1,158 @@
+//! Which node of one part is tied to which point of another.
+
+use super::{Coupling, CouplingConstants, Support, Tie};
+use crate::material::MaterialError;
+use microsim_geometry::{closest_on_triangle, triangle_normal};
+use microsim_mesh::{TetMesh, signed_volume};
+use nalgebra::Vector3;
+
+/// Two boundaries farther apart than this share of the mean edge length are not one interface. It covers what two
+/// divisions of one curved surface differ by.
+const REACH: f64 = 0.25;
+
+/// Two triangles face each other when the angle between their outward normals is above 120°.
+const FACING: f64 = -0.5;
+
+/// Why two regions cannot be coupled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CoupleError {
+    /// A constant is out of range.
+    Constants(MaterialError),
+    /// The boundaries of the two regions do not meet anywhere.
+    NoInterface {
+        /// The region whose nodes are tied.
+        from: u32,
+        /// The region that they are tied to.
+        to: u32,
+    },
+}
+
+impl std::fmt::Display for CoupleError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Constants(source) => write!(f, "{source}"),
+            Self::NoInterface { from, to } => write!(
+                f,
+                "regions {from} and {to} do not meet: no boundary of one faces the other within {REACH} mean edge \
+                 lengths"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for CoupleError {}
+
+/// An outward triangle of a boundary.
+struct Face {
+    nodes: [u32; 3],
+    corners: [Vector3<f64>; 3],
+    normal: Vector3<f64>,
+    element: u32,
+}
+
+/// Ties every node of the interface of region `from` to region `to`. A node is on the interface when a boundary triangle at
+/// it faces one of the other region within reach; its stiffness is that per area times its third of such triangles. It is
+/// tied to the tetrahedron behind the nearest of them, in whose coordinates it may lie slightly outside: so every tie is at
+/// rest in the rest shape. A node that both regions share is tied already.
+pub fn couple(
+    mesh: &TetMesh,
+    from: u32,
+    to: u32,
+    constants: &CouplingConstants,
+) -> Result<Coupling, CoupleError> {
+    constants.check().map_err(CoupleError::Constants)?;
+    let (sources, targets) = (boundary(mesh, from), boundary(mesh, to));
+    let mut at_node: Vec<(u32, usize)> = Vec::with_capacity(3 * sources.len());
+    for (index, face) in sources.iter().enumerate() {
+        at_node.extend(face.nodes.map(|node| (node, index)));
+    }
+    at_node.sort_unstable();
+
+    let reach = REACH * mesh.mean_edge_length();
+    let mut ties = Vec::new();
+    for fan in at_node.chunk_by(|a, b| a.0 == b.0) {
+        let node = fan[0].0;
+        let faces = || fan.iter().map(|(_, index)| &sources[*index]);
+        let Some(target) = nearest(&mesh.positions[node as usize], faces, &targets, reach) else {
+            continue;
+        };
+        let tet = mesh.tets[target.element as usize];
+        if tet.contains(&node) {
+            continue;
+        }
+        let area: f64 = faces()
+            .filter(|face| face.normal.dot(&target.normal) < FACING)
+            .map(|face| {
+                let [a, b, c] = face.corners;
+                (b - a).cross(&(c - a)).norm() / 6.0
+            })
+            .sum();
+        ties.push(Tie {
+            node,
+            support: Support::Tet(tet, coordinates(mesh, tet, node)),
+            element: target.element,
+            stiffness: constants.stiffness_per_area * area,
+        });
+    }
+    if ties.is_empty() {
+        return Err(CoupleError::NoInterface { from, to });
+    }
+    Ok(Coupling::new(&ties, constants.break_distance))
+}
+
+/// The boundary of a region.
+fn boundary(mesh: &TetMesh, region: u32) -> Vec<Face> {
+    let faces = mesh.boundary_faces(|element| mesh.regions[element] == region);
+    let face = |(nodes, element): ([u32; 3], u32)| {
+        let corners = nodes.map(|node| mesh.positions[node as usize]);
+        let normal = triangle_normal(&corners)?;
+        Some(Face {
+            nodes,
+            corners,
+            normal,
+            element,
+        })
+    };
+    faces.into_iter().filter_map(face).collect()
+}
+
+/// The triangle of `targets` nearest to `p` within `reach` that one of `faces` faces.
+fn nearest<'a, F: Iterator<Item = &'a Face>>(
+    p: &Vector3<f64>,
+    faces: impl Fn() -> F,
+    targets: &'a [Face],
+    reach: f64,
+) -> Option<&'a Face> {
+    let mut best = None;
+    let mut least = reach;
+    for target in targets {
+        // Farther from the plane than the best one so far: most end here.
+        if (p - target.corners[0]).dot(&target.normal).abs() > least {
+            continue;
+        }
+        let distance = (closest_on_triangle(p, &target.corners).point - p).norm();
+        let faced = || faces().any(|face| face.normal.dot(&target.normal) < FACING);
+        if distance <= least && faced() {
+            // Of equally near ones the first.
+            if best.is_none() || distance < least {
+                best = Some(target);
+            }
+            least = distance;
+        }
+    }
+    best
+}
+
+/// Barycentric coordinates of a node in a tetrahedron; their sum is 1 to the last bit but one.
+fn coordinates(mesh: &TetMesh, tet: [u32; 4], node: u32) -> [f64; 4] {
+    let p = &mesh.positions[node as usize];
+    let corners = tet.map(|node| &mesh.positions[node as usize]);
+    let volume = signed_volume(corners[0], corners[1], corners[2], corners[3]);
+    let share = |corner: usize| {
+        let mut with = corners;
+        with[corner] = p;
+        signed_volume(with[0], with[1], with[2], with[3]) / volume
+    };
+    let [b, c, d] = [share(1), share(2), share(3)];
+    [1.0 - b - c - d, b, c, d]
+}

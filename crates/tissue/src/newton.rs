@@ -1,0 +1,517 @@
+//! Newton's method for the positions at the end of a step: what all implicit methods share.
+//!
+//! Every stage of the implicit methods here, and static equilibrium, is one equation for positions x,
+//!
+//! ```text
+//! m ((v − ṽ)/η + c v) = f(x, v)        v = (x − x̃)/η
+//! ```
+//!
+//! with a span η, a base x̃, ṽ that is known, all forces f of elements, weight and loads, and the drag c; in statics the left
+//! side and v are zero. Prescribed nodes stand where they are told.
+//!
+//! # The iteration
+//! The matrix is K + D/η + (1/η² + c/η) M, with K exact where that is positive definite, else the nearest one per element
+//! without negative eigenvalues: then the step goes down the potential
+//!
+//! ```text
+//! Φ(x) = E(x) + Σ m/2 (|x − x̃ − ηṽ|²/η² + c |x − x̃|²/η) − n·x
+//! ```
+//!
+//! with all forces that have no energy (viscous ones, pressures that follow a surface) taken into n as they are at the start
+//! of the iteration. A line search backs off until Φ falls enough (Armijo), or, where it falls by no more than rounding, until
+//! its slope does (the approximate Wolfe condition of Hager & Zhang 2005).
+//!
+//! In the first iteration prescribed nodes jump to their places and the linear system says how all others go along; where that
+//! raises Φ over the jump alone, less of it is taken.
+//!
+//! # Limitations
+//! The derivatives of viscous forces by positions and of pressures are left out, so with them the last iterations converge
+//! linearly, by a factor of the order of the strain in one step, not quadratically. A pressure so high that it makes the
+//! body unstable is not solved.
+
+use crate::elements::Tangent;
+use crate::executor::Executor;
+use crate::forces::Forces;
+use crate::model::TissueModel;
+use crate::solver::{StepFailure, StepReport};
+use crate::state::{Control, State};
+use crate::system::{Shares, System};
+use nalgebra::Vector3;
+
+/// How far Newton's method goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Newton {
+    /// Most iterations per equation, at least 1. One is the linearly implicit variant of a method.
+    pub iterations: u32,
+    /// The residual at which an equation is solved, as a share of the forces in it.
+    pub tolerance: f64,
+    /// Whether a step that ends above the tolerance fails. If not, it is made: every iteration has gone down the potential.
+    pub must_converge: bool,
+}
+
+impl Default for Newton {
+    fn default() -> Self {
+        Self {
+            iterations: 20,
+            tolerance: 1e-6,
+            must_converge: true,
+        }
+    }
+}
+
+/// Share of the predicted decrease of Φ that is enough.
+const ENOUGH: f64 = 1e-4;
+/// Differences of Φ below this share of its terms are rounding.
+const ROUNDING: f64 = 1e-12;
+/// The shortest share of a Newton step that is tried.
+const SHORTEST: f64 = 1e-8;
+/// Shares of the common move that are tried when prescribed nodes jump.
+const LIFTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0];
+
+/// One equation.
+#[derive(Clone, Debug)]
+pub(crate) struct Equation {
+    /// 1/η [1/s]; 0 in statics.
+    pub rate: f64,
+    /// x̃ [m].
+    pub base: Vec<Vector3<f64>>,
+    /// ṽ [m/s].
+    pub base_velocities: Vec<Vector3<f64>>,
+    /// A force that does not depend on anything [N], for the steps of a static load; empty for none.
+    pub extra: Vec<Vector3<f64>>,
+}
+
+/// Working memory for one model.
+#[derive(Clone, Debug)]
+pub(crate) struct NewtonSolver {
+    system: System,
+    forces: Forces,
+    viscous: bool,
+    /// Where the equation is being evaluated; its positions are the solution in the end.
+    pub trial: State,
+    /// Sum of all forces at `trial` minus the left side [N].
+    residual: Vec<Vector3<f64>>,
+    direction: Vec<Vector3<f64>>,
+    /// Positions at the start of an iteration.
+    from: Vec<Vector3<f64>>,
+    /// n: the forces without energy at the start of an iteration [N].
+    loads: Vec<Vector3<f64>>,
+    scratch: Vec<Vector3<f64>>,
+}
+
+/// Φ [J] and the sum of the sizes of its terms.
+#[derive(Clone, Copy, Debug)]
+struct Potential {
+    value: f64,
+    size: f64,
+}
+
+/// What stays the same while one equation is solved.
+struct Problem<'a> {
+    model: &'a TissueModel,
+    control: &'a Control,
+    equation: &'a Equation,
+    /// Marks of the prescribed nodes.
+    fixed: &'a [bool],
+    exec: &'a dyn Executor,
+}
+
+impl NewtonSolver {
+    /// Working memory for `model`.
+    pub fn new(model: &TissueModel) -> Self {
+        let zeros = vec![Vector3::zeros(); model.node_count()];
+        Self {
+            system: System::new(model),
+            forces: Forces::new(model),
+            viscous: model.sets().iter().any(|set| set.is_viscous()),
+            trial: State::at_rest(model),
+            residual: zeros.clone(),
+            direction: zeros.clone(),
+            from: zeros.clone(),
+            loads: zeros.clone(),
+            scratch: zeros,
+        }
+    }
+
+    /// The linear system.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// Takes over what elements see of `state` besides positions and velocities.
+    pub fn begin(&mut self, state: &State) {
+        self.trial.internal.copy_from_slice(&state.internal);
+    }
+
+    /// All forces on the nodes at `positions` without speed [N].
+    pub fn static_forces(
+        &mut self,
+        model: &TissueModel,
+        positions: &[Vector3<f64>],
+        control: &Control,
+        exec: &dyn Executor,
+    ) -> &[Vector3<f64>] {
+        self.trial.positions.copy_from_slice(positions);
+        self.trial.velocities.fill(Vector3::zeros());
+        self.forces.compute(model, &self.trial, control, exec)
+    }
+
+    /// Solves an equation from the better one of these guesses; `ends` are the places of the nodes marked in `fixed`. The solution
+    /// is in `trial`, with the velocities of the equation.
+    #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
+    pub fn solve(
+        &mut self,
+        model: &TissueModel,
+        control: &Control,
+        equation: &Equation,
+        fixed: &[bool],
+        ends: &[Vector3<f64>],
+        guesses: &[&[Vector3<f64>]],
+        options: &Newton,
+        exec: &dyn Executor,
+    ) -> Result<StepReport, StepFailure> {
+        let problem = Problem {
+            model,
+            control,
+            equation,
+            fixed,
+            exec,
+        };
+        self.start(&problem, guesses);
+        let mut report = StepReport {
+            iterations: 0,
+            residual: self.evaluate(&problem, 0.0),
+        };
+        let mut tangent = Tangent::Exact;
+        while report.iterations < options.iterations {
+            report.iterations += 1;
+            if !report.residual.is_finite() {
+                return Err(StepFailure::NotFinite);
+            }
+            self.from.copy_from_slice(&self.trial.positions);
+            self.set_loads(&problem);
+            tangent = self.factorise(&problem, tangent)?;
+            let jumps = self.set_direction(fixed, ends);
+            let taken = if jumps {
+                self.lift(&problem, ends);
+                0.0
+            } else {
+                self.search(&problem)
+            };
+            let before = report.residual;
+            report.residual = self.evaluate(&problem, self.noise(fixed));
+            if report.residual <= options.tolerance && report.residual.is_finite() {
+                return Ok(report);
+            }
+            if taken < SHORTEST && !jumps {
+                // No way down with this matrix: another one may show one.
+                if tangent == Tangent::Positive {
+                    break;
+                }
+                tangent = Tangent::Positive;
+            } else if taken == 1.0 && report.residual < 0.5 * before {
+                tangent = Tangent::Exact;
+            }
+        }
+        if !report.residual.is_finite() {
+            return Err(StepFailure::NotFinite);
+        }
+        if options.must_converge {
+            return Err(StepFailure::NotConverged {
+                iterations: report.iterations,
+                residual: report.residual,
+            });
+        }
+        Ok(report)
+    }
+
+    /// Sets `trial` to the guess with the lowest potential.
+    fn start(&mut self, problem: &Problem<'_>, guesses: &[&[Vector3<f64>]]) {
+        let mut lowest = f64::INFINITY;
+        let mut best = 0;
+        if guesses.len() > 1 {
+            self.from.copy_from_slice(guesses[0]);
+            self.place(problem, guesses[0]);
+            self.set_loads(problem);
+            for (index, guess) in guesses.iter().enumerate() {
+                self.place(problem, guess);
+                let potential = self.potential(problem).value;
+                if potential < lowest {
+                    lowest = potential;
+                    best = index;
+                }
+            }
+        }
+        self.place(problem, guesses[best]);
+    }
+
+    fn place(&mut self, problem: &Problem<'_>, positions: &[Vector3<f64>]) {
+        self.trial.positions.copy_from_slice(positions);
+        self.set_velocities(problem);
+    }
+
+    /// v = (x − x̃)/η.
+    fn set_velocities(&mut self, problem: &Problem<'_>) {
+        let equation = problem.equation;
+        if equation.rate == 0.0 {
+            self.trial.velocities.fill(Vector3::zeros());
+            return;
+        }
+        for ((v, x), base) in self
+            .trial
+            .velocities
+            .iter_mut()
+            .zip(&self.trial.positions)
+            .zip(&equation.base)
+        {
+            *v = (x - base) * equation.rate;
+        }
+    }
+
+    /// The left side of the equation at a node of `trial` [N].
+    #[inline]
+    fn inertia(&self, problem: &Problem<'_>, node: usize) -> Vector3<f64> {
+        let Equation {
+            rate,
+            base_velocities,
+            ..
+        } = problem.equation;
+        if *rate == 0.0 {
+            return Vector3::zeros();
+        }
+        let v = self.trial.velocities[node];
+        ((v - base_velocities[node]) * *rate + v * problem.model.drag())
+            * problem.model.masses()[node]
+    }
+
+    /// Computes the residual at `trial`; returns its size as a share of the forces, 0 where it is not above `noise`.
+    fn evaluate(&mut self, problem: &Problem<'_>, noise: f64) -> f64 {
+        self.forces
+            .compute(problem.model, &self.trial, problem.control, problem.exec);
+        let weight = problem.control.gravity.norm();
+        let (mut left, mut scale) = (0.0, 0.0);
+        for node in 0..problem.model.node_count() {
+            let mut force = self.forces.last()[node];
+            if let Some(extra) = problem.equation.extra.get(node) {
+                force += extra;
+            }
+            let mass = problem.model.masses()[node];
+            scale += force.norm_squared() + (mass * weight) * (mass * weight);
+            self.residual[node] = Vector3::zeros();
+            if !problem.fixed[node] {
+                let inertia = self.inertia(problem, node);
+                scale += inertia.norm_squared();
+                let residual = force - inertia;
+                self.residual[node] = residual;
+                left += residual.norm_squared();
+            }
+        }
+        for (_, force) in &problem.control.forces {
+            scale += force.norm_squared();
+        }
+        let left = left.sqrt();
+        if left <= noise {
+            0.0
+        } else {
+            left / scale.sqrt()
+        }
+    }
+
+    /// The size of a residual that is only rounding of positions: what their last digits are worth in the last matrix [N].
+    fn noise(&self, fixed: &[bool]) -> f64 {
+        let reach = self
+            .trial
+            .positions
+            .iter()
+            .map(|x| x.amax())
+            .fold(0.0, f64::max);
+        let stiffness: f64 = fixed
+            .iter()
+            .enumerate()
+            .filter(|(_, fixed)| !**fixed)
+            .map(|(node, _)| self.system.matrix().diagonal(node).norm_squared())
+            .sum();
+        4.0 * f64::EPSILON * reach * stiffness.sqrt()
+    }
+
+    /// Sets n, from `trial`.
+    fn set_loads(&mut self, problem: &Problem<'_>) {
+        let Problem { model, control, .. } = problem;
+        for (load, mass) in self.loads.iter_mut().zip(model.masses()) {
+            *load = control.gravity * *mass;
+        }
+        control.add_loads(&self.trial.positions, &mut self.loads);
+        for (load, extra) in self.loads.iter_mut().zip(&problem.equation.extra) {
+            *load += extra;
+        }
+        if self.viscous && problem.equation.rate > 0.0 {
+            let all = self.forces.compute(model, &self.trial, control, problem.exec);
+            self.scratch.copy_from_slice(all);
+            self.trial.velocities.fill(Vector3::zeros());
+            let elastic = self.forces.compute(model, &self.trial, control, problem.exec);
+            for ((load, all), elastic) in self.loads.iter_mut().zip(&self.scratch).zip(elastic) {
+                *load += all - elastic;
+            }
+            self.set_velocities(problem);
+        }
+    }
+
+    /// Φ at `trial`; the work of n is that on the way from the start of the iteration.
+    fn potential(&self, problem: &Problem<'_>) -> Potential {
+        let model = problem.model;
+        let mut elastic = 0.0;
+        for (set, elements) in model.sets().iter().enumerate() {
+            elastic += elements.energy(&self.trial.configuration(model, set));
+        }
+        let (mut inertia, mut work) = (0.0, 0.0);
+        for (node, x) in self.trial.positions.iter().enumerate() {
+            if problem.fixed[node] {
+                continue;
+            }
+            work += self.loads[node].dot(&(x - self.from[node]));
+            if problem.equation.rate > 0.0 {
+                let v = self.trial.velocities[node];
+                let change = v - problem.equation.base_velocities[node];
+                let drag = model.drag() / problem.equation.rate;
+                inertia += 0.5
+                    * model.masses()[node]
+                    * (change.norm_squared() + drag * v.norm_squared());
+            }
+        }
+        Potential {
+            value: elastic + inertia - work,
+            size: elastic.abs() + inertia + work.abs(),
+        }
+    }
+
+    /// Assembles and factors the matrix at `trial`, the positive one where the one asked for is not; returns which it is.
+    fn factorise(
+        &mut self,
+        problem: &Problem<'_>,
+        first: Tangent,
+    ) -> Result<Tangent, StepFailure> {
+        let rate = problem.equation.rate;
+        let shares = Shares {
+            damping: rate,
+            mass: rate * (rate + problem.model.drag()),
+        };
+        if first == Tangent::Exact {
+            self.system
+                .assemble(problem.model, &self.trial, shares, Tangent::Exact);
+            if self.system.factorise(problem.fixed).is_ok() {
+                return Ok(Tangent::Exact);
+            }
+        }
+        self.system
+            .assemble(problem.model, &self.trial, shares, Tangent::Positive);
+        match self.system.factorise(problem.fixed) {
+            Ok(()) => Ok(Tangent::Positive),
+            Err(failure) => Err(StepFailure::Singular {
+                node: failure.node as u32,
+            }),
+        }
+    }
+
+    /// Solves for the step; returns whether prescribed nodes are still to jump.
+    fn set_direction(&mut self, fixed: &[bool], ends: &[Vector3<f64>]) -> bool {
+        let mut jumps = false;
+        for (node, d) in self.direction.iter_mut().enumerate() {
+            *d = Vector3::zeros();
+            if fixed[node] {
+                *d = ends[node] - self.from[node];
+                jumps |= *d != Vector3::zeros();
+            }
+        }
+        if jumps {
+            self.system
+                .matrix()
+                .multiply(&self.direction, &mut self.scratch);
+            for (residual, pull) in self.residual.iter_mut().zip(&self.scratch) {
+                *residual -= pull;
+            }
+        }
+        for (node, d) in self.direction.iter_mut().enumerate() {
+            if !fixed[node] {
+                *d = self.residual[node];
+            }
+        }
+        self.system.solve(&mut self.direction);
+        jumps
+    }
+
+    /// Sets `trial` to `share` of the direction from the start of the iteration.
+    fn advance(&mut self, problem: &Problem<'_>, share: f64) {
+        for ((x, from), d) in self
+            .trial
+            .positions
+            .iter_mut()
+            .zip(&self.from)
+            .zip(&self.direction)
+        {
+            *x = from + d * share;
+        }
+        self.set_velocities(problem);
+    }
+
+    /// Prescribed nodes jump to their ends, all others take the share of the direction with which Φ is below that of the jump
+    /// alone.
+    fn lift(&mut self, problem: &Problem<'_>, ends: &[Vector3<f64>]) {
+        let jump = |this: &mut Self, share: f64| {
+            this.advance(problem, share);
+            for (node, fixed) in problem.fixed.iter().enumerate() {
+                if *fixed {
+                    this.trial.positions[node] = ends[node];
+                }
+            }
+            this.set_velocities(problem);
+            this.potential(problem).value
+        };
+        let alone = jump(self, 0.0);
+        for share in LIFTS {
+            let potential = jump(self, share);
+            // A jump alone that is not finite is no reason to stay with it.
+            if potential < alone || (!alone.is_finite() && potential.is_finite()) {
+                return;
+            }
+        }
+    }
+
+    /// Line search; returns the share of the direction that was taken, 0 for none.
+    fn search(&mut self, problem: &Problem<'_>) -> f64 {
+        let start = self.potential(problem);
+        let slope = -dot(&self.residual, &self.direction);
+        if slope >= 0.0 || slope.is_nan() {
+            return 0.0;
+        }
+        let mut share = 1.0;
+        while share > SHORTEST {
+            self.advance(problem, share);
+            let potential = self.potential(problem);
+            let rise = potential.value - start.value;
+            if rise <= ENOUGH * share * slope {
+                return share;
+            }
+            if rise <= ROUNDING * (start.size + potential.size) {
+                // Where Φ has no more digits its slope still has.
+                self.evaluate(problem, 0.0);
+                let end = -dot(&self.residual, &self.direction);
+                if end <= (2.0 * ENOUGH - 1.0) * slope {
+                    return share;
+                }
+            }
+            // The lowest point of the parabola through both values and the slope.
+            let lowest = -0.5 * slope * share * share / (rise - slope * share);
+            share = if lowest.is_finite() {
+                lowest.clamp(0.1 * share, 0.5 * share)
+            } else {
+                0.25 * share
+            };
+        }
+        self.advance(problem, 0.0);
+        0.0
+    }
+}
+
+fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}

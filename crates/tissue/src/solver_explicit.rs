@@ -1,0 +1,302 @@
+//! The explicit integrators of 3.5 beside Störmer–Verlet: explicit Euler, symplectic Euler, velocity Verlet, and velocity
+//! Verlet as the dissertation loops it. They differ in one rule per node; forces, clamps and targets are shared.
+//!
+//! With a = F/m at the positions and velocities that are known, c the drag per mass, E = e^(−ch/2):
+//!
+//! ```text
+//! explicit Euler     p' = p + h v                          v' = v + h (a − c v)
+//! symplectic Euler   v' = v + h (a − c v)                  p' = p + h v'
+//! velocity Verlet    u = E v + ½h a     p' = p + h u       v' = E (u + ½h a')
+//! lagged             v = v₋ + ½h₋ (a₋ + a)                 p' = p + h v + ½h² a
+//! ```
+//!
+//! Velocity Verlet (3.19, 3.20 as corrected in NUMERICS 1.2) carries its accelerations in the state; a' is taken at p' and the
+//! velocity E (u + ½h a) expected there, so that viscous forces keep second order. The lagged loop stores velocity and
+//! acceleration of the positions before the last step (v₋, a₋, h₋ the step that led from them), as 3.19 and 3.20 are printed;
+//! its a holds viscous forces and drag −c v₋ of that old velocity.
+//!
+//! The force that lands a node on its target p*, for p̃ where the step would bring it without (NUMERICS 2), is
+//! (m/h²)(p* − p̃) with symplectic Euler, (2m/h²)(p* − p̃) with velocity Verlet and (m/(h·½(h₋ + h)))(p* − p̃) in the lagged
+//! loop (4.10): all others are known before it.
+//!
+//! # Limitations
+//! All: the step is bounded ([`stability::limit`](crate::stability::limit)). Internal forces conserve momentum to rounding.
+//! Explicit Euler gains the share h²ω² of the energy of a mode in each step: without drag it is never stable; first order;
+//! nodes cannot be led, [`Contacts`] are ignored. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
+//! mode: energy oscillates and does not drift; first order; its drag lowers the limit. Velocity Verlet: energy oscillates and
+//! does not drift; second order; a node that was led leaves its target with the velocity (p* − p̃)/h more and must be led again
+//! (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
+//! the state are one step old. A step that changes from call to call is not symplectic in any of them.
+
+use crate::executor::Executor;
+use crate::forces::Forces;
+use crate::model::TissueModel;
+use crate::solver::{Solver, StepFailure, StepReport};
+use crate::state::{Contacts, Control, State};
+use nalgebra::Vector3;
+
+/// Which rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// Explicit Euler.
+    ExplicitEuler,
+    /// Symplectic Euler.
+    SymplecticEuler,
+    /// Velocity Verlet, standard form.
+    VelocityVerlet,
+    /// Velocity Verlet, lagged loop.
+    VelocityVerletLagged,
+}
+
+/// The solver: working memory for one model, no state of its own between steps.
+#[derive(Clone, Debug)]
+pub struct SolverExplicit {
+    scheme: Scheme,
+    forces: Forces,
+    /// State after the step [m, m/s, m/s²]; with velocity Verlet the accelerations are those before it.
+    positions: Vec<Vector3<f64>>,
+    velocities: Vec<Vector3<f64>>,
+    accelerations: Vec<Vector3<f64>>,
+}
+
+impl SolverExplicit {
+    /// Working memory for `model`.
+    pub fn new(model: &TissueModel, scheme: Scheme) -> Self {
+        let zeros = vec![Vector3::zeros(); model.node_count()];
+        Self {
+            scheme,
+            forces: Forces::new(model),
+            positions: zeros.clone(),
+            velocities: zeros.clone(),
+            accelerations: zeros,
+        }
+    }
+
+    /// F/m − `drag`·v at the state into `accelerations`; zero for clamped nodes.
+    fn accelerate(
+        &mut self,
+        model: &TissueModel,
+        state: &State,
+        control: &Control,
+        drag: f64,
+        exec: &dyn Executor,
+    ) {
+        let forces = self.forces.compute(model, state, control, exec);
+        let nodes = forces
+            .iter()
+            .zip(model.inverse_masses())
+            .zip(&state.velocities);
+        for (acceleration, ((force, &w), velocity)) in self.accelerations.iter_mut().zip(nodes) {
+            *acceleration = match w > 0.0 {
+                true => force * w - velocity * drag,
+                false => Vector3::zeros(),
+            };
+        }
+    }
+
+    /// Sets position, velocity and acceleration after the step to `rule(p, v, a)`, a the acceleration so far.
+    fn advance(
+        &mut self,
+        state: &State,
+        rule: impl Fn(&Vector3<f64>, &Vector3<f64>, &Vector3<f64>) -> [Vector3<f64>; 2],
+    ) {
+        let before = state.positions.iter().zip(&state.velocities);
+        let after = self.positions.iter_mut().zip(&mut self.velocities);
+        for (((p, v), (p_new, v_new)), a) in before.zip(after).zip(&self.accelerations) {
+            [*p_new, *v_new] = rule(p, v, a);
+        }
+    }
+
+    /// Puts clamped nodes where the control wants them.
+    fn clamp(&mut self, model: &TissueModel, state: &State, control: &Control, h: f64) {
+        for (place, &node) in model.clamped().iter().enumerate() {
+            let node = node as usize;
+            let from = state.positions[node];
+            let to = control
+                .clamped_positions
+                .get(place)
+                .copied()
+                .unwrap_or(from);
+            self.positions[node] = to;
+            self.velocities[node] = (to - from) / h;
+        }
+    }
+
+    /// Puts the nodes of `contacts` on their targets. Of the way there, `velocity_share`/h goes on as velocity and
+    /// `acceleration_share` as acceleration; what only undoes an overlap does not.
+    fn lead(
+        &mut self,
+        model: &TissueModel,
+        contacts: &Contacts,
+        velocity_share: f64,
+        acceleration_share: f64,
+    ) {
+        for target in &contacts.targets {
+            let node = target.node as usize;
+            if model.is_clamped(node) {
+                continue;
+            }
+            let led = target.target - self.positions[node] - target.overlap;
+            self.positions[node] = target.target;
+            self.velocities[node] += led * velocity_share;
+            self.accelerations[node] += led * acceleration_share;
+        }
+    }
+
+    fn velocity_verlet(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<(), StepFailure> {
+        if state.accelerations.len() == state.positions.len() {
+            self.accelerations.copy_from_slice(&state.accelerations);
+        } else {
+            self.accelerate(model, state, control, 0.0, exec);
+        }
+        let factor = libm::exp(-0.5 * model.drag() * h);
+        self.advance(state, |p, v, a| {
+            let middle = v * factor + a * (0.5 * h);
+            [p + middle * h, middle]
+        });
+        self.clamp(model, state, control, h);
+        self.lead(model, contacts, 1.0 / h, 0.0);
+        if !is_finite(&self.positions) {
+            return Err(StepFailure::NotFinite);
+        }
+
+        // From here on the solver holds the state before, to go back to.
+        std::mem::swap(&mut state.positions, &mut self.positions);
+        std::mem::swap(&mut state.velocities, &mut self.velocities);
+        let w = model.inverse_masses();
+        let free = |node: &usize| w[*node] > 0.0;
+        for node in (0..w.len()).filter(free) {
+            let middle = state.velocities[node];
+            state.velocities[node] = (middle + self.accelerations[node] * (0.5 * h)) * factor;
+        }
+        let forces = self.forces.compute(model, state, control, exec);
+        for node in (0..w.len()).filter(free) {
+            let acceleration = forces[node] * w[node];
+            let change = acceleration - self.accelerations[node];
+            state.velocities[node] += change * (0.5 * h * factor);
+            self.accelerations[node] = acceleration;
+        }
+        if !is_finite(&state.velocities) {
+            std::mem::swap(&mut state.positions, &mut self.positions);
+            std::mem::swap(&mut state.velocities, &mut self.velocities);
+            return Err(StepFailure::NotFinite);
+        }
+        state.accelerations.clone_from(&self.accelerations);
+        Ok(())
+    }
+
+    fn lagged(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<(), StepFailure> {
+        self.accelerate(model, state, control, model.drag(), exec);
+        // Before the first step nothing is lagged: h₋ = 0.
+        let lag = 0.5 * state.step;
+        self.advance(state, |p, v, a| {
+            let velocity = v + a * lag;
+            [p + (velocity + a * (0.5 * h)) * h, velocity]
+        });
+        for (node, old) in state.accelerations.iter().enumerate() {
+            let kick = old * lag;
+            self.velocities[node] += kick;
+            self.positions[node] += kick * h;
+        }
+        self.clamp(model, state, control, h);
+        let per_way = 1.0 / (h * (lag + 0.5 * h));
+        self.lead(model, contacts, lag * per_way, per_way);
+        self.commit(state)?;
+        state.accelerations.clone_from(&self.accelerations);
+        Ok(())
+    }
+
+    fn euler(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<(), StepFailure> {
+        self.accelerate(model, state, control, model.drag(), exec);
+        if self.scheme == Scheme::ExplicitEuler {
+            self.advance(state, |p, v, a| [p + v * h, v + a * h]);
+            self.clamp(model, state, control, h);
+        } else {
+            self.advance(state, |p, v, a| {
+                let velocity = v + a * h;
+                [p + velocity * h, velocity]
+            });
+            self.clamp(model, state, control, h);
+            self.lead(model, contacts, 1.0 / h, 0.0);
+        }
+        self.commit(state)?;
+        state.accelerations.clear();
+        Ok(())
+    }
+
+    /// Makes what was computed the state.
+    fn commit(&mut self, state: &mut State) -> Result<(), StepFailure> {
+        if !is_finite(&self.positions) || !is_finite(&self.velocities) {
+            return Err(StepFailure::NotFinite);
+        }
+        std::mem::swap(&mut state.positions, &mut self.positions);
+        std::mem::swap(&mut state.velocities, &mut self.velocities);
+        Ok(())
+    }
+}
+
+impl Solver for SolverExplicit {
+    fn step(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<StepReport, StepFailure> {
+        match self.scheme {
+            Scheme::ExplicitEuler | Scheme::SymplecticEuler => {
+                self.euler(model, state, control, contacts, h, exec)?;
+            }
+            Scheme::VelocityVerlet => {
+                self.velocity_verlet(model, state, control, contacts, h, exec)?;
+            }
+            Scheme::VelocityVerletLagged => {
+                self.lagged(model, state, control, contacts, h, exec)?;
+            }
+        }
+        state.step = h;
+        Ok(StepReport {
+            iterations: 1,
+            residual: 0.0,
+        })
+    }
+
+    fn boxed_clone(&self) -> Box<dyn Solver> {
+        Box::new(self.clone())
+    }
+}
+
+/// Whether every number is finite: a sum is finite only if all its terms are.
+fn is_finite(values: &[Vector3<f64>]) -> bool {
+    let sum: Vector3<f64> = values.iter().sum();
+    sum.iter().all(|c| c.is_finite())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+//! The linear systems of implicit methods: K + b·D + c·M of a model, assembled, factored, solved.
+//!
+//! Where the blocks of each element go is found once per model, and so is the order of elimination (nested dissection of the
+//! rest shape); a step only adds numbers, in a fixed order. Prescribed nodes are marked when the matrix is factored.
+
+use crate::elements::{ElementMatrix, Tangent};
+use crate::model::TissueModel;
+use crate::state::State;
+use microsim_sparse::{BlockMatrix, Factor, NotPositive, Ordering, Pattern, Symbolic};
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
+
+/// The shares of a matrix K + b·D + c·M.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shares {
+    /// b [1/s].
+    pub damping: f64,
+    /// c [1/s²].
+    pub mass: f64,
+}
+
+/// A linear system with the pattern of one model.
+#[derive(Debug)]
+pub(crate) struct System {
+    /// Of each set.
+    slots: Arc<[Slots]>,
+    symbolic: Arc<Symbolic>,
+    matrix: BlockMatrix,
+    factor: Factor,
+    /// Working memory for one element.
+    element: ElementMatrix,
+}
+
+/// Where the blocks of the elements of one set go.
+#[derive(Debug)]
+struct Slots {
+    /// Those of element e are `places[starts[e]..starts[e + 1]]`.
+    starts: Vec<u32>,
+    /// For the pairs of nodes (i, j ≤ i) in ascending order: twice the slot of the matrix, plus one where the block (j, i) is
+    /// stored there.
+    places: Vec<u32>,
+}
+
+impl System {
+    /// The system of `model`.
+    pub fn new(model: &TissueModel) -> Self {
+        let cliques = model
+            .sets()
+            .iter()
+            .flat_map(|set| (0..set.count()).map(|element| set.nodes(element)));
+        let pattern = Arc::new(Pattern::from_cliques(model.node_count(), cliques));
+        let slots = model.sets().iter().map(|set| {
+            let mut slots = Slots {
+                starts: vec![0],
+                places: Vec::new(),
+            };
+            for element in 0..set.count() {
+                let nodes = set.nodes(element);
+                for (i, &row) in nodes.iter().enumerate() {
+                    for &column in &nodes[..=i] {
+                        let slot = pattern
+                            .slot(row.max(column) as usize, row.min(column) as usize)
+                            .expect("the nodes of an element are coupled");
+                        slots.places.push(2 * slot as u32 + u32::from(row < column));
+                    }
+                }
+                slots.starts.push(slots.places.len() as u32);
+            }
+            slots
+        });
+        let ordering = Ordering::nested_dissection(&pattern, Some(model.rest_positions()));
+        let symbolic = Arc::new(Symbolic::analyse(&pattern, &ordering));
+        Self {
+            slots: slots.collect(),
+            factor: Factor::new(symbolic.clone()),
+            symbolic,
+            matrix: BlockMatrix::zeros(pattern),
+            element: ElementMatrix::new(),
+        }
+    }
+
+    /// Sets the matrix to K + b·D + c·M at the positions and velocities of `state`. K is that of the elements alone: dead loads
+    /// have none, that of follower pressures is not symmetric and left out.
+    pub fn assemble(
+        &mut self,
+        model: &TissueModel,
+        state: &State,
+        shares: Shares,
+        tangent: Tangent,
+    ) {
+        self.matrix.clear();
+        let values = self.matrix.values_mut();
+        for (index, (set, slots)) in model.sets().iter().zip(&*self.slots).enumerate() {
+            let at = state.configuration(model, index);
+            let viscous = shares.damping > 0.0 && set.is_viscous();
+            for (element, run) in slots.starts.windows(2).enumerate() {
+                let places = &slots.places[run[0] as usize..run[1] as usize];
+                set.stiffness(element, &at, tangent, &mut self.element);
+                scatter(values, places, &self.element, 1.0);
+                if viscous {
+                    set.damping(element, &at, &mut self.element);
+                    scatter(values, places, &self.element, shares.damping);
+                }
+            }
+        }
+        if shares.mass > 0.0 {
+            for (node, mass) in model.masses().iter().enumerate() {
+                let block = Matrix3::from_diagonal_element(shares.mass * mass);
+                self.matrix.add_diagonal(node, &block);
+            }
+        }
+    }
+
+    /// The assembled matrix.
+    pub fn matrix(&self) -> &BlockMatrix {
+        &self.matrix
+    }
+
+    /// Factors the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
+    pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
+        self.factor.factorise(&self.matrix, Some(fixed))
+    }
+
+    /// Solves with the last factor, in place.
+    pub fn solve(&mut self, x: &mut [Vector3<f64>]) {
+        self.factor.solve(x);
+    }
+
+    /// For each node the lowest node that it is coupled to, directly or through others.
+    pub fn components(&self) -> Vec<u32> {
+        let pattern = self.matrix.pattern();
+        let mut lowest: Vec<u32> = (0..pattern.nodes() as u32).collect();
+        let root = |lowest: &mut Vec<u32>, mut node: u32| {
+            while lowest[node as usize] != node {
+                let next = lowest[lowest[node as usize] as usize];
+                lowest[node as usize] = next;
+                node = next;
+            }
+            node
+        };
+        for row in 0..pattern.nodes() {
+            for &column in pattern.row(row) {
+                let ends = [row as u32, column].map(|node| root(&mut lowest, node));
+                lowest[ends[0].max(ends[1]) as usize] = ends[0].min(ends[1]);
+            }
+        }
+        for node in 0..lowest.len() as u32 {
+            lowest[node as usize] = root(&mut lowest, node);
+        }
+        lowest
+    }
+}
+
+impl Clone for System {
+    /// The numbers of a factor are made anew in each iteration, so they are not copied.
+    fn clone(&self) -> Self {
+        Self {
+            slots: self.slots.clone(),
+            symbolic: self.symbolic.clone(),
+            matrix: self.matrix.clone(),
+            factor: Factor::new(self.symbolic.clone()),
+            element: ElementMatrix::new(),
+        }
+    }
+}
+
+/// Adds factor·`element` to the blocks of the matrix.
+#[inline]
+fn scatter(values: &mut [Matrix3<f64>], places: &[u32], element: &ElementMatrix, factor: f64) {
+    let mut places = places.iter();
+    for i in 0..element.nodes() {
+        for (j, place) in (0..=i).zip(&mut places) {
+            let block = if place % 2 == 0 {
+                element.block(i, j)
+            } else {
+                element.block(j, i)
+            };
+            values[(place / 2) as usize] += block * factor;
+        }
+    }
+}
