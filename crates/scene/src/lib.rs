@@ -14,6 +14,7 @@ mod save;
 mod scene;
 mod select;
 mod spec;
+mod stress;
 mod tick;
 mod tool;
 
@@ -33,6 +34,7 @@ pub use spec::{
     BodySpec, BoxSpec, CapsuleSpec, ClampSpec, CouplingSpec, HingeSpec, LoadKind, LoadSpec,
     MotionKey, MotionSpec, SceneSpec, Selection, StartSpec, ToolSpec,
 };
+pub use stress::von_mises;
 pub use tool::ToolMotion;
 
 #[cfg(test)]

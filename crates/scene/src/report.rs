@@ -11,6 +11,8 @@ pub struct TickReport {
     pub substeps: u32,
     /// Whether a tool was so fast that more sub-steps than the limit were needed; it may then have passed through tissue.
     pub capped: bool,
+    /// Whether plastic flow has made a body so stiff that it needs more steps than were asked for.
+    pub stiffened: bool,
     /// Ticks that had to be repeated with more sub-steps.
     pub recoveries: Vec<Recovery>,
     /// Indices of motions that were left out: unknown tool, a second motion of one tool, or a number that is not finite.

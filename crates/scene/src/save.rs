@@ -146,10 +146,16 @@ impl Scene {
             return Err(RestoreError::Length);
         }
         self.state = SceneState {
+            stable_steps: self.bodies.iter().map(|body| body.stable_step).collect(),
             bodies,
             memories,
             time,
         };
+        for body in 0..self.bodies.len() {
+            if self.state.bodies[body].internal != self.bodies[body].start.internal {
+                self.renew_stable_step(body);
+            }
+        }
         Ok(())
     }
 }

@@ -55,6 +55,8 @@ pub(crate) struct SceneState {
     pub bodies: Vec<State>,
     /// One per contact pair.
     pub memories: Vec<ContactMemory>,
+    /// Longest step of each body as it is now [s]: plastic flow makes it shorter. It follows from the state.
+    pub stable_steps: Vec<f64>,
     /// Simulated time [s].
     pub time: f64,
 }
@@ -95,6 +97,7 @@ impl Scene {
         let state = SceneState {
             bodies: bodies.iter().map(|body| body.start.clone()).collect(),
             memories: vec![ContactMemory::new(); pairs.len()],
+            stable_steps: bodies.iter().map(|body| body.stable_step).collect(),
             time: 0.0,
         };
         Ok(Self {
@@ -115,6 +118,7 @@ impl Scene {
             .memories
             .iter_mut()
             .for_each(ContactMemory::clear);
+        self.state.stable_steps = self.bodies.iter().map(|body| body.stable_step).collect();
         self.state.time = 0.0;
     }
 
@@ -124,15 +128,13 @@ impl Scene {
             return Err(SceneError::Tick { tick_s });
         }
         let required_steps = self.required_steps(tick_s);
-        let slowest = self
-            .bodies
-            .iter()
-            .min_by(|a, b| a.stable_step.total_cmp(&b.stable_step));
+        let stable_steps = self.bodies.iter().zip(&self.state.stable_steps);
+        let slowest = stable_steps.min_by(|a, b| a.1.total_cmp(b.1));
         match slowest {
-            Some(body) if steps < required_steps => Err(SceneError::StepTooLong {
+            Some((body, stable_step)) if steps < required_steps => Err(SceneError::StepTooLong {
                 body: body.name.clone(),
                 step_s: tick_s / f64::from(steps),
-                stable_step_s: body.stable_step,
+                stable_step_s: *stable_step,
                 required_steps,
             }),
             _ => Ok(()),
@@ -141,11 +143,8 @@ impl Scene {
 
     /// The smallest number of solver's steps per tick of `tick_s` [s] that every body allows; at least 1.
     pub fn required_steps(&self, tick_s: f64) -> u32 {
-        let stable_step = self
-            .bodies
-            .iter()
-            .map(|body| body.stable_step)
-            .fold(f64::INFINITY, f64::min);
+        let stable_steps = self.state.stable_steps.iter().copied();
+        let stable_step = stable_steps.fold(f64::INFINITY, f64::min);
         // The cast saturates.
         (tick_s / stable_step).ceil().max(1.0) as u32
     }
@@ -303,7 +302,17 @@ impl Scene {
 
     /// Longest step [s] that a body allows, safety factor included; infinite for a method without a limit.
     pub fn stable_step(&self, body: usize) -> f64 {
-        self.bodies[body].stable_step
+        self.state.stable_steps[body]
+    }
+
+    /// Works out the longest step of a body as it is now.
+    pub(crate) fn renew_stable_step(&mut self, body: usize) {
+        let of = &self.bodies[body];
+        if self.method.is_explicit() {
+            let state = &self.state.bodies[body];
+            self.state.stable_steps[body] =
+                stability::stable_step_at(&of.model, state, stability::SAFETY);
+        }
     }
 }
 

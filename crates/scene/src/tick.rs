@@ -6,7 +6,7 @@ use crate::scene::{Advance, Body, Scene};
 use crate::tool::ToolMotion;
 use microsim_contact::{BodySurface, CapsuleMotion, Response, respond};
 use microsim_geometry::Aabb;
-use microsim_tissue::{Executor, NodeTarget, State, StepFailure, TissueModel};
+use microsim_tissue::{Executor, NodeTarget, StepFailure, flow};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
@@ -37,6 +37,13 @@ impl Scene {
     ) -> Result<TickReport, Diverged> {
         assert!(tick_s > 0.0 && tick_s.is_finite(), "a tick of {tick_s} s");
         assert!(steps > 0, "a tick without steps");
+        // Plastic flow may have made a body stiffer than it was when the number of steps was chosen.
+        let stiffened = self.has_stiffened();
+        let steps = if stiffened {
+            steps.max(self.required_steps(tick_s))
+        } else {
+            steps
+        };
         let (motions, invalid_motions) = self.valid_motions(motions);
         let (substeps, capped) = self.substeps(&motions, tick_s, steps);
         let start = self.state.clone();
@@ -56,6 +63,7 @@ impl Scene {
                         contacts,
                         substeps,
                         capped,
+                        stiffened,
                         recoveries,
                         invalid_motions,
                     });
@@ -77,6 +85,12 @@ impl Scene {
             Some((failure, step_s)) => Err(self.diverged(start, failure, step_s)),
             None => unreachable!("there is at least one try, and each returns or fails"),
         }
+    }
+
+    /// Whether plastic flow has shortened the stable step of a body.
+    fn has_stiffened(&self) -> bool {
+        let steps = self.bodies.iter().zip(&self.state.stable_steps);
+        steps.into_iter().any(|(body, now)| *now < body.stable_step)
     }
 
     /// The active motions of known tools, and the indices of those that cannot be used.
@@ -141,6 +155,7 @@ impl Scene {
             .map(|(body, state)| Watch::new(body, state))
             .collect();
         let mut tallies = vec![Tally::default(); self.pairs.len()];
+        let mut stiffer = vec![false; self.bodies.len()];
         let h = tick_s / f64::from(count);
         for step in 0..count {
             let t0 = f64::from(step) / f64::from(count);
@@ -152,7 +167,8 @@ impl Scene {
             let end = self.state.time + f64::from(step + 1) * h;
             for (body, watch) in watches.iter_mut().enumerate() {
                 let failure = |what| Failure { body, step, what };
-                self.step_body(body, &tools, end, h, exec, watch, &mut tallies)
+                stiffer[body] |= self
+                    .step_body(body, &tools, end, h, exec, watch, &mut tallies)
                     .map_err(|what| failure(Divergence::Step(what)))?;
                 if !self.state.bodies[body].is_finite() {
                     return Err(failure(Divergence::NotFinite));
@@ -174,10 +190,14 @@ impl Scene {
                 });
             }
         }
+        for (body, _) in stiffer.iter().enumerate().filter(|(_, stiffer)| **stiffer) {
+            self.renew_stable_step(body);
+        }
         Ok(self.contact_reports(&tallies, tick_s))
     }
 
-    /// One step of one body: forces and prediction, contact with each tool in turn, motion.
+    /// One step of one body: forces and prediction, contact with each tool in turn, motion, plastic
+    /// flow. Returns whether the body has become stiffer.
     #[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
     fn step_body(
         &mut self,
@@ -188,7 +208,7 @@ impl Scene {
         exec: &dyn Executor,
         watch: &mut Watch,
         tallies: &mut [Tally],
-    ) -> Result<(), StepFailure> {
+    ) -> Result<bool, StepFailure> {
         let Body {
             model,
             advance,
@@ -203,8 +223,7 @@ impl Scene {
             Advance::Contact(solver) => solver,
             Advance::Plain(solver) => {
                 solver.step(model, state, &control, &grips, h, exec)?;
-                flow(model, state, h);
-                return Ok(());
+                return Ok(flow(model, state, h));
             }
         };
         let predicted = solver.predict(model, state, &control, h, exec);
@@ -266,8 +285,7 @@ impl Scene {
             tally.peak = tally.peak.max(total.norm());
         }
         solver.finish(model, state, &contacts);
-        flow(model, state, h);
-        Ok(())
+        Ok(flow(model, state, h))
     }
 
     fn contact_reports(&self, tallies: &[Tally], tick_s: f64) -> Vec<ContactReport> {
@@ -306,16 +324,6 @@ impl Scene {
             }
         });
         reports.collect()
-    }
-}
-
-/// Lets the internal variables of a body flow over a step.
-fn flow(model: &TissueModel, state: &mut State, h: f64) {
-    for (index, set) in model.sets().iter().enumerate() {
-        let internal = &mut state.internal[model.internal_range(index)];
-        if !internal.is_empty() {
-            set.flow(&state.positions, internal, h);
-        }
     }
 }
 

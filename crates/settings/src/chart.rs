@@ -19,6 +19,8 @@ use std::path::Path;
 pub struct Chart {
     /// How much time is allowed.
     pub budget: ChartBudget,
+    /// How exact solutions are made.
+    pub exact: ChartExact,
     /// Materials with their discretisations.
     pub material: Vec<ChartMaterial>,
     /// Methods.
@@ -37,6 +39,18 @@ pub struct ChartBudget {
     pub quick_run: f64,
     /// Time of the quick chart \[s\]; what does not fit is left out and named.
     pub quick_total: f64,
+}
+
+/// How the exact solution on a mesh with a material is made.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChartExact {
+    /// Overrides for the equilibrium, `KEY=VALUE`.
+    pub rest: Vec<String>,
+    /// Overrides for the motion, `KEY=VALUE`: an explicit method.
+    pub motion: Vec<String>,
+    /// Step of the motion as a share of the stability limit.
+    pub share: f64,
 }
 
 /// A material with its discretisation.
@@ -186,11 +200,21 @@ pub fn chart_schema() -> Schema {
         doc: "config/chart.toml: the runs that `microsim chart` compares, and what `microsim tune` chooses from.".to_owned(),
         keys: vec![
             Key::required("budget", Kind::Table(budget), "How much time is allowed."),
+            Key::required("exact", Kind::Table(exact_keys()), "How the exact solution on a mesh with a material is made."),
             Key::required("material", some(material_keys(), 64), "Materials with their discretisations."),
             Key::required("method", some(method_keys(), 64), "Methods with the parameters that are tried."),
             Key::required("scene", some(scene_keys(), 64), "Scenes with what is compared."),
         ],
     }
+}
+
+fn exact_keys() -> Vec<Key> {
+    let overrides = |name: &str, doc: &str| Key::list(name, Kind::Text, 64, doc);
+    vec![
+        overrides("rest", "Overrides for the equilibrium: `KEY=VALUE`, as with --set."),
+        overrides("motion", "Overrides for the motion: those of an explicit method."),
+        Key::with_default("share", Kind::quantity(Unit::Ratio, 0.001, 1.0), "Step of the motion as a share of the estimated stability limit.", 0.25),
+    ]
 }
 
 fn name() -> Key {
@@ -282,8 +306,11 @@ pub fn read_chart(text: &str, file: &str) -> Result<Loaded<Chart>, ConfigErrors>
         let names = texts(reading.value(), list, "name");
         unique(&mut reading, &root, &names, list, "name");
         for i in 0..items(reading.value(), list).count() {
-            check_set(&mut reading, &root.key(list).at(i));
+            check_set(&mut reading, &root.key(list).at(i), "set");
         }
+    }
+    for list in ["rest", "motion"] {
+        check_set(&mut reading, &root.key("exact"), list);
     }
     for i in 0..items(reading.value(), "scene").count() {
         check_scene(&mut reading, i);
@@ -297,13 +324,13 @@ pub fn load_chart(path: &Path) -> Result<Loaded<Chart>, ConfigErrors> {
     read_chart(&text, &path.display().to_string())
 }
 
-/// Complains about overrides of the table at `key` that cannot be read.
-fn check_set(reading: &mut Reading, key: &KeyPath) {
+/// Complains about overrides in the list `name` of the table at `key` that cannot be read.
+fn check_set(reading: &mut Reading, key: &KeyPath, name: &str) {
     let table = reading.value_at(key).cloned().unwrap_or_default();
-    for (i, value) in items(&table, "set") {
+    for (i, value) in items(&table, name) {
         let Some(text) = value.as_str() else { continue };
         if let Err(expected) = Override::parse(text) {
-            reading.complain(&key.key("set").at(i), &format!("`{text}`"), &expected);
+            reading.complain(&key.key(name).at(i), &format!("`{text}`"), &expected);
         }
     }
 }
@@ -317,7 +344,7 @@ fn check_scene(reading: &mut Reading, index: usize) {
         let names = texts(&scene, list, "name");
         unique(reading, &key, &names, list, "name");
         for i in 0..items(&scene, list).count() {
-            check_set(reading, &key.key(list).at(i));
+            check_set(reading, &key.key(list).at(i), "set");
         }
     }
     let measures = items(&scene, "measure").count();

@@ -63,6 +63,15 @@ impl Document {
         self.placed(error)
     }
 
+    /// Where the value at `key` stands, in words that a message can begin with: ``FILE:LINE:COLUMN: key `a.b` ``.
+    pub fn place(&self, key: &KeyPath) -> String {
+        let error = self.error_at(key, "", "");
+        let at = error
+            .position
+            .map(|at| format!(":{}:{}", at.line, at.column));
+        format!("{}{}: key `{key}`", error.file, at.unwrap_or_default())
+    }
+
     /// A complaint that names the override where one is to blame.
     fn placed(&self, mut error: ConfigError) -> ConfigError {
         if let Some(Position { line: 0, column }) = error.position {

@@ -44,7 +44,7 @@ pub use body::{
     Plasticity, Shell, Split, SpringForm, Start,
 };
 pub use chart::{
-    Chart, ChartBudget, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution, ChartScene,
+    Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution, ChartScene,
     ChartSweep, ChartVariant, ExactKind, chart_schema, load_chart, read_chart,
 };
 pub use describe::{json_schema, reference};

@@ -1,9 +1,13 @@
 //! The methods by name: one list for files, reports and comparisons.
 
 use crate::model::TissueModel;
+use crate::newton::Newton;
 use crate::solver::Solver;
 use crate::solver_explicit::{Scheme, SolverExplicit};
+use crate::solver_implicit::{ImplicitScheme, SolverImplicit};
+use crate::solver_quasi_static::SolverQuasiStatic;
 use crate::solver_verlet::SolverVerlet;
+use crate::solver_xpbd::SolverXpbd;
 
 /// A method with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +22,21 @@ pub enum Method {
     VelocityVerlet,
     /// Velocity Verlet as a loop with stored values of the step before (3.19, 3.20 as printed), drag from the old velocity.
     VelocityVerletLagged,
+    /// Backward Euler.
+    ImplicitEuler(Newton),
+    /// Implicit midpoint.
+    ImplicitMidpoint(Newton),
+    /// Second-order L-stable Runge–Kutta method of two implicit stages.
+    Sdirk2(Newton),
+    /// Static equilibrium at the end of each step.
+    QuasiStatic(Newton),
+    /// Position-based dynamics with compliance.
+    Xpbd {
+        /// Sub-steps per step, at least 1.
+        substeps: u32,
+        /// Iterations per sub-step, at least 1.
+        iterations: u32,
+    },
 }
 
 /// Why a method cannot treat a model.
@@ -46,6 +65,11 @@ impl Method {
             Self::SymplecticEuler => "symplectic-euler",
             Self::VelocityVerlet => "velocity-verlet",
             Self::VelocityVerletLagged => "velocity-verlet-lagged",
+            Self::ImplicitEuler(_) => "implicit-euler",
+            Self::ImplicitMidpoint(_) => "implicit-midpoint",
+            Self::Sdirk2(_) => "sdirk2",
+            Self::QuasiStatic(_) => "quasi-static",
+            Self::Xpbd { .. } => "xpbd",
         }
     }
 
@@ -58,6 +82,11 @@ impl Method {
             | Self::SymplecticEuler
             | Self::VelocityVerlet
             | Self::VelocityVerletLagged => true,
+            Self::ImplicitEuler(_)
+            | Self::ImplicitMidpoint(_)
+            | Self::Sdirk2(_)
+            | Self::QuasiStatic(_)
+            | Self::Xpbd { .. } => false,
         }
     }
 
@@ -67,7 +96,12 @@ impl Method {
             Self::StoermerVerlet
             | Self::SymplecticEuler
             | Self::VelocityVerlet
-            | Self::VelocityVerletLagged => true,
+            | Self::VelocityVerletLagged
+            | Self::ImplicitEuler(_)
+            | Self::ImplicitMidpoint(_)
+            | Self::Sdirk2(_)
+            | Self::QuasiStatic(_)
+            | Self::Xpbd { .. } => true,
             // Its force moves a node one step later only.
             Self::ExplicitEuler => false,
         }
@@ -76,12 +110,29 @@ impl Method {
     /// A solver for `model`.
     pub fn solver(&self, model: &TissueModel) -> Result<Box<dyn Solver>, MethodError> {
         let explicit = |scheme| Box::new(SolverExplicit::new(model, scheme));
+        let implicit = |scheme, newton| Box::new(SolverImplicit::new(model, scheme, newton));
         Ok(match self {
             Self::StoermerVerlet => Box::new(SolverVerlet::new(model)),
             Self::ExplicitEuler => explicit(Scheme::ExplicitEuler),
             Self::SymplecticEuler => explicit(Scheme::SymplecticEuler),
             Self::VelocityVerlet => explicit(Scheme::VelocityVerlet),
             Self::VelocityVerletLagged => explicit(Scheme::VelocityVerletLagged),
+            Self::ImplicitEuler(newton) => implicit(ImplicitScheme::BackwardEuler, *newton),
+            Self::ImplicitMidpoint(newton) => implicit(ImplicitScheme::Midpoint, *newton),
+            Self::Sdirk2(newton) => implicit(ImplicitScheme::Sdirk2, *newton),
+            Self::QuasiStatic(newton) => Box::new(SolverQuasiStatic::new(model, *newton)),
+            Self::Xpbd {
+                substeps,
+                iterations,
+            } => match SolverXpbd::new(model, *substeps, *iterations) {
+                Some(solver) => Box::new(solver),
+                None => {
+                    return Err(MethodError {
+                        method: self.name(),
+                        reason: "a material of the body is no sum of constraints; use springs or the law neo-hookean-polynomial",
+                    });
+                }
+            },
         })
     }
 }

@@ -16,7 +16,6 @@
 //! Linear momentum is conserved to rounding, angular momentum up to the first order of the sub-step. Loads are those of the start of a
 //! sub-step.
 
-use crate::elements::Constraints;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::prescribed::Prescribed;

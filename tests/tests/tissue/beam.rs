@@ -42,7 +42,7 @@ pub const LAWS: [(LawName, &str); 4] = [
 pub fn mesh(name: &str) -> TetMesh {
     let path = repository().join(format!("tests/data/reference/cantilever-{name}.msh"));
     let bytes = std::fs::read(path).expect("the mesh");
-    read_tet_mesh(&bytes, MeshFormat::Gmsh).expect("a mesh").mesh
+    read_tet_mesh(MeshFormat::Gmsh, &[&bytes]).expect("a mesh").mesh
 }
 
 /// The beam of a law, a Poisson's ratio and a discretisation.

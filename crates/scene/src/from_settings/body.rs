@@ -29,7 +29,10 @@ pub(super) fn body(
             (Some(pressure), _) => LoadKind::Pressure(pressure),
             (None, Some(traction)) => LoadKind::Traction(traction),
             (None, None) => {
-                return Err(missing(key.key("load").at(index), "`pressure` or `traction`"));
+                return Err(missing(
+                    key.key("load").at(index),
+                    "`pressure` or `traction`",
+                ));
             }
         };
         loads.push(LoadSpec {
@@ -66,7 +69,10 @@ pub(super) fn body(
 
 /// One selection: the settings allow no more here.
 fn selection(nodes: &settings::Nodes) -> Selection {
-    selections(nodes).into_iter().next().unwrap_or(Selection::All)
+    selections(nodes)
+        .into_iter()
+        .next()
+        .unwrap_or(Selection::All)
 }
 
 fn clamp(clamp: &settings::Clamp) -> ClampSpec {
@@ -106,8 +112,12 @@ fn mesh(
     };
     match body.generator {
         settings::Generator::Block => {
-            let size = body.size.ok_or_else(|| missing(key.key("size"), "`size`"))?;
-            let cells = body.cells.ok_or_else(|| missing(key.key("cells"), "`cells`"))?;
+            let size = body
+                .size
+                .ok_or_else(|| missing(key.key("size"), "`size`"))?;
+            let cells = body
+                .cells
+                .ok_or_else(|| missing(key.key("cells"), "`cells`"))?;
             let block = Block {
                 center: body.centre,
                 size,
@@ -162,7 +172,10 @@ fn from_file(
         key: at.clone(),
         cause,
     };
-    let file = body.file.clone().ok_or_else(|| missing(at.clone(), "`file`"))?;
+    let file = body
+        .file
+        .clone()
+        .ok_or_else(|| missing(at.clone(), "`file`"))?;
     let mut bytes = Vec::new();
     for part in body.files() {
         bytes.push(load(Path::new(&part)).map_err(|error| {
@@ -191,8 +204,14 @@ fn from_file(
     };
     let mut import = read_surface(kind, &bytes[0]).map_err(|e| wrong(format(e)))?;
     notes.extend(import.notes.iter().map(note));
-    import.surface.positions.iter_mut().for_each(|p| *p = place(p));
-    let cell = body.fill.ok_or_else(|| missing(key.key("fill"), "`fill`"))?;
+    import
+        .surface
+        .positions
+        .iter_mut()
+        .for_each(|p| *p = place(p));
+    let cell = body
+        .fill
+        .ok_or_else(|| missing(key.key("fill"), "`fill`"))?;
     fill(&import.surface, cell).map_err(|e| wrong(FromSettingsCause::Fill(e)))
 }
 

@@ -3,9 +3,7 @@
 use super::error::{FromSettingsError, missing};
 use microsim_settings as settings;
 use microsim_tissue::law::LawName;
-use microsim_tissue::{
-    Behaviour, ContinuumConstants, Discretisation, Material, SpringConstants,
-};
+use microsim_tissue::{Behaviour, ContinuumConstants, Discretisation, Material, SpringConstants};
 use settings::KeyPath;
 
 /// A material; `key` is its own.

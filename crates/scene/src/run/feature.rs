@@ -116,7 +116,11 @@ mod tests {
     fn what_a_series_does_not_hold_is_not_found() {
         let time: Vec<f64> = (0..100).map(f64::from).collect();
         let rising = time.clone();
-        for what in [Feature::FirstPeak, Feature::FirstPeakTime, Feature::Frequency] {
+        for what in [
+            Feature::FirstPeak,
+            Feature::FirstPeakTime,
+            Feature::Frequency,
+        ] {
             assert_eq!(find(&expect(what), &time, &rising), None, "{what:?}");
             assert_eq!(find(&expect(what), &[0.0], &[0.0]), None, "{what:?}");
         }

@@ -89,7 +89,11 @@ impl Probe {
         let count = self.nodes.len() as f64;
         match self.quantity {
             Quantity::Displacement => {
-                let sum: f64 = self.nodes.iter().map(|n| moved(n).dot(&self.direction)).sum();
+                let sum: f64 = self
+                    .nodes
+                    .iter()
+                    .map(|n| moved(n).dot(&self.direction))
+                    .sum();
                 sum / count
             }
             Quantity::Centre => {
@@ -103,11 +107,17 @@ impl Probe {
                 sum / mass
             }
             Quantity::Radius => self.mean_radius(now) - self.reference,
-            Quantity::Distance => self.nodes.iter().map(|n| moved(n).norm()).fold(0.0, f64::max),
+            Quantity::Distance => self
+                .nodes
+                .iter()
+                .map(|n| moved(n).norm())
+                .fold(0.0, f64::max),
             Quantity::Force => {
                 let forces = scene.forces(self.body);
                 let nodes = self.nodes.iter();
-                -nodes.map(|n| forces[*n as usize].dot(&self.direction)).sum::<f64>()
+                -nodes
+                    .map(|n| forces[*n as usize].dot(&self.direction))
+                    .sum::<f64>()
             }
             Quantity::Torque => {
                 let forces = scene.forces(self.body);

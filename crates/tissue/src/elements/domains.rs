@@ -53,6 +53,13 @@ impl Tetrahedra {
     }
 }
 
+/// m·v. Written out: nalgebra's product of a matrix and a vector took 10 ns longer per tetrahedron.
+#[inline(always)]
+pub(super) fn product(m: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+    let row = |i: usize| m[(i, 0)] * v[0] + m[(i, 1)] * v[1] + m[(i, 2)] * v[2];
+    Vector3::new(row(0), row(1), row(2))
+}
+
 /// Gradients of the shape functions of the last three corners [1/m], and the volume [m³].
 pub(super) fn shape([a, b, c, d]: &[Vector3<f64>; 4]) -> ([Vector3<f64>; 3], f64) {
     let (e1, e2, e3) = (b - a, c - a, d - a);
@@ -87,15 +94,14 @@ impl Domains for Tetrahedra {
         let [a, b, c, d] = self.nodes[domain].map(|node| &positions[node as usize]);
         let [g1, g2, g3] = &self.gradients[domain];
         let (e1, e2, e3) = (b - a, c - a, d - a);
-        let column = |k: usize| e1 * g1[k] + e2 * g2[k] + e3 * g3[k];
-        Matrix3::from_columns(&[column(0), column(1), column(2)])
+        Matrix3::from_fn(|i, k| e1[i] * g1[k] + e2[i] * g2[k] + e3[i] * g3[k])
     }
 
     #[inline]
     fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>) {
         let [a, b, c, d] = self.nodes[domain];
         let scaled = stress * -self.volumes[domain];
-        let [f1, f2, f3] = self.gradients[domain].map(|g| scaled * g);
+        let [f1, f2, f3] = self.gradients[domain].map(|g| product(&scaled, &g));
         forces.add(a, -(f1 + f2 + f3));
         forces.add(b, f1);
         forces.add(c, f2);

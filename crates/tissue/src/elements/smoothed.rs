@@ -6,7 +6,7 @@
 //! keeps nearly incompressible tissue from locking. Domains are made of the elements that are given: those of one region, so
 //! nothing is smoothed across a layer.
 
-use super::domains::{Domains, shape};
+use super::domains::{Domains, product, shape};
 use crate::elements::NodeWindow;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
@@ -121,7 +121,7 @@ impl Domains for SmoothingDomains {
         let scaled = stress * -self.volumes[domain];
         let mut sum = Vector3::zeros();
         for (node, b) in nodes.iter().zip(gradients).skip(1) {
-            let force = scaled * b;
+            let force = product(&scaled, b);
             sum += force;
             forces.add(*node, force);
         }

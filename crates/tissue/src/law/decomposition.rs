@@ -157,10 +157,17 @@ pub fn rotation_of(f: &Matrix3<f64>) -> Matrix3<f64> {
 /// ∂(det F)/∂F and det F.
 #[inline]
 pub fn cofactor(f: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
-    let [a, b, c] = [0, 1, 2].map(|k| Vector3::new(f[(0, k)], f[(1, k)], f[(2, k)]));
-    let bc = b.cross(&c);
-    let cofactor = Matrix3::from_columns(&[bc, c.cross(&a), a.cross(&b)]);
-    (cofactor, a.dot(&bc))
+    let [a, b, c] = [0, 1, 2].map(|k| [f[(0, k)], f[(1, k)], f[(2, k)]]);
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    };
+    let bc = cross(b, c);
+    let cofactor = Matrix3::from([bc, cross(c, a), cross(a, b)]);
+    (cofactor, a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2])
 }
 
 /// Eigenvalues, in no order, and eigenvectors (columns of a proper rotation) of a symmetric matrix, by cyclic Jacobi rotations.

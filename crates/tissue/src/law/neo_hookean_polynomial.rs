@@ -12,7 +12,8 @@ use nalgebra::Matrix3;
 /// μ/2 tr FᵀF + (λ+μ)/2 (J − 1 − μ/(λ+μ))² up to a constant.
 ///
 /// # Limitations
-/// Collapse to a point costs finite energy and is an unstable equilibrium: F = 0 has no stress.
+/// Collapse costs finite energy, and F = 0 is an equilibrium that attracts: a domain that is pressed into a point stays there
+/// (Smith, de Goes, Kim 2018, section 3.3; the stable law has a logarithm against it).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NeoHookeanPolynomial;
 

@@ -1,0 +1,377 @@
+//! The runs of a group: the exact solution on the mesh, then every planned run, each within its budget.
+//!
+//! The measures of the chart take the place of the scene's expectations, so that the scene's own features are used. CPU time
+//! is taken around the steps alone, from the first to the last; the samples between them belong to it, they cost less than a
+//! step.
+
+use crate::plan::{Group, PlannedRun, PlannedStep, RunKey, group_overrides, run_overrides};
+use crate::row::{GroupResult, Measured, Row, Status};
+use microsim_scene::{End, Executor, Runner, Scene, SceneSpec};
+use microsim_settings::{self as settings, Chart, ChartScene, ExactKind};
+use microsim_tissue::stability;
+
+/// Runs shorter than this are repeated, and the fastest counts [s].
+const SHORT: f64 = 0.05;
+/// How often a short run is made.
+const REPETITIONS: usize = 3;
+/// An exact solution may take this many times the budget of a run.
+const EXACT_BUDGET: f64 = 20.0;
+/// Name of the probe for the energy of a body; no name in a file is like it.
+const ENERGY_PROBE: &str = "the energy of body";
+
+/// A scene with its settings, overrides applied.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// What the file says.
+    pub settings: settings::Scene,
+    /// What the scene is made of.
+    pub spec: SceneSpec,
+}
+
+/// Loads a scene: its file from the folder of the plan, and overrides `KEY=VALUE`. The error is a sentence.
+pub type LoadScene<'a> = dyn Fn(&str, &[String]) -> Result<LoadedScene, String> + 'a;
+
+/// All that runs need.
+pub struct Context<'a> {
+    /// The plan.
+    pub chart: &'a Chart,
+    /// Loads scenes.
+    pub load: &'a LoadScene<'a>,
+    /// CPU time of this thread [s].
+    pub clock: &'a dyn Fn() -> f64,
+    /// CPU time allowed for a run [s].
+    pub budget: f64,
+    /// Whether there is time for another run.
+    pub go_on: &'a dyn Fn() -> bool,
+    /// Runs parallel loops.
+    pub exec: &'a dyn Executor,
+}
+
+/// A step of a group that is done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step<'a> {
+    /// The exact solution.
+    Exact,
+    /// A run.
+    Run(&'a Row),
+    /// A run for which there was no time.
+    LeftOut(&'a PlannedRun),
+}
+
+/// Makes the runs of a group; `after` is called after each step, for progress.
+pub fn run_group(
+    context: &Context<'_>,
+    group: &Group,
+    after: &mut dyn FnMut(Step<'_>),
+) -> GroupResult {
+    let mut result = GroupResult {
+        key: group.key,
+        elements: 0,
+        exact: Vec::new(),
+        exact_failure: None,
+        rows: Vec::new(),
+    };
+    let scene = &context.chart.scene[group.key.scene];
+    let variant = &scene.variant[group.key.variant];
+    if (context.go_on)() {
+        match exact(context, group) {
+            Ok((elements, values)) => {
+                result.elements = elements;
+                result.exact = values
+                    .iter()
+                    .enumerate()
+                    .map(|(k, value)| Measured {
+                        value: *value,
+                        reference: variant.reference.get(k).copied(),
+                        exact: *value,
+                    })
+                    .collect();
+            }
+            Err(failure) => result.exact_failure = Some(failure),
+        }
+        after(Step::Exact);
+    }
+    let exact: Vec<Option<f64>> = result.exact.iter().map(|m| m.value).collect();
+    for planned in &group.runs {
+        if !(context.go_on)() {
+            after(Step::LeftOut(planned));
+            continue;
+        }
+        let row = run(context, group, planned, &exact);
+        result.elements = result.elements.max(row.elements);
+        after(Step::Run(&row));
+        result.rows.push(row);
+    }
+    result
+}
+
+/// The exact solution on the mesh of a group: number of elements and a value per measure.
+fn exact(context: &Context<'_>, group: &Group) -> Result<(usize, Vec<Option<f64>>), String> {
+    let scene = &context.chart.scene[group.key.scene];
+    let mut overrides = group_overrides(context.chart, &group.key);
+    let (set, step) = match scene.exact {
+        ExactKind::Rest => (&context.chart.exact.rest, None),
+        ExactKind::Motion => {
+            let share = PlannedStep::Share(context.chart.exact.share);
+            (&context.chart.exact.motion, Some(share))
+        }
+    };
+    overrides.extend_from_slice(set);
+    let prepared = prepare(context, scene, &overrides, step)?;
+    let elements = prepared.elements;
+    let outcome = advance(context, prepared, EXACT_BUDGET * context.budget);
+    match outcome.status {
+        Status::Ok => Ok((elements, outcome.values)),
+        status => Err(format!("{}, the exact solution on the mesh", reason(&status))),
+    }
+}
+
+/// What a status says.
+fn reason(status: &Status) -> String {
+    match status {
+        Status::Ok => "ok".into(),
+        Status::Diverged { reason, .. } | Status::NotApplicable { reason } => reason.clone(),
+        Status::OverBudget { time } => format!("cut off at {time} s"),
+    }
+}
+
+/// One planned run; `exact` are the values of the exact solution, if there is one.
+fn run(
+    context: &Context<'_>,
+    group: &Group,
+    planned: &PlannedRun,
+    exact: &[Option<f64>],
+) -> Row {
+    let scene = &context.chart.scene[group.key.scene];
+    let variant = &scene.variant[group.key.variant];
+    let mut row = Row {
+        key: RunKey {
+            group: group.key,
+            method: planned.method,
+        },
+        step: f64::NAN,
+        iteration_limit: planned.iterations,
+        elements: 0,
+        status: Status::Ok,
+        measures: Vec::new(),
+        energy_drift: None,
+        simulated: 0.0,
+        cpu: 0.0,
+        iterations: None,
+    };
+    let overrides = run_overrides(context.chart, &group.key, planned);
+    let measured = |values: &[Option<f64>]| {
+        (0..scene.measure.len()).map(|k| Measured {
+            value: values.get(k).copied().flatten(),
+            reference: variant.reference.get(k).copied(),
+            exact: exact.get(k).copied().flatten(),
+        })
+    };
+    match prepare(context, scene, &overrides, Some(planned.step)) {
+        Err(reason) => {
+            row.measures = measured(&[]).collect();
+            row.status = Status::NotApplicable { reason };
+        }
+        Ok(prepared) => {
+            row.step = prepared.runner.step();
+            row.elements = prepared.elements;
+            let outcome = advance(context, prepared, context.budget);
+            row.measures = measured(&outcome.values).collect();
+            row.status = outcome.status;
+            row.energy_drift = outcome.energy_drift;
+            row.simulated = outcome.simulated;
+            row.cpu = outcome.cpu;
+            row.iterations = outcome.iterations;
+        }
+    }
+    row
+}
+
+/// A scene that is ready to run.
+pub(crate) struct Prepared {
+    pub runner: Runner,
+    pub elements: usize,
+    /// Whether its energy should stay.
+    conserves: bool,
+}
+
+fn prepare(
+    context: &Context<'_>,
+    scene: &ChartScene,
+    overrides: &[String],
+    step: Option<PlannedStep>,
+) -> Result<Prepared, String> {
+    let mut loaded = (context.load)(&scene.file, overrides)?;
+    loaded.settings.expect = scene
+        .measure
+        .iter()
+        .map(|measure| settings::Expect {
+            probe: measure.probe.clone(),
+            what: measure.what,
+            // Only what is found is used.
+            value: 1.0,
+            tolerance: 1.0,
+            scale: None,
+            settle: measure.settle,
+            source: String::new(),
+        })
+        .collect();
+    ready(loaded, step)
+}
+
+/// Builds a scene with a step.
+pub(crate) fn ready(
+    mut loaded: LoadedScene,
+    step: Option<PlannedStep>,
+) -> Result<Prepared, String> {
+    let conserves = conserves(&loaded.settings);
+    if conserves {
+        add_energy_probes(&mut loaded.settings);
+    }
+    loaded.spec.containment = false;
+    let scene = Scene::new(&loaded.spec).map_err(|e| e.to_string())?;
+    let elements = (0..scene.body_count()).map(|b| scene.element_count(b)).sum();
+    let run = &mut loaded.settings.run;
+    match step {
+        None => {}
+        Some(PlannedStep::Seconds(step)) => run.step = step,
+        Some(PlannedStep::Share(share)) => {
+            let limit = stability_limit(&scene);
+            if !limit.is_finite() {
+                return Err("no step is planned for a method without a stability limit".into());
+            }
+            run.step = share * limit;
+        }
+    }
+    // A step that is longer than a sample makes the samples longer.
+    run.sample = run.sample.max(run.step);
+    if run.step > run.duration {
+        return Err("the step is longer than the scene".into());
+    }
+    let runner = Runner::new(&loaded.settings, scene).map_err(|e| e.to_string())?;
+    Ok(Prepared {
+        runner,
+        elements,
+        conserves,
+    })
+}
+
+/// The estimated stability limit of a scene [s], without a safety factor; infinite for a method without one.
+pub(crate) fn stability_limit(scene: &Scene) -> f64 {
+    let steps = (0..scene.body_count()).map(|body| scene.stable_step(body));
+    steps.fold(f64::INFINITY, f64::min) / stability::SAFETY
+}
+
+/// Whether nothing brings or takes energy: no drag, no viscosity, no flow, nothing that moves or presses.
+fn conserves(scene: &settings::Scene) -> bool {
+    scene.run.end == settings::End::Time
+        && scene.body.iter().all(|body| {
+            let still = |clamp: &settings::Clamp| clamp.motion.is_empty() && clamp.release.is_none();
+            let lossless = |material: &settings::Material| {
+                material.viscosity.unwrap_or(0.0) == 0.0
+                    && material.relaxation_time.unwrap_or(0.0) == 0.0
+                    && material.plasticity.is_none()
+            };
+            body.drag == 0.0
+                && body.load.is_empty()
+                && body.clamp.iter().all(still)
+                && body.material.iter().all(lossless)
+        })
+}
+
+fn add_energy_probes(scene: &mut settings::Scene) {
+    for body in &scene.body {
+        scene.probe.push(settings::Probe {
+            name: ENERGY_PROBE.into(),
+            body: body.name.clone(),
+            nodes: settings::Nodes::default(),
+            quantity: settings::Quantity::Energy,
+            direction: None,
+            point: None,
+            axis: None,
+        });
+    }
+}
+
+/// What came out of a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Outcome {
+    pub status: Status,
+    /// One per expectation.
+    pub values: Vec<Option<f64>>,
+    pub energy_drift: Option<f64>,
+    pub simulated: f64,
+    pub cpu: f64,
+    pub iterations: Option<f64>,
+}
+
+/// Runs to the end or to the end of the budget [s].
+pub(crate) fn advance(context: &Context<'_>, prepared: Prepared, budget: f64) -> Outcome {
+    let mut best: Option<Outcome> = None;
+    for _ in 0..REPETITIONS {
+        let outcome = advance_once(context, &prepared, budget);
+        let repeat = outcome.cpu < SHORT && outcome.status == Status::Ok;
+        if best.as_ref().is_none_or(|best| outcome.cpu < best.cpu) {
+            best = Some(outcome);
+        }
+        if !repeat {
+            break;
+        }
+    }
+    best.unwrap_or_else(|| unreachable!("there is at least one repetition"))
+}
+
+fn advance_once(context: &Context<'_>, prepared: &Prepared, budget: f64) -> Outcome {
+    let mut runner = prepared.runner.clone();
+    let start = (context.clock)();
+    let mut cut = false;
+    while runner.advance(context.exec) {
+        if (context.clock)() - start > budget {
+            cut = true;
+            break;
+        }
+    }
+    let cpu = (context.clock)() - start;
+    let time = runner.scene().time();
+    let status = match runner.end() {
+        _ if cut => Status::OverBudget { time },
+        Some(End::Diverged(diverged)) => Status::Diverged {
+            time: diverged.time,
+            reason: diverged.what.to_string(),
+        },
+        _ => Status::Ok,
+    };
+    let values = match status {
+        Status::Ok => runner.verdicts().iter().map(|v| v.found).collect(),
+        _ => Vec::new(),
+    };
+    let energy_drift = (prepared.conserves && status == Status::Ok)
+        .then(|| energy_drift(&runner))
+        .flatten();
+    Outcome {
+        // What diverged in the first sample has no time behind it but cost what it cost.
+        simulated: match &status {
+            Status::Diverged { time, .. } => time.max(runner.step()),
+            _ => time,
+        },
+        iterations: None,
+        status,
+        values,
+        energy_drift,
+        cpu,
+    }
+}
+
+/// (mean total energy of the last fifth − that of the first fifth) / largest kinetic energy. Means, as the energy measured at
+/// half steps oscillates.
+fn energy_drift(runner: &Runner) -> Option<f64> {
+    let series = runner.series();
+    let bodies = runner.scene().body_count();
+    let probes = &series.probes[series.probes.len().checked_sub(bodies)?..];
+    let samples = series.time.len();
+    let fifth = samples / 5;
+    let total = |sample: usize| -> f64 { probes.iter().map(|probe| probe[sample]).sum() };
+    let mean = |from: usize| (from..from + fifth).map(total).sum::<f64>() / fifth as f64;
+    let largest = series.kinetic.iter().copied().fold(0.0, f64::max);
+    (fifth > 0 && largest > 0.0).then(|| (mean(samples - fifth) - mean(0)) / largest)
+}
