@@ -220,7 +220,7 @@ fn check_session(path: &Path) -> Result<(), String> {
 }
 
 /// The files of a folder with an extension, by name.
-fn files_in(folder: &Path, extension: &str) -> Vec<PathBuf> {
+pub fn files_in(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder)
         .into_iter()
         .flatten()

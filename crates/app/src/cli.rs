@@ -2,12 +2,13 @@
 
 use clap::{Args, Parser, Subcommand};
 use microsim_host::assemble::Input;
+use microsim_settings::Override;
 use std::path::PathBuf;
 
 /// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
 ///
 /// Exit status: 0 done (a failed level is a result, not an error), 1 the verdict that was asked for is negative
-/// (`replay --verify`, `check`, `run --require-pass`), 2 could not run.
+/// (`replay --verify`, `check`, `simulate` that diverged, `run --require-pass`), 2 could not run.
 #[derive(Debug, Parser)]
 #[command(name = "microsim", version, arg_required_else_help = true)]
 pub struct Cli {
@@ -34,13 +35,17 @@ pub enum Command {
     List(ListArgs),
     /// Run a level of a module; writes session and report
     Run(RunArgs),
+    /// Run a scene of config/scenes: physics alone, with what was expected and what came out
+    Simulate(SimulateArgs),
+    /// Compare methods, elements and meshes on the scenes of config/chart.toml: error against CPU time, as CSV, SVG and HTML
+    Chart(ChartArgs),
     /// Recompute a recorded session, compare it, draw pictures of it
     Replay(ReplayArgs),
     /// Show the result of a recorded session, as text, JSON, CSV or an HTML page
     Report(ReportArgs),
     /// Show which messages flow: the kinds and who speaks and hears them, or all messages of a session
     Bus(BusArgs),
-    /// Validate config, modules, levels, scripts and recordings without running them
+    /// Validate config, scenes, meshes, modules, levels, scripts and recordings without running them
     Check(CheckArgs),
     /// Print the JSON Schema of a kind of file, for editors
     Schema(SchemaArgs),
@@ -114,6 +119,54 @@ pub struct RunArgs {
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  microsim simulate cantilever
+  microsim simulate cantilever --set body.0.cells=[15,3,3] --set body.0.material.0.poisson_ratio=0.45
+  microsim simulate my/scene.toml --set method.name=implicit-euler --set run.step=5ms --json result.json --vtu frames")]
+pub struct SimulateArgs {
+    /// Scene: a file, or the name of one in config/scenes
+    #[arg(value_parser = utf8_path)]
+    pub scene: PathBuf,
+    /// Use another value for a key of the scene: a path of keys and indices, and TOML or a text
+    #[arg(long, value_name = "KEY=VALUE", value_parser = parse_override)]
+    pub set: Vec<Override>,
+    /// Threads for parallel work; the result does not depend on it
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub threads: u16,
+    /// Write one JSON document with everything to this file, or alone to standard output (-)
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = utf8_path)]
+    pub json: Option<PathBuf>,
+    /// Write the deformed meshes as a series for ParaView into this folder
+    #[arg(long, value_name = "DIR", value_parser = utf8_path)]
+    pub vtu: Option<PathBuf>,
+    /// Exit with status 1 unless all that was expected came out
+    #[arg(long)]
+    pub require: bool,
+    /// Run although the step is beyond what the bodies allow
+    #[arg(long)]
+    pub any_step: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ChartArgs {
+    /// Only the quick part of the plan, within its time
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder for chart.html, chart.csv and a drawing per scene
+    #[arg(long, value_name = "DIR", default_value = "chart", value_parser = utf8_path)]
+    pub out: PathBuf,
+    /// Only this scene of the plan; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub scene: Vec<String>,
+    /// Runs at a time; more than one makes all times longer
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    /// A date for the page; without one the same results give the same page
+    #[arg(long, value_name = "TEXT")]
+    pub date: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -213,6 +266,10 @@ fn parse_input(text: &str) -> Result<Input, String> {
 /// Paths go into sessions and reports as text.
 fn utf8_path(text: &str) -> Result<PathBuf, String> {
     Ok(text.into())
+}
+
+fn parse_override(text: &str) -> Result<Override, String> {
+    Override::parse(text)
 }
 
 fn parse_positive(text: &str, what: &str) -> Result<f64, String> {

@@ -5,6 +5,7 @@
 //! to standard error.
 
 mod bus;
+mod chart;
 mod check;
 mod cli;
 mod doctor;
@@ -13,8 +14,10 @@ mod output;
 mod replay;
 mod report;
 mod run;
+mod scene_file;
 mod schema;
 mod session_file;
+mod simulate;
 
 use clap::Parser;
 use cli::{Cli, Command};
@@ -40,6 +43,8 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::List(args) => list::list(&cli.place, args),
         Command::Run(args) => run::run(&cli.place, args),
+        Command::Simulate(args) => simulate::simulate(&cli.place, args),
+        Command::Chart(args) => chart::chart(&cli.place, args),
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(args),
         Command::Bus(args) => bus::bus(&cli.place, args),

@@ -30,7 +30,8 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
     Ok(Installation::open(&root, place.config.as_deref())?)
 }
 
-fn program_folder() -> Result<PathBuf, Problem> {
+/// The folder of this program.
+pub fn program_folder() -> Result<PathBuf, Problem> {
     let program = std::env::current_exe().map_err(|e| format!("where this program lies: {e}"))?;
     Ok(program.parent().map(Path::to_path_buf).unwrap_or_default())
 }

@@ -1,5 +1,6 @@
 //! Why a scene cannot be built or run.
 
+use microsim_tissue::elements::CoupleError;
 use microsim_tissue::{BuildError, MethodError};
 
 /// Why a scene cannot be built or run. Each text says which part is meant and what is expected.
@@ -18,6 +19,13 @@ pub enum SceneError {
         body: String,
         /// Why.
         source: BuildError,
+    },
+    /// Two regions of a body cannot be coupled.
+    Couple {
+        /// The body.
+        body: String,
+        /// Why.
+        source: CoupleError,
     },
     /// A selection of a body holds no node, or none of its surface.
     Empty {
@@ -95,6 +103,7 @@ impl std::fmt::Display for SceneError {
                 )
             }
             Self::Build { body, source } => write!(f, "body '{body}': {source}"),
+            Self::Couple { body, source } => write!(f, "coupling in body '{body}': {source}"),
             Self::Empty { body, what, index } => write!(
                 f,
                 "{what} {index} of body '{body}' holds nothing of it (places are in the body's frame, min must not exceed max)"

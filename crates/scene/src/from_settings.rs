@@ -41,7 +41,7 @@ pub fn scene_spec(
         tools: Vec::new(),
         contact_pairs: Vec::new(),
         gravity: scene.run.gravity,
-        method: method::method(&scene.method)?,
+        method: method::method(&scene.method),
         containment: scene.run.containment,
     };
     Ok(Described { spec, notes })
@@ -83,7 +83,7 @@ pub fn level_spec(
         tools,
         contact_pairs: pairs.map(|c| (c.tool.clone(), c.body.clone())).collect(),
         gravity: level.physics.gravity,
-        method: method::method(level.method)?,
+        method: method::method(level.method),
         containment: true,
     };
     Ok(Described { spec, notes })

@@ -7,6 +7,7 @@ mod feature;
 mod probe;
 
 use crate::containment::Diverged;
+use crate::report::Recovery;
 use crate::scene::Scene;
 use microsim_settings as settings;
 use microsim_tissue::Executor;
@@ -71,6 +72,7 @@ pub struct Runner {
     probes: Vec<Probe>,
     expect: Vec<settings::Expect>,
     series: Series,
+    recoveries: Vec<(f64, Recovery)>,
     end: Option<End>,
 }
 
@@ -96,6 +98,7 @@ impl Runner {
                 probes: vec![Vec::new(); settings.probe.len()],
                 ..Series::default()
             },
+            recoveries: Vec::new(),
             end: None,
             scene,
         };
@@ -138,6 +141,11 @@ impl Runner {
         &self.series
     }
 
+    /// The samples that were computed again because a body diverged, with the time at their end [s].
+    pub fn recoveries(&self) -> &[(f64, Recovery)] {
+        &self.recoveries
+    }
+
     /// Why the run has ended; `None` while it goes on.
     pub fn end(&self) -> Option<&End> {
         self.end.as_ref()
@@ -153,9 +161,16 @@ impl Runner {
             Some(_) => self.positions().map(<[_]>::to_vec).collect(),
             None => Vec::new(),
         };
-        if let Err(diverged) = self.scene.tick(&[], self.sample, self.steps, exec) {
-            self.end = Some(End::Diverged(diverged));
-            return false;
+        match self.scene.tick(&[], self.sample, self.steps, exec) {
+            Ok(report) => {
+                let time = self.scene.time();
+                let recoveries = report.recoveries.into_iter();
+                self.recoveries.extend(recoveries.map(|r| (time, r)));
+            }
+            Err(diverged) => {
+                self.end = Some(End::Diverged(diverged));
+                return false;
+            }
         }
         self.taken += 1;
         self.take_sample();

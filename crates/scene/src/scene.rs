@@ -7,11 +7,13 @@ use crate::spec::{BodySpec, SceneSpec, Selection};
 use crate::tool::Tool;
 use microsim_contact::ContactMemory;
 use microsim_mesh::{Surface, TetMesh};
+use microsim_tissue::elements::{CouplingConstants, couple};
 use microsim_tissue::{
-    Energies, Forces, Method, Serial, Solver, SolverVerlet, State, TissueModel, build_model,
+    Elements, Energies, Forces, Method, Serial, Solver, SolverVerlet, State, TissueModel, build_model,
     stability,
 };
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// A body: constant parts and working memory.
 #[derive(Clone, Debug)]
@@ -415,11 +417,20 @@ fn energy_scale(model: &TissueModel) -> f64 {
 }
 
 /// The couplings of a body as sets of elements.
-fn couplings(
-    spec: &BodySpec,
-) -> Result<Vec<std::sync::Arc<dyn microsim_tissue::Elements>>, SceneError> {
-    let _ = spec;
-    Ok(Vec::new())
+fn couplings(spec: &BodySpec) -> Result<Vec<Arc<dyn Elements>>, SceneError> {
+    let sets = spec.couplings.iter().map(|coupling| {
+        let constants = CouplingConstants {
+            stiffness_per_area: coupling.stiffness,
+            break_distance: coupling.break_distance,
+        };
+        let set = couple(&spec.mesh, coupling.from, coupling.to, &constants);
+        let set = set.map_err(|source| SceneError::Couple {
+            body: spec.name.clone(),
+            source,
+        })?;
+        Ok(Arc::new(set) as Arc<dyn Elements>)
+    });
+    sets.collect()
 }
 
 fn check_names<'a>(

@@ -42,10 +42,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
                 Material {
                     density: 1060.0,
                     relaxation_time: 0.0,
-                    behaviour: Behaviour::Springs(SpringConstants {
-                        stretch_modulus: 25e3,
-                        volume_modulus: 5e4,
-                    }),
+                    behaviour: Behaviour::Springs(SpringConstants::scaled(25e3, 5e4)),
                 },
             )],
             drag: 100.0,

@@ -256,7 +256,9 @@ pub struct Material {
     pub form: Option<SpringForm>,
     /// Stiffness of springs against a change of length \[Pa\], form `scaled`.
     pub stretch_modulus: Option<f64>,
-    /// Stiffness of springs against a change of volume \[Pa\], form `scaled`.
+    /// Stiffness of triangles against a change of area \[Pa\], form `scaled`.
+    pub area_modulus: Option<f64>,
+    /// Stiffness of tetrahedra against a change of volume \[Pa\], form `scaled`.
     pub volume_modulus: Option<f64>,
     /// Constant of each edge, forms `plain` \[N/m\] and `normalised` \[J\].
     pub length_stiffness: Option<f64>,
@@ -264,6 +266,12 @@ pub struct Material {
     pub area_stiffness: Option<f64>,
     /// Constant of each tetrahedron, forms `plain` \[N/m⁵\] and `normalised` \[J\].
     pub volume_stiffness: Option<f64>,
+    /// Damping of each edge, forms `plain` \[N s/m\] and `normalised` \[J s\].
+    pub length_damping: Option<f64>,
+    /// Damping of each triangle, forms `plain` \[N s/m³\] and `normalised` \[J s\].
+    pub area_damping: Option<f64>,
+    /// Damping of each tetrahedron, forms `plain` \[N s/m⁵\] and `normalised` \[J s\].
+    pub volume_damping: Option<f64>,
     /// Plastic flow of springs.
     pub plasticity: Option<Plasticity>,
 }

@@ -64,14 +64,18 @@ const LAW: [Rule; 3] = [
 ];
 
 /// Keys of the forms of springs; a continuum counts as a form here.
-const FORM: [Rule; 7] = [
+const FORM: [Rule; 11] = [
     needed("youngs_modulus", &["fitted", "continuum"]),
     needed("poisson_ratio", &["fitted", "continuum"]),
     needed("stretch_modulus", &["scaled"]),
+    allowed("area_modulus", &["scaled"]),
     allowed("volume_modulus", &["scaled"]),
     needed("length_stiffness", &["plain", "normalised"]),
     allowed("area_stiffness", &["plain", "normalised"]),
     allowed("volume_stiffness", &["plain", "normalised"]),
+    allowed("length_damping", &["plain", "normalised"]),
+    allowed("area_damping", &["plain", "normalised"]),
+    allowed("volume_damping", &["plain", "normalised"]),
 ];
 
 /// Complains about all that is wrong in the bodies of a file.
@@ -186,13 +190,21 @@ fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
     };
     apply(reading, key, &FORM, form, &whose);
 
-    let units = match form {
-        "plain" => [Unit::LengthStiffness, Unit::AreaStiffness, Unit::VolumeStiffness],
-        _ => [Unit::Energy; 3],
-    };
-    let names = ["length_stiffness", "area_stiffness", "volume_stiffness"];
-    for (name, unit) in names.into_iter().zip(units) {
+    for (name, plain, normalised) in [
+        ("length_stiffness", Unit::LengthStiffness, Unit::Energy),
+        ("area_stiffness", Unit::AreaStiffness, Unit::Energy),
+        ("volume_stiffness", Unit::VolumeStiffness, Unit::Energy),
+        ("length_damping", Unit::LengthDamping, Unit::Action),
+        ("area_damping", Unit::AreaDamping, Unit::Action),
+        ("volume_damping", Unit::VolumeDamping, Unit::Action),
+    ] {
+        let unit = if form == "plain" { plain } else { normalised };
         reading.refine(&key.key(name), &Kind::quantity(unit, 0.0, f64::INFINITY));
+    }
+    let poisson = material["poisson_ratio"].as_f64();
+    if form == "fitted" && poisson.is_some_and(|poisson| poisson < 0.0) {
+        let found = "a negative Poisson's ratio of fitted springs";
+        reading.complain(&key.key("poisson_ratio"), found, "0 or more; below 0.25 they keep 0.25");
     }
 
     let viscosity = key.key("viscosity");

@@ -303,8 +303,11 @@ fn material_keys() -> Vec<Key> {
     let modulus = |name, min, doc| {
         Key::optional(name, Kind::quantity(Unit::Pressure, min, 1e12), doc)
     };
-    let stiffness = |name, doc: &str, unit: &str| {
-        let kind = Kind::Dependent(format!("a stiffness in {unit} (`plain`) or J (`normalised`)"));
+    let constant = |name, doc: &str, [plain, normalised]: [Unit; 2]| {
+        let (plain, normalised) = (plain.symbol(), normalised.symbol());
+        let kind = Kind::Dependent(format!(
+            "a constant in {plain} (`plain`) or {normalised} (`normalised`)"
+        ));
         Key::optional(name, kind, doc)
     };
     let share = |max| Kind::quantity(Unit::Ratio, 0.0, max);
@@ -381,20 +384,48 @@ fn material_keys() -> Vec<Key> {
         ),
         modulus(
             "stretch_modulus",
-            1.0,
+            0.0,
             "Of `scaled` springs, against a change of length.",
+        ),
+        modulus(
+            "area_modulus",
+            0.0,
+            "Of `scaled` springs, against a change of area.",
         ),
         modulus(
             "volume_modulus",
             0.0,
             "Of `scaled` springs, against a change of volume.",
         ),
-        stiffness("length_stiffness", "Of `plain` or `normalised` springs: each edge.", "N/m"),
-        stiffness("area_stiffness", "Of `plain` or `normalised` springs: each triangle.", "N/m^3"),
-        stiffness(
+        constant(
+            "length_stiffness",
+            "Of `plain` or `normalised` springs: stiffness of each edge.",
+            [Unit::LengthStiffness, Unit::Energy],
+        ),
+        constant(
+            "area_stiffness",
+            "Of `plain` or `normalised` springs: stiffness of each triangle.",
+            [Unit::AreaStiffness, Unit::Energy],
+        ),
+        constant(
             "volume_stiffness",
-            "Of `plain` or `normalised` springs: each tetrahedron.",
-            "N/m^5",
+            "Of `plain` or `normalised` springs: stiffness of each tetrahedron.",
+            [Unit::VolumeStiffness, Unit::Energy],
+        ),
+        constant(
+            "length_damping",
+            "Of `plain` or `normalised` springs: damping of each edge.",
+            [Unit::LengthDamping, Unit::Action],
+        ),
+        constant(
+            "area_damping",
+            "Of `plain` or `normalised` springs: damping of each triangle.",
+            [Unit::AreaDamping, Unit::Action],
+        ),
+        constant(
+            "volume_damping",
+            "Of `plain` or `normalised` springs: damping of each tetrahedron.",
+            [Unit::VolumeDamping, Unit::Action],
         ),
         Key::optional(
             "plasticity",

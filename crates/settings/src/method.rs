@@ -13,10 +13,14 @@ use serde::Deserialize;
 pub struct Method {
     /// Which.
     pub name: MethodName,
-    /// Largest number of iterations in a step.
+    /// Largest number of iterations in a step, or in a sub-step.
     pub iterations: Option<u32>,
     /// Share of the forces at which an iteration ends.
     pub tolerance: Option<f64>,
+    /// Whether a step that ends above the tolerance fails.
+    pub must_converge: Option<bool>,
+    /// Sub-steps in a step.
+    pub substeps: Option<u32>,
 }
 
 /// A method.
@@ -33,17 +37,48 @@ pub enum MethodName {
     VelocityVerlet,
     /// Velocity Verlet with stored values of the step before.
     VelocityVerletLagged,
+    /// Backward Euler.
+    ImplicitEuler,
+    /// Implicit midpoint.
+    ImplicitMidpoint,
+    /// L-stable Runge–Kutta method of two implicit stages.
+    Sdirk2,
+    /// Static equilibrium at the end of each step.
+    QuasiStatic,
+    /// Position-based dynamics with compliance.
+    Xpbd,
 }
 
 impl MethodName {
     /// As files write them.
-    pub const NAMES: [&str; 5] = [
+    pub const NAMES: [&str; 10] = [
         "stoermer-verlet",
         "explicit-euler",
         "symplectic-euler",
         "velocity-verlet",
         "velocity-verlet-lagged",
+        "implicit-euler",
+        "implicit-midpoint",
+        "sdirk2",
+        "quasi-static",
+        "xpbd",
     ];
+
+    /// As files write it.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The parameters that it has.
+    fn parameters(name: &str) -> &'static [&'static str] {
+        match name {
+            "implicit-euler" | "implicit-midpoint" | "sdirk2" | "quasi-static" => {
+                &["iterations", "tolerance", "must_converge"]
+            }
+            "xpbd" => &["iterations", "substeps"],
+            _ => &[],
+        }
+    }
 }
 
 /// What is stated of the result.
@@ -88,16 +123,23 @@ pub(crate) fn method_keys() -> Vec<Key> {
         ),
         Key::optional(
             "iterations",
-            Kind::Integer {
-                min: 1,
-                max: 100_000,
-            },
-            "Largest number of iterations in a step, for methods that iterate.",
+            Kind::Integer { min: 1, max: 10_000 },
+            "Of implicit methods: largest number in a step. Of xpbd: number in a sub-step. The method's own if left out.",
         ),
         Key::optional(
             "tolerance",
             Kind::quantity(Unit::Ratio, 1e-15, 1.0),
-            "Share of the forces at which an iteration ends, for methods that iterate.",
+            "Of implicit methods: share of the forces at which an iteration ends. The method's own if left out.",
+        ),
+        Key::optional(
+            "must_converge",
+            Kind::Bool,
+            "Of implicit methods: whether a step that ends above the tolerance fails; it does if left out.",
+        ),
+        Key::optional(
+            "substeps",
+            Kind::Integer { min: 1, max: 10_000 },
+            "Of xpbd: sub-steps in a step; 10 if left out.",
         ),
     ]
 }
@@ -162,10 +204,8 @@ pub(crate) fn check_method(reading: &mut Reading, key: &KeyPath) {
         .and_then(|name| name.as_str())
         .map(str::to_owned);
     let Some(name) = name else { return };
-    let own: &[&str] = match name.as_str() {
-        _ => &[],
-    };
-    for parameter in ["iterations", "tolerance"] {
+    let own = MethodName::parameters(&name);
+    for parameter in ["iterations", "tolerance", "must_converge", "substeps"] {
         let key = key.key(parameter);
         if reading.is_written(&key) && !own.contains(&parameter) {
             let expected = format!("no `{parameter}`, which {name} does not have");

@@ -114,13 +114,15 @@ pub enum Quantity {
     Torque,
     /// Relative change of the body's volume.
     Volume,
+    /// Smallest volume of an element, as a share of that at rest; negative for an inverted one.
+    SmallestVolume,
     /// Kinetic, elastic and potential energy of the body, the last one 0 at rest.
     Energy,
 }
 
 impl Quantity {
     /// As files write them.
-    pub const NAMES: [&str; 8] = [
+    pub const NAMES: [&str; 9] = [
         "displacement",
         "centre",
         "radius",
@@ -128,6 +130,7 @@ impl Quantity {
         "force",
         "torque",
         "volume",
+        "smallest-volume",
         "energy",
     ];
 
@@ -137,7 +140,7 @@ impl Quantity {
             Self::Displacement | Self::Centre | Self::Radius | Self::Distance => Unit::Length,
             Self::Force => Unit::Force,
             Self::Torque => Unit::Torque,
-            Self::Volume => Unit::Ratio,
+            Self::Volume | Self::SmallestVolume => Unit::Ratio,
             Self::Energy => Unit::Energy,
         }
     }
@@ -191,6 +194,11 @@ impl Feature {
         "first-peak-time",
         "frequency",
     ];
+
+    /// As files write it.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
 
     /// Unit of its values for a probe of this quantity.
     pub fn unit(self, quantity: Quantity) -> Unit {

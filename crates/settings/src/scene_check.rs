@@ -77,7 +77,7 @@ fn check_probes(reading: &mut Reading) {
             }
         }
         let nodes = key.key("nodes");
-        if matches!(quantity.as_str(), "volume" | "energy") && reading.is_written(&nodes) {
+        if matches!(quantity.as_str(), "volume" | "smallest-volume" | "energy") && reading.is_written(&nodes) {
             let expected = format!("no `nodes`, as the {quantity} is that of the body");
             reading.complain(&nodes, "`nodes`", &expected);
         }

@@ -56,6 +56,14 @@ pub enum Unit {
     AreaStiffness,
     /// \[N/m⁵\], that of plain volume springs.
     VolumeStiffness,
+    /// \[N s/m\], force per speed of a length.
+    LengthDamping,
+    /// \[N s/m³\], that of plain area springs.
+    AreaDamping,
+    /// \[N s/m⁵\], that of plain volume springs.
+    VolumeDamping,
+    /// \[J s\], damping of normalised springs.
+    Action,
 }
 
 /// Why a text is no quantity of the wanted unit.
@@ -130,7 +138,7 @@ use Scale::{Degree, Ten, Times};
 
 impl Unit {
     /// Every dimension.
-    pub const ALL: [Unit; 22] = [
+    pub const ALL: [Unit; 26] = [
         Unit::Ratio,
         Unit::Count,
         Unit::Length,
@@ -153,6 +161,10 @@ impl Unit {
         Unit::LengthStiffness,
         Unit::AreaStiffness,
         Unit::VolumeStiffness,
+        Unit::LengthDamping,
+        Unit::AreaDamping,
+        Unit::VolumeDamping,
+        Unit::Action,
     ];
 
     /// Symbols with their scale, the SI unit first, then from large to small.
@@ -207,6 +219,10 @@ impl Unit {
             Unit::LengthStiffness => &[("N/m", Ten(0)), ("kN/m", Ten(3))],
             Unit::AreaStiffness => &[("N/m^3", Ten(0)), ("N/mm^3", Ten(9))],
             Unit::VolumeStiffness => &[("N/m^5", Ten(0))],
+            Unit::LengthDamping => &[("N s/m", Ten(0)), ("mN s/m", Ten(-3))],
+            Unit::AreaDamping => &[("N s/m^3", Ten(0))],
+            Unit::VolumeDamping => &[("N s/m^5", Ten(0))],
+            Unit::Action => &[("J s", Ten(0)), ("nJ s", Ten(-9))],
         }
     }
 
@@ -253,6 +269,10 @@ impl Unit {
             Unit::LengthStiffness => "a stiffness per length",
             Unit::AreaStiffness => "a stiffness per area",
             Unit::VolumeStiffness => "a stiffness per volume",
+            Unit::LengthDamping => "a damping per length",
+            Unit::AreaDamping => "a damping per area",
+            Unit::VolumeDamping => "a damping per volume",
+            Unit::Action => "a damping of relative changes",
         }
     }
 

@@ -41,8 +41,8 @@ pub struct Context<'a> {
     pub clock: &'a dyn Fn() -> f64,
     /// CPU time allowed for a run [s].
     pub budget: f64,
-    /// Whether there is time for another run.
-    pub go_on: &'a dyn Fn() -> bool,
+    /// Time that is left for everything [s]; infinite without a limit.
+    pub remaining: &'a dyn Fn() -> f64,
     /// Runs parallel loops.
     pub exec: &'a dyn Executor,
 }
@@ -73,7 +73,7 @@ pub fn run_group(
     };
     let scene = &context.chart.scene[group.key.scene];
     let variant = &scene.variant[group.key.variant];
-    if (context.go_on)() {
+    if (context.remaining)() > 0.0 {
         match exact(context, group) {
             Ok((elements, values)) => {
                 result.elements = elements;
@@ -93,7 +93,7 @@ pub fn run_group(
     }
     let exact: Vec<Option<f64>> = result.exact.iter().map(|m| m.value).collect();
     for planned in &group.runs {
-        if !(context.go_on)() {
+        if (context.remaining)() <= 0.0 {
             after(Step::LeftOut(planned));
             continue;
         }
@@ -160,23 +160,24 @@ fn run(
         iterations: None,
     };
     let overrides = run_overrides(context.chart, &group.key, planned);
-    let measured = |values: &[Option<f64>]| {
-        (0..scene.measure.len()).map(|k| Measured {
+    let measured = |values: &[Option<f64>]| -> Vec<Measured> {
+        let one = |k: usize| Measured {
             value: values.get(k).copied().flatten(),
             reference: variant.reference.get(k).copied(),
             exact: exact.get(k).copied().flatten(),
-        })
+        };
+        (0..scene.measure.len()).map(one).collect()
     };
     match prepare(context, scene, &overrides, Some(planned.step)) {
         Err(reason) => {
-            row.measures = measured(&[]).collect();
+            row.measures = measured(&[]);
             row.status = Status::NotApplicable { reason };
         }
         Ok(prepared) => {
             row.step = prepared.runner.step();
             row.elements = prepared.elements;
             let outcome = advance(context, prepared, context.budget);
-            row.measures = measured(&outcome.values).collect();
+            row.measures = measured(&outcome.values);
             row.status = outcome.status;
             row.energy_drift = outcome.energy_drift;
             row.simulated = outcome.simulated;
@@ -307,6 +308,7 @@ pub(crate) struct Outcome {
 
 /// Runs to the end or to the end of the budget [s].
 pub(crate) fn advance(context: &Context<'_>, prepared: Prepared, budget: f64) -> Outcome {
+    let budget = budget.min((context.remaining)());
     let mut best: Option<Outcome> = None;
     for _ in 0..REPETITIONS {
         let outcome = advance_once(context, &prepared, budget);

@@ -13,6 +13,8 @@ mod page;
 mod plan;
 mod results;
 mod row;
+#[cfg(test)]
+mod testing;
 
 pub use execute::{Context, LoadScene, LoadedScene, Step, run_group};
 pub use front::{Point, cheapest, pareto_front};

@@ -169,3 +169,63 @@ pub fn run_overrides(chart: &Chart, key: &GroupKey, run: &PlannedRun) -> Vec<Str
     }
     set
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::chart;
+
+    #[test]
+    fn the_order_is_that_of_the_plan_and_nothing_is_run_twice() {
+        let chart = chart();
+        let all = groups(&chart, false, &[]);
+        let key = |g: &Group| (g.key.scene, g.key.variant, g.key.resolution, g.key.material);
+        let keys: Vec<_> = all.iter().map(key).collect();
+        // By hand: the quick sweep first, then what the second sweep adds; then the other scene.
+        let expected = [
+            (0, 0, 0, 0), (0, 1, 0, 0),
+            (0, 0, 0, 1), (0, 0, 1, 0), (0, 0, 1, 1), (0, 1, 0, 1), (0, 1, 1, 0), (0, 1, 1, 1),
+            (1, 0, 0, 0),
+        ];
+        assert_eq!(keys, expected);
+        let run = |method, step, iterations| PlannedRun { method, step, iterations };
+        let (seconds, share) = (PlannedStep::Seconds, PlannedStep::Share);
+        // The run of the quick sweep stays in front and is not made again.
+        let expected = [
+            run(1, seconds(0.01), Some(1)),
+            run(0, share(0.5), None),
+            run(0, share(1.5), None),
+            run(1, seconds(0.001), Some(1)),
+            run(1, seconds(0.001), Some(4)),
+            run(1, seconds(0.01), Some(4)),
+        ];
+        assert_eq!(all[0].runs, expected);
+    }
+
+    #[test]
+    fn the_quick_chart_and_named_scenes_are_parts_of_it() {
+        let chart = chart();
+        let quick = groups(&chart, true, &[]);
+        let count: Vec<_> = quick.iter().map(|g| (g.key.scene, g.runs.len())).collect();
+        assert_eq!(count, [(0, 1), (0, 1), (1, 2)]);
+        let named = groups(&chart, false, &["swing".into()]);
+        assert!(named.iter().all(|g| g.key.scene == 1) && !named.is_empty());
+    }
+
+    #[test]
+    fn a_variant_changes_what_a_material_sets() {
+        let chart = chart();
+        let key = GroupKey { scene: 0, variant: 1, resolution: 1, material: 1 };
+        let run = groups(&chart, false, &[])[0].runs[0];
+        assert_eq!(
+            run_overrides(&chart, &key, &run),
+            [
+                "body.0.cells=[8,2,2]",
+                "body.0.material.0.discretisation=patches",
+                "body.0.material.0.poisson_ratio=0.49",
+                "method.name=implicit-euler",
+                "method.iterations=1",
+            ]
+        );
+    }
+}

@@ -338,3 +338,73 @@ impl Panel<'_> {
         words
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::results;
+
+    /// Fields of a line of CSV as RFC 4180 has them.
+    fn fields(line: &str) -> Vec<String> {
+        let (mut fields, mut quoted) = (vec![String::new()], false);
+        let mut letters = line.chars().peekable();
+        while let Some(letter) = letters.next() {
+            let field = fields.last_mut().expect("there is a field");
+            match letter {
+                '"' if quoted && letters.peek() == Some(&'"') => {
+                    letters.next();
+                    field.push('"');
+                }
+                '"' => quoted = !quoted,
+                ',' if !quoted => fields.push(String::new()),
+                letter => field.push(letter),
+            }
+        }
+        assert!(!quoted, "{line}");
+        fields
+    }
+
+    #[test]
+    fn the_table_holds_every_run_with_all_its_figures() {
+        let results = results();
+        let csv = results.to_csv();
+        let lines: Vec<Vec<String>> = csv.lines().map(fields).collect();
+        let rows: usize = results.groups.iter().map(|g| g.rows.len()).sum();
+        assert_eq!(lines.len(), 1 + rows + results.groups.len(), "and one line per exact solution");
+        assert!(lines.iter().all(|line| line.len() == lines[0].len()));
+        let column = |name: &str| lines[0].iter().position(|f| f == name).expect(name);
+        let diverged: Vec<_> = lines.iter().filter(|l| l[column("status")] == "diverged").collect();
+        assert_eq!(diverged.len(), 9, "one of each group");
+        for line in diverged {
+            assert_eq!(line[column("reason")], "gains energy, \"much\"");
+            assert_eq!(line[column("status_time_s")], "0.02");
+            assert_eq!(line[column("error_reference")], "");
+            assert_ne!(line[column("cpu_s_per_simulated_s")], "");
+        }
+        let exact = lines.iter().find(|l| l[column("method")] == "exact").expect("one");
+        let error: f64 = exact[column("error_reference")].parse().expect("a number");
+        assert!((error - 0.01).abs() < 1e-12, "{error}");
+        assert_eq!(exact[column("reference_1")], "0.0345");
+    }
+
+    #[test]
+    fn the_cheapest_run_for_an_error_is_that_of_the_table() {
+        let results = results();
+        let panel = &results.panels()[0];
+        for (error, cost) in [(0.10, 0.125), (0.03, 0.5), (0.01, 1.0)] {
+            let row = panel.cheapest(Against::Reference, error).expect("a run");
+            assert_eq!(row.cost(), Some(cost), "for {error}");
+        }
+        assert_eq!(panel.cheapest(Against::Reference, 1e-4), None);
+        assert_eq!(results.panels()[2].cheapest(Against::Reference, 1.0), None);
+    }
+
+    #[test]
+    fn what_diverged_has_no_error_but_stays() {
+        let results = results();
+        let panel = &results.panels()[0];
+        let diverged = panel.rows.iter().filter(|r| r.status.name() == "diverged");
+        assert_eq!(diverged.clone().count(), 4);
+        assert!(diverged.into_iter().all(|r| r.error(Against::Reference).is_none() && r.cost().is_some()));
+    }
+}

@@ -25,10 +25,7 @@ fn main() {
     };
     let mesh = block.mesh().expect("a block with positive sizes");
     println!("behaviour                                   ns per tetrahedron, elastic and viscous");
-    let springs = Behaviour::Springs(SpringConstants {
-        stretch_modulus: 1e5,
-        volume_modulus: 1e5,
-    });
+    let springs = Behaviour::Springs(SpringConstants::scaled(1e5, 1e5));
     print_row("springs and volumes", &mesh, springs, repetitions);
     for law in LawName::ALL {
         for discretisation in Discretisation::ALL {

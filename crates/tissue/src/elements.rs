@@ -18,6 +18,7 @@ pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Smoothed};
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
 pub use domains::{Domains, Tetrahedra};
+pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;
 pub use smoothed::SmoothingDomains;
 

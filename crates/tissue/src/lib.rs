@@ -11,6 +11,7 @@ pub mod elements;
 mod executor;
 mod flow;
 mod forces;
+pub mod homogenise;
 pub mod law;
 mod material;
 mod method;
@@ -32,8 +33,8 @@ pub use executor::{Executor, Serial};
 pub use flow::flow;
 pub use forces::Forces;
 pub use material::{
-    Behaviour, BuildError, ContinuumConstants, Discretisation, Material, MaterialError,
-    SpringConstants, build_model,
+    Behaviour, BuildError, Coefficients, ContinuumConstants, Discretisation, Fit, KindConstants,
+    Material, MaterialError, SpringConstants, SpringForm, SpringModuli, build_model, fit,
 };
 pub use method::{Method, MethodError};
 pub use model::{ModelError, TissueModel};

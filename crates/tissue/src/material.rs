@@ -7,7 +7,9 @@ mod continuum;
 mod springs;
 
 pub use continuum::{ContinuumConstants, Discretisation};
-pub use springs::SpringConstants;
+pub use springs::{
+    Coefficients, Fit, KindConstants, SpringConstants, SpringForm, SpringModuli, fit,
+};
 
 use crate::elements::Elements;
 use crate::model::{ModelError, TissueModel};
@@ -29,7 +31,7 @@ pub struct Material {
 /// How a material resists deformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Behaviour {
-    /// Springs along the edges, and areas and volumes of tetrahedra.
+    /// Springs along the edges, and areas and volumes of the tetrahedra.
     Springs(SpringConstants),
     /// A continuum of a material law.
     Continuum(ContinuumConstants),

@@ -25,9 +25,9 @@
 //! raises Φ over the jump alone, less of it is taken.
 //!
 //! # Limitations
-//! The derivatives of viscous forces by positions and of pressures are left out, so with them the last iterations converge
-//! linearly, by a factor of the order of the strain in one step, not quadratically. A pressure so high that it makes the
-//! body unstable is not solved.
+//! The derivative of viscous forces by positions is left out, so with viscosity the last iterations converge linearly, by a
+//! factor of the order of the strain in one step, not quadratically. Of the derivative of pressures the symmetric part alone
+//! is taken, which is all of it for a closed surface or one with a prescribed rim.
 
 use crate::elements::Tangent;
 use crate::executor::Executor;
@@ -43,7 +43,8 @@ use nalgebra::Vector3;
 pub struct Newton {
     /// Most iterations per equation, at least 1. One is the linearly implicit variant of a method.
     pub iterations: u32,
-    /// The residual at which an equation is solved, as a share of the forces in it.
+    /// The residual at which an equation is solved, as a share of the forces in it. One that is no more than the rounding of
+    /// positions counts as 0.
     pub tolerance: f64,
     /// Whether a step that ends above the tolerance fails. If not, it is made: every iteration has gone down the potential.
     pub must_converge: bool,
@@ -317,7 +318,7 @@ impl NewtonSolver {
         }
     }
 
-    /// The size of a residual that is only rounding of positions: what their last digits are worth in the last matrix [N].
+    /// The size of a residual that is only rounding: what the last digits of positions are worth in the last matrix [N].
     fn noise(&self, fixed: &[bool]) -> f64 {
         let reach = self
             .trial
@@ -331,7 +332,8 @@ impl NewtonSolver {
             .filter(|(_, fixed)| !**fixed)
             .map(|(node, _)| self.system.matrix().diagonal(node).norm_squared())
             .sum();
-        4.0 * f64::EPSILON * reach * stiffness.sqrt()
+        // A node sums the forces of some twenty elements, each with a few roundings.
+        16.0 * f64::EPSILON * reach * stiffness.sqrt()
     }
 
     /// Sets n, from `trial`.
@@ -345,10 +347,14 @@ impl NewtonSolver {
             *load += extra;
         }
         if self.viscous && problem.equation.rate > 0.0 {
-            let all = self.forces.compute(model, &self.trial, control, problem.exec);
+            let all = self
+                .forces
+                .compute(model, &self.trial, control, problem.exec);
             self.scratch.copy_from_slice(all);
             self.trial.velocities.fill(Vector3::zeros());
-            let elastic = self.forces.compute(model, &self.trial, control, problem.exec);
+            let elastic = self
+                .forces
+                .compute(model, &self.trial, control, problem.exec);
             for ((load, all), elastic) in self.loads.iter_mut().zip(&self.scratch).zip(elastic) {
                 *load += all - elastic;
             }
@@ -373,9 +379,8 @@ impl NewtonSolver {
                 let v = self.trial.velocities[node];
                 let change = v - problem.equation.base_velocities[node];
                 let drag = model.drag() / problem.equation.rate;
-                inertia += 0.5
-                    * model.masses()[node]
-                    * (change.norm_squared() + drag * v.norm_squared());
+                inertia +=
+                    0.5 * model.masses()[node] * (change.norm_squared() + drag * v.norm_squared());
             }
         }
         Potential {
@@ -385,11 +390,7 @@ impl NewtonSolver {
     }
 
     /// Assembles and factors the matrix at `trial`, the positive one where the one asked for is not; returns which it is.
-    fn factorise(
-        &mut self,
-        problem: &Problem<'_>,
-        first: Tangent,
-    ) -> Result<Tangent, StepFailure> {
+    fn factorise(&mut self, problem: &Problem<'_>, first: Tangent) -> Result<Tangent, StepFailure> {
         let rate = problem.equation.rate;
         let shares = Shares {
             damping: rate,
@@ -398,6 +399,8 @@ impl NewtonSolver {
         if first == Tangent::Exact {
             self.system
                 .assemble(problem.model, &self.trial, shares, Tangent::Exact);
+            self.system
+                .add_pressures(&problem.control.pressures, &self.trial.positions);
             if self.system.factorise(problem.fixed).is_ok() {
                 return Ok(Tangent::Exact);
             }

@@ -52,12 +52,7 @@ impl Prescribed {
     }
 
     /// Gives prescribed nodes the velocity of their way from `start` in a step of `h` [s].
-    pub fn set_velocities(
-        &self,
-        start: &[Vector3<f64>],
-        h: f64,
-        velocities: &mut [Vector3<f64>],
-    ) {
+    pub fn set_velocities(&self, start: &[Vector3<f64>], h: f64, velocities: &mut [Vector3<f64>]) {
         for (node, fixed) in self.fixed.iter().enumerate() {
             if *fixed {
                 velocities[node] = (self.ends[node] - start[node]) / h;

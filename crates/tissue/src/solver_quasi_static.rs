@@ -97,6 +97,9 @@ impl Solver for SolverQuasiStatic {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        if !state.is_finite() {
+            return Err(StepFailure::NotFinite);
+        }
         self.prescribed.set(model, state, control, contacts);
         if let Some(node) = self.loose_part() {
             return Err(StepFailure::Singular { node });

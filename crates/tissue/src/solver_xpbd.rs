@@ -130,6 +130,9 @@ impl Solver for SolverXpbd {
         h: f64,
         _exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        if !state.is_finite() {
+            return Err(StepFailure::NotFinite);
+        }
         self.prescribed.set(model, state, control, contacts);
         for (node, w) in self.inverse_masses.iter_mut().enumerate() {
             *w = if self.prescribed.fixed[node] {

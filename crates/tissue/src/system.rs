@@ -5,7 +5,7 @@
 
 use crate::elements::{ElementMatrix, Tangent};
 use crate::model::TissueModel;
-use crate::state::State;
+use crate::state::{Pressure, State};
 use microsim_sparse::{BlockMatrix, Factor, NotPositive, Ordering, Pattern, Symbolic};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -79,8 +79,7 @@ impl System {
         }
     }
 
-    /// Sets the matrix to K + b·D + c·M at the positions and velocities of `state`. K is that of the elements alone: dead loads
-    /// have none, that of follower pressures is not symmetric and left out.
+    /// Sets the matrix to K + b·D + c·M of the elements at the positions and velocities of `state`.
     pub fn assemble(
         &mut self,
         model: &TissueModel,
@@ -107,6 +106,30 @@ impl System {
             for (node, mass) in model.masses().iter().enumerate() {
                 let block = Matrix3::from_diagonal_element(shares.mass * mass);
                 self.matrix.add_diagonal(node, &block);
+            }
+        }
+    }
+
+    /// Adds the symmetric part of minus the derivative of pressures that follow their surfaces. Over a closed surface, or one with
+    /// a prescribed rim, the other part sums to zero. Triangles whose corners no element couples are left out.
+    pub fn add_pressures(&mut self, pressures: &[Pressure], positions: &[Vector3<f64>]) {
+        for load in pressures {
+            for triangle in load.triangles.iter() {
+                // Each corner has the force −p/6 n with n the double area vector, ∂n/∂x_j = [e_j]× of the edge across from j.
+                let [a, b, c] = triangle.map(|node| positions[node as usize]);
+                let edges = [c - b, a - c, b - a];
+                for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                    let (i, j) = if triangle[i] >= triangle[j] {
+                        (i, j)
+                    } else {
+                        (j, i)
+                    };
+                    let [row, column] = [i, j].map(|corner| triangle[corner] as usize);
+                    if let Some(slot) = self.matrix.pattern().slot(row, column) {
+                        let block = (edges[j] - edges[i]).cross_matrix() * (load.pressure / 12.0);
+                        self.matrix.add_slot(slot, &block);
+                    }
+                }
             }
         }
     }

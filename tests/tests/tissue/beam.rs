@@ -80,6 +80,7 @@ pub fn static_sag(model: &TissueModel) -> f64 {
     let method = Method::QuasiStatic(Newton {
         iterations: 60,
         tolerance: 1e-9,
+        must_converge: true,
     });
     let mut state = State::at_rest(model);
     let control = Control {

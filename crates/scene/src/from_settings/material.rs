@@ -2,8 +2,12 @@
 
 use super::error::{FromSettingsError, missing};
 use microsim_settings as settings;
+use microsim_tissue::elements::Plasticity;
 use microsim_tissue::law::LawName;
-use microsim_tissue::{Behaviour, ContinuumConstants, Discretisation, Material, SpringConstants};
+use microsim_tissue::{
+    Behaviour, Coefficients, ContinuumConstants, Discretisation, KindConstants, Material,
+    SpringConstants, SpringForm, SpringModuli,
+};
 use settings::KeyPath;
 
 /// A material; `key` is its own.
@@ -36,12 +40,16 @@ fn behaviour(
         |name: &'static str, value: Option<f64>| value.ok_or_else(|| missing(key.key(name), name));
     let law = match material.law {
         settings::Law::Springs => {
-            let stretch_modulus = value("stretch_modulus", material.stretch_modulus)?;
-            let constants = SpringConstants {
-                stretch_modulus,
-                volume_modulus: material.volume_modulus.unwrap_or(0.0),
-            };
-            return Ok((Behaviour::Springs(constants), Some(stretch_modulus)));
+            let (form, modulus) = springs(material, &value)?;
+            let plasticity = material.plasticity.map(|flow| Plasticity {
+                yield_strain: flow.yield_strain,
+                creep_rate: flow.creep_rate,
+                max_strain: flow.max_strain,
+                hardening: flow.hardening,
+                max_stiffening: flow.max_stiffening,
+            });
+            let constants = SpringConstants { form, plasticity };
+            return Ok((Behaviour::Springs(constants), modulus));
         }
         settings::Law::Corotational => LawName::Corotational,
         settings::Law::StableNeoHookean => LawName::StableNeoHookean,
@@ -63,4 +71,38 @@ fn behaviour(
         },
     };
     Ok((Behaviour::Continuum(constants), Some(young)))
+}
+
+/// The constants of springs, and their modulus [Pa], where they have one.
+fn springs(
+    material: &settings::Material,
+    value: &dyn Fn(&'static str, Option<f64>) -> Result<f64, FromSettingsError>,
+) -> Result<(SpringForm, Option<f64>), FromSettingsError> {
+    let coefficients = |stiffness: Option<f64>, damping: Option<f64>| Coefficients {
+        stiffness: stiffness.unwrap_or(0.0),
+        damping: damping.unwrap_or(0.0),
+    };
+    let constants = KindConstants {
+        length: coefficients(material.length_stiffness, material.length_damping),
+        area: coefficients(material.area_stiffness, material.area_damping),
+        volume: coefficients(material.volume_stiffness, material.volume_damping),
+    };
+    Ok(match material.form {
+        None | Some(settings::SpringForm::Scaled) => {
+            let stretch = value("stretch_modulus", material.stretch_modulus)?;
+            let moduli = SpringModuli {
+                stretch,
+                area: material.area_modulus.unwrap_or(0.0),
+                volume: material.volume_modulus.unwrap_or(0.0),
+            };
+            (SpringForm::Scaled(moduli), Some(stretch).filter(|s| *s > 0.0))
+        }
+        Some(settings::SpringForm::Plain) => (SpringForm::Plain(constants), None),
+        Some(settings::SpringForm::Normalised) => (SpringForm::Normalised(constants), None),
+        Some(settings::SpringForm::Fitted) => {
+            let young = value("youngs_modulus", material.youngs_modulus)?;
+            let poisson = value("poisson_ratio", material.poisson_ratio)?;
+            (SpringForm::Fitted { young, poisson }, Some(young))
+        }
+    })
 }

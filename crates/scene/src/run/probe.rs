@@ -2,6 +2,7 @@
 
 use crate::from_settings::selections;
 use crate::scene::Scene;
+use microsim_mesh::signed_volume;
 use microsim_settings as settings;
 use nalgebra::Vector3;
 use settings::Quantity;
@@ -129,6 +130,14 @@ impl Probe {
                 -torque.dot(&self.axis)
             }
             Quantity::Volume => scene.volume(self.body) / self.reference - 1.0,
+            Quantity::SmallestVolume => {
+                let rest = scene.model(self.body).rest_volumes();
+                let shares = scene.tets(self.body).iter().zip(rest).map(|(tet, rest)| {
+                    let [a, b, c, d] = tet.map(|node| &now[node as usize]);
+                    signed_volume(a, b, c, d) / rest
+                });
+                shares.fold(f64::INFINITY, f64::min)
+            }
             Quantity::Energy => {
                 let masses = scene.masses(self.body);
                 let gravity = scene.gravity();

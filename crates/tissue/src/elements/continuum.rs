@@ -5,7 +5,7 @@
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
 use super::continuum_constraints::{ELASTIC, VISCOUS};
-use super::continuum_matrix::{add_positive_tangent, add_tangent};
+use super::continuum_matrix::{set_positive_tangent, set_tangent};
 use super::domains::{Domains, Tetrahedra};
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
@@ -23,6 +23,11 @@ use std::ops::Range;
 pub type Continuum<L> = ContinuumSet<L, Tetrahedra>;
 
 /// Smoothing domains around edges or nodes.
+///
+/// # Limitations
+/// Only the means over the domains are kept in check: volumes of single tetrahedra scatter around them (0.93–1.07 in the
+/// cantilever M at ν = 0.49 with the discretisation selective). Matrices couple the neighbours of neighbours: a static solution
+/// of M takes six times as long as with tetrahedra.
 pub type Smoothed<L> = ContinuumSet<L, SmoothingDomains>;
 
 /// Domains of one law with the same constants.
@@ -43,11 +48,6 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
             relaxation_time,
             law: PhantomData,
         }
-    }
-
-    /// Lamé's constants.
-    pub fn lame(&self) -> Lame {
-        self.lame
     }
 }
 
@@ -102,8 +102,8 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         let volume = self.domains.volume(element);
         let gradient = |corner| self.domains.gradient(element, corner);
         match tangent {
-            Tangent::Exact => add_tangent(&L::tangent(&f, &self.lame), volume, gradient, out),
-            Tangent::Positive => add_positive_tangent::<L>(&f, &self.lame, volume, gradient, out),
+            Tangent::Exact => set_tangent(&L::tangent(&f, &self.lame), volume, gradient, out),
+            Tangent::Positive => set_positive_tangent::<L>(&f, &self.lame, volume, gradient, out),
         }
     }
 
@@ -119,7 +119,7 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         let f = self.domains.deformation(element, at.positions);
         let tangent = viscosity::tangent(&f, &self.lame, self.relaxation_time);
         let gradient = |corner| self.domains.gradient(element, corner);
-        add_tangent(&tangent, self.domains.volume(element), gradient, out);
+        set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
 
     fn constraints(&self) -> Option<&dyn Constraints> {
@@ -153,7 +153,6 @@ impl<L: Law, D: Domains> Constraints for ContinuumSet<L, D> {
         self.project_domain(element, positions, previous, inverse_masses, multipliers, h);
     }
 }
-
 
 #[cfg(test)]
 mod tests;

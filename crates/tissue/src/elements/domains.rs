@@ -53,7 +53,7 @@ impl Tetrahedra {
     }
 }
 
-/// m·v. Written out: nalgebra's product of a matrix and a vector took 10 ns longer per tetrahedron.
+/// m·v, written out so that it is inlined.
 #[inline(always)]
 pub(super) fn product(m: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     let row = |i: usize| m[(i, 0)] * v[0] + m[(i, 1)] * v[1] + m[(i, 2)] * v[2];
@@ -89,7 +89,7 @@ impl Domains for Tetrahedra {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn deformation(&self, domain: usize, positions: &[Vector3<f64>]) -> Matrix3<f64> {
         let [a, b, c, d] = self.nodes[domain].map(|node| &positions[node as usize]);
         let [g1, g2, g3] = &self.gradients[domain];
@@ -97,7 +97,7 @@ impl Domains for Tetrahedra {
         Matrix3::from_fn(|i, k| e1[i] * g1[k] + e2[i] * g2[k] + e3[i] * g3[k])
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>) {
         let [a, b, c, d] = self.nodes[domain];
         let scaled = stress * -self.volumes[domain];

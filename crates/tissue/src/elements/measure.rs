@@ -175,11 +175,12 @@ impl Measure<4> for Volume {
             blocks[j][i] = e[k];
         }
         // Nothing changes under translation: row and column 0 are minus the sums of the others.
-        for i in 1..4 {
-            blocks[i][0] = -(blocks[i][1] + blocks[i][2] + blocks[i][3]);
-            blocks[0][i] = blocks[i][0].transpose();
+        let columns = [1, 2, 3].map(|i| -(blocks[i][1] + blocks[i][2] + blocks[i][3]));
+        for (k, column) in columns.into_iter().enumerate() {
+            blocks[k + 1][0] = column;
+            blocks[0][k + 1] = column.transpose();
+            blocks[0][0] -= column;
         }
-        blocks[0][0] = -(blocks[1][0] + blocks[2][0] + blocks[3][0]);
         for (i, row) in blocks.iter().enumerate() {
             for (j, block) in row.iter().enumerate() {
                 *out.block_mut(i, j) += block;

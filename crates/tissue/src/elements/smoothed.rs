@@ -5,6 +5,9 @@
 //! displacement (Liu, Nguyen-Thoi 2010: ES-FEM-T4, NS-FEM-T4). Fewer constraints of volume than tetrahedra remain, which is what
 //! keeps nearly incompressible tissue from locking. Domains are made of the elements that are given: those of one region, so
 //! nothing is smoothed across a layer.
+//!
+//! Each domain gathers F from its nodes and scatters its force to them. The other way, F once per tetrahedron and means of those,
+//! takes the same time around edges (39 ns per tetrahedron, both measured), but a pass and memory more.
 
 use super::domains::{Domains, product, shape};
 use crate::elements::NodeWindow;
@@ -75,7 +78,7 @@ impl SmoothingDomains {
         domains
     }
 
-    #[inline]
+    #[inline(always)]
     fn run(&self, domain: usize) -> std::ops::Range<usize> {
         self.starts[domain] as usize..self.starts[domain + 1] as usize
     }
@@ -99,13 +102,13 @@ impl Domains for SmoothingDomains {
     }
 
     /// Differences to the first node keep the digits of a small domain far from the origin.
-    #[inline]
+    #[inline(always)]
     fn deformation(&self, domain: usize, positions: &[Vector3<f64>]) -> Matrix3<f64> {
         let run = self.run(domain);
         let (nodes, gradients) = (&self.nodes[run.clone()], &self.gradients[run]);
         let origin = positions[nodes[0] as usize];
         let mut columns = [Vector3::zeros(); 3];
-        for (node, b) in nodes.iter().zip(gradients).skip(1) {
+        for (node, b) in nodes[1..].iter().zip(&gradients[1..]) {
             let along = positions[*node as usize] - origin;
             columns[0] += along * b[0];
             columns[1] += along * b[1];
@@ -114,13 +117,13 @@ impl Domains for SmoothingDomains {
         Matrix3::from_columns(&columns)
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>) {
         let run = self.run(domain);
         let (nodes, gradients) = (&self.nodes[run.clone()], &self.gradients[run]);
         let scaled = stress * -self.volumes[domain];
         let mut sum = Vector3::zeros();
-        for (node, b) in nodes.iter().zip(gradients).skip(1) {
+        for (node, b) in nodes[1..].iter().zip(&gradients[1..]) {
             let force = product(&scaled, b);
             sum += force;
             forces.add(*node, force);

@@ -6,7 +6,10 @@ use crate::testing::numbers;
 use nalgebra::{Matrix3, Vector3};
 
 /// Constants of unequal size, in units that make all numbers of order one.
-const LAME: Lame = Lame { mu: 0.8, lambda: 2.5 };
+const LAME: Lame = Lame {
+    mu: 0.8,
+    lambda: 2.5,
+};
 
 /// Step of central differences: ∛ε balances rounding ε/d against the truncated d² term, about 4e-11 with numbers of order one.
 const STEP: f64 = 6e-6;
@@ -84,11 +87,17 @@ fn derivatives<L: Law>(f: &Matrix3<f64>) {
         });
         let slope = (L::energy(&plus, &LAME) - L::energy(&minus, &LAME)) / (2.0 * STEP);
         let error = slope - stress.as_slice()[q];
-        assert!(error.abs() < DIFFERENCES * stress_scale, "stress {q}: {error:e} at {f}");
+        assert!(
+            error.abs() < DIFFERENCES * stress_scale,
+            "stress {q}: {error:e} at {f}"
+        );
         let slopes = (L::stress(&plus, &LAME) - L::stress(&minus, &LAME)) / (2.0 * STEP);
         for p in 0..9 {
             let error = slopes.as_slice()[p] - tangent[(p, q)];
-            assert!(error.abs() < DIFFERENCES * tangent_scale, "tangent {p} {q}: {error:e} at {f}");
+            assert!(
+                error.abs() < DIFFERENCES * tangent_scale,
+                "tangent {p} {q}: {error:e} at {f}"
+            );
         }
     }
     assert!((tangent - tangent.transpose()).amax() < ROUNDING * tangent_scale);
@@ -106,7 +115,13 @@ fn frame_and_axes<L: Law>(f: &Matrix3<f64>, q: &Matrix3<f64>) {
 
 /// The parts of μ and λ sum up to the whole.
 fn additivity<L: Law>(f: &Matrix3<f64>) {
-    let parts = [Lame { lambda: 0.0, ..LAME }, Lame { mu: 0.0, ..LAME }];
+    let parts = [
+        Lame {
+            lambda: 0.0,
+            ..LAME
+        },
+        Lame { mu: 0.0, ..LAME },
+    ];
     let energy: f64 = parts.iter().map(|part| L::energy(f, part)).sum();
     let stress: Matrix3<f64> = parts.iter().map(|part| L::stress(f, part)).sum();
     let tangent: Matrix9 = parts.iter().map(|part| L::tangent(f, part)).sum();
@@ -143,10 +158,19 @@ fn far_states<L: Law>() {
     ] {
         let f = Matrix3::from_diagonal(&Vector3::from(stretches));
         assert!(L::energy(&f, &LAME).is_finite(), "{stretches:?}");
-        assert!(L::stress(&f, &LAME).iter().all(|p| p.is_finite()), "{stretches:?}");
-        assert!(L::tangent(&f, &LAME).iter().all(|p| p.is_finite()), "{stretches:?}");
+        assert!(
+            L::stress(&f, &LAME).iter().all(|p| p.is_finite()),
+            "{stretches:?}"
+        );
+        assert!(
+            L::tangent(&f, &LAME).iter().all(|p| p.is_finite()),
+            "{stretches:?}"
+        );
         let svd = SignedSvd::new(&f);
         let positive = L::principal_tangent(&svd.stretches, &LAME).positive();
-        assert!(positive.rotated(&svd).iter().all(|p| p.is_finite()), "{stretches:?}");
+        assert!(
+            positive.rotated(&svd).iter().all(|p| p.is_finite()),
+            "{stretches:?}"
+        );
     }
 }

@@ -27,7 +27,7 @@ impl Law for Corotational {
         lame.mu * (f - r).norm_squared() + 0.5 * lame.lambda * growth * growth
     }
 
-    #[inline]
+    #[inline(always)]
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
         let r = rotation_of(f);
         let along_r = lame.lambda * (r.dot(f) - 3.0) - 2.0 * lame.mu;

@@ -134,7 +134,7 @@ const NEWTON_STEPS: usize = 16;
 /// every time.
 ///
 /// Newton's iteration X ← (X + X⁻ᵀ)/2 (Higham 1986) for well shaped F, [`SignedSvd`] for the others.
-#[inline]
+#[inline(always)]
 pub fn rotation_of(f: &Matrix3<f64>) -> Matrix3<f64> {
     let (mut cofactor, mut determinant) = cofactor(f);
     let mean_square = f.norm_squared() / 3.0;
@@ -142,7 +142,7 @@ pub fn rotation_of(f: &Matrix3<f64>) -> Matrix3<f64> {
     if determinant > 0.0 && determinant * determinant > limit {
         let mut x = *f;
         for _ in 0..NEWTON_STEPS {
-            let next = (x + cofactor / determinant) * 0.5;
+            let next = x * 0.5 + cofactor * (0.5 / determinant);
             let change = (next - x).norm_squared();
             x = next;
             if change < NEWTON_DONE {
@@ -151,11 +151,17 @@ pub fn rotation_of(f: &Matrix3<f64>) -> Matrix3<f64> {
             (cofactor, determinant) = self::cofactor(&x);
         }
     }
+    rotation_by_svd(f)
+}
+
+/// Out of the way of the common case.
+#[cold]
+fn rotation_by_svd(f: &Matrix3<f64>) -> Matrix3<f64> {
     SignedSvd::new(f).rotation()
 }
 
 /// ∂(det F)/∂F and det F.
-#[inline]
+#[inline(always)]
 pub fn cofactor(f: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
     let [a, b, c] = [0, 1, 2].map(|k| [f[(0, k)], f[(1, k)], f[(2, k)]]);
     let cross = |a: [f64; 3], b: [f64; 3]| {

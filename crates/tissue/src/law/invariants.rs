@@ -35,7 +35,10 @@ pub(super) fn tangent(f: &Matrix3<f64>, cofactor: &Matrix3<f64>, d: &Derivatives
     }
     // ∂cof_ij/∂F_kl = ε_ikm ε_jln F_mn.
     for j in 0..3 {
-        for (l, n, sign_columns) in [(((j + 1) % 3), ((j + 2) % 3), 1.0), (((j + 2) % 3), ((j + 1) % 3), -1.0)] {
+        for (l, n, sign_columns) in [
+            (((j + 1) % 3), ((j + 2) % 3), 1.0),
+            (((j + 2) % 3), ((j + 1) % 3), -1.0),
+        ] {
             for i in 0..3 {
                 let (next, last) = ((i + 1) % 3, (i + 2) % 3);
                 let factor = sign_columns * d.b1;

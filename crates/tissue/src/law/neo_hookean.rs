@@ -41,7 +41,7 @@ impl Law for NeoHookean {
         0.5 * lame.mu * (f.norm_squared() - 3.0) - lame.mu * log + 0.5 * lame.lambda * log * log
     }
 
-    #[inline]
+    #[inline(always)]
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
         let (cofactor, j) = cofactor(f);
         let [log, slope, _] = log_volume(j);
@@ -74,13 +74,19 @@ mod tests {
 
     #[test]
     fn collapse_and_inversion_are_pushed_back_ever_harder() {
-        let lame = Lame { mu: 1.0, lambda: 2.0 };
+        let lame = Lame {
+            mu: 1.0,
+            lambda: 2.0,
+        };
         let derivative = |j: f64| {
             let [log, slope, _] = log_volume(j);
             (lame.lambda * log - lame.mu) * slope
         };
         let pressures: Vec<f64> = (0..40).map(|k| derivative(0.5 - 0.05 * k as f64)).collect();
-        assert!(pressures[0] < 0.0 && pressures.is_sorted_by(|a, b| a > b), "{pressures:?}");
+        assert!(
+            pressures[0] < 0.0 && pressures.is_sorted_by(|a, b| a > b),
+            "{pressures:?}"
+        );
     }
 
     #[test]

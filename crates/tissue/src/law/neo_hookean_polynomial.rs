@@ -5,15 +5,15 @@ use super::invariants::{self, Derivatives};
 use super::{Lame, Law, Matrix9};
 use nalgebra::Matrix3;
 
-/// Ψ = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ+μ)/2 (J − 1)², J = det F: the simplest form of Smith, de Goes, Kim 2018 (their eq. 12
-/// with the constants of linear elasticity), and what XPBD of Macklin & Müller 2021 solves.
+/// Ψ = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ+μ)/2 (J − 1)², J = det F: the simplest form of Smith, de Goes, Kim 2018 (with
+/// the constants of linear elasticity), and what XPBD of Macklin & Müller 2021 solves.
 ///
 /// A polynomial: finite everywhere, the cheapest law, and inverted matter is pushed back. With the square completed it is
 /// μ/2 tr FᵀF + (λ+μ)/2 (J − 1 − μ/(λ+μ))² up to a constant.
 ///
 /// # Limitations
 /// Collapse costs finite energy, and F = 0 is an equilibrium that attracts: a domain that is pressed into a point stays there
-/// (Smith, de Goes, Kim 2018, section 3.3; the stable law has a logarithm against it).
+/// (the stable law of Smith, de Goes, Kim 2018 has a logarithm against it).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NeoHookeanPolynomial;
 
@@ -27,7 +27,7 @@ impl Law for NeoHookeanPolynomial {
             + 0.5 * (lame.lambda + lame.mu) * growth * growth
     }
 
-    #[inline]
+    #[inline(always)]
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
         let (cofactor, j) = cofactor(f);
         let b1 = (lame.lambda + lame.mu) * (j - 1.0) - lame.mu;

@@ -25,8 +25,7 @@ pub struct PrincipalTangent {
 impl PrincipalTangent {
     /// The entries of ∂P/∂F at a diagonal F.
     pub fn from_tangent(tangent: &Matrix9) -> Self {
-        let entry =
-            |i: usize, j: usize, k: usize, l: usize| tangent[(i + 3 * j, k + 3 * l)];
+        let entry = |i: usize, j: usize, k: usize, l: usize| tangent[(i + 3 * j, k + 3 * l)];
         Self {
             stretch: Matrix3::from_fn(|i, j| entry(i, i, j, j)),
             direct: PAIRS.map(|[i, j]| entry(i, j, i, j)),
@@ -36,10 +35,10 @@ impl PrincipalTangent {
 
     /// The nearest one without negative eigenvalues.
     pub fn positive(&self) -> Self {
-        let (values, vectors) = symmetric_eigen(&self.stretch);
-        let stretch = if values.min() >= 0.0 {
+        let stretch = if is_positive(&self.stretch) {
             self.stretch
         } else {
+            let (values, vectors) = symmetric_eigen(&self.stretch);
             let cut = Matrix3::from_diagonal(&values.map(|value| value.max(0.0)));
             vectors * cut * vectors.transpose()
         };
@@ -59,9 +58,10 @@ impl PrincipalTangent {
     /// with the gradient `a`, both in principal axes.
     #[inline]
     pub fn block(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
-        let mut block =
-            Matrix3::from_fn(|i, k| self.stretch[(i, k)] * a[i] * b[k]);
-        for ([i, j], (direct, crossed)) in PAIRS.into_iter().zip(self.direct.iter().zip(&self.crossed)) {
+        let mut block = Matrix3::from_fn(|i, k| self.stretch[(i, k)] * a[i] * b[k]);
+        for ([i, j], (direct, crossed)) in
+            PAIRS.into_iter().zip(self.direct.iter().zip(&self.crossed))
+        {
             block[(i, i)] += direct * a[j] * b[j];
             block[(j, j)] += direct * a[i] * b[i];
             block[(i, j)] += crossed * a[j] * b[i];
@@ -84,4 +84,10 @@ impl PrincipalTangent {
         }
         tangent
     }
+}
+
+/// Whether a symmetric matrix has positive eigenvalues only (Sylvester): saves the common case the eigenvalues.
+fn is_positive(m: &Matrix3<f64>) -> bool {
+    let minor = m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(0, 1)];
+    m[(0, 0)] > 0.0 && minor > 0.0 && m.determinant() > 0.0
 }

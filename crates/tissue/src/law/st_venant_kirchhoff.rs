@@ -51,7 +51,7 @@ impl Law for StVenantKirchhoff {
         lame.mu * strain.norm_squared() + 0.5 * lame.lambda * trace * trace
     }
 
-    #[inline]
+    #[inline(always)]
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
         f * second_piola(&strain(f), lame)
     }

@@ -6,8 +6,7 @@ use super::{Lame, Law, Matrix9};
 use nalgebra::Matrix3;
 
 /// Ψ = μ'/2 (I − 3) + λ'/2 (J − α)² − μ'/2 ln(I + 1) up to a constant, I = tr FᵀF, J = det F, α = 1 + 3μ'/(4λ') (Smith, de Goes,
-/// Kim 2018, eq. 14), with μ' = 4μ/3 and λ' = λ + 5μ/6 so that small strains obey linear elasticity with μ and λ (there,
-/// section 3.4).
+/// Kim 2018), with μ' = 4μ/3 and λ' = λ + 5μ/6 so that small strains obey linear elasticity with μ and λ.
 ///
 /// With the square multiplied out, λ'/2 (J − 1)² − 3μ'/4 (J − 1), nothing is divided by λ' and the law is linear in both
 /// constants. Finite everywhere; the logarithm keeps F = 0 from being an equilibrium that holds: inverted and collapsed matter
@@ -31,7 +30,7 @@ impl Law for StableNeoHookean {
             + 0.5 * lambda * growth * growth
     }
 
-    #[inline]
+    #[inline(always)]
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
         let (mu, lambda) = own_constants(lame);
         let (cofactor, j) = cofactor(f);

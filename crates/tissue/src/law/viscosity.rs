@@ -30,7 +30,10 @@ mod tests {
     use super::*;
     use crate::testing::numbers;
 
-    const LAME: Lame = Lame { mu: 3.0, lambda: 7.0 };
+    const LAME: Lame = Lame {
+        mu: 3.0,
+        lambda: 7.0,
+    };
     const TIME: f64 = 0.2;
 
     fn random(next: &mut impl FnMut() -> f64) -> Matrix3<f64> {

@@ -1,77 +1,194 @@
-//! Springs and volumes: constants of a material in, stiffness of each element out.
+//! Springs, triangles and volumes: constants of a material in, stiffness of each element out.
 //!
-//! Springs carry k = Σ_tets c·E·L0 with c = 2√2/25 (Lloyd, Székely, Harders 2007, for near-regular tetrahedra), volumes
-//! E_V = ½ κ V0 (V/V0 − 1)², so k = κ/V0 (NUMERICS 1.1). Both scale with the elements, so that static shapes and λ_max·(edge
-//! length)² depend on the moduli and not on the mesh.
+//! There are four ways to say the constants; elements know the plain one alone.
 //!
-//! Limitations: the moduli are constants of this discrete material, not Young's modulus and bulk modulus of a continuum;
-//! a spring network has a Poisson's ratio of its own near ¼, and strong volume forces lock on linear tetrahedra
-//! (NUMERICS 1.6).
+//! - *Plain* (4.1, 4.2): E = ½ k (q − q0)², one k for all elements of a kind.
+//! - *Normalised* (THMG04; 3.5–3.8): E = ½ k ((q − q0)/q̃0)², so k_plain = k/q̃0². q̃0 is q0; for an element that is nearly
+//!   flat it is that of the regular one with the same mean edge length l̄: (√2/12) l̄³ for a tetrahedron (NUMERICS 1.1), (√3/4)
+//!   l̄² for a triangle.
+//! - *Scaled*: moduli in pascals, whose energy does not depend on how fine the mesh is. Springs carry k = Σ c·E·L0 over the
+//!   tetrahedra around the edge, c = 2√2/25 (Lloyd, Székely, Harders 2007, for near-regular tetrahedra); triangles E = ½ α V_f
+//!   ((A − A0)/Ã0)², V_f a quarter of the volume of the tetrahedra at the face; volumes E = ½ κ V0 ((V − V0)/Ṽ0)².
+//! - *Fitted* to Young's modulus and Poisson's ratio: see [`fit`].
+//!
+//! Plain and normalised constants are those of a mesh: the same k on a finer one is another material. Triangles are all faces
+//! of the tetrahedra, each once. Every region brings elements of its own: an edge on an interface carries a spring of each.
+//!
+//! Limitations: a spring network has a Poisson's ratio of its own, ¼, and is anisotropic unless the mesh is balanced
+//! ([`Fit::error`]); strong volume forces lock on linear tetrahedra (NUMERICS 1.6).
+
+mod fit;
+mod region;
+
+pub use fit::{Fit, fit};
 
 use super::{MaterialError, not_negative, positive};
-use crate::elements::{Constraint, Elements, Springs, Volumes};
-use microsim_mesh::{TetMesh, signed_volume};
+use crate::elements::{
+    Area, Constraint, ConstraintSet, Elements, Length, Measure, Plasticity, Volume,
+};
+use microsim_mesh::TetMesh;
+use region::Region;
 use std::sync::Arc;
 
-/// c of k = Σ c·E·L0, 2√2/25.
-const SPRING_SHARE: f64 = 0.08 * std::f64::consts::SQRT_2;
-
-/// Constants of springs and volumes.
+/// A material of springs, triangles and volumes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringConstants {
-    /// Modulus E of the springs [Pa], > 0.
-    pub stretch_modulus: f64,
-    /// Modulus κ of the volume forces [Pa], ≥ 0.
-    pub volume_modulus: f64,
+    /// Its constants.
+    pub form: SpringForm,
+    /// Flow of rest lengths, areas and volumes, if they flow.
+    pub plasticity: Option<Plasticity>,
+}
+
+/// The four ways to say the constants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpringForm {
+    /// k in N/m, N/m³ and N/m⁵, k_d in N·s/m, N·s/m³ and N·s/m⁵ for springs, triangles and volumes.
+    Plain(KindConstants),
+    /// k in J, k_d in J·s.
+    Normalised(KindConstants),
+    /// Moduli of any mesh.
+    Scaled(SpringModuli),
+    /// Fitted to a continuum.
+    Fitted {
+        /// Young's modulus [Pa], > 0.
+        young: f64,
+        /// Poisson's ratio, 0 to below 0.5; below ¼ the springs keep ¼.
+        poisson: f64,
+    },
+}
+
+/// Constants of each kind of element.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct KindConstants {
+    /// Of springs.
+    pub length: Coefficients,
+    /// Of triangles.
+    pub area: Coefficients,
+    /// Of volumes.
+    pub volume: Coefficients,
+}
+
+/// Stiffness and damping of one kind of element; the form says the units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coefficients {
+    /// k, ≥ 0.
+    pub stiffness: f64,
+    /// k_d of (3.8), ≥ 0; viscosity by relaxation time comes on top.
+    pub damping: f64,
+}
+
+/// Moduli that do not depend on the mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpringModuli {
+    /// E of the springs [Pa], ≥ 0.
+    pub stretch: f64,
+    /// α of the triangles [Pa], ≥ 0.
+    pub area: f64,
+    /// κ of the volumes [Pa], ≥ 0.
+    pub volume: f64,
 }
 
 impl SpringConstants {
-    /// Whether all values are in range.
-    pub fn check(&self) -> Result<(), MaterialError> {
-        positive("stretch_modulus", self.stretch_modulus, "> 0 Pa")?;
-        not_negative("volume_modulus", self.volume_modulus, ">= 0 Pa")
+    /// Springs and volumes by moduli [Pa], without triangles and flow.
+    pub fn scaled(stretch: f64, volume: f64) -> Self {
+        let area = 0.0;
+        Self {
+            form: SpringForm::Scaled(SpringModuli {
+                stretch,
+                area,
+                volume,
+            }),
+            plasticity: None,
+        }
     }
 
-    /// One spring per edge of these elements, its stiffness the sum over the elements around it in ascending order, and one
-    /// volume per element.
+    /// Fitted to Young's modulus [Pa] and Poisson's ratio, without flow.
+    pub fn fitted(young: f64, poisson: f64) -> Self {
+        Self {
+            form: SpringForm::Fitted { young, poisson },
+            plasticity: None,
+        }
+    }
+
+    /// Whether all values are in range.
+    pub fn check(&self) -> Result<(), MaterialError> {
+        if let Some(plasticity) = &self.plasticity {
+            plasticity.check()?;
+        }
+        match &self.form {
+            SpringForm::Plain(constants) | SpringForm::Normalised(constants) => {
+                let KindConstants {
+                    length,
+                    area,
+                    volume,
+                } = constants;
+                not_negative("length stiffness", length.stiffness, ">= 0")?;
+                not_negative("length damping", length.damping, ">= 0")?;
+                not_negative("area stiffness", area.stiffness, ">= 0")?;
+                not_negative("area damping", area.damping, ">= 0")?;
+                not_negative("volume stiffness", volume.stiffness, ">= 0")?;
+                not_negative("volume damping", volume.damping, ">= 0")?;
+                let sum = length.stiffness + area.stiffness + volume.stiffness;
+                positive("the sum of all stiffnesses", sum, "> 0")
+            }
+            SpringForm::Scaled(moduli) => {
+                not_negative("stretch modulus", moduli.stretch, ">= 0 Pa")?;
+                not_negative("area modulus", moduli.area, ">= 0 Pa")?;
+                not_negative("volume modulus", moduli.volume, ">= 0 Pa")?;
+                let sum = moduli.stretch + moduli.area + moduli.volume;
+                positive("the sum of all moduli", sum, "> 0 Pa")
+            }
+            SpringForm::Fitted { young, poisson } => {
+                positive("young", *young, "> 0 Pa")?;
+                if (0.0..0.5).contains(poisson) {
+                    return Ok(());
+                }
+                Err(MaterialError {
+                    value_name: "poisson",
+                    value: *poisson,
+                    allowed: ">= 0 and < 0.5",
+                })
+            }
+        }
+    }
+
+    /// One spring per edge of these elements, one triangle per face, one volume per element, as far as they resist anything.
     pub(super) fn build(
         &self,
         mesh: &TetMesh,
         elements: &[u32],
         relaxation_time: f64,
     ) -> Vec<Arc<dyn Elements>> {
-        let mut edges: Vec<[u32; 2]> = elements
-            .iter()
-            .flat_map(|&element| mesh.element_edges(element as usize))
-            .collect();
-        edges.sort_unstable();
-        let springs = edges.chunk_by(|a, b| a == b).map(|copies| {
-            let nodes = copies[0];
-            let [i, j] = nodes.map(|node| mesh.positions[node as usize]);
-            let rest = (j - i).norm();
-            let stiffness = copies.len() as f64 * (SPRING_SHARE * self.stretch_modulus * rest);
-            Constraint {
-                nodes,
-                rest,
-                stiffness,
-                damping: relaxation_time * stiffness,
-            }
-        });
-        let springs: Arc<dyn Elements> = Arc::new(Springs::new(springs));
-        if self.volume_modulus == 0.0 {
-            return vec![springs];
-        }
-        let volumes = elements.iter().map(|&element| {
-            let [a, b, c, d] = mesh.corners(element as usize);
-            let rest = signed_volume(&a, &b, &c, &d);
-            let stiffness = self.volume_modulus / rest;
-            Constraint {
-                nodes: mesh.tets[element as usize],
-                rest,
-                stiffness,
-                damping: relaxation_time * stiffness,
-            }
-        });
-        vec![springs, Arc::new(Volumes::new(volumes))]
+        let region = Region {
+            mesh,
+            elements,
+            form: &self.form,
+            relaxation_time,
+        };
+        let sets = [
+            set::<Length, 2>(region.springs(), self.plasticity),
+            set::<Area, 3>(region.areas(), self.plasticity),
+            set::<Volume, 4>(region.volumes(), self.plasticity),
+        ];
+        sets.into_iter().flatten().collect()
     }
 }
+
+/// The set of these constraints, if any of them resists anything.
+fn set<M: Measure<N>, const N: usize>(
+    constraints: Vec<Constraint<N>>,
+    plasticity: Option<Plasticity>,
+) -> Option<Arc<dyn Elements>> {
+    let resists = |c: &Constraint<N>| c.stiffness > 0.0 || c.damping > 0.0;
+    let mut set = constraints
+        .iter()
+        .any(resists)
+        .then(|| ConstraintSet::<M, N>::new(constraints))?;
+    if let Some(plasticity) = plasticity {
+        set = set.with_plasticity(plasticity);
+    }
+    Some(Arc::new(set))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,12 +1,15 @@
-//! Orders, energy, momentum, landing, limits, viscosity, failure: for every explicit method.
+//! Orders, energy, momentum, landing, failure: for every explicit method.
+
+mod limits;
+mod viscosity;
 
 use crate::elements::{Constraint, Springs};
 use crate::executor::Serial;
 use crate::material::build_model;
 use crate::method::Method;
 use crate::model::TissueModel;
-use crate::solver::{Solver, StepFailure};
-use crate::stability::{self, Part, gershgorin_bound, power_iteration};
+use crate::solver::StepFailure;
+use crate::stability::{Part, gershgorin_bound, power_iteration};
 use crate::state::{Contacts, Control, NodeTarget, State};
 use crate::testing::{block_mesh, numbers, soft};
 use nalgebra::Vector3;
@@ -40,13 +43,6 @@ fn oscillator(omega: f64, drag: f64, k_d: f64) -> (TissueModel, State) {
     );
     let mut state = State::at_rest(&model);
     state.positions[1].x += 1.0;
-    (model, state)
-}
-
-/// The same displaced by 1 mm, so that growth by a thousand stays linear.
-fn faint_oscillator(omega: f64, drag: f64) -> (TissueModel, State) {
-    let (model, mut state) = oscillator(omega, drag, 0.0);
-    state.positions[1].x = 10.0 + 1e-3;
     (model, state)
 }
 
@@ -483,185 +479,4 @@ fn a_step_into_nothing_leaves_the_state_as_it_was() {
         }
         assert_eq!(state, other, "{method:?}");
     }
-}
-
-/// The largest step between `low` and `high` after `steps` of which `size` has not grown to 100 times its start.
-fn measured_limit(
-    method: Method,
-    (model, start): (&TissueModel, &State),
-    size: impl Fn(&State) -> f64,
-    guess: f64,
-    steps: usize,
-) -> f64 {
-    let bound = 100.0 * size(start);
-    let stable = |h: f64| {
-        let mut state = start.clone();
-        let mut solver: Box<dyn Solver> = method.solver(model).unwrap();
-        (0..steps).all(|_| {
-            let done = solver.step(
-                model,
-                &mut state,
-                &Control::default(),
-                &Contacts::default(),
-                h,
-                &Serial,
-            );
-            done.is_ok() && size(&state) < bound
-        })
-    };
-    let (mut low, mut high) = (0.7 * guess, 1.4 * guess);
-    assert!(
-        stable(low) && !stable(high),
-        "{method:?}: not between {low} and {high}"
-    );
-    for _ in 0..8 {
-        let middle = 0.5 * (low + high);
-        match stable(middle) {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    0.5 * (low + high)
-}
-
-/// NUMERICS 3.1, every line of its table that is a method here, to 3 %.
-#[test]
-fn limits_of_one_mode_are_those_predicted() {
-    let omega = 3.0;
-    for method in ALL {
-        for zeta in [0.0, 0.2, 0.5, 1.5] {
-            let drag = 2.0 * zeta * omega;
-            let predicted = stability::limit(&method, omega * omega, drag);
-            if predicted == 0.0 {
-                continue;
-            }
-            let (model, start) = faint_oscillator(omega, drag);
-            let size = |state: &State| (state.positions[1].x - 10.0).abs();
-            let measured = measured_limit(method, (&model, &start), size, predicted, 6000);
-            let error = (measured / predicted - 1.0).abs();
-            assert!(
-                error < 0.03,
-                "{method:?} ζ = {zeta}: {measured} {predicted}"
-            );
-        }
-    }
-    assert_eq!(
-        stability::limit(&Method::ExplicitEuler, 9.0, 0.0),
-        0.0,
-        "never stable"
-    );
-}
-
-#[test]
-fn limits_of_a_block_are_those_predicted() {
-    let (model, _) = block(true, 0.0, 0.0);
-    let lambda = power_iteration(&model, Part::Stiffness, 1000);
-    for method in ALL {
-        for zeta in [0.0, 0.5] {
-            let drag = 2.0 * zeta * lambda.sqrt();
-            let predicted = stability::limit(&method, lambda, drag);
-            if predicted == 0.0 {
-                continue;
-            }
-            let (model, start) = block(true, drag, 1e-7);
-            let size = |state: &State| -> f64 {
-                let nodes = state.positions.iter().zip(model.rest_positions());
-                nodes.map(|(p, r)| (p - r).norm()).sum()
-            };
-            let measured = measured_limit(method, (&model, &start), size, predicted, 1500);
-            let error = (measured / predicted - 1.0).abs();
-            assert!(
-                error < 0.03,
-                "{method:?} ζ = {zeta}: {measured} {predicted}"
-            );
-        }
-    }
-}
-
-/// The loop of the dissertation: any drag lowers its limit from 2/ω to √2/ω; in the standard form no drag does.
-#[test]
-fn the_lagged_verlet_loses_the_root_of_two_at_once() {
-    let size = |method: Method, drag: f64, h: f64, steps: usize| {
-        let (model, mut state) = faint_oscillator(1.0, drag);
-        let mut largest = 0.0f64;
-        for _ in 0..steps / 100 {
-            run(method, &model, &mut state, h, 100).unwrap();
-            largest = largest.max((state.positions[1].x - 10.0).abs() / 1e-3);
-        }
-        largest
-    };
-    let root = std::f64::consts::SQRT_2;
-    for drag in [1e-3, 1e-2, 1e-1] {
-        // Near the limit the growth is some δ·(q − 2)/4 a step: as many steps as give 1e3.
-        let steps = (400.0 / drag) as usize;
-        assert!(
-            size(Method::VelocityVerletLagged, drag, 1.05 * root, steps) > 10.0,
-            "{drag}"
-        );
-        assert!(
-            size(Method::VelocityVerletLagged, drag, 0.93 * root, steps) < 10.0,
-            "{drag}"
-        );
-        assert!(
-            size(Method::VelocityVerlet, drag, 1.98, steps) < 10.0,
-            "{drag}"
-        );
-    }
-    assert!(
-        size(Method::VelocityVerletLagged, 0.0, 1.98, 50_000) < 10.0,
-        "without drag"
-    );
-}
-
-/// The decay rate of a mode at step h, from the recurrence x₊ = T x − D x₋ that the scheme makes of it: D is the product of
-/// its two roots.
-fn decay_rate(method: Method, omega: f64, tau: f64, h: f64) -> f64 {
-    let (model, mut state) = oscillator(omega, 0.0, tau * omega * omega);
-    let mut solver = method.solver(&model).unwrap();
-    let mut x = Vec::new();
-    for _ in 0..40 {
-        solver
-            .step(
-                &model,
-                &mut state,
-                &Control::default(),
-                &Contacts::default(),
-                h,
-                &Serial,
-            )
-            .unwrap();
-        x.push(state.positions[1].x - 10.0);
-    }
-    // Four values far enough from the start: a third, small root is gone.
-    let [a, b, c, d] = [x[36], x[37], x[38], x[39]];
-    let product = (c * c - b * d) / (b * b - a * c);
-    -libm::log(product) / (2.0 * h)
-}
-
-#[test]
-fn viscosity_makes_a_mode_decay_at_the_rate_of_kelvin_and_voigt() {
-    // x'' + τω² x' + ω² x = 0: the rate is τω²/2.
-    let (omega, tau) = (4.0, 0.02);
-    let exact = 0.5 * tau * omega * omega;
-    let steps = [0.04, 0.02, 0.01];
-    for method in [Method::StoermerVerlet, Method::SymplecticEuler] {
-        for h in steps {
-            // The force of the velocity of the step before: the product of the roots is 1 − δ, δ = hτω².
-            let scheme = -libm::log(1.0 - h * tau * omega * omega) / (2.0 * h);
-            let rate = decay_rate(method, omega, tau, h);
-            assert!(
-                (rate / scheme - 1.0).abs() < 1e-9,
-                "{method:?} {h}: {rate} {scheme}"
-            );
-            // 1 + δ/2 + δ²/3 + …: first order.
-            let delta = h * tau * omega * omega;
-            assert!((rate / exact - 1.0 - delta / 2.0).abs() < delta * delta / 2.0);
-        }
-    }
-    // Second order with the velocity expected at the end of the step.
-    let error = steps.map(|h| decay_rate(Method::VelocityVerlet, omega, tau, h) / exact - 1.0);
-    for pair in error.windows(2) {
-        assert!((pair[0] / pair[1] - 4.0).abs() < 0.5, "{error:?}");
-    }
-    assert!(error[2].abs() < 1e-3, "{error:?}");
 }

@@ -13,6 +13,7 @@ use crate::method::Method;
 /// | symplectic Euler | q < 4 − 2δ |
 /// | Störmer–Verlet, velocity Verlet, exact drag factor | q < 4 |
 /// | lagged velocity Verlet | q < 2 − δ; q < 4 without drag |
+/// | implicit, quasi-static, position-based | always |
 ///
 /// Of all modes of a body the one of the largest eigenvalue has the shortest limit, except with explicit Euler: there the slow
 /// modes bound the step by 2/c.
@@ -26,8 +27,11 @@ pub fn limit(method: &Method, lambda: f64, drag: f64) -> f64 {
         Method::StoermerVerlet | Method::VelocityVerlet => 2.0 / lambda.sqrt(),
         Method::VelocityVerletLagged if drag == 0.0 => 2.0 / lambda.sqrt(),
         Method::VelocityVerletLagged => 4.0 / (c + (c * c + 8.0 * lambda).sqrt()),
-        #[allow(unreachable_patterns, reason = "methods without a limit follow")]
-        _ => f64::INFINITY,
+        Method::ImplicitEuler(_)
+        | Method::ImplicitMidpoint(_)
+        | Method::Sdirk2(_)
+        | Method::QuasiStatic(_)
+        | Method::Xpbd { .. } => f64::INFINITY,
     }
 }
 

@@ -55,12 +55,13 @@ impl BlockMatrix {
         let mut y = x.clone();
         let mut lambda = 0.0;
         for _ in 0..steps {
-            // y = A x, Rayleigh quotient x·Ax / x·W⁻¹x, then x = W y, scaled.
+            // y = A x, then x = W y, scaled. The estimate is the growth of x in the norm of W⁻¹: from below like the Rayleigh
+            // quotient, but two eigenvalues of opposite sign do not cancel in it.
             self.multiply(&x, &mut y);
-            let (mut xax, mut xx, mut size) = (0.0, 0.0, 0.0f64);
+            let (mut yy, mut xx, mut size) = (0.0, 0.0, 0.0f64);
             for ((x, y), &w) in x.iter_mut().zip(&y).zip(w) {
                 if w > 0.0 {
-                    xax += x.dot(y);
+                    yy += y.norm_squared() * w;
                     xx += x.norm_squared() / w;
                 }
                 *x = y * w;
@@ -69,7 +70,7 @@ impl BlockMatrix {
             if xx == 0.0 || size == 0.0 {
                 return 0.0;
             }
-            lambda = f64::abs(xax / xx);
+            lambda = f64::sqrt(yy / xx);
             x.iter_mut().for_each(|v| *v /= size);
         }
         lambda

@@ -75,10 +75,7 @@ fn deformed(model: &TissueModel) -> Vec<Vector3<f64>> {
     moved.map(|(rest, noise)| map * rest + noise).collect()
 }
 
-fn at<'a>(
-    positions: &'a [Vector3<f64>],
-    velocities: &'a [Vector3<f64>],
-) -> Configuration<'a> {
+fn at<'a>(positions: &'a [Vector3<f64>], velocities: &'a [Vector3<f64>]) -> Configuration<'a> {
     Configuration {
         positions,
         velocities,
@@ -212,10 +209,8 @@ fn the_positive_tangent_has_no_negative_eigenvalue_and_changes_nothing_at_rest()
     each(0.0, |model, name| {
         let mut matrix = ElementMatrix::new();
         // Half of the elements of a mesh of noise are inverted.
-        for (positions, some_negative) in [
-            (deformed(model), false),
-            (random(model, 1e-3, 2), true),
-        ] {
+        for (positions, some_negative) in [(deformed(model), false), (random(model, 1e-3, 2), true)]
+        {
             let mut least = 0.0f64;
             for set in model.sets() {
                 for element in 0..set.count() {
@@ -229,7 +224,10 @@ fn the_positive_tangent_has_no_negative_eigenvalue_and_changes_nothing_at_rest()
                         (values.min(), values.max())
                     };
                     let (lowest, highest) = extremes(Tangent::Positive);
-                    assert!(lowest >= -ROUNDING * highest, "{name}: {lowest:e} {highest:e}");
+                    assert!(
+                        lowest >= -ROUNDING * highest,
+                        "{name}: {lowest:e} {highest:e}"
+                    );
                     least = least.min(extremes(Tangent::Exact).0);
                 }
             }
@@ -239,7 +237,10 @@ fn the_positive_tangent_has_no_negative_eigenvalue_and_changes_nothing_at_rest()
         let positive = stiffness(model, model.rest_positions(), Tangent::Positive);
         // At rest no stretch has a negative eigenvalue, so both are the stiffness of linear elasticity; of a part with μ = 0
         // only the trace is left, which is positive too.
-        assert!((&exact - positive).amax() < ROUNDING * exact.amax(), "{name}");
+        assert!(
+            (&exact - positive).amax() < ROUNDING * exact.amax(),
+            "{name}"
+        );
     });
 }
 
@@ -308,25 +309,15 @@ fn viscous_forces_take_power_and_have_the_damping_matrix() {
     });
 }
 
-/// One element of μ and λ, its matrix assembled of the two parts or at once.
 #[test]
-fn split_parts_of_tetrahedra_sum_up_to_the_whole() {
+fn without_pressure_nothing_is_split() {
     let mesh = distorted_mesh();
-    let whole = constants(LawName::NeoHookean, Discretisation::Tetrahedra, 0.3);
-    // ν = 0 has λ = 0: nothing is split off.
-    let free = ContinuumConstants {
-        poisson: 0.0,
-        discretisation: Discretisation::NodalPressure,
-        ..whole
-    };
-    assert_eq!(body(&mesh, free, 0.0).sets().len(), 1);
-    let unsplit = ContinuumConstants {
-        poisson: 0.0,
-        ..whole
-    };
-    let (a, b) = (body(&mesh, free, 0.0), body(&mesh, unsplit, 0.0));
-    let positions = deformed(&a);
-    assert_eq!(energy(&a, &positions), energy(&b, &positions));
+    for (poisson, count) in [(0.3, 2), (0.0, 1), (-0.3, 1)] {
+        for discretisation in [Discretisation::NodalPressure, Discretisation::Selective] {
+            let constants = constants(LawName::NeoHookean, discretisation, poisson);
+            assert_eq!(body(&mesh, constants, 0.0).sets().len(), count);
+        }
+    }
 }
 
 #[test]
@@ -344,8 +335,7 @@ fn nothing_is_smoothed_across_a_layer() {
         )),
     };
     let clamped = vec![false; mesh.positions.len()];
-    let model =
-        build_model(&mesh, &[(0, stiff), (1, stiff)], &clamped, 0.0, Vec::new()).unwrap();
+    let model = build_model(&mesh, &[(0, stiff), (1, stiff)], &clamped, 0.0, Vec::new()).unwrap();
     assert_eq!(model.sets().len(), 4);
     for (set, region) in model.sets().iter().zip([0, 0, 1, 1]) {
         let of_region: Vec<u32> = (0..mesh.tets.len())
@@ -372,10 +362,17 @@ fn sag(discretisation: Discretisation, poisson: f64) -> f64 {
     let rest = model.rest_positions();
     let free: Vec<usize> = (0..rest.len()).filter(|&i| rest[i].x > 1e-9).collect();
     let full = stiffness(&model, rest, Tangent::Exact);
-    let index: Vec<usize> = free.iter().flat_map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let index: Vec<usize> = free
+        .iter()
+        .flat_map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+        .collect();
     let reduced = full.select_rows(&index).select_columns(&index);
     let load = DMatrix::from_fn(index.len(), 1, |k, _| {
-        if k % 3 == 2 { model.masses()[index[k] / 3] } else { 0.0 }
+        if k % 3 == 2 {
+            model.masses()[index[k] / 3]
+        } else {
+            0.0
+        }
     });
     let moved = reduced.cholesky().unwrap().solve(&load);
     let tip: Vec<f64> = (0..free.len())
@@ -396,12 +393,16 @@ fn sag(discretisation: Discretisation, poisson: f64) -> f64 {
 fn tetrahedra_lock_and_selective_smoothing_does_not() {
     // NUMERICS 1.6: 73 and 25 % of the right sag.
     let [near, locked] = [0.3, 0.49].map(|nu| sag(Discretisation::Tetrahedra, nu));
-    assert!((near - 0.72).abs() < 0.05 && locked < 0.3, "{near} {locked}");
+    assert!(
+        (near - 0.72).abs() < 0.05 && locked < 0.3,
+        "{near} {locked}"
+    );
     assert!(Discretisation::Tetrahedra.locks(0.49) && !Discretisation::Tetrahedra.locks(0.3));
+    // The table of `Discretisation` has 101 to 93 %; that the clamp holds the cross-section too, which the beam does not know,
+    // takes 2 % at ν = 0.49 (34.4 and 33.7 mm in the reference of NUMERICS 1.6); the rest is room for the small load.
     for poisson in [0.3, 0.45, 0.49] {
         let share = sag(Discretisation::Selective, poisson);
-        eprintln!("{share}");
-        assert!((share - 1.0).abs() < 0.15, "{poisson}: {share}");
+        assert!(share > 0.85 && share < 1.03, "{poisson}: {share}");
         assert!(!Discretisation::Selective.locks(poisson));
     }
 }

@@ -1,6 +1,8 @@
 //! One domain, projected as position-based methods do, against the forces of the same set.
 
-use crate::elements::{Configuration, Continuum, Elements, NodeWindow, Smoothed, SmoothingDomains, Tetrahedra};
+use crate::elements::{
+    Configuration, Continuum, Elements, NodeWindow, Smoothed, SmoothingDomains, Tetrahedra,
+};
 use crate::law::{Lame, NeoHookeanPolynomial, StableNeoHookean};
 use crate::testing::{numbers, soft_block};
 use microsim_mesh::TetMesh;
@@ -17,9 +19,20 @@ fn sets(mesh: &TetMesh, relaxation_time: f64) -> Vec<Arc<dyn Elements>> {
     type L = NeoHookeanPolynomial;
     let all: Vec<u32> = (0..mesh.tets.len() as u32).collect();
     let mut sets: Vec<Arc<dyn Elements>> = Vec::new();
-    for lame in [LAME, Lame { lambda: 0.0, ..LAME }, Lame { mu: 0.0, ..LAME }] {
+    for lame in [
+        LAME,
+        Lame {
+            lambda: 0.0,
+            ..LAME
+        },
+        Lame { mu: 0.0, ..LAME },
+    ] {
         let tetrahedra = Tetrahedra::new(mesh, &all);
-        sets.push(Arc::new(Continuum::<L>::new(tetrahedra, lame, relaxation_time)));
+        sets.push(Arc::new(Continuum::<L>::new(
+            tetrahedra,
+            lame,
+            relaxation_time,
+        )));
         let nodes = SmoothingDomains::around_nodes(mesh, &all);
         sets.push(Arc::new(Smoothed::<L>::new(nodes, lame, relaxation_time)));
     }
@@ -29,7 +42,10 @@ fn sets(mesh: &TetMesh, relaxation_time: f64) -> Vec<Arc<dyn Elements>> {
 /// Unequal masses [kg] of the size of a cell's.
 fn masses(mesh: &TetMesh) -> Vec<f64> {
     let mut next = numbers();
-    mesh.positions.iter().map(|_| 1e-7 * (1.5 + next())).collect()
+    mesh.positions
+        .iter()
+        .map(|_| 1e-7 * (1.5 + next()))
+        .collect()
 }
 
 /// Strains of order 0.3.
@@ -55,7 +71,15 @@ fn project(
     let inverse: Vec<f64> = masses.iter().map(|m| 1.0 / m).collect();
     let mut moved = positions.to_vec();
     let mut multipliers = vec![0.0; constraints.multipliers()];
-    constraints.project(element, &mut moved, previous, &inverse, &[], &mut multipliers, h);
+    constraints.project(
+        element,
+        &mut moved,
+        previous,
+        &inverse,
+        &[],
+        &mut multipliers,
+        h,
+    );
     moved
 }
 
@@ -66,9 +90,20 @@ fn the_rest_shape_stays_where_it_is() {
     for set in sets(&mesh, 0.1) {
         // A step that is short and one that is far beyond every explicit limit.
         for h in [1e-6, 1e-2] {
-            let moved = project(set.as_ref(), 3, &mesh.positions, &mesh.positions, &masses, h);
+            let moved = project(
+                set.as_ref(),
+                3,
+                &mesh.positions,
+                &mesh.positions,
+                &masses,
+                h,
+            );
             for (a, b) in moved.iter().zip(&mesh.positions) {
-                assert!((a - b).amax() < 1e-15, "a millimetre, to rounding: {}", a - b);
+                assert!(
+                    (a - b).amax() < 1e-15,
+                    "a millimetre, to rounding: {}",
+                    a - b
+                );
             }
         }
     }
@@ -168,7 +203,12 @@ fn other_laws_are_no_constraints() {
 
 /// Corners of a cube of 1 mm.
 fn regular_tetrahedron() -> TetMesh {
-    let corners = [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]];
+    let corners = [
+        [1.0, 1.0, 1.0],
+        [-1.0, 1.0, -1.0],
+        [1.0, -1.0, -1.0],
+        [-1.0, -1.0, 1.0],
+    ];
     let positions = corners.map(|c| Vector3::from(c) * 0.5e-3);
     TetMesh::new(positions.to_vec(), vec![[0, 1, 2, 3]], vec![0])
 }

@@ -1,0 +1,116 @@
+//! `microsim simulate`: a scene from start to end, and what came out.
+
+mod cpu;
+mod document;
+mod frames;
+mod pool;
+mod table;
+
+use crate::cli::{Place, SimulateArgs};
+use crate::output::{Exit, Problem, say, say_json};
+use crate::scene_file::{SceneFile, find};
+use cpu::cpu_seconds;
+use document::{Result as Outcome, document};
+use frames::Frames;
+use indicatif::{ProgressBar, ProgressStyle};
+use microsim_scene::{End, Executor, Serial};
+use pool::Pool;
+use std::io::IsTerminal;
+use std::path::Path;
+
+/// Steps of the progress bar.
+const PROGRESS: u64 = 1000;
+
+/// Runs a scene.
+pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
+    let path = find(place, &args.scene)?;
+    let mut scene = SceneFile::open(&path, &args.set)?;
+    for warning in &scene.warnings {
+        tracing::warn!("{warning}");
+    }
+    match (&scene.step_too_long, args.any_step) {
+        (Some(sentence), false) => {
+            return Err(format!("{sentence} (--any-step runs it nevertheless)").into());
+        }
+        (Some(sentence), true) => tracing::warn!("{sentence}"),
+        (None, _) => {}
+    }
+    let quiet = args.json.as_deref() == Some(Path::new("-"));
+    if !quiet {
+        say(table::heading(&scene, &path))?;
+    }
+
+    let pool = match args.threads {
+        1 => None,
+        threads => Some(Pool::new(threads.into())?),
+    };
+    let exec: &dyn Executor = match &pool {
+        Some(pool) => pool,
+        None => &Serial,
+    };
+    let start: Vec<_> = (0..scene.runner.scene().body_count())
+        .map(|body| scene.runner.scene().positions(body).to_vec())
+        .collect();
+    let mut frames = match &args.vtu {
+        Some(folder) => Some(Frames::new(folder, &scene)?),
+        None => None,
+    };
+    let bar = progress_bar();
+    let mut cpu = 0.0;
+    loop {
+        // Export is not counted.
+        let before = cpu_seconds();
+        let goes_on = scene.runner.advance(exec);
+        cpu += cpu_seconds() - before;
+        bar.set_position((scene.runner.progress() * PROGRESS as f64) as u64);
+        if let Some(frames) = &mut frames {
+            frames.after_sample(&scene.runner)?;
+        }
+        if !goes_on {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+    let files = frames.map(Frames::finish).transpose()?;
+
+    let outcome = Outcome {
+        cpu_s: cpu,
+        threads: args.threads,
+        start,
+    };
+    if let Some(file) = &args.json {
+        let document = document(&scene, &outcome);
+        if quiet {
+            say_json(&document)?;
+        } else {
+            std::fs::write(file, format!("{document:#}\n"))
+                .map_err(|e| format!("{}: {e}", file.display()))?;
+        }
+    }
+    if !quiet {
+        say(table::result(&scene, cpu))?;
+        if let Some(file) = &args.json {
+            say(format!("Everything in {}", file.display()))?;
+        }
+        if let Some((folder, count)) = files {
+            say(format!("{count} meshes in {}; open the .pvd in ParaView", folder.display()))?;
+        }
+    }
+    let diverged = matches!(scene.runner.end(), Some(End::Diverged(_)));
+    let missed = scene.runner.verdicts().iter().any(|verdict| !verdict.met);
+    Ok(match diverged || (args.require && missed) {
+        true => Exit::Negative,
+        false => Exit::Done,
+    })
+}
+
+fn progress_bar() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(PROGRESS);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} % of the time, {elapsed} passed") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,133 @@
+//! The JSON document of a run.
+
+use crate::scene_file::SceneFile;
+use microsim_scene::{End, Runner};
+use microsim_session::digest;
+use microsim_settings as settings;
+use nalgebra::Vector3;
+use serde_json::{Map, Value, json};
+
+/// What the document holds besides the run itself.
+#[derive(Debug)]
+pub struct Result {
+    /// CPU time of all threads from the first step to the last [s].
+    pub cpu_s: f64,
+    /// Threads.
+    pub threads: u16,
+    /// Node positions of each body at the start [m].
+    pub start: Vec<Vec<Vector3<f64>>>,
+}
+
+/// Everything about a run.
+pub fn document(file: &SceneFile, result: &Result) -> Value {
+    let runner = &file.runner;
+    let (scene, settings) = (runner.scene(), &file.loaded.settings);
+    let (status, diverged) = match runner.end() {
+        Some(End::Diverged(diverged)) => (
+            "diverged",
+            json!({
+                "step": runner.steps() + u64::from(diverged.step),
+                "body": diverged.body_name,
+                "time": diverged.time,
+                "what": diverged.what.to_string(),
+            }),
+        ),
+        _ => ("ok", Value::Null),
+    };
+    let bodies = (0..scene.body_count()).map(|body| of_body(file, result, body));
+    let series = runner.series();
+    json!({
+        "scene": file.loaded.document.path(),
+        "method": scene.method().name(),
+        "method_settings": file.loaded.document.value()["method"],
+        "dt": runner.step(),
+        "steps": runner.steps(),
+        "simulated_s": scene.time(),
+        "cpu_s": result.cpu_s,
+        "threads": result.threads,
+        "status": status,
+        "diverged": diverged,
+        "came_to_rest": runner.end() == Some(&End::Rest),
+        "recoveries": runner.recoveries().iter().map(|(time, recovery)| json!({
+            "time": time,
+            "body": scene.body_name(recovery.body),
+            "what": recovery.what.to_string(),
+            "factor": recovery.factor,
+        })).collect::<Vec<_>>(),
+        "warnings": file.warnings,
+        "state_hash": hex(&digest([scene.save().as_slice()])),
+        "bodies": bodies.collect::<Vec<_>>(),
+        "series": {
+            "t": series.time,
+            "kinetic_J": series.kinetic,
+            "elastic_J": series.elastic,
+        },
+        "probes": settings.probe.iter().zip(&series.probes).map(|(probe, values)| json!({
+            "name": probe.name,
+            "body": probe.body,
+            "unit": probe.quantity.unit().symbol(),
+            "values": values,
+        })).collect::<Vec<_>>(),
+        "expectations": expectations(runner, settings),
+    })
+}
+
+fn of_body(file: &SceneFile, result: &Result, body: usize) -> Value {
+    let scene = file.runner.scene();
+    let described = &file.loaded.document.value()["body"][body];
+    let energies = scene.energies(body);
+    json!({
+        "name": scene.body_name(body),
+        "material": described["material"],
+        "colour": described["colour"],
+        "finish": described["finish"],
+        "rest": points(scene.rest_positions(body)),
+        "start": points(&result.start[body]),
+        "nodes": points(scene.positions(body)),
+        "velocities": points(scene.velocities(body)),
+        "tets": scene.tets(body),
+        "regions": scene.mesh(body).regions,
+        "surface": scene.surface(body).triangles,
+        "masses": scene.masses(body),
+        "clamped": scene.model(body).clamped(),
+        "volume": scene.volume(body),
+        "energy": {
+            "kinetic": energies.kinetic,
+            "length": energies.length,
+            "area": energies.area,
+            "volume": energies.volume,
+            "strain": energies.strain,
+            "coupling": energies.coupling,
+        },
+    })
+}
+
+fn expectations(runner: &Runner, settings: &settings::Scene) -> Vec<Value> {
+    let verdicts = runner.verdicts();
+    let verdicts = verdicts.iter().map(|verdict| {
+        let expect = &settings.expect[verdict.expect];
+        let mut entry = Map::new();
+        for (key, value) in [
+            ("probe", json!(expect.probe)),
+            ("what", json!(expect.what.name())),
+            ("expected", json!(expect.value)),
+            ("found", json!(verdict.found)),
+            ("error", json!(verdict.error)),
+            ("tolerance", json!(expect.tolerance)),
+            ("met", json!(verdict.met)),
+            ("source", json!(expect.source)),
+        ] {
+            entry.insert(key.to_owned(), value);
+        }
+        Value::Object(entry)
+    });
+    verdicts.collect()
+}
+
+fn points(points: &[Vector3<f64>]) -> Vec<[f64; 3]> {
+    points.iter().map(|p| [p.x, p.y, p.z]).collect()
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,120 @@
+//! The series of deformed meshes for ParaView: a `.vtu` per body and frame, a `.pvd` that lists all.
+
+use crate::scene_file::SceneFile;
+use microsim_mesh::format::{Field, FieldValues, PvdEntry, VtuEncoding, write_pvd, write_vtu};
+use microsim_mesh::signed_volume;
+use microsim_scene::{BodySpec, Runner, von_mises};
+use nalgebra::Vector3;
+use std::path::{Path, PathBuf};
+
+/// A folder into which a run is written.
+pub struct Frames {
+    folder: PathBuf,
+    scene: String,
+    bodies: Vec<BodySpec>,
+    /// Time between two frames [s], and the time of the next one.
+    interval: f64,
+    next: f64,
+    written: Vec<(f64, u32, String)>,
+    count: u32,
+}
+
+impl Frames {
+    /// Begins a series in `folder`, which is made, with the start of the scene.
+    pub fn new(folder: &Path, scene: &SceneFile) -> Result<Self, String> {
+        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        let name = scene.loaded.document.path();
+        let mut frames = Self {
+            folder: folder.to_path_buf(),
+            scene: name.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            bodies: scene.spec.bodies.clone(),
+            interval: scene.loaded.settings.run.frame,
+            next: 0.0,
+            written: Vec::new(),
+            count: 0,
+        };
+        frames.after_sample(&scene.runner)?;
+        Ok(frames)
+    }
+
+    /// Writes a frame if it is time for one; the last state always is one.
+    pub fn after_sample(&mut self, runner: &Runner) -> Result<(), String> {
+        let time = runner.scene().time();
+        let last = self.written.last().map(|(time, ..)| *time);
+        let due = time >= self.next - 0.5 * runner.sample() || runner.end().is_some();
+        if !due || last == Some(time) {
+            return Ok(());
+        }
+        self.next = time + self.interval;
+        for (index, body) in self.bodies.iter().enumerate() {
+            let file = format!("{}-{}-{:05}.vtu", self.scene, body.name, self.count);
+            let path = self.folder.join(&file);
+            std::fs::write(&path, frame(runner, index, body))
+                .map_err(|e| format!("{}: {e}", path.display()))?;
+            self.written.push((time, index as u32, file));
+        }
+        self.count += 1;
+        Ok(())
+    }
+
+    /// Writes the list; gives the folder and the number of meshes.
+    pub fn finish(self) -> Result<(PathBuf, usize), String> {
+        let entries: Vec<PvdEntry<'_>> = self
+            .written
+            .iter()
+            .map(|(time, part, file)| PvdEntry {
+                time: *time,
+                part: *part,
+                file,
+            })
+            .collect();
+        let path = self.folder.join(format!("{}.pvd", self.scene));
+        std::fs::write(&path, write_pvd(&entries)).map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok((self.folder, self.written.len()))
+    }
+}
+
+/// A body as it is now.
+fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
+    let scene = runner.scene();
+    let (now, rest) = (scene.positions(index), scene.rest_positions(index));
+    let displacement: Vec<Vector3<f64>> = now.iter().zip(rest).map(|(a, b)| a - b).collect();
+    let rest_volumes = scene.model(index).rest_volumes();
+    let ratio: Vec<f64> = scene
+        .tets(index)
+        .iter()
+        .zip(rest_volumes)
+        .map(|(tet, rest)| {
+            let [a, b, c, d] = tet.map(|node| &now[node as usize]);
+            signed_volume(a, b, c, d) / rest
+        })
+        .collect();
+    let stress = von_mises(body, now);
+    let mut of_elements = vec![Field {
+        name: "volume ratio",
+        values: FieldValues::Scalars(&ratio),
+    }];
+    if let Some(stress) = &stress {
+        of_elements.push(Field {
+            name: "von Mises stress [Pa]",
+            values: FieldValues::Scalars(stress),
+        });
+    }
+    let of_nodes = [
+        Field {
+            name: "displacement [m]",
+            values: FieldValues::Vectors(&displacement),
+        },
+        Field {
+            name: "velocity [m/s]",
+            values: FieldValues::Vectors(scene.velocities(index)),
+        },
+    ];
+    write_vtu(
+        scene.mesh(index),
+        now,
+        &of_nodes,
+        &of_elements,
+        VtuEncoding::AppendedRaw,
+    )
+}

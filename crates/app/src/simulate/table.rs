@@ -1,0 +1,159 @@
+//! What `simulate` says to people.
+
+use crate::scene_file::SceneFile;
+use microsim_scene::{End, Verdict};
+use microsim_settings as settings;
+use serde_json::Value;
+use settings::Unit;
+use std::path::Path;
+
+/// What is going to be simulated.
+pub fn heading(file: &SceneFile, path: &Path) -> String {
+    let (scene, runner) = (&file.loaded.settings, &file.runner);
+    let mut lines = vec![
+        format!("{}: {}", scene.title.en, scene.summary.en),
+        format!("  scene     {}", path.display()),
+    ];
+    for (index, body) in scene.body.iter().enumerate() {
+        let built = runner.scene();
+        lines.push(format!(
+            "  body      {}: {} tetrahedra, {} nodes",
+            body.name,
+            built.element_count(index),
+            built.rest_positions(index).len()
+        ));
+        let values = &file.loaded.document.value()["body"][index]["material"];
+        for (material, value) in body.material.iter().zip(values.as_array().into_iter().flatten()) {
+            lines.push(format!("  material  {}", material_line(material, value)));
+        }
+    }
+    let end = match scene.run.end {
+        settings::End::Time => Unit::Time.describe(scene.run.duration),
+        settings::End::Rest => format!(
+            "until it rests, {} at most",
+            Unit::Time.describe(scene.run.duration)
+        ),
+    };
+    lines.push(format!(
+        "  method    {}, step {}, {end}",
+        runner.scene().method().name(),
+        Unit::Time.describe(round(runner.step())),
+    ));
+    lines.join("\n")
+}
+
+/// Law and constants of a material, as the file names them.
+fn material_line(material: &settings::Material, value: &Value) -> String {
+    let text = |key: &str| value[key].as_str().map(str::to_owned);
+    let quantity = |key: &str, symbol: &str, unit: Unit| {
+        let si = value[key].as_f64()?;
+        Some(format!("{symbol} {}", unit.describe(round(si))))
+    };
+    let parts = [
+        material.region.map(|region| format!("region {region}")),
+        text("law"),
+        text("form"),
+        text("discretisation"),
+        quantity("youngs_modulus", "E", Unit::Pressure),
+        quantity("poisson_ratio", "nu", Unit::Ratio),
+        quantity("stretch_modulus", "stretch", Unit::Pressure),
+        quantity("volume_modulus", "volume", Unit::Pressure),
+        quantity("density", "density", Unit::Density),
+        quantity("viscosity", "viscosity", Unit::Viscosity),
+        quantity("relaxation_time", "relaxation", Unit::Time),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// How it ended, what it cost, and what came out.
+pub fn result(file: &SceneFile, cpu_s: f64) -> String {
+    let (scene, runner) = (&file.loaded.settings, &file.runner);
+    let time = runner.scene().time();
+    let ended = match runner.end() {
+        Some(End::Diverged(diverged)) => format!("Diverged: {diverged}"),
+        Some(End::Rest) => format!("Rests after {}", Unit::Time.describe(round(time))),
+        _ if scene.run.end == settings::End::Rest => {
+            format!("Does not rest within {}", Unit::Time.describe(round(time)))
+        }
+        _ => format!("Simulated {}", Unit::Time.describe(round(time))),
+    };
+    let mut lines = vec![format!(
+        "{ended}: {} steps, {:.3} CPU seconds, {:.3} per simulated second",
+        runner.steps(),
+        cpu_s,
+        cpu_s / time,
+    )];
+    if !runner.recoveries().is_empty() {
+        lines.push(format!(
+            "{} samples were computed again with shorter steps",
+            runner.recoveries().len()
+        ));
+    }
+    let mut rows = Vec::new();
+    for (probe, values) in scene.probe.iter().zip(&runner.series().probes) {
+        let watched = !scene.expect.iter().any(|e| e.probe == probe.name);
+        if let (true, Some(last)) = (watched, values.last()) {
+            let found = probe.quantity.unit().describe(round(*last));
+            rows.push([probe.name.clone(), "at-end".into(), String::new(), found].to_vec());
+        }
+    }
+    let verdicts = runner.verdicts();
+    rows.extend(verdicts.iter().map(|verdict| row(scene, verdict)));
+    if !rows.is_empty() {
+        let heading = ["probe", "what", "expected", "found", "error", "tolerance", ""];
+        rows.insert(0, heading.map(str::to_owned).to_vec());
+        lines.push(columns(&rows));
+    }
+    for expect in &scene.expect {
+        lines.push(format!("{} {}: {}", expect.probe, expect.what.name(), expect.source));
+    }
+    lines.join("\n")
+}
+
+fn row(scene: &settings::Scene, verdict: &Verdict) -> Vec<String> {
+    let expect = &scene.expect[verdict.expect];
+    let probe = scene.probe.iter().find(|probe| probe.name == expect.probe);
+    let unit = probe.map_or(Unit::Ratio, |probe| expect.what.unit(probe.quantity));
+    let number = |value: f64| unit.describe(round(value));
+    vec![
+        expect.probe.clone(),
+        expect.what.name().to_owned(),
+        number(expect.value),
+        verdict.found.map_or("not found".to_owned(), number),
+        verdict.error.map_or(String::new(), |e| format!("{:+.2} %", e * 100.0)),
+        format!("{} %", round(expect.tolerance * 100.0)),
+        if verdict.met { "met" } else { "MISSED" }.to_owned(),
+    ]
+}
+
+/// Rows in columns as wide as they need.
+fn columns(rows: &[Vec<String>]) -> String {
+    let count = rows.iter().map(Vec::len).max().unwrap_or_default();
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or_default()
+    };
+    let widths: Vec<usize> = (0..count).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
+        format!("  {}", cells.collect::<Vec<_>>().join("  ")).trim_end().to_owned()
+    };
+    rows.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Five digits are enough for people.
+fn round(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_as_wide_as_their_widest_cell() {
+        let rows = [vec!["a".to_owned(), "bc".to_owned()], vec!["def".to_owned()]];
+        assert_eq!(columns(&rows), "  a    bc\n  def");
+        assert_eq!(round(0.000123456), 0.00012346);
+    }
+}
