@@ -209,7 +209,8 @@ mod tests {
                 "new module demo --dir x",
                 r#"NewModule { name: "demo", folder: Some("x") }"#,
             ),
-            ("bench", r#"["bench_host"] []"#),
+            ("bench", r#"["bench_host", "bench_kernels"] []"#),
+            ("bench kernels", r#"["bench_kernels"] []"#),
             (
                 "soak kills -- --runs 8",
                 r#"["soak_kills"] ["--runs", "8"]"#,
@@ -239,7 +240,7 @@ mod tests {
             ("new module", "`new module` needs a name"),
             ("new module demo --dir", "`--dir` needs a folder"),
             ("new module demo more", "`new` does not take \"more\""),
-            ("bench hosts", "there is no \"hosts\"; there are: host"),
+            ("bench hosts", "there is no \"hosts\"; there are: host, kernels"),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {
             assert_eq!(parsed(line), expected, "{line}");

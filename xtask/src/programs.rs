@@ -18,11 +18,18 @@ pub struct Program {
 }
 
 /// What `bench` runs.
-pub const BENCHES: &[Program] = &[Program {
-    name: "host",
-    example: "bench_host",
-    shows: "cost per step of host, bus and recording without physics, p50 and p99",
-}];
+pub const BENCHES: &[Program] = &[
+    Program {
+        name: "host",
+        example: "bench_host",
+        shows: "cost per step of host, bus and recording without physics, p50 and p99",
+    },
+    Program {
+        name: "kernels",
+        example: "bench_kernels",
+        shows: "cost of forces and of an explicit step per tetrahedron, every material",
+    },
+];
 
 /// What `soak` runs.
 pub const SOAKS: &[Program] = &[Program {

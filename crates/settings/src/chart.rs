@@ -3,6 +3,7 @@
 //! A run is a scene with overrides: those of a resolution, of a variant, of a material and of a method, and a step. A sweep
 //! is the product of its lists; the runs of a scene are those of its sweeps in their order, each run once.
 
+use crate::body::Discretisation;
 use crate::check::{items, refers, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
@@ -21,6 +22,8 @@ pub struct Chart {
     pub budget: ChartBudget,
     /// How exact solutions are made.
     pub exact: ChartExact,
+    /// What `microsim tune` chooses from.
+    pub tune: ChartTune,
     /// Materials with their discretisations.
     pub material: Vec<ChartMaterial>,
     /// Methods.
@@ -51,6 +54,20 @@ pub struct ChartExact {
     pub motion: Vec<String>,
     /// Step of the motion as a share of the stability limit.
     pub share: f64,
+}
+
+/// What `microsim tune` chooses from.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChartTune {
+    /// Numbers of cells as multiples of those of the file, from coarse to fine.
+    pub scales: Vec<f64>,
+    /// Discretisations of continua.
+    pub discretisations: Vec<Discretisation>,
+    /// Names of methods, with the steps and iterations that the chart tries.
+    pub methods: Vec<String>,
+    /// Names of methods for levels with contact.
+    pub contact_methods: Vec<String>,
 }
 
 /// A material with its discretisation.
@@ -201,6 +218,7 @@ pub fn chart_schema() -> Schema {
         keys: vec![
             Key::required("budget", Kind::Table(budget), "How much time is allowed."),
             Key::required("exact", Kind::Table(exact_keys()), "How the exact solution on a mesh with a material is made."),
+            Key::required("tune", Kind::Table(tune_keys()), "What `microsim tune` chooses from."),
             Key::required("material", some(material_keys(), 64), "Materials with their discretisations."),
             Key::required("method", some(method_keys(), 64), "Methods with the parameters that are tried."),
             Key::required("scene", some(scene_keys(), 64), "Scenes with what is compared."),
@@ -214,6 +232,16 @@ fn exact_keys() -> Vec<Key> {
         overrides("rest", "Overrides for the equilibrium: `KEY=VALUE`, as with --set."),
         overrides("motion", "Overrides for the motion: those of an explicit method."),
         Key::with_default("share", Kind::quantity(Unit::Ratio, 0.001, 1.0), "Step of the motion as a share of the estimated stability limit.", 0.25),
+    ]
+}
+
+fn tune_keys() -> Vec<Key> {
+    let some = |of: Kind| Kind::List { of: Box::new(of), min: 1, max: 32 };
+    vec![
+        Key::required("scales", some(Kind::quantity(Unit::Ratio, 0.05, 20.0)), "Numbers of cells as multiples of those of the file, from coarse to fine."),
+        Key::required("discretisations", some(Kind::choice(&Discretisation::NAMES)), "Discretisations of continua."),
+        Key::required("methods", some(Kind::Text), "Names of methods, with the steps and iterations that the chart tries."),
+        Key::required("contact_methods", some(Kind::Text), "Names of methods for levels with contact."),
     ]
 }
 
@@ -311,6 +339,15 @@ pub fn read_chart(text: &str, file: &str) -> Result<Loaded<Chart>, ConfigErrors>
     }
     for list in ["rest", "motion"] {
         check_set(&mut reading, &root.key("exact"), list);
+    }
+    let methods = texts(reading.value(), "method", "name");
+    let methods: Vec<&str> = methods.iter().map(|(_, name)| name.as_str()).collect();
+    for list in ["methods", "contact_methods"] {
+        let tune = reading.value()["tune"].clone();
+        for (i, name) in items(&tune, list) {
+            let Some(name) = name.as_str() else { continue };
+            refers(&mut reading, &root.key("tune").key(list).at(i), name, "a method", &methods);
+        }
     }
     for i in 0..items(reading.value(), "scene").count() {
         check_scene(&mut reading, i);

@@ -45,7 +45,7 @@ pub use body::{
 };
 pub use chart::{
     Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution, ChartScene,
-    ChartSweep, ChartVariant, ExactKind, chart_schema, load_chart, read_chart,
+    ChartSweep, ChartTune, ChartVariant, ExactKind, chart_schema, load_chart, read_chart,
 };
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};

@@ -15,6 +15,7 @@ mod results;
 mod row;
 #[cfg(test)]
 mod testing;
+mod tune;
 
 pub use execute::{Context, LoadScene, LoadedScene, Step, run_group};
 pub use front::{Point, cheapest, pareto_front};
@@ -22,3 +23,6 @@ pub use page::{PageInfo, panel_svg};
 pub use plan::{Group, GroupKey, PlannedRun, PlannedStep, RunKey, groups};
 pub use results::{ERRORS, Panel, Results};
 pub use row::{Against, GroupResult, Measured, Row, Status};
+pub use tune::{
+    Candidates, Choices, Elements, Goal, Mesh, Trial, Tuning, candidates, error_of, tune,
+};

@@ -14,6 +14,11 @@ quick_total = "100 s"
 [exact]
 rest = ["method.name=quasi-static"]
 motion = ["method.name=stoermer-verlet"]
+[tune]
+scales = [1.0]
+discretisations = ["tetrahedra"]
+methods = ["verlet"]
+contact_methods = ["verlet"]
 [[material]]
 name = "linear"
 title = "linear tetrahedra"

@@ -108,14 +108,14 @@ impl SolverImplicit {
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         self.equation.rate = 1.0 / span;
-        for node in 0..model.node_count() {
+        for (node, start) in start.iter().enumerate() {
             let base = self.equation.base[node];
             self.ballistic[node] = base + self.equation.base_velocities[node] * span;
             // As the end itself for the whole way, so that it is met to the last bit.
             self.ends[node] = if way == 1.0 {
                 self.prescribed.ends[node]
             } else {
-                start[node] + (self.prescribed.ends[node] - start[node]) * way
+                start + (self.prescribed.ends[node] - start) * way
             };
         }
         self.solver.solve(

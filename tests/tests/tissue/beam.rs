@@ -42,11 +42,18 @@ pub const LAWS: [(LawName, &str); 4] = [
 pub fn mesh(name: &str) -> TetMesh {
     let path = repository().join(format!("tests/data/reference/cantilever-{name}.msh"));
     let bytes = std::fs::read(path).expect("the mesh");
-    read_tet_mesh(MeshFormat::Gmsh, &[&bytes]).expect("a mesh").mesh
+    read_tet_mesh(MeshFormat::Gmsh, &[&bytes])
+        .expect("a mesh")
+        .mesh
 }
 
 /// The beam of a law, a Poisson's ratio and a discretisation.
-pub fn beam(mesh: &TetMesh, law: LawName, poisson: f64, discretisation: Discretisation) -> TissueModel {
+pub fn beam(
+    mesh: &TetMesh,
+    law: LawName,
+    poisson: f64,
+    discretisation: Discretisation,
+) -> TissueModel {
     let material = Material {
         density: 1000.0,
         relaxation_time: 0.0,
@@ -59,8 +66,14 @@ pub fn beam(mesh: &TetMesh, law: LawName, poisson: f64, discretisation: Discreti
     };
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < 1e-9).collect();
     let regions = mesh.regions.first().map(|&region| (region, material));
-    build_model(mesh, &regions.into_iter().collect::<Vec<_>>(), &clamped, 0.0, Vec::new())
-        .expect("a model")
+    build_model(
+        mesh,
+        &regions.into_iter().collect::<Vec<_>>(),
+        &clamped,
+        0.0,
+        Vec::new(),
+    )
+    .expect("a model")
 }
 
 /// Mean of −z displacements of the nodes of the free end [m].
@@ -89,7 +102,14 @@ pub fn static_sag(model: &TissueModel) -> f64 {
     };
     let mut solver = method.solver(model).expect("a solver");
     solver
-        .step(model, &mut state, &control, &Contacts::default(), 1.0, &Serial)
+        .step(
+            model,
+            &mut state,
+            &control,
+            &Contacts::default(),
+            1.0,
+            &Serial,
+        )
         .expect("an equilibrium");
     sag(model, &state)
 }

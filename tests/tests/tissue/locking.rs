@@ -18,12 +18,20 @@ fn linear_tetrahedra_lock_as_the_independent_code_says() {
     for name in ["S", "M"] {
         let mesh = mesh(name);
         for poisson in [0.45, 0.49] {
-            let model = beam(&mesh, LawName::NeoHookean, poisson, Discretisation::Tetrahedra);
+            let model = beam(
+                &mesh,
+                LawName::NeoHookean,
+                poisson,
+                Discretisation::Tetrahedra,
+            );
             let found = static_sag(&model);
             let path = format!("/static_nearly_incompressible_mm/nu_{poisson}/p1_{name}");
             let expected = expected(&path) * 1e-3;
             println!("{name} ν {poisson}: {found:.6} m");
-            assert!((found / expected - 1.0).abs() < 1e-3, "{name} {poisson}: {found}, {expected}");
+            assert!(
+                (found / expected - 1.0).abs() < 1e-3,
+                "{name} {poisson}: {found}, {expected}"
+            );
         }
     }
 }
@@ -32,7 +40,12 @@ fn linear_tetrahedra_lock_as_the_independent_code_says() {
 fn the_selective_discretisation_does_not_lock() {
     let mesh = mesh("M");
     for poisson in [0.45, 0.49] {
-        let model = beam(&mesh, LawName::NeoHookean, poisson, Discretisation::Selective);
+        let model = beam(
+            &mesh,
+            LawName::NeoHookean,
+            poisson,
+            Discretisation::Selective,
+        );
         let error = static_sag(&model) / exact(poisson) - 1.0;
         println!("M ν {poisson} selective: {:+.2} %", error * 100.0);
         assert!(error.abs() < 0.05, "ν = {poisson}: {error}");

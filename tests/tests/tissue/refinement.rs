@@ -20,7 +20,12 @@ fn the_sag_converges_with_the_order_of_linear_elements() {
                 split: CellSplit::Kuhn,
             };
             let mesh = block.mesh().expect("a mesh");
-            let model = beam(&mesh, LawName::StVenantKirchhoff, 0.3, Discretisation::Tetrahedra);
+            let model = beam(
+                &mesh,
+                LawName::StVenantKirchhoff,
+                0.3,
+                Discretisation::Tetrahedra,
+            );
             (cells as f64, exact - static_sag(&model))
         })
         .collect();

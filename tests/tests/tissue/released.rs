@@ -20,7 +20,14 @@ fn first_peak(model: &TissueModel) -> (f64, f64) {
     let (mut peak, mut at, mut time) = (0.0, 0.0, 0.0);
     while time < at + 0.05 {
         solver
-            .step(model, &mut state, &control, &Contacts::default(), h, &Serial)
+            .step(
+                model,
+                &mut state,
+                &control,
+                &Contacts::default(),
+                h,
+                &Serial,
+            )
             .expect("a step");
         time += h;
         let sag = sag(model, &state);
@@ -57,6 +64,9 @@ fn compare(mesh: &str, key: &str, (peak, time): (f64, f64)) {
         let expected = expected(&format!("{path}/{what}"));
         let error = found / expected - 1.0;
         println!("{mesh} {key} {what}: {found:.6}, {:+.3} %", error * 100.0);
-        assert!(error.abs() < 5e-3, "{mesh} {key} {what}: {found} instead of {expected}");
+        assert!(
+            error.abs() < 5e-3,
+            "{mesh} {key} {what}: {found} instead of {expected}"
+        );
     }
 }

@@ -17,7 +17,10 @@ fn the_static_sag_of_every_law_is_that_of_independent_codes() {
             let expected = expected(&format!("/static/linear_tetrahedra_{key}/{name}"));
             let error = found / expected - 1.0;
             println!("{name} {key}: {found:.7} m, {:+.4} %", error * 100.0);
-            assert!(error.abs() < TOLERANCE, "{name} {key}: {found} instead of {expected}");
+            assert!(
+                error.abs() < TOLERANCE,
+                "{name} {key}: {found} instead of {expected}"
+            );
         }
     }
 }

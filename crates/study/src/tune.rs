@@ -1,0 +1,392 @@
+//! The cheapest way to keep a stated error: meshes, discretisations, methods and steps are tried, and each is chosen or rejected
+//! for a reason.
+//!
+//! A mesh with a discretisation whose exact solution misses the error is rejected with every method: two errors that cancel are
+//! luck. Of the others each run may take as long as the cheapest so far. What beats it must be stable at a longer step, and must
+//! survive that a node is yanked away by the size of the body.
+
+mod candidates;
+
+pub use candidates::{Candidates, Choices, Elements, Mesh, candidates};
+
+use crate::execute::{Context, LoadedScene, Outcome, advance, ready, stability_limit};
+use crate::number::{percent, significant, time};
+use crate::plan::PlannedStep;
+use crate::row::Status;
+use microsim_scene::{Scene, Selection, StartSpec};
+use microsim_settings::{ChartMethod, Expect};
+use std::fmt::Write;
+
+/// Steps at which stability is tried, as multiples of the step of a run, ascending.
+const FACTORS: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 8.0];
+/// Methods without a stability limit must work at this multiple of the step.
+const IMPLICIT_FACTOR: f64 = 2.0;
+/// A new run must be cheaper than the best one by this share: less is noise.
+const NOISE: f64 = 0.05;
+
+/// What must be kept.
+#[derive(Clone, Debug)]
+pub struct Goal {
+    /// What is compared; empty where the exact solution on the finest mesh is the measure of things.
+    pub expect: Vec<Expect>,
+    /// Largest relative error.
+    pub error: f64,
+    /// Factor that must lie between the step and one at which it fails.
+    pub margin: f64,
+}
+
+/// A run that was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Mesh, elements, method, parameters in words.
+    pub description: String,
+    /// Method with elements: what sentences are about.
+    pub kind: String,
+    /// Overrides of the file, the step not among them.
+    pub overrides: Vec<String>,
+    /// Name of the method in files.
+    pub method: String,
+    /// Step [s].
+    pub step: f64,
+    /// Number of tetrahedra.
+    pub elements: usize,
+    /// Relative error.
+    pub error: Option<f64>,
+    /// CPU time per simulated time.
+    pub cost: Option<f64>,
+    /// Largest multiple of the step at which it was seen to be stable.
+    pub margin: Option<f64>,
+    /// Why it was rejected; `None` for the one that was chosen.
+    pub rejected: Option<String>,
+}
+
+/// What came out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tuning {
+    /// All runs, in the order in which they were tried.
+    pub trials: Vec<Trial>,
+    /// Index of the chosen one.
+    pub chosen: Option<usize>,
+}
+
+impl Tuning {
+    /// The chosen run.
+    pub fn choice(&self) -> Option<&Trial> {
+        Some(&self.trials[self.chosen?])
+    }
+
+    /// Why the others were rejected: a sentence for each method with its elements, about its best run.
+    pub fn sentences(&self) -> Vec<String> {
+        let mut kinds: Vec<&str> = Vec::new();
+        for trial in &self.trials {
+            if !kinds.contains(&trial.kind.as_str()) {
+                kinds.push(&trial.kind);
+            }
+        }
+        let sentence = |kind: &&str| {
+            let of = || self.trials.iter().filter(|t| t.kind == **kind && t.rejected.is_some());
+            // The one that came nearest: it kept the error at the least cost, or had the least error.
+            let rank = |t: &&Trial| (t.error.unwrap_or(f64::INFINITY), t.cost.unwrap_or(f64::INFINITY));
+            let best = of().min_by(|a, b| {
+                let (a, b) = (rank(a), rank(b));
+                a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+            })?;
+            let reason = best.rejected.as_deref()?;
+            let others = of().count() - 1;
+            let mut text = format!("{}: {reason}", best.description);
+            if others > 0 {
+                let _ = write!(text, " (and {others} more runs of {kind})");
+            }
+            Some(text)
+        };
+        kinds.iter().filter_map(sentence).collect()
+    }
+}
+
+/// Tries the candidates; `after` is called after each trial.
+pub fn tune(
+    context: &Context<'_>,
+    goal: &Goal,
+    candidates: &Candidates,
+    after: &mut dyn FnMut(&Trial),
+) -> Tuning {
+    let mut goal = goal.clone();
+    let mut tuning = Tuning::default();
+    let mut exact = Vec::new();
+    // From fine to coarse, so that the finest can be the measure of things.
+    for mesh in candidates.meshes.iter().rev() {
+        for elements in &candidates.elements {
+            let found = exact_values(context, &goal, candidates, mesh, elements);
+            if let (Ok((values, _)), true) = (&found, goal.expect.iter().any(|e| e.value.is_nan())) {
+                for (expect, value) in goal.expect.iter_mut().zip(values) {
+                    expect.value = value.unwrap_or(f64::NAN);
+                }
+            }
+            exact.push((mesh, elements, found));
+        }
+    }
+    exact.reverse();
+    for (mesh, elements, found) in &exact {
+        let of_mesh = format!("{}, {}", elements.title, mesh.title);
+        let usable = match found {
+            Ok((values, count)) => match error_of(&goal, values) {
+                Some(error) if error <= goal.error => Ok(*count),
+                Some(error) => Err((*count, Some(error), format!(
+                    "an exact solver would already be off by {}, allowed are {}",
+                    percent(error),
+                    percent(goal.error)
+                ))),
+                None => Err((*count, None, "its exact solution does not hold what is expected".into())),
+            },
+            Err(reason) => Err((0, None, format!("no exact solution: {reason}"))),
+        };
+        match usable {
+            Err((count, error, reason)) => {
+                let trial = Trial {
+                    description: of_mesh,
+                    kind: elements.title.clone(),
+                    overrides: Vec::new(),
+                    method: "exact".into(),
+                    step: f64::NAN,
+                    elements: count,
+                    error,
+                    cost: None,
+                    margin: None,
+                    rejected: Some(reason),
+                };
+                after(&trial);
+                tuning.trials.push(trial);
+            }
+            Ok(_) => {
+                for method in &candidates.methods {
+                    for (step, iterations) in parameters(method) {
+                        let choices = Choices { mesh, elements, method, step, iterations };
+                        let best = tuning.choice().and_then(|t| t.cost);
+                        let trial = attempt(context, &goal, candidates, &choices, best);
+                        after(&trial);
+                        if trial.rejected.is_none() {
+                            if let Some(before) = tuning.chosen {
+                                tuning.trials[before].rejected =
+                                    Some(format!("{} is cheaper", trial.description));
+                            }
+                            tuning.chosen = Some(tuning.trials.len());
+                        }
+                        tuning.trials.push(trial);
+                    }
+                }
+            }
+        }
+    }
+    tuning
+}
+
+/// The steps and iterations of a method.
+fn parameters(method: &ChartMethod) -> Vec<(PlannedStep, Option<u32>)> {
+    let steps = method.steps.iter().map(|step| PlannedStep::Seconds(*step));
+    let shares = method.shares.iter().map(|share| PlannedStep::Share(*share));
+    let iterations: Vec<Option<u32>> = match &method.iterations[..] {
+        [] => vec![None],
+        list => list.iter().copied().map(Some).collect(),
+    };
+    let both = |step| iterations.iter().map(move |i| (step, *i));
+    steps.chain(shares).flat_map(both).collect()
+}
+
+/// The largest relative error of what is expected.
+pub fn error_of(goal: &Goal, values: &[Option<f64>]) -> Option<f64> {
+    let mut largest = None;
+    for (expect, value) in goal.expect.iter().zip(values) {
+        let scale = expect.scale.unwrap_or(expect.value.abs());
+        let error = ((*value)? - expect.value).abs() / scale;
+        if !error.is_finite() {
+            return None;
+        }
+        largest = Some(error.max(largest.unwrap_or(0.0)));
+    }
+    largest
+}
+
+type Exact = Result<(Vec<Option<f64>>, usize), String>;
+
+/// Values of the exact solution on a mesh with elements.
+fn exact_values(
+    context: &Context<'_>,
+    goal: &Goal,
+    candidates: &Candidates,
+    mesh: &Mesh,
+    elements: &Elements,
+) -> Exact {
+    let mut set = mesh.set.clone();
+    set.extend_from_slice(&elements.set);
+    let step = if candidates.moves {
+        set.extend_from_slice(&context.chart.exact.motion);
+        Some(PlannedStep::Share(context.chart.exact.share))
+    } else {
+        set.extend_from_slice(&context.chart.exact.rest);
+        None
+    };
+    let loaded = load(context, goal, &set)?;
+    let prepared = ready(loaded, step)?;
+    let count = prepared.elements;
+    let outcome = advance(context, prepared, f64::INFINITY);
+    match outcome.status {
+        Status::Ok => Ok((outcome.values, count)),
+        Status::Diverged { reason, .. } | Status::NotApplicable { reason } => Err(reason),
+        Status::OverBudget { time } => Err(format!("cut off at {time} s")),
+    }
+}
+
+fn load(context: &Context<'_>, goal: &Goal, set: &[String]) -> Result<LoadedScene, String> {
+    let mut loaded = (context.load)("", set)?;
+    loaded.settings.expect = goal.expect.clone();
+    for expect in &mut loaded.settings.expect {
+        // Only what is found is used.
+        (expect.value, expect.tolerance) = (1.0, 1.0);
+    }
+    Ok(loaded)
+}
+
+/// One run with all that is demanded of it; `best` is the cost of the cheapest so far.
+fn attempt(
+    context: &Context<'_>,
+    goal: &Goal,
+    candidates: &Candidates,
+    choices: &Choices<'_>,
+    best: Option<f64>,
+) -> Trial {
+    let overrides = choices.overrides();
+    let mut trial = Trial {
+        description: String::new(),
+        kind: format!("{} with {}", choices.method.title, choices.elements.title),
+        overrides,
+        method: String::new(),
+        step: f64::NAN,
+        elements: 0,
+        error: None,
+        cost: None,
+        margin: None,
+        rejected: None,
+    };
+    let rejected = match judge(context, goal, candidates, choices, best, &mut trial) {
+        Ok(()) => None,
+        Err(reason) => Some(reason),
+    };
+    trial.rejected = rejected;
+    let mut parameters = match trial.step.is_finite() {
+        true => format!("step {}", time(trial.step)),
+        false => "no step".into(),
+    };
+    if let Some(iterations) = choices.iterations {
+        let _ = write!(parameters, ", {iterations} iterations");
+    }
+    trial.description = format!("{}, {}, {parameters}", trial.kind, choices.mesh.title);
+    trial
+}
+
+fn judge(
+    context: &Context<'_>,
+    goal: &Goal,
+    candidates: &Candidates,
+    choices: &Choices<'_>,
+    best: Option<f64>,
+    trial: &mut Trial,
+) -> Result<(), String> {
+    let loaded = load(context, goal, &trial.overrides)?;
+    let scene = Scene::new(&loaded.spec).map_err(|e| e.to_string())?;
+    trial.method = scene.method().name().into();
+    if candidates.contact && !scene.method().leads_nodes() {
+        return Err("it cannot lead nodes, which contact needs".into());
+    }
+    let limited = stability_limit(&scene).is_finite();
+    let free = yanked_node(&scene);
+    let duration = loaded.settings.run.duration;
+    let budget = best.map_or(context.budget, |cost| (cost * duration).min(context.budget));
+    let at = |loaded: &LoadedScene, step| -> Result<Outcome, String> {
+        let prepared = ready(loaded.clone(), Some(step))?;
+        Ok(advance(context, prepared, context.budget))
+    };
+    let prepared = ready(loaded.clone(), Some(choices.step))?;
+    trial.step = prepared.runner.step();
+    trial.elements = prepared.elements;
+    let outcome = advance(context, prepared, budget);
+    if outcome.simulated > 0.0 {
+        trial.cost = Some(outcome.cpu / outcome.simulated);
+    }
+    match &outcome.status {
+        Status::Ok => {}
+        Status::Diverged { time: at, reason } => {
+            return Err(format!("it diverged at {}: {reason}", time(*at)));
+        }
+        Status::OverBudget { .. } if best.is_some() => {
+            return Err("it costs more than the best one so far".into());
+        }
+        Status::OverBudget { .. } => return Err("it needs more CPU time than a run may take".into()),
+        Status::NotApplicable { reason } => return Err(reason.clone()),
+    }
+    let error = error_of(goal, &outcome.values)
+        .ok_or("its run does not hold what is expected")?;
+    trial.error = Some(error);
+    if error > goal.error {
+        return Err(format!("off by {}, allowed are {}", percent(error), percent(goal.error)));
+    }
+    let cost = trial.cost.unwrap_or(f64::INFINITY);
+    if best.is_some_and(|best| cost > best * (1.0 - NOISE)) {
+        return Err(format!(
+            "{} CPU s per simulated s, not less than the best one so far",
+            significant(cost, 2)
+        ));
+    }
+    let demanded = if limited { goal.margin } else { goal.margin.max(IMPLICIT_FACTOR) };
+    let mut factors: Vec<f64> = FACTORS.iter().copied().filter(|f| *f != demanded).collect();
+    factors.push(demanded);
+    factors.sort_by(f64::total_cmp);
+    let mut margin = 1.0;
+    for factor in factors {
+        let longer = PlannedStep::Seconds(factor * trial.step);
+        let stable = at(&loaded, longer).is_ok_and(|o| o.status == Status::Ok);
+        if !stable {
+            break;
+        }
+        margin = factor;
+    }
+    trial.margin = Some(margin);
+    if margin < demanded {
+        return Err(format!(
+            "it fails at {} times its step, demanded are {}",
+            significant(margin, 3).trim_end_matches('0').trim_end_matches('.'),
+            significant(demanded, 2)
+        ));
+    }
+    let mut yanked = loaded.clone();
+    for (body, (place, shift)) in yanked.spec.bodies.iter_mut().zip(free) {
+        body.start.push(StartSpec {
+            nodes: Selection::Nearest(place),
+            matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            pivot: [0.0; 3],
+            shift,
+            velocity: [0.0; 3],
+        });
+    }
+    match at(&yanked, PlannedStep::Seconds(trial.step))?.status {
+        Status::Diverged { reason, .. } => {
+            Err(format!("it diverges when a node is yanked away: {reason}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// For each body the free node that is furthest from what is held, in the body's frame, and a way of the body's size upwards.
+fn yanked_node(scene: &Scene) -> Vec<([f64; 3], [f64; 3])> {
+    let of_body = |body: usize| {
+        let rest = scene.rest_positions(body);
+        let clamped = scene.clamped(body);
+        let held: Vec<_> = rest.iter().zip(&clamped).filter(|(_, c)| **c).map(|(p, _)| p).collect();
+        let from = held.first().copied().unwrap_or(&rest[0]);
+        let free = rest.iter().zip(&clamped).filter(|(_, c)| !**c).map(|(p, _)| p);
+        let far = free.max_by(|a, b| (*a - from).norm().total_cmp(&(*b - from).norm()));
+        let far = far.unwrap_or(&rest[0]);
+        let size = rest.iter().map(|p| (p - from).norm()).fold(0.0, f64::max);
+        ((far - scene.origin(body)).into(), [0.0, 0.0, size])
+    };
+    (0..scene.body_count()).map(of_body).collect()
+}
