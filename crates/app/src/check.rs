@@ -2,6 +2,8 @@
 
 use crate::cli::{CheckArgs, Place};
 use crate::output::{Exit, Problem, say, say_json};
+use crate::mesh_file;
+use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
 use microsim_host::assemble::{Input, Installation, Request, assemble, known_metrics};
 use microsim_host::record::Session;
@@ -9,6 +11,7 @@ use microsim_host::run::RunError;
 use microsim_host::{Engine, loader};
 use microsim_settings as settings;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// What was looked at, and what is wrong with it.
@@ -16,15 +19,17 @@ use std::path::{Path, PathBuf};
 struct Findings {
     checked: Vec<String>,
     problems: Vec<String>,
+    /// What is not wrong, but should be known.
+    warnings: Vec<String>,
 }
 
 impl Findings {
-    fn note(&mut self, what: String, result: Result<(), String>) {
-        // A plugin that several levels use is to be blamed once.
-        if let Err(problem) = result
-            && !self.problems.contains(&problem)
-        {
-            self.problems.push(problem);
+    fn note(&mut self, what: String, result: Result<Vec<String>, String>) {
+        match result {
+            Ok(warnings) => self.warnings.extend(warnings),
+            // A plugin that several levels use is to be blamed once.
+            Err(problem) if self.problems.contains(&problem) => {}
+            Err(problem) => self.problems.push(problem),
         }
         self.checked.push(what);
     }
@@ -41,8 +46,15 @@ pub fn check(place: &Place, args: &CheckArgs) -> Result<Exit, Problem> {
         }
     }
     if args.json {
-        say_json(&json!({ "checked": findings.checked, "problems": findings.problems }))?;
+        say_json(&json!({
+            "checked": findings.checked,
+            "problems": findings.problems,
+            "warnings": findings.warnings,
+        }))?;
     } else {
+        for warning in &findings.warnings {
+            say(format!("warning: {warning}"))?;
+        }
         for problem in &findings.problems {
             say(problem)?;
         }
@@ -64,18 +76,21 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         findings.problems.push(complaint.to_string());
     }
     let config = &installation.config;
-    findings.note("config/host.toml".into(), Ok(()));
+    findings.note("config/host.toml".into(), Ok(Vec::new()));
     let translator = settings::load_translator(&config.join("translator.toml"));
     findings.note(
         "config/translator.toml".into(),
-        translator.map(drop).map_err(|e| e.to_string()),
+        translator.map(nothing).map_err(|e| e.to_string()),
     );
     for path in files_in(&config.join("tools"), "toml") {
         let tool = settings::load_tool(&path);
         findings.note(
             path.display().to_string(),
-            tool.map(drop).map_err(|e| e.to_string()),
+            tool.map(nothing).map_err(|e| e.to_string()),
         );
+    }
+    for path in files_in(&config.join("scenes"), "toml") {
+        findings.note(path.display().to_string(), check_scene(&path));
     }
     for folder in &installation.tree.modules {
         let name = &folder.manifest.settings.name;
@@ -96,7 +111,7 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
             let script = settings::load_script(path);
             findings.note(
                 path.display().to_string(),
-                script.map(drop).map_err(|e| e.to_string()),
+                script.map(nothing).map_err(|e| e.to_string()),
             );
         }
     }
@@ -108,6 +123,15 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
     }
 }
 
+/// Builds a scene without running it.
+fn check_scene(path: &Path) -> Result<Vec<String>, String> {
+    let scene = SceneFile::open(path, &[])?;
+    match scene.step_too_long {
+        None => Ok(scene.warnings),
+        Some(sentence) => Err(sentence),
+    }
+}
+
 /// Loads everything that the level uses and initialises it, as a run would, without a single tick: libraries, layouts,
 /// manifests, topics, set-ups, stable steps.
 fn check_level(
@@ -115,10 +139,18 @@ fn check_level(
     module: &str,
     level: u32,
     script: Option<&PathBuf>,
-) -> Result<(), String> {
-    installation
+) -> Result<Vec<String>, String> {
+    let loaded = installation
         .level(module, level)
         .map_err(|e| e.to_string())?;
+    let mut models = BTreeMap::new();
+    for slot in &loaded.settings.tool {
+        let path = installation.config.join("tools").join(&slot.model);
+        if let Ok(model) = settings::load_tool(&path.with_extension("toml")) {
+            models.insert(slot.model.clone(), model.settings);
+        }
+    }
+    let warnings = scene_file::check_level(&loaded, &models)?;
     let script = script.ok_or_else(|| {
         format!("module \"{module}\": level {level} has no script scripts/level{level}-pass.toml that passes it")
     })?;
@@ -139,16 +171,22 @@ fn check_level(
     let mut engine = engine.map_err(|e| format!("{place}: {e}"))?;
     match engine.stop().first() {
         Some(failure) => Err(format!("{place}: {failure}")),
-        None => Ok(()),
+        None => Ok(warnings),
     }
 }
 
-fn check_recording(installation: &Installation, path: &Path) -> Result<(), String> {
-    microsim_host::assemble::check_recording(installation, path).map_err(|e| e.to_string())
+fn check_recording(installation: &Installation, path: &Path) -> Result<Vec<String>, String> {
+    let checked = microsim_host::assemble::check_recording(installation, path);
+    checked.map(nothing).map_err(|e| e.to_string())
+}
+
+/// Nothing to be known.
+fn nothing<T>(_: T) -> Vec<String> {
+    Vec::new()
 }
 
 /// One file by what it is: its place and name say which kind.
-fn check_file(place: &Place, path: &Path) -> Result<(), String> {
+fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
     let text = |e: settings::ConfigErrors| e.to_string();
     let name = path
         .file_name()
@@ -164,46 +202,47 @@ fn check_file(place: &Place, path: &Path) -> Result<(), String> {
         .unwrap_or_default();
     match (name.as_str(), folder.as_deref(), extension.as_str()) {
         ("plugin.toml" | "module.toml", _, _) => {
-            settings::load_manifest(path).map(drop).map_err(text)
+            settings::load_manifest(path).map(nothing).map_err(text)
         }
-        ("host.toml", _, _) => settings::load_host(path).map(drop).map_err(text),
-        ("translator.toml", _, _) => settings::load_translator(path).map(drop).map_err(text),
-        (_, Some("tools"), "toml") => settings::load_tool(path).map(drop).map_err(text),
-        (_, Some("scripts"), "toml") => settings::load_script(path).map(drop).map_err(text),
+        ("host.toml", _, _) => settings::load_host(path).map(nothing).map_err(text),
+        ("translator.toml", _, _) => settings::load_translator(path).map(nothing).map_err(text),
+        (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
+        (_, Some("scenes"), "toml") => check_scene(path),
+        (_, Some("scripts"), "toml") => settings::load_script(path).map(nothing).map_err(text),
         (_, Some("levels"), "toml") => {
             let manifest = path
                 .parent()
                 .and_then(Path::parent)
                 .map(|m| m.join("module.toml"));
             let manifest = settings::load_manifest(&manifest.unwrap_or_default()).map_err(text)?;
-            settings::load_level(path, &manifest.settings, &known_metrics())
-                .map(drop)
-                .map_err(text)
+            let level = settings::load_level(path, &manifest.settings, &known_metrics());
+            scene_file::check_level(&level.map_err(text)?, &BTreeMap::new())
         }
         (_, _, "toml") if path.with_extension("csv").is_file() => {
             settings::load_recording_map(&path.with_extension("csv"))
-                .map(drop)
+                .map(nothing)
                 .map_err(text)
         }
         (_, _, "csv") => match installation(place) {
             Ok(installation) => check_recording(&installation, path),
             Err(Problem::Text(text)) => Err(text),
-            Err(Problem::BrokenPipe) => Ok(()),
+            Err(Problem::BrokenPipe) => Ok(Vec::new()),
         },
         (_, _, "toml") => {
             // A script may lie anywhere.
-            settings::load_script(path).map(drop).map_err(text)
+            settings::load_script(path).map(nothing).map_err(text)
         }
         (_, _, "session") => check_session(path),
         _ if is_session(path) => check_session(path),
+        _ if mesh_file::is_mesh(path) => mesh_file::check(path),
         _ => Err(format!(
-            "{}: neither TOML, CSV nor a session",
+            "{}: neither TOML, CSV, a mesh nor a session",
             path.display()
         )),
     }
 }
 
-fn check_session(path: &Path) -> Result<(), String> {
+fn check_session(path: &Path) -> Result<Vec<String>, String> {
     let name = path.display();
     let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
     let session = Session::read(&bytes).map_err(|e| format!("{name}: {e}"))?;
@@ -215,7 +254,7 @@ fn check_session(path: &Path) -> Result<(), String> {
         (None, Some(failure)) => Err(format!(
             "{name}: {failure}; {ticks} complete ticks can be used"
         )),
-        (None, None) => Ok(()),
+        (None, None) => Ok(Vec::new()),
     }
 }
 

@@ -10,6 +10,7 @@ mod check;
 mod cli;
 mod doctor;
 mod list;
+mod mesh_file;
 mod output;
 mod replay;
 mod report;

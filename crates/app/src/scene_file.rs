@@ -1,17 +1,19 @@
-//! Scene files: finding one, building it, and saying with its place what is wrong with it.
+//! Scenes in files: finding one, building it, and saying with its place what is wrong with it; the bodies of levels likewise.
 
 use crate::cli::Place;
 use crate::output::Problem;
 use crate::session_file::program_folder;
-use microsim_mesh::{Severity, defects};
+use microsim_mesh::{Severity, TetMesh, defects};
 use microsim_scene::{
-    Behaviour, BuildError, FromSettingsError, ProbeError, Runner, Scene, SceneError, SceneSpec, scene_spec,
+    Behaviour, BuildError, FromSettingsError, LevelParts, ProbeError, Runner, Scene, SceneError,
+    SceneSpec, level_spec, scene_spec,
 };
 use microsim_settings as settings;
 use settings::{Document, KeyPath, Loaded, Override};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Most defects of one mesh that are printed.
+/// Most sentences of one kind about one file.
 const PRINTED: usize = 10;
 
 /// A scene that can run.
@@ -72,17 +74,16 @@ impl SceneFile {
         let document = &loaded.document;
         let folder = path.parent().unwrap_or(Path::new(""));
         let described = scene_spec(&loaded.settings, &mut |file| std::fs::read(folder.join(file)));
-        let described = described
-            .map_err(|FromSettingsError { key, cause }| format!("{}: {cause}", document.place(&key)))?;
+        let described = described.map_err(|e| placed(document, e))?;
         let mut warnings: Vec<String> = described
             .notes
             .iter()
             .map(|note| format!("{}: {note}", path.display()))
             .collect();
-        check_meshes(&loaded, &described.spec, &mut warnings)?;
-        warnings.extend(locking(&loaded, &described.spec));
+        let bodies = &loaded.settings.body;
+        warnings.extend(check_bodies(document, bodies, &described.spec)?);
         let scene = Scene::new(&described.spec)
-            .map_err(|e| format!("{}: {e}", document.place(&key_of(&e, &loaded.settings))))?;
+            .map_err(|e| format!("{}: {e}", document.place(&key_of(&e, bodies))))?;
         let runner = Runner::new(&loaded.settings, scene).map_err(|error: ProbeError| {
             let key = KeyPath::root().key("probe").at(error.probe).key("nodes");
             format!("{}: {error}", document.place(&key))
@@ -98,67 +99,109 @@ impl SceneFile {
     }
 }
 
-/// Meshes from files may hold anything.
-fn check_meshes(
-    loaded: &Loaded<settings::Scene>,
-    spec: &SceneSpec,
-    warnings: &mut Vec<String>,
-) -> Result<(), String> {
-    let mut errors = Vec::new();
-    for (index, (body, of)) in loaded.settings.body.iter().zip(&spec.bodies).enumerate() {
-        if body.generator != settings::Generator::File {
-            continue;
-        }
-        let place = loaded.document.place(&KeyPath::root().key("body").at(index).key("file"));
-        let found = defects(&of.mesh);
-        for severity in [Severity::Error, Severity::Warning] {
-            let of_severity: Vec<_> = found.iter().filter(|d| d.severity() == severity).collect();
-            let list = match severity {
-                Severity::Error => &mut errors,
-                Severity::Warning => &mut *warnings,
-            };
-            let shown = of_severity.iter().take(PRINTED);
-            list.extend(shown.map(|defect| format!("{place}: {defect}")));
-            if let Some(more) = of_severity.len().checked_sub(PRINTED + 1) {
-                list.push(format!("{place}: and {} more of the kind", more + 1));
-            }
-        }
-    }
-    match errors.is_empty() {
-        true => Ok(()),
-        false => Err(errors.join("\n")),
-    }
+/// Looks at the bodies of a level as a scene would be looked at: meshes, materials, method, step. Gives what should be
+/// known; the error is a sentence per line.
+pub fn check_level(
+    level: &Loaded<settings::Level>,
+    models: &BTreeMap<String, settings::Tool>,
+) -> Result<Vec<String>, String> {
+    let (document, of) = (&level.document, &level.settings);
+    let (Some(physics), Some(method)) = (&of.physics, &of.method) else {
+        return Ok(Vec::new());
+    };
+    // Without the tools' shapes there is nothing that could touch.
+    let known = of.tool.iter().all(|slot| models.contains_key(&slot.model));
+    let parts = LevelParts {
+        physics,
+        method,
+        bodies: &of.body,
+        contacts: if known { &of.contact } else { &[] },
+        tools: if known { &of.tool } else { &[] },
+        models,
+    };
+    let path = document.path();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let described = level_spec(&parts, &mut |file| std::fs::read(folder.join(file)));
+    let described = described.map_err(|e| placed(document, e))?;
+    let warnings = check_bodies(document, &of.body, &described.spec)?;
+    let scene = Scene::new(&described.spec)
+        .map_err(|e| format!("{}: {e}", document.place(&key_of(&e, &of.body))))?;
+    let steps = KeyPath::root().key("clock").key("steps");
+    scene
+        .check_step(of.clock.tick, of.clock.steps)
+        .map_err(|e| format!("{}: {e}", document.place(&steps)))?;
+    Ok(warnings)
 }
 
-/// Where a Poisson's ratio makes the elements too stiff.
-fn locking(loaded: &Loaded<settings::Scene>, spec: &SceneSpec) -> Vec<String> {
-    let mut warnings = Vec::new();
-    for (b, body) in loaded.settings.body.iter().enumerate() {
+fn placed(document: &Document, FromSettingsError { key, cause }: FromSettingsError) -> String {
+    format!("{}: {cause}", document.place(&key))
+}
+
+/// Defects of meshes from files, which may hold anything, and materials that lock: what should be known, or errors.
+fn check_bodies(
+    document: &Document,
+    bodies: &[settings::Body],
+    spec: &SceneSpec,
+) -> Result<Vec<String>, String> {
+    let (mut errors, mut warnings) = (Vec::new(), Vec::new());
+    for (index, (body, of)) in bodies.iter().zip(&spec.bodies).enumerate() {
+        let key = KeyPath::root().key("body").at(index);
+        if body.generator == settings::Generator::File {
+            let (bad, odd) = mesh_defects(&of.mesh);
+            let place = document.place(&key.key("file"));
+            errors.extend(bad.iter().map(|defect| format!("{place}: {defect}")));
+            warnings.extend(odd.iter().map(|defect| format!("{place}: {defect}")));
+        }
         for (m, material) in body.material.iter().enumerate() {
-            let (Some(poisson), Some(body)) = (material.poisson_ratio, spec.bodies.get(b)) else {
+            let Some(poisson) = material.poisson_ratio else {
                 continue;
             };
-            let mut regions = body.materials.iter();
-            let locks = regions.any(|(region, of)| {
+            let locks = of.materials.iter().any(|(region, of)| {
                 let own = material.region.is_none_or(|own| own == *region);
                 match of.behaviour {
                     Behaviour::Continuum(constants) => {
-                        own && constants.poisson == poisson
-                            && constants.discretisation.locks(poisson)
+                        let same = constants.poisson == poisson;
+                        own && same && constants.discretisation.locks(poisson)
                     }
                     Behaviour::Springs(_) => false,
                 }
             });
             if locks {
-                let key = KeyPath::root().key("body").at(b).key("material").at(m);
+                let key = key.key("material").at(m).key("poisson_ratio");
                 warnings.push(format!(
-                    "{}: tetrahedra lock at a Poisson's ratio of {poisson}, the body is too stiff (NUMERICS 1.6): use discretisation = \"selective\" or \"nodal-pressure\"",
-                    loaded.document.place(&key.key("poisson_ratio"))
+                    "{}: these tetrahedra lock at a Poisson's ratio of {poisson}, the body is too stiff: use discretisation = \"selective\" or \"nodal-pressure\"",
+                    document.place(&key)
                 ));
             }
         }
     }
-    warnings
+    match errors.is_empty() {
+        true => Ok(warnings),
+        false => Err(errors.join("\n")),
+    }
+}
+
+/// What makes a mesh useless, and what should be known of it; of each at most a screenful.
+pub fn mesh_defects(mesh: &TetMesh) -> (Vec<String>, Vec<String>) {
+    let found = defects(mesh);
+    let list = |severity: Severity| {
+        let all: Vec<String> = found
+            .iter()
+            .filter(|defect| defect.severity() == severity)
+            .map(ToString::to_string)
+            .collect();
+        shortened(all)
+    };
+    (list(Severity::Error), list(Severity::Warning))
+}
+
+/// The first of many sentences, and how many there are besides.
+pub fn shortened(mut sentences: Vec<String>) -> Vec<String> {
+    if let Some(more) = sentences.len().checked_sub(PRINTED + 1) {
+        sentences.truncate(PRINTED);
+        sentences.push(format!("and {} more of the kind", more + 1));
+    }
+    sentences
 }
 
 /// The step if it is longer than the bodies allow, and what helps.
@@ -171,25 +214,29 @@ fn step_too_long(document: &Document, runner: &Runner) -> Option<String> {
         format!(
             "{}: a step of {} is beyond what {} allows for body '{}', {}: use a shorter step or an implicit method",
             document.place(&KeyPath::root().key("run").key("step")),
-            settings::Unit::Time.describe(runner.step()),
+            microseconds(runner.step()),
             scene.method().name(),
             scene.body_name(slowest),
-            settings::Unit::Time.describe(stable),
+            microseconds(stable),
         )
     })
 }
 
+fn microseconds(time: f64) -> String {
+    format!("{:.3} us", time * 1e6)
+}
+
 /// The key that is to blame for a scene that cannot be built.
-fn key_of(error: &SceneError, scene: &settings::Scene) -> KeyPath {
+fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
     let root = KeyPath::root();
     let body = |name: &str| {
-        let index = scene.body.iter().position(|body| body.name == name);
+        let index = bodies.iter().position(|body| body.name == name);
         root.key("body").at(index.unwrap_or_default())
     };
     match error {
         SceneError::Build { body: name, source } => match source {
             BuildError::Material { region, .. } | BuildError::Region { region, .. } => {
-                let of = scene.body.iter().find(|body| body.name == *name);
+                let of = bodies.iter().find(|body| body.name == *name);
                 let materials = of.map(|of| of.material.as_slice()).unwrap_or_default();
                 let index = materials.iter().position(|m| m.region == Some(*region));
                 let index = index.or_else(|| materials.iter().position(|m| m.region.is_none()));

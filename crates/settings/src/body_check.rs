@@ -86,8 +86,11 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
         if let Some(generator) = body["generator"].as_str() {
             let whose = format!("a body from a {generator}");
             apply(reading, &key, &GENERATOR, generator, &whose);
-            let surface = body["file"].as_str().map(is_surface);
-            check_fill(reading, &key, surface);
+            match body["file"].as_str() {
+                // A file that is named wrongly has its complaint already.
+                None if reading.is_written(&key.key("file")) => {}
+                file => check_fill(reading, &key, file.map(is_surface)),
+            }
             if generator != "block" && reading.is_written(&key.key("arc_start")) {
                 needs(reading, &key, "arc_start", "arc");
             }
@@ -198,7 +201,11 @@ fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
         ("area_damping", Unit::AreaDamping, Unit::Action),
         ("volume_damping", Unit::VolumeDamping, Unit::Action),
     ] {
-        let unit = if form == "plain" { plain } else { normalised };
+        let unit = match form {
+            "plain" => plain,
+            "normalised" => normalised,
+            _ => continue,
+        };
         reading.refine(&key.key(name), &Kind::quantity(unit, 0.0, f64::INFINITY));
     }
     let poisson = material["poisson_ratio"].as_f64();

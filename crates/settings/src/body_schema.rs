@@ -301,7 +301,7 @@ fn start_keys() -> Vec<Key> {
 
 fn material_keys() -> Vec<Key> {
     let modulus = |name, min, doc| {
-        Key::optional(name, Kind::quantity(Unit::Pressure, min, 1e12), doc)
+        Key::optional(name, Kind::quantity(Unit::Pressure, min, 1e11), doc)
     };
     let constant = |name, doc: &str, [plain, normalised]: [Unit; 2]| {
         let (plain, normalised) = (plain.symbol(), normalised.symbol());

@@ -112,6 +112,10 @@ pub struct ChartScene {
     pub file: String,
     /// What the exact solution on the same mesh is.
     pub exact: ExactKind,
+    /// Overrides for it instead of those of the plan; none for those.
+    pub exact_set: Vec<String>,
+    /// Step for it \[s\], for a method without a stability limit.
+    pub exact_step: Option<f64>,
     /// What is compared; the error of a run is the largest of them.
     pub measure: Vec<ChartMeasure>,
     /// Meshes, from coarse to fine.
@@ -171,7 +175,8 @@ pub struct ChartVariant {
     pub set: Vec<String>,
     /// Poisson's ratio, for the comparison of discretisations over it.
     pub poisson_ratio: Option<f64>,
-    /// The right values of the scene's measures, in their order and in SI; none where nothing is known from outside.
+    /// The right values of the first of the scene's measures, in their order and in SI; of the others nothing is known from
+    /// outside.
     pub reference: Vec<f64>,
     /// Where they come from.
     pub source: Option<String>,
@@ -296,7 +301,7 @@ fn scene_keys() -> Vec<Key> {
         name(),
         set(),
         Key::optional("poisson_ratio", Kind::quantity(Unit::Ratio, -1.0, 0.5), "Poisson's ratio, for the comparison of discretisations over it."),
-        Key::list("reference", any, 16, "The right values of the measures, in their order and in SI; none where nothing is known from outside."),
+        Key::list("reference", any, 16, "The right values of the first measures, in their order and in SI; of the others nothing is known from outside."),
         Key::optional("source", Kind::Text, "Where the right values come from, in a sentence."),
     ];
     let names = |name: &str, doc: &str| {
@@ -319,6 +324,8 @@ fn scene_keys() -> Vec<Key> {
         title(),
         Key::required("file", Kind::Name(Form::RelativePath), "The scene's file, from the folder of this file."),
         Key::required("exact", Kind::choice(&ExactKind::NAMES), "What the exact solution on the same mesh is: the equilibrium at `rest`, or the `motion` at a small step."),
+        Key::list("exact_set", Kind::Text, 64, "Overrides for it instead of those of `exact` at the top; those if empty."),
+        Key::optional("exact_step", Kind::quantity(Unit::Time, 1e-9, 1.0), "Step for the exact motion, where its method has no stability limit."),
         Key::required("measure", some(measure, 16), "What is compared; the error of a run is the largest of them."),
         Key::required("resolution", some(vec![name(), set()], 16), "Meshes, from coarse to fine."),
         Key::required("variant", some(variant, 16), "Values of the scene's parameters."),
@@ -377,6 +384,7 @@ fn check_scene(reading: &mut Reading, index: usize) {
     let Some(scene) = reading.value_at(&key).cloned() else {
         return;
     };
+    check_set(reading, &key, "exact_set");
     for list in ["resolution", "variant"] {
         let names = texts(&scene, list, "name");
         unique(reading, &key, &names, list, "name");
@@ -388,8 +396,8 @@ fn check_scene(reading: &mut Reading, index: usize) {
     for (i, variant) in items(&scene, "variant") {
         let count = items(variant, "reference").count();
         let key = key.key("variant").at(i).key("reference");
-        if count != 0 && count != measures {
-            let expected = format!("one value for each of the {measures} measures, or none");
+        if count > measures {
+            let expected = format!("at most one value for each of the {measures} measures");
             reading.complain(&key, &format!("{count} values"), &expected);
         }
         if items(variant, "reference").any(|(_, value)| value.as_f64() == Some(0.0)) {

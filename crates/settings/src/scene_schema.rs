@@ -62,7 +62,7 @@ fn run_keys() -> Vec<Key> {
     vec![
         Key::required(
             "duration",
-            time(1e-6, 1e4),
+            time(1e-6, 6e3),
             "Simulated time; with `end = \"rest\"` the longest.",
         ),
         Key::required(

@@ -183,6 +183,9 @@ impl Kind {
             Kind::Colour => "a colour such as \"#c04030\"".to_owned(),
             Kind::LocalText => "a table with the texts `de` and `en`".to_owned(),
             Kind::Table(_) => "a table".to_owned(),
+            Kind::List { of, min, max } if min == max => {
+                format!("a list of {max}, each {}", of.expected())
+            }
             Kind::List { of, min, max } => {
                 format!("a list of {min} to {max}, each {}", of.expected())
             }

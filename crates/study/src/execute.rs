@@ -109,13 +109,7 @@ pub fn run_group(
 fn exact(context: &Context<'_>, group: &Group) -> Result<(usize, Vec<Option<f64>>), String> {
     let scene = &context.chart.scene[group.key.scene];
     let mut overrides = group_overrides(context.chart, &group.key);
-    let (set, step) = match scene.exact {
-        ExactKind::Rest => (&context.chart.exact.rest, None),
-        ExactKind::Motion => {
-            let share = PlannedStep::Share(context.chart.exact.share);
-            (&context.chart.exact.motion, Some(share))
-        }
-    };
+    let (set, step) = exact_way(context.chart, scene.exact, Some(scene));
     overrides.extend_from_slice(set);
     let prepared = prepare(context, scene, &overrides, step)?;
     let elements = prepared.elements;
@@ -124,6 +118,24 @@ fn exact(context: &Context<'_>, group: &Group) -> Result<(usize, Vec<Option<f64>
         Status::Ok => Ok((elements, outcome.values)),
         status => Err(format!("{}, the exact solution on the mesh", reason(&status))),
     }
+}
+
+/// Overrides and step of an exact solution; a scene of the plan may have its own.
+pub(crate) fn exact_way<'a>(
+    chart: &'a Chart,
+    kind: ExactKind,
+    scene: Option<&'a ChartScene>,
+) -> (&'a [String], Option<PlannedStep>) {
+    let share = PlannedStep::Share(chart.exact.share);
+    let (set, step) = match kind {
+        ExactKind::Rest => (&chart.exact.rest, None),
+        ExactKind::Motion => (&chart.exact.motion, Some(share)),
+    };
+    let Some(scene) = scene else {
+        return (set, step);
+    };
+    let own = if scene.exact_set.is_empty() { set } else { &scene.exact_set };
+    (own, scene.exact_step.map(PlannedStep::Seconds).or(step))
 }
 
 /// What a status says.
@@ -244,8 +256,8 @@ pub(crate) fn ready(
             run.step = share * limit;
         }
     }
-    // A step that is longer than a sample makes the samples longer.
-    run.sample = run.sample.max(run.step);
+    // Samples are made of whole steps, so that steps are those of the plan; a step longer than a sample makes samples longer.
+    run.sample = run.step * (run.sample / run.step).round().max(1.0);
     if run.step > run.duration {
         return Err("the step is longer than the scene".into());
     }

@@ -47,7 +47,7 @@ pub fn time(seconds: f64) -> String {
 /// A relative error in percent.
 pub fn percent(error: f64) -> String {
     match error {
-        e if e.is_finite() && e < 1e-6 => "below 0.0001 %".into(),
+        e if e <= 1e-6 => "below 0.0001 %".into(),
         e => format!("{} %", significant(100.0 * e, 2)),
     }
 }

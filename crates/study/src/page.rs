@@ -110,7 +110,7 @@ impl Results {
         for error in ERRORS {
             let _ = write!(out, "<th>{}</th>", percent(error).replace("1.0 %", "1 %").replace("3.0 %", "3 %"));
         }
-        out.push_str("<th>Smallest error</th></tr></thead><tbody>\n");
+        out.push_str("<th class=\"n\">Smallest error</th></tr></thead><tbody>\n");
         for panel in panels {
             let against = panel.main_comparison();
             let _ = write!(

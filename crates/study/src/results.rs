@@ -6,6 +6,9 @@ use crate::row::{Against, GroupResult, Row, Status};
 use microsim_settings::{Chart, ChartScene, ChartVariant};
 use std::fmt::Write;
 
+/// Errors below this are no better than each other: what is left of a solver's tolerance and of rounding.
+const LEAST_ERROR: f64 = 1e-6;
+
 /// The errors for which the cheapest run is named.
 pub const ERRORS: [f64; 3] = [0.10, 0.03, 0.01];
 
@@ -198,7 +201,8 @@ impl Panel<'_> {
         if self.scene.variant.len() == 1 {
             self.scene.title.clone()
         } else {
-            format!("{}, {}", self.scene.title, self.variant.name)
+            let variant = self.variant.name.replace(' ', "\u{a0}");
+            format!("{}, {variant}", self.scene.title)
         }
     }
 
@@ -221,7 +225,7 @@ impl Panel<'_> {
         let point = |(index, row): (usize, &&Row)| {
             Some(Point {
                 cost: row.cost()?,
-                error: row.error(against)?,
+                error: row.error(against)?.max(LEAST_ERROR),
                 index,
             })
         };

@@ -64,12 +64,17 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// What the value should be.
+    fn right(&self, against: Against) -> Option<f64> {
+        match against {
+            Against::Reference => self.reference,
+            Against::SameMesh => self.exact,
+        }
+    }
+
     /// The relative error.
     pub fn error(&self, against: Against) -> Option<f64> {
-        let right = match against {
-            Against::Reference => self.reference?,
-            Against::SameMesh => self.exact?,
-        };
+        let right = self.right(against)?;
         let error = (self.value? - right).abs() / right.abs();
         error.is_finite().then_some(error)
     }
@@ -106,18 +111,23 @@ impl Row {
         (self.simulated > 0.0 && self.cpu > 0.0).then(|| self.cpu / self.simulated)
     }
 
-    /// The largest error of all measures; `None` if one of them cannot be stated.
+    /// The largest error of all measures of which the right value is known; `None` without any, and for a run that has no value
+    /// for one of them.
     pub fn error(&self, against: Against) -> Option<f64> {
         if self.status != Status::Ok {
             return None;
         }
-        let mut largest = None;
-        for measure in &self.measures {
-            let error = measure.error(against)?;
-            largest = Some(error.max(largest.unwrap_or(0.0)));
-        }
-        largest
+        largest_error(&self.measures, against)
     }
+}
+
+fn largest_error(measures: &[Measured], against: Against) -> Option<f64> {
+    let mut largest: Option<f64> = None;
+    for measure in measures.iter().filter(|m| m.right(against).is_some()) {
+        let error = measure.error(against)?;
+        largest = Some(error.max(largest.unwrap_or(0.0)));
+    }
+    largest
 }
 
 /// The runs on one mesh with one material, and their exact solution.
@@ -138,8 +148,6 @@ pub struct GroupResult {
 impl GroupResult {
     /// The largest error of the exact solution against the reference: what mesh and material do, whatever the solver.
     pub fn exact_error(&self) -> Option<f64> {
-        let errors = self.exact.iter().map(|m| m.error(Against::Reference));
-        let errors: Option<Vec<f64>> = errors.collect();
-        errors?.into_iter().reduce(f64::max)
+        largest_error(&self.exact, Against::Reference)
     }
 }

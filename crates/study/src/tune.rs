@@ -218,13 +218,8 @@ fn exact_values(
 ) -> Exact {
     let mut set = mesh.set.clone();
     set.extend_from_slice(&elements.set);
-    let step = if candidates.moves {
-        set.extend_from_slice(&context.chart.exact.motion);
-        Some(PlannedStep::Share(context.chart.exact.share))
-    } else {
-        set.extend_from_slice(&context.chart.exact.rest);
-        None
-    };
+    set.extend_from_slice(&candidates.exact.0);
+    let step = candidates.exact.1;
     let loaded = load(context, goal, &set)?;
     let prepared = ready(loaded, step)?;
     let count = prepared.elements;

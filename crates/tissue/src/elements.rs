@@ -119,6 +119,7 @@ pub trait Constraints {
     /// Projects one element: moves its nodes, and updates its multipliers, for a step of `h` [s].
     ///
     /// `previous` are the positions at the start of the step, for damping.
+    #[expect(clippy::too_many_arguments, reason = "the parts of a state stay apart")]
     fn project(
         &self,
         element: usize,

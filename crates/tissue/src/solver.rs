@@ -11,10 +11,6 @@ use std::fmt::Debug;
 /// computed before.
 pub trait Solver: Debug + Send {
     /// Advances `state` by `h` [s]. After a failure the state is as it was.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the four types of a step stay apart"
-    )]
     fn step(
         &mut self,
         model: &TissueModel,

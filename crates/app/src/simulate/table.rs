@@ -93,7 +93,7 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
     for (probe, values) in scene.probe.iter().zip(&runner.series().probes) {
         let watched = !scene.expect.iter().any(|e| e.probe == probe.name);
         if let (true, Some(last)) = (watched, values.last()) {
-            let found = probe.quantity.unit().describe(round(*last));
+            let found = number(probe.quantity.unit(), *last);
             rows.push([probe.name.clone(), "at-end".into(), String::new(), found].to_vec());
         }
     }
@@ -114,14 +114,14 @@ fn row(scene: &settings::Scene, verdict: &Verdict) -> Vec<String> {
     let expect = &scene.expect[verdict.expect];
     let probe = scene.probe.iter().find(|probe| probe.name == expect.probe);
     let unit = probe.map_or(Unit::Ratio, |probe| expect.what.unit(probe.quantity));
-    let number = |value: f64| unit.describe(round(value));
+    let number = |value: f64| number(unit, value);
     vec![
         expect.probe.clone(),
         expect.what.name().to_owned(),
         number(expect.value),
         verdict.found.map_or("not found".to_owned(), number),
-        verdict.error.map_or(String::new(), |e| format!("{:+.2} %", e * 100.0)),
-        format!("{} %", round(expect.tolerance * 100.0)),
+        verdict.error.map_or(String::new(), percent),
+        percent(expect.tolerance).replace('+', ""),
         if verdict.met { "met" } else { "MISSED" }.to_owned(),
     ]
 }
@@ -141,6 +141,29 @@ fn columns(rows: &[Vec<String>]) -> String {
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
+/// A value with five digits in a unit that suits its size; lengths below a metre in millimetres.
+fn number(unit: Unit, value: f64) -> String {
+    let millimetres = unit == Unit::Length && (1e-4..1.0).contains(&value.abs());
+    if let (true, Some(shown)) = (millimetres, unit.from_si(value, "mm")) {
+        return format!("{} mm", round(shown));
+    }
+    let text = unit.describe(round(value));
+    // Smaller than the smallest symbol: zeros say nothing.
+    if text.contains("0.000") {
+        let symbol = if unit == Unit::Ratio { "" } else { unit.symbol() };
+        return format!("{value:.4e} {symbol}").trim_end().to_owned();
+    }
+    text
+}
+
+/// A share with its sign: 0.0312 as "+3.12 %", 2e-7 as "+2.0e-7".
+fn percent(share: f64) -> String {
+    if share != 0.0 && share.abs() < 5e-5 {
+        return format!("{share:+.1e}");
+    }
+    format!("{:+.2} %", share * 100.0)
+}
+
 /// Five digits are enough for people.
 fn round(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
@@ -155,5 +178,9 @@ mod tests {
         let rows = [vec!["a".to_owned(), "bc".to_owned()], vec!["def".to_owned()]];
         assert_eq!(columns(&rows), "  a    bc\n  def");
         assert_eq!(round(0.000123456), 0.00012346);
+        assert_eq!(number(Unit::Length, 0.0321084), "32.108 mm");
+        assert_eq!(number(Unit::Force, 7.614e-12), "7.6140e-12 N");
+        assert_eq!(number(Unit::Ratio, 0.5), "0.5");
+        assert_eq!((percent(0.0312), percent(-2e-7)), ("+3.12 %".into(), "-2.0e-7".into()));
     }
 }

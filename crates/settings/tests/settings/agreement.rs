@@ -15,6 +15,9 @@ const CONDITIONAL: [&str; 5] = [
     "tool[].key[].orientation",
 ];
 
+/// Keys that the example cannot have: a method has some of the parameters, and a file one method.
+const OF_ANOTHER_METHOD: [&str; 1] = ["method.substeps"];
+
 /// The schema by which the example of a kind is read.
 fn schema(kind: &str) -> Schema {
     match kind {
@@ -187,7 +190,10 @@ fn the_reader_needs_what_the_schema_requires() {
         });
         let mut names = BTreeSet::new();
         all_names(&schema.keys, "", &mut names);
-        let missing: Vec<&String> = names.difference(&seen).collect();
+        let missing: Vec<&String> = names
+            .difference(&seen)
+            .filter(|name| !OF_ANOTHER_METHOD.contains(&name.as_str()))
+            .collect();
         assert!(
             missing.is_empty(),
             "the example of {kind} lacks {missing:?}"

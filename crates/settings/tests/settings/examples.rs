@@ -51,6 +51,79 @@ fn a_level_is_read_in_si() {
 }
 
 #[test]
+fn a_scene_is_read_in_si() {
+    let scene = read_scene(example("scene"), "scene.toml", &[]);
+    let scene = scene.expect("the example is right").settings;
+    assert_eq!((scene.run.end, scene.run.rest_speed), (End::Rest, Some(1e-6)));
+    assert_eq!(scene.method.name, MethodName::ImplicitEuler);
+    let vessel = &scene.body[1];
+    assert_eq!(vessel.layer[1].thickness, 40e-6);
+    // The constants of plain springs in N/m, N/m³, N/m⁵; the viscosity in Pa s.
+    let springs = &vessel.material[1];
+    assert_eq!(springs.length_stiffness, Some(20.0));
+    assert_eq!(springs.volume_stiffness, Some(1e12));
+    assert_eq!(springs.length_damping, Some(0.002));
+    assert_eq!(vessel.material[0].viscosity, Some(20.0));
+    assert_eq!(vessel.coupling[0].stiffness, 2e9);
+    let grip = &scene.body[0].clamp[1];
+    assert_eq!(grip.motion[0].angle, std::f64::consts::FRAC_PI_2);
+    // Directions have length 1; values stand in the unit of what is expected.
+    assert_eq!(grip.axis, [0.0, 1.0, 0.0]);
+    assert_eq!((scene.expect[0].value, scene.expect[1].value), (0.0345, 0.15));
+}
+
+#[test]
+fn overrides_are_held_to_the_schema_and_named() {
+    let read = |texts: &[&str]| {
+        let overrides: Result<Vec<Override>, String> =
+            texts.iter().map(|text| Override::parse(text)).collect();
+        read_scene(example("scene"), "f.toml", &overrides.expect("KEY=VALUE"))
+    };
+    let scene = read(&[
+        "run.step=5ms",
+        "body.0.cells=[35,7,7]",
+        "body.1.material.0.poisson_ratio = 0.49",
+        "method.name=quasi-static",
+        "expect.0.value=\"30 mm\"",
+    ]);
+    let scene = scene.expect("all is right").settings;
+    assert_eq!(scene.run.step, 0.005);
+    assert_eq!(scene.body[0].cells, Some([35, 7, 7]));
+    assert_eq!(scene.body[1].material[0].poisson_ratio, Some(0.49));
+    assert_eq!(scene.method.name, MethodName::QuasiStatic);
+    assert_eq!(scene.expect[0].value, 0.03);
+
+    for (texts, expected) in [
+        (
+            ["run.step=5mm", "method.iterations=7"],
+            "--set run.step=5mm: key `run.step`: found the text `5mm` (a length), expected a time from 1 ns to 1000 s (a number in s, or a text in s, min, ms, us or ns)",
+        ),
+        (
+            ["method.iterations=7", "method.substeps=2"],
+            "--set method.substeps=2: key `method.substeps`: found `substeps`, expected no `substeps`, which implicit-euler does not have",
+        ),
+        (
+            ["method.iterations=7", "expect.0.value=1s"],
+            "--set expect.0.value=1s: key `expect[0].value`: found the text `1s` (a time), expected a length (a number in m, or a text in m, cm, mm, um or nm)",
+        ),
+    ] {
+        let errors = read(&texts).map(drop).expect_err("one is wrong");
+        assert_eq!(errors.to_string(), expected);
+    }
+}
+
+#[test]
+fn a_mesh_file_of_tetgen_is_two_files() {
+    let scene = read_scene(example("scene"), "scene.toml", &[]);
+    let mut body = scene.expect("the example is right").settings.body.remove(2);
+    assert_eq!(body.files(), ["meshes/organ.stl"]);
+    body.file = Some("a.b/organ.ELE".to_owned());
+    assert_eq!(body.files(), ["a.b/organ.node", "a.b/organ.ele"]);
+    body.file = None;
+    assert_eq!(body.files(), [""; 0]);
+}
+
+#[test]
 fn a_small_level_is_filled_with_defaults() {
     let text = "title = {de='a', en='b'}\nsummary = {de='a', en='b'}\nclock.tick = '16 ms'\nmodule.rounds = 2\n";
     let level = read_level(text, "level1.toml", &manifest(), &[]);
@@ -133,6 +206,13 @@ fn shipped_files_are_right() {
         let lowest = tool.capsule.iter().map(|c| c.a[2].min(c.b[2]) - c.radius);
         let lowest = lowest.fold(f64::INFINITY, f64::min);
         assert!(lowest.abs() <= 1e-9 * 0.025, "{name}: {lowest}");
+    }
+
+    for entry in std::fs::read_dir(config.join("scenes")).expect("scenes") {
+        let path = entry.expect("an entry").path();
+        let scene = load_scene(&path, &[]).map(|scene| scene.settings);
+        let scene = scene.unwrap_or_else(|errors| panic!("{errors}"));
+        assert!(!scene.expect.is_empty(), "{}", path.display());
     }
 
     let csv = root().join("assets/recordings/cataract-stylus/stylus.csv");

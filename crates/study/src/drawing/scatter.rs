@@ -42,7 +42,7 @@ const BOTTOM: f64 = 386.0;
 /// Height of a row above the scale.
 const ROW: f64 = 17.0;
 /// Errors below this are drawn on the lower edge: they are round-off.
-const LEAST_ERROR: f64 = 1e-7;
+const LEAST_ERROR: f64 = 1e-6;
 /// The error at which a line is drawn.
 const LIMIT: f64 = 0.03;
 const NUMBER_RADIUS: f64 = 8.0;
@@ -67,7 +67,7 @@ pub fn scatter(out: &mut String, x: f64, heading: &str, points: &[ScatterPoint],
     for (zone, point) in points.iter().map(|p| (p.zone, p)) {
         let at = place(&across, &up, &rows, zone, point);
         // The hit area stays large enough to point at.
-        let radius = 3.2 + 1.3 * point.size as f64;
+        let radius = 3.6 + 1.3 * point.size as f64;
         let class = if point.hollow { "hollow" } else { "" };
         marker(out, point.series, at, radius, class, &point.tip);
     }

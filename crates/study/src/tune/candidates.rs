@@ -1,7 +1,10 @@
 //! What is tried: meshes with more or fewer cells, discretisations of continua, methods with their steps.
 
+use crate::execute::exact_way;
 use crate::plan::PlannedStep;
-use microsim_settings::{self as settings, Chart, ChartMethod, Discretisation, Generator, Law};
+use microsim_settings::{
+    self as settings, Chart, ChartMethod, ChartScene, Discretisation, ExactKind, Generator, Law,
+};
 
 /// A mesh: overrides of the numbers of cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,8 +33,8 @@ pub struct Candidates {
     pub elements: Vec<Elements>,
     /// Methods with their steps and iterations.
     pub methods: Vec<ChartMethod>,
-    /// Whether the motion counts, or the equilibrium at the end.
-    pub moves: bool,
+    /// Overrides and step of exact solutions.
+    pub exact: (Vec<String>, Option<PlannedStep>),
     /// Whether tools touch bodies.
     pub contact: bool,
 }
@@ -62,9 +65,18 @@ impl Choices<'_> {
     }
 }
 
-/// What the plan lets `tune` try on a scene. `moves`: whether its motion counts; `contact`: whether tools touch its bodies.
-pub fn candidates(chart: &Chart, scene: &settings::Scene, moves: bool, contact: bool) -> Candidates {
+/// What the plan lets `tune` try on a scene. `kind`: what its exact solution is, unless it is `of_plan`; `contact`: whether tools
+/// touch its bodies.
+pub fn candidates(
+    chart: &Chart,
+    scene: &settings::Scene,
+    kind: ExactKind,
+    of_plan: Option<&ChartScene>,
+    contact: bool,
+) -> Candidates {
     let tune = &chart.tune;
+    let kind = of_plan.map_or(kind, |scene| scene.exact);
+    let (set, step) = exact_way(chart, kind, of_plan);
     let names = if contact { &tune.contact_methods } else { &tune.methods };
     let methods = names.iter().filter_map(|name| chart.method.iter().find(|m| m.name == *name));
     let mut meshes: Vec<Mesh> = Vec::new();
@@ -78,7 +90,7 @@ pub fn candidates(chart: &Chart, scene: &settings::Scene, moves: bool, contact: 
         meshes,
         elements: elements(scene, &tune.discretisations),
         methods: methods.cloned().collect(),
-        moves,
+        exact: (set.to_vec(), step),
         contact,
     }
 }
