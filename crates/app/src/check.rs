@@ -1,8 +1,8 @@
 //! `microsim check`.
 
 use crate::cli::{CheckArgs, Place};
-use crate::output::{Exit, Problem, say, say_json};
 use crate::mesh_file;
+use crate::output::{Exit, Problem, say, say_json};
 use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
 use microsim_host::assemble::{Input, Installation, Request, assemble, known_metrics};

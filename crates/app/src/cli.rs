@@ -39,6 +39,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Compare methods, elements and meshes on the scenes of config/chart.toml: error against CPU time, as CSV, SVG and HTML
     Chart(ChartArgs),
+    /// Choose the cheapest method, mesh and step that keep the stated error of a scene or level, and write them into its file
+    Tune(TuneArgs),
     /// Recompute a recorded session, compare it, draw pictures of it
     Replay(ReplayArgs),
     /// Show the result of a recorded session, as text, JSON, CSV or an HTML page
@@ -167,6 +169,28 @@ pub struct ChartArgs {
     /// A date for the page; without one the same results give the same page
     #[arg(long, value_name = "TEXT")]
     pub date: Option<String>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  microsim tune cantilever --dry-run
+  microsim tune push-strip --level 2
+  microsim tune my/scene.toml --verify")]
+pub struct TuneArgs {
+    /// Scene (a file, or the name of one in config/scenes), or module with --level
+    pub target: String,
+    /// Level of the module
+    #[arg(long, value_name = "N")]
+    pub level: Option<u32>,
+    /// Keep mesh and elements of the file: choose method and step alone
+    #[arg(long)]
+    pub keep_mesh: bool,
+    /// Write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Choose nothing: run the file as it is and compare with the figures in it; exit with status 1 if they are not confirmed
+    #[arg(long, conflicts_with = "dry_run")]
+    pub verify: bool,
 }
 
 #[derive(Debug, Args)]

@@ -19,6 +19,7 @@ mod scene_file;
 mod schema;
 mod session_file;
 mod simulate;
+mod tune;
 
 use clap::Parser;
 use cli::{Cli, Command};
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&cli.place, args),
         Command::Simulate(args) => simulate::simulate(&cli.place, args),
         Command::Chart(args) => chart::chart(&cli.place, args),
+        Command::Tune(args) => tune::tune(&cli.place, args),
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(args),
         Command::Bus(args) => bus::bus(&cli.place, args),

@@ -73,7 +73,9 @@ impl SceneFile {
         let loaded = settings::load_scene(path, overrides).map_err(|e| e.to_string())?;
         let document = &loaded.document;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let described = scene_spec(&loaded.settings, &mut |file| std::fs::read(folder.join(file)));
+        let described = scene_spec(&loaded.settings, &mut |file| {
+            std::fs::read(folder.join(file))
+        });
         let described = described.map_err(|e| placed(document, e))?;
         let mut warnings: Vec<String> = described
             .notes

@@ -93,7 +93,10 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
             say(format!("Everything in {}", file.display()))?;
         }
         if let Some((folder, count)) = files {
-            say(format!("{count} meshes in {}; open the .pvd in ParaView", folder.display()))?;
+            say(format!(
+                "{count} meshes in {}; open the .pvd in ParaView",
+                folder.display()
+            ))?;
         }
     }
     let diverged = matches!(scene.runner.end(), Some(End::Diverged(_)));
@@ -109,7 +112,9 @@ fn progress_bar() -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(PROGRESS);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} % of the time, {elapsed} passed") {
+    if let Ok(style) =
+        ProgressStyle::with_template("{wide_bar} {percent} % of the time, {elapsed} passed")
+    {
         bar.set_style(style);
     }
     bar

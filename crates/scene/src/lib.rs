@@ -25,7 +25,9 @@ pub use from_settings::{
 };
 pub use microsim_geometry::Pose;
 pub use microsim_mesh::{Surface, TetMesh};
-pub use microsim_tissue::{Behaviour, BuildError, Energies, Executor, Material, Method, Serial, State, TissueModel};
+pub use microsim_tissue::{
+    Behaviour, BuildError, Energies, Executor, Material, Method, Serial, State, TissueModel,
+};
 pub use report::{ContactReport, Recovery, TickReport};
 pub use run::{End, ProbeError, Runner, Series, Verdict};
 pub use save::RestoreError;

@@ -9,8 +9,8 @@ use microsim_contact::ContactMemory;
 use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::elements::{CouplingConstants, couple};
 use microsim_tissue::{
-    Elements, Energies, Forces, Method, Serial, Solver, SolverVerlet, State, TissueModel, build_model,
-    stability,
+    Elements, Energies, Forces, Method, Serial, Solver, SolverVerlet, State, TissueModel,
+    build_model, stability,
 };
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -32,6 +32,8 @@ pub(crate) struct Body {
     pub stable_step: f64,
     /// Energy below which growth is not worth a look [J]: that of the whole body stretched by 1 %.
     pub energy_scale: f64,
+    /// Iterations of its solver since the scene was built; no part of what evolves.
+    pub iterations: u64,
 }
 
 /// How a body is advanced.
@@ -292,6 +294,12 @@ impl Scene {
         &self.state.bodies[body]
     }
 
+    /// Iterations of the solvers of all bodies since the scene was built, repeated ticks included; 1 per step for a method
+    /// without any.
+    pub fn iterations(&self) -> u64 {
+        self.bodies.iter().map(|body| body.iterations).sum()
+    }
+
     /// How the bodies are advanced.
     pub fn method(&self) -> &Method {
         &self.method
@@ -396,6 +404,7 @@ impl Body {
         };
         Ok(Self {
             energy_scale: energy_scale(&model),
+            iterations: 0,
             surface,
             advance,
             drive,

@@ -214,6 +214,7 @@ impl Scene {
             advance,
             drive,
             surface,
+            iterations,
             ..
         } = &mut self.bodies[body_index];
         let state = &mut self.state.bodies[body_index];
@@ -222,10 +223,12 @@ impl Scene {
         let solver = match advance {
             Advance::Contact(solver) => solver,
             Advance::Plain(solver) => {
-                solver.step(model, state, &control, &grips, h, exec)?;
+                let report = solver.step(model, state, &control, &grips, h, exec)?;
+                *iterations += u64::from(report.iterations);
                 return Ok(flow(model, state, h));
             }
         };
+        *iterations += 1;
         let predicted = solver.predict(model, state, &control, h, exec);
 
         // Each tool sees where the ones before it have led the nodes.

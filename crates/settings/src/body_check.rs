@@ -80,7 +80,9 @@ const FORM: [Rule; 11] = [
 
 /// Complains about all that is wrong in the bodies of a file.
 pub(crate) fn check_bodies(reading: &mut Reading) {
-    let bodies: Vec<Value> = items(reading.value(), "body").map(|(_, b)| b.clone()).collect();
+    let bodies: Vec<Value> = items(reading.value(), "body")
+        .map(|(_, b)| b.clone())
+        .collect();
     for (b, body) in bodies.iter().enumerate() {
         let key = KeyPath::root().key("body").at(b);
         if let Some(generator) = body["generator"].as_str() {
@@ -211,7 +213,11 @@ fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
     let poisson = material["poisson_ratio"].as_f64();
     if form == "fitted" && poisson.is_some_and(|poisson| poisson < 0.0) {
         let found = "a negative Poisson's ratio of fitted springs";
-        reading.complain(&key.key("poisson_ratio"), found, "0 or more; below 0.25 they keep 0.25");
+        reading.complain(
+            &key.key("poisson_ratio"),
+            found,
+            "0 or more; below 0.25 they keep 0.25",
+        );
     }
 
     let viscosity = key.key("viscosity");

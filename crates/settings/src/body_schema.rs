@@ -94,7 +94,12 @@ pub(crate) fn body_keys() -> Vec<Key> {
             "Drag per mass: a free body loses its speed at this rate.",
             0.0,
         ),
-        Key::with_default("colour", Kind::Colour, "Colour in pictures, sRGB.", "#c8c8c8"),
+        Key::with_default(
+            "colour",
+            Kind::Colour,
+            "Colour in pictures, sRGB.",
+            "#c8c8c8",
+        ),
         Key::with_default(
             "finish",
             Kind::choice(&Finish::NAMES),
@@ -175,7 +180,11 @@ pub(crate) fn nodes_keys() -> Vec<Key> {
             point(),
             "Corner with the largest coordinates of the box; needs `min`.",
         ),
-        Key::optional("shell", Kind::Table(shell), "A range of distances from an axis."),
+        Key::optional(
+            "shell",
+            Kind::Table(shell),
+            "A range of distances from an axis.",
+        ),
         Key::optional(
             "nearest",
             point(),
@@ -186,7 +195,7 @@ pub(crate) fn nodes_keys() -> Vec<Key> {
 
 fn clamp_keys() -> Vec<Key> {
     let motion = vec![
-        Key::required("time", time(0.0, 1e4), "When."),
+        Key::required("time", time(0.0, 6e3), "When."),
         Key::with_default("shift", point(), "Translation.", json!([0.0, 0.0, 0.0])),
         Key::with_default(
             "angle",
@@ -215,7 +224,11 @@ fn clamp_keys() -> Vec<Key> {
             256,
             "How it moves: its place at some times, linear in between, from rest at time 0; without it, it stands.",
         ),
-        Key::optional("release", time(0.0, 1e4), "When it lets go; never if left out."),
+        Key::optional(
+            "release",
+            time(0.0, 6e3),
+            "When it lets go; never if left out.",
+        ),
     ]
 }
 
@@ -256,7 +269,7 @@ fn load_keys() -> Vec<Key> {
         ),
         Key::with_default(
             "ramp",
-            time(0.0, 1e4),
+            time(0.0, 6e3),
             "Time in which it grows to its full value.",
             0.0,
         ),
@@ -300,9 +313,8 @@ fn start_keys() -> Vec<Key> {
 }
 
 fn material_keys() -> Vec<Key> {
-    let modulus = |name, min, doc| {
-        Key::optional(name, Kind::quantity(Unit::Pressure, min, 1e11), doc)
-    };
+    let modulus =
+        |name, min, doc| Key::optional(name, Kind::quantity(Unit::Pressure, min, 1e11), doc);
     let constant = |name, doc: &str, [plain, normalised]: [Unit; 2]| {
         let (plain, normalised) = (plain.symbol(), normalised.symbol());
         let kind = Kind::Dependent(format!(
@@ -354,7 +366,7 @@ fn material_keys() -> Vec<Key> {
         ),
         Key::optional(
             "relaxation_time",
-            time(0.0, 1e3),
+            time(0.0, 600.0),
             "Kelvin-Voigt damping: a strain rate resists as that strain times this time.",
         ),
         Key::optional(

@@ -62,7 +62,9 @@ pub struct ChartExact {
 pub struct ChartTune {
     /// Numbers of cells as multiples of those of the file, from coarse to fine.
     pub scales: Vec<f64>,
-    /// Discretisations of continua.
+    /// Number of cells of the mesh that is the measure where nothing is known from outside, as a multiple of those of the file.
+    pub reference_scale: f64,
+    /// Discretisations of continua; the first one is that of the measure.
     pub discretisations: Vec<Discretisation>,
     /// Names of methods, with the steps and iterations that the chart tries.
     pub methods: Vec<String>,
@@ -213,9 +215,17 @@ pub fn chart_schema() -> Schema {
     };
     let time = |min| Kind::quantity(Unit::Time, min, 1e6);
     let budget = vec![
-        Key::required("run", time(0.01), "CPU time of a run; what needs more is cut off and said to be over budget."),
+        Key::required(
+            "run",
+            time(0.01),
+            "CPU time of a run; what needs more is cut off and said to be over budget.",
+        ),
         Key::required("quick_run", time(0.01), "The same for the quick chart."),
-        Key::required("quick_total", time(1.0), "Time of the quick chart; what does not fit is left out and named."),
+        Key::required(
+            "quick_total",
+            time(1.0),
+            "Time of the quick chart; what does not fit is left out and named.",
+        ),
     ];
     Schema {
         name: "chart".to_owned(),
@@ -234,19 +244,55 @@ pub fn chart_schema() -> Schema {
 fn exact_keys() -> Vec<Key> {
     let overrides = |name: &str, doc: &str| Key::list(name, Kind::Text, 64, doc);
     vec![
-        overrides("rest", "Overrides for the equilibrium: `KEY=VALUE`, as with --set."),
-        overrides("motion", "Overrides for the motion: those of an explicit method."),
-        Key::with_default("share", Kind::quantity(Unit::Ratio, 0.001, 1.0), "Step of the motion as a share of the estimated stability limit.", 0.25),
+        overrides(
+            "rest",
+            "Overrides for the equilibrium: `KEY=VALUE`, as with --set.",
+        ),
+        overrides(
+            "motion",
+            "Overrides for the motion: those of an explicit method.",
+        ),
+        Key::with_default(
+            "share",
+            Kind::quantity(Unit::Ratio, 0.001, 1.0),
+            "Step of the motion as a share of the estimated stability limit.",
+            0.25,
+        ),
     ]
 }
 
 fn tune_keys() -> Vec<Key> {
-    let some = |of: Kind| Kind::List { of: Box::new(of), min: 1, max: 32 };
+    let some = |of: Kind| Kind::List {
+        of: Box::new(of),
+        min: 1,
+        max: 32,
+    };
     vec![
-        Key::required("scales", some(Kind::quantity(Unit::Ratio, 0.05, 20.0)), "Numbers of cells as multiples of those of the file, from coarse to fine."),
-        Key::required("discretisations", some(Kind::choice(&Discretisation::NAMES)), "Discretisations of continua."),
-        Key::required("methods", some(Kind::Text), "Names of methods, with the steps and iterations that the chart tries."),
-        Key::required("contact_methods", some(Kind::Text), "Names of methods for levels with contact."),
+        Key::required(
+            "scales",
+            some(Kind::quantity(Unit::Ratio, 0.05, 20.0)),
+            "Numbers of cells as multiples of those of the file, from coarse to fine.",
+        ),
+        Key::required(
+            "reference_scale",
+            Kind::quantity(Unit::Ratio, 0.05, 20.0),
+            "Number of cells of the mesh that is the measure where nothing is known from outside, as a multiple of those of the file.",
+        ),
+        Key::required(
+            "discretisations",
+            some(Kind::choice(&Discretisation::NAMES)),
+            "Discretisations of continua; the first one is that of the measure.",
+        ),
+        Key::required(
+            "methods",
+            some(Kind::Text),
+            "Names of methods, with the steps and iterations that the chart tries.",
+        ),
+        Key::required(
+            "contact_methods",
+            some(Kind::Text),
+            "Names of methods for levels with contact.",
+        ),
     ]
 }
 
@@ -259,21 +305,44 @@ fn title() -> Key {
 }
 
 fn set() -> Key {
-    Key::list("set", Kind::Text, 64, "Values that take the place of those of the scene: `KEY=VALUE`, as with --set.")
+    Key::list(
+        "set",
+        Kind::Text,
+        64,
+        "Values that take the place of those of the scene: `KEY=VALUE`, as with --set.",
+    )
 }
 
 fn steps() -> Key {
-    Key::list("steps", Kind::quantity(Unit::Time, 1e-9, 1.0), 32, "Steps of the solver.")
+    Key::list(
+        "steps",
+        Kind::quantity(Unit::Time, 1e-9, 1.0),
+        32,
+        "Steps of the solver.",
+    )
 }
 
 fn shares() -> Key {
     let share = Kind::quantity(Unit::Ratio, 0.001, 10.0);
-    Key::list("shares", share, 32, "Steps as shares of the estimated stability limit of explicit methods.")
+    Key::list(
+        "shares",
+        share,
+        32,
+        "Steps as shares of the estimated stability limit of explicit methods.",
+    )
 }
 
 fn iterations() -> Key {
-    let count = Kind::Integer { min: 1, max: 100_000 };
-    Key::list("iterations", count, 32, "Numbers of iterations in a step; the method's own if empty.")
+    let count = Kind::Integer {
+        min: 1,
+        max: 100_000,
+    };
+    Key::list(
+        "iterations",
+        count,
+        32,
+        "Numbers of iterations in a step; the method's own if empty.",
+    )
 }
 
 fn material_keys() -> Vec<Key> {
@@ -300,35 +369,99 @@ fn scene_keys() -> Vec<Key> {
     let variant = vec![
         name(),
         set(),
-        Key::optional("poisson_ratio", Kind::quantity(Unit::Ratio, -1.0, 0.5), "Poisson's ratio, for the comparison of discretisations over it."),
-        Key::list("reference", any, 16, "The right values of the first measures, in their order and in SI; of the others nothing is known from outside."),
-        Key::optional("source", Kind::Text, "Where the right values come from, in a sentence."),
+        Key::optional(
+            "poisson_ratio",
+            Kind::quantity(Unit::Ratio, -1.0, 0.5),
+            "Poisson's ratio, for the comparison of discretisations over it.",
+        ),
+        Key::list(
+            "reference",
+            any,
+            16,
+            "The right values of the first measures, in their order and in SI; of the others nothing is known from outside.",
+        ),
+        Key::optional(
+            "source",
+            Kind::Text,
+            "Where the right values come from, in a sentence.",
+        ),
     ];
     let names = |name: &str, doc: &str| {
-        let of = Kind::List { of: Box::new(Kind::Text), min: 1, max: 64 };
+        let of = Kind::List {
+            of: Box::new(Kind::Text),
+            min: 1,
+            max: 64,
+        };
         Key::required(name, of, doc)
     };
     let sweep = vec![
-        Key::with_default("quick", Kind::Bool, "Whether it belongs to the quick chart.", false),
+        Key::with_default(
+            "quick",
+            Kind::Bool,
+            "Whether it belongs to the quick chart.",
+            false,
+        ),
         names("resolutions", "Names of resolutions."),
-        Key::list("variants", Kind::Text, 64, "Names of variants; all if empty."),
+        Key::list(
+            "variants",
+            Kind::Text,
+            64,
+            "Names of variants; all if empty.",
+        ),
         names("materials", "Names of materials."),
         names("methods", "Names of methods."),
         steps(),
         shares(),
         iterations(),
     ];
-    let some = |keys: Vec<Key>, max| Kind::List { of: Box::new(Kind::Table(keys)), min: 1, max };
+    let some = |keys: Vec<Key>, max| Kind::List {
+        of: Box::new(Kind::Table(keys)),
+        min: 1,
+        max,
+    };
     vec![
-        Key::required("name", Kind::Name(Form::Identifier), "Its name on the command line."),
+        Key::required(
+            "name",
+            Kind::Name(Form::Identifier),
+            "Its name on the command line.",
+        ),
         title(),
-        Key::required("file", Kind::Name(Form::RelativePath), "The scene's file, from the folder of this file."),
-        Key::required("exact", Kind::choice(&ExactKind::NAMES), "What the exact solution on the same mesh is: the equilibrium at `rest`, or the `motion` at a small step."),
-        Key::list("exact_set", Kind::Text, 64, "Overrides for it instead of those of `exact` at the top; those if empty."),
-        Key::optional("exact_step", Kind::quantity(Unit::Time, 1e-9, 1.0), "Step for the exact motion, where its method has no stability limit."),
-        Key::required("measure", some(measure, 16), "What is compared; the error of a run is the largest of them."),
-        Key::required("resolution", some(vec![name(), set()], 16), "Meshes, from coarse to fine."),
-        Key::required("variant", some(variant, 16), "Values of the scene's parameters."),
+        Key::required(
+            "file",
+            Kind::Name(Form::RelativePath),
+            "The scene's file, from the folder of this file.",
+        ),
+        Key::required(
+            "exact",
+            Kind::choice(&ExactKind::NAMES),
+            "What the exact solution on the same mesh is: the equilibrium at `rest`, or the `motion` at a small step.",
+        ),
+        Key::list(
+            "exact_set",
+            Kind::Text,
+            64,
+            "Overrides for it instead of those of `exact` at the top; those if empty.",
+        ),
+        Key::optional(
+            "exact_step",
+            Kind::quantity(Unit::Time, 1e-9, 1.0),
+            "Step for the exact motion, where its method has no stability limit.",
+        ),
+        Key::required(
+            "measure",
+            some(measure, 16),
+            "What is compared; the error of a run is the largest of them.",
+        ),
+        Key::required(
+            "resolution",
+            some(vec![name(), set()], 16),
+            "Meshes, from coarse to fine.",
+        ),
+        Key::required(
+            "variant",
+            some(variant, 16),
+            "Values of the scene's parameters.",
+        ),
         Key::required("sweep", some(sweep, 64), "Products of lists."),
     ]
 }
@@ -353,7 +486,13 @@ pub fn read_chart(text: &str, file: &str) -> Result<Loaded<Chart>, ConfigErrors>
         let tune = reading.value()["tune"].clone();
         for (i, name) in items(&tune, list) {
             let Some(name) = name.as_str() else { continue };
-            refers(&mut reading, &root.key("tune").key(list).at(i), name, "a method", &methods);
+            refers(
+                &mut reading,
+                &root.key("tune").key(list).at(i),
+                name,
+                "a method",
+                &methods,
+            );
         }
     }
     for i in 0..items(reading.value(), "scene").count() {
@@ -406,7 +545,11 @@ fn check_scene(reading: &mut Reading, index: usize) {
     }
     let all = reading.value().clone();
     let lists = [
-        ("resolutions", "a resolution", texts(&scene, "resolution", "name")),
+        (
+            "resolutions",
+            "a resolution",
+            texts(&scene, "resolution", "name"),
+        ),
         ("variants", "a variant", texts(&scene, "variant", "name")),
         ("materials", "a material", texts(&all, "material", "name")),
         ("methods", "a method", texts(&all, "method", "name")),

@@ -213,14 +213,12 @@ fn contact_keys() -> Vec<Key> {
 }
 
 fn physics_keys() -> Vec<Key> {
-    vec![
-        Key::with_default(
-            "gravity",
-            Kind::vector3(Unit::Acceleration, 100.0),
-            "Acceleration of free fall, in the field frame.",
-            json!([0.0, 0.0, -9.81]),
-        ),
-    ]
+    vec![Key::with_default(
+        "gravity",
+        Kind::vector3(Unit::Acceleration, 100.0),
+        "Acceleration of free fall, in the field frame.",
+        json!([0.0, 0.0, -9.81]),
+    )]
 }
 
 fn limit_keys() -> Vec<Key> {

@@ -44,8 +44,9 @@ pub use body::{
     Plasticity, Shell, Split, SpringForm, Start,
 };
 pub use chart::{
-    Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution, ChartScene,
-    ChartSweep, ChartTune, ChartVariant, ExactKind, chart_schema, load_chart, read_chart,
+    Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution,
+    ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, chart_schema, load_chart,
+    read_chart,
 };
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
@@ -71,9 +72,7 @@ pub use recording::{
     DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,
     recording_map_help, recording_map_path, recording_schema,
 };
-pub use scene::{
-    End, Expect, Feature, Probe, Quantity, Scene, SceneRun, load_scene, read_scene,
-};
+pub use scene::{End, Expect, Feature, Probe, Quantity, Scene, SceneRun, load_scene, read_scene};
 pub use scene_schema::scene_schema;
 pub use schema::{Form, Key, Kind, Presence, Schema};
 pub use script::{

@@ -109,6 +109,9 @@ pub struct Tuned {
     pub margin: Option<f64>,
     /// CPU time per simulated time.
     pub cost: Option<f64>,
+    /// Values of what was compared, in SI, from the exact solution on a fine mesh: the measure where nothing is known from
+    /// outside.
+    pub measure: Vec<f64>,
     /// What was rejected, and why: a sentence each.
     pub rejected: Vec<String>,
 }
@@ -123,7 +126,10 @@ pub(crate) fn method_keys() -> Vec<Key> {
         ),
         Key::optional(
             "iterations",
-            Kind::Integer { min: 1, max: 10_000 },
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+            },
             "Of implicit methods: largest number in a step. Of xpbd: number in a sub-step. The method's own if left out.",
         ),
         Key::optional(
@@ -138,7 +144,10 @@ pub(crate) fn method_keys() -> Vec<Key> {
         ),
         Key::optional(
             "substeps",
-            Kind::Integer { min: 1, max: 10_000 },
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+            },
             "Of xpbd: sub-steps in a step; 10 if left out.",
         ),
     ]
@@ -180,13 +189,23 @@ pub(crate) fn tuned_keys() -> Vec<Key> {
             },
             "Number of tetrahedra.",
         ),
-        Key::optional("error", share(), "Largest relative error that was measured."),
+        Key::optional(
+            "error",
+            share(),
+            "Largest relative error that was measured.",
+        ),
         Key::optional(
             "margin",
             share(),
             "Factor between the step and the largest stable one that was measured.",
         ),
         Key::optional("cost", share(), "CPU time per simulated time."),
+        Key::list(
+            "measure",
+            Kind::quantity(Unit::Ratio, f64::NEG_INFINITY, f64::INFINITY),
+            64,
+            "Values of what was compared, in SI, from the exact solution on a fine mesh: the measure where nothing is known from outside.",
+        ),
         Key::list(
             "rejected",
             Kind::Text,

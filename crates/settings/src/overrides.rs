@@ -161,7 +161,10 @@ mod tests {
             ("a=", ""),
             ("a=b=c", "b=c"),
         ] {
-            assert!(matches!(item(text), Item::Text(t) if t == expected), "{text}");
+            assert!(
+                matches!(item(text), Item::Text(t) if t == expected),
+                "{text}"
+            );
         }
         assert!(matches!(item("a=[1,2]"), Item::List(nodes) if nodes.len() == 2));
         for wrong in ["", "a", "=1", "a..b=1", ".a=1"] {

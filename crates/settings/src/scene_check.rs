@@ -77,7 +77,9 @@ fn check_probes(reading: &mut Reading) {
             }
         }
         let nodes = key.key("nodes");
-        if matches!(quantity.as_str(), "volume" | "smallest-volume" | "energy") && reading.is_written(&nodes) {
+        if matches!(quantity.as_str(), "volume" | "smallest-volume" | "energy")
+            && reading.is_written(&nodes)
+        {
             let expected = format!("no `nodes`, as the {quantity} is that of the body");
             reading.complain(&nodes, "`nodes`", &expected);
         }
@@ -102,7 +104,9 @@ fn check_expectations(reading: &mut Reading) {
         };
         refers(reading, &key.key("probe"), probe, "a probe", &names);
         let feature: Option<Feature> = typed(&expect["what"]);
-        let unit = quantity(reading, probe).zip(feature).map(|(q, f)| f.unit(q));
+        let unit = quantity(reading, probe)
+            .zip(feature)
+            .map(|(q, f)| f.unit(q));
         // Without a unit something else is wrong already.
         let Some(unit) = unit else { continue };
         let any = Kind::quantity(unit, f64::NEG_INFINITY, f64::INFINITY);

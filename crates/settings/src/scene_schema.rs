@@ -16,7 +16,8 @@ pub fn scene_schema() -> Schema {
     };
     Schema {
         name: "scene".to_owned(),
-        doc: "config/scenes/NAME.toml: physics alone, as demonstration, test and benchmark.".to_owned(),
+        doc: "config/scenes/NAME.toml: physics alone, as demonstration, test and benchmark."
+            .to_owned(),
         keys: vec![
             Key::required("title", Kind::LocalText, "Its name for people."),
             Key::required(
@@ -67,18 +68,18 @@ fn run_keys() -> Vec<Key> {
         ),
         Key::required(
             "step",
-            time(1e-9, 1e3),
+            time(1e-9, 600.0),
             "Step of the solver; shortened so that a whole number fits between two samples.",
         ),
         Key::with_default(
             "sample",
-            time(1e-9, 1e3),
+            time(1e-9, 600.0),
             "Time between two samples of the series; a longer step takes its place.",
             0.001,
         ),
         Key::with_default(
             "frame",
-            time(1e-9, 1e4),
+            time(1e-9, 6e3),
             "Time between two exported meshes (--vtu); a longer sample takes its place.",
             0.02,
         ),
@@ -163,7 +164,7 @@ fn expect_keys() -> Vec<Key> {
         ),
         Key::with_default(
             "settle",
-            Kind::quantity(Unit::Time, 0.0, 1e3),
+            Kind::quantity(Unit::Time, 0.0, 600.0),
             "A first peak counts when the curve has stayed below it for this time.",
             0.05,
         ),

@@ -128,7 +128,7 @@ pub(crate) fn exact_way<'a>(
 ) -> (&'a [String], Option<PlannedStep>) {
     let share = PlannedStep::Share(chart.exact.share);
     let (set, step) = match kind {
-        ExactKind::Rest => (&chart.exact.rest, None),
+        ExactKind::Rest => (&chart.exact.rest, Some(PlannedStep::Sample)),
         ExactKind::Motion => (&chart.exact.motion, Some(share)),
     };
     let Some(scene) = scene else {
@@ -248,6 +248,7 @@ pub(crate) fn ready(
     match step {
         None => {}
         Some(PlannedStep::Seconds(step)) => run.step = step,
+        Some(PlannedStep::Sample) => run.step = run.sample,
         Some(PlannedStep::Share(share)) => {
             let limit = stability_limit(&scene);
             if !limit.is_finite() {
@@ -347,6 +348,7 @@ fn advance_once(context: &Context<'_>, prepared: &Prepared, budget: f64) -> Outc
     }
     let cpu = (context.clock)() - start;
     let time = runner.scene().time();
+    let steps = runner.steps() * runner.scene().body_count() as u64;
     let status = match runner.end() {
         _ if cut => Status::OverBudget { time },
         Some(End::Diverged(diverged)) => Status::Diverged {
@@ -368,7 +370,7 @@ fn advance_once(context: &Context<'_>, prepared: &Prepared, budget: f64) -> Outc
             Status::Diverged { time, .. } => time.max(runner.step()),
             _ => time,
         },
-        iterations: None,
+        iterations: (steps > 0).then(|| runner.scene().iterations() as f64 / steps as f64),
         status,
         values,
         energy_drift,

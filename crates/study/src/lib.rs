@@ -19,10 +19,11 @@ mod tune;
 
 pub use execute::{Context, LoadScene, LoadedScene, Step, run_group};
 pub use front::{Point, cheapest, pareto_front};
+pub use number::{percent, significant};
 pub use page::{PageInfo, panel_svg};
 pub use plan::{Group, GroupKey, PlannedRun, PlannedStep, RunKey, groups};
 pub use results::{ERRORS, Panel, Results};
 pub use row::{Against, GroupResult, Measured, Row, Status};
 pub use tune::{
-    Candidates, Choices, Elements, Goal, Mesh, Trial, Tuning, candidates, error_of, tune,
+    Candidates, Choices, Elements, Goal, Mesh, Trial, Tuning, candidates, error_of, measure, tune,
 };

@@ -34,6 +34,8 @@ pub enum PlannedStep {
     Seconds(f64),
     /// Share of the estimated stability limit.
     Share(f64),
+    /// One step per sample.
+    Sample,
 }
 
 /// A run.

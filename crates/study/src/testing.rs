@@ -16,6 +16,7 @@ rest = ["method.name=quasi-static"]
 motion = ["method.name=stoermer-verlet"]
 [tune]
 scales = [1.0]
+reference_scale = 2.0
 discretisations = ["tetrahedra"]
 methods = ["verlet"]
 contact_methods = ["verlet"]
@@ -141,6 +142,7 @@ fn row(
         step: match run.step {
             PlannedStep::Seconds(step) => step,
             PlannedStep::Share(share) => share * 1e-4,
+            PlannedStep::Sample => unreachable!("no method of the plan has such a step"),
         },
         iteration_limit: run.iterations,
         elements: chart.scene[group.key.scene].resolution.len(),

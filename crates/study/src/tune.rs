@@ -2,8 +2,8 @@
 //! for a reason.
 //!
 //! A mesh with a discretisation whose exact solution misses the error is rejected with every method: two errors that cancel are
-//! luck. Of the others each run may take as long as the cheapest so far. What beats it must be stable at a longer step, and must
-//! survive that a node is yanked away by the size of the body.
+//! luck. Of the others each run may take as long as the cheapest so far. What beats it must be stable at a longer step: an explicit
+//! method at the stated margin, any other at twice the step at least, and after a node was yanked away by the size of the body.
 
 mod candidates;
 
@@ -15,6 +15,7 @@ use crate::plan::PlannedStep;
 use crate::row::Status;
 use microsim_scene::{Scene, Selection, StartSpec};
 use microsim_settings::{ChartMethod, Expect};
+use microsim_tissue::stability;
 use std::fmt::Write;
 
 /// Steps at which stability is tried, as multiples of the step of a run, ascending.
@@ -27,7 +28,7 @@ const NOISE: f64 = 0.05;
 /// What must be kept.
 #[derive(Clone, Debug)]
 pub struct Goal {
-    /// What is compared; empty where the exact solution on the finest mesh is the measure of things.
+    /// What is compared. Where a value is NaN nothing is known from outside: the exact solution on a fine mesh is the measure.
     pub expect: Vec<Expect>,
     /// Largest relative error.
     pub error: f64,
@@ -67,6 +68,10 @@ pub struct Tuning {
     pub trials: Vec<Trial>,
     /// Index of the chosen one.
     pub chosen: Option<usize>,
+    /// Values of the exact solution on a fine mesh, where they were the measure; else empty.
+    pub measure: Vec<f64>,
+    /// Why there is nothing to compare with.
+    pub no_measure: Option<String>,
 }
 
 impl Tuning {
@@ -95,7 +100,7 @@ impl Tuning {
             let others = of().count() - 1;
             let mut text = format!("{}: {reason}", best.description);
             if others > 0 {
-                let _ = write!(text, " (and {others} more runs of {kind})");
+                let _ = write!(text, " (the nearest of {} runs)", others + 1);
             }
             Some(text)
         };
@@ -112,31 +117,31 @@ pub fn tune(
 ) -> Tuning {
     let mut goal = goal.clone();
     let mut tuning = Tuning::default();
-    let mut exact = Vec::new();
-    // From fine to coarse, so that the finest can be the measure of things.
-    for mesh in candidates.meshes.iter().rev() {
-        for elements in &candidates.elements {
-            let found = exact_values(context, &goal, candidates, mesh, elements);
-            if let (Ok((values, _)), true) = (&found, goal.expect.iter().any(|e| e.value.is_nan())) {
-                for (expect, value) in goal.expect.iter_mut().zip(values) {
-                    expect.value = value.unwrap_or(f64::NAN);
-                }
+    if goal.expect.iter().any(|e| e.value.is_nan()) {
+        match measured_goal(context, &goal, candidates) {
+            Ok(measured) => {
+                tuning.measure = measured.expect.iter().map(|e| e.value).collect();
+                goal = measured;
             }
-            exact.push((mesh, elements, found));
+            Err(reason) => {
+                tuning.no_measure = Some(reason);
+                return tuning;
+            }
         }
     }
-    exact.reverse();
-    for (mesh, elements, found) in &exact {
+    let pairs = candidates.meshes.iter().flat_map(|mesh| candidates.elements.iter().map(move |e| (mesh, e)));
+    for (mesh, elements) in pairs {
+        let found = exact_values(context, &goal, candidates, mesh, elements);
         let of_mesh = format!("{}, {}", elements.title, mesh.title);
         let usable = match found {
-            Ok((values, count)) => match error_of(&goal, values) {
-                Some(error) if error <= goal.error => Ok(*count),
-                Some(error) => Err((*count, Some(error), format!(
+            Ok((values, count)) => match error_of(&goal, &values) {
+                Some(error) if error <= goal.error => Ok(()),
+                Some(error) => Err((count, Some(error), format!(
                     "an exact solver would already be off by {}, allowed are {}",
                     percent(error),
                     percent(goal.error)
                 ))),
-                None => Err((*count, None, "its exact solution does not hold what is expected".into())),
+                None => Err((count, None, "its exact solution does not hold what is expected".into())),
             },
             Err(reason) => Err((0, None, format!("no exact solution: {reason}"))),
         };
@@ -178,6 +183,40 @@ pub fn tune(
         }
     }
     tuning
+}
+
+/// The scene as its file has it; every value of the goal must be known.
+pub fn measure(context: &Context<'_>, goal: &Goal) -> Result<Trial, String> {
+    let prepared = ready(load(context, goal, &[])?, None)?;
+    let (step, elements) = (prepared.runner.step(), prepared.elements);
+    let outcome = advance(context, prepared, f64::INFINITY);
+    Ok(Trial {
+        description: "the file as it is".into(),
+        kind: "the file as it is".into(),
+        overrides: Vec::new(),
+        method: String::new(),
+        step,
+        elements,
+        error: error_of(goal, &outcome.values),
+        cost: (outcome.simulated > 0.0).then(|| outcome.cpu / outcome.simulated),
+        margin: None,
+        rejected: None,
+    })
+}
+
+/// The goal with the exact solution on a fine mesh as the measure of things.
+fn measured_goal(
+    context: &Context<'_>,
+    goal: &Goal,
+    candidates: &Candidates,
+) -> Result<Goal, String> {
+    let (mesh, elements) = &candidates.reference;
+    let (values, _) = exact_values(context, goal, candidates, mesh, elements)?;
+    let mut goal = goal.clone();
+    for (expect, value) in goal.expect.iter_mut().zip(values) {
+        expect.value = value.unwrap_or(f64::NAN);
+    }
+    Ok(goal)
 }
 
 /// The steps and iterations of a method.
@@ -255,7 +294,11 @@ fn attempt(
         kind: format!("{} with {}", choices.method.title, choices.elements.title),
         overrides,
         method: String::new(),
-        step: f64::NAN,
+        step: match choices.step {
+            PlannedStep::Seconds(step) => step,
+            // Known when the scene is built.
+            PlannedStep::Share(_) | PlannedStep::Sample => f64::NAN,
+        },
         elements: 0,
         error: None,
         cost: None,
@@ -272,7 +315,8 @@ fn attempt(
         false => "no step".into(),
     };
     if let Some(iterations) = choices.iterations {
-        let _ = write!(parameters, ", {iterations} iterations");
+        let plural = if iterations == 1 { "" } else { "s" };
+        let _ = write!(parameters, ", {iterations} iteration{plural}");
     }
     trial.description = format!("{}, {}, {parameters}", trial.kind, choices.mesh.title);
     trial
@@ -292,7 +336,8 @@ fn judge(
     if candidates.contact && !scene.method().leads_nodes() {
         return Err("it cannot lead nodes, which contact needs".into());
     }
-    let limited = stability_limit(&scene).is_finite();
+    let limit = stability_limit(&scene);
+    let limited = limit.is_finite();
     let free = yanked_node(&scene);
     let duration = loaded.settings.run.duration;
     let budget = best.map_or(context.budget, |cost| (cost * duration).min(context.budget));
@@ -303,6 +348,12 @@ fn judge(
     let prepared = ready(loaded.clone(), Some(choices.step))?;
     trial.step = prepared.runner.step();
     trial.elements = prepared.elements;
+    if trial.step > stability::SAFETY * limit * (1.0 + 1e-9) {
+        return Err(format!(
+            "a step beyond {} of the stability limit is not safe when the body is deformed",
+            stability::SAFETY
+        ));
+    }
     let outcome = advance(context, prepared, budget);
     if outcome.simulated > 0.0 {
         trial.cost = Some(outcome.cpu / outcome.simulated);
@@ -351,6 +402,9 @@ fn judge(
             significant(margin, 3).trim_end_matches('0').trim_end_matches('.'),
             significant(demanded, 2)
         ));
+    }
+    if limited {
+        return Ok(());
     }
     let mut yanked = loaded.clone();
     for (body, (place, shift)) in yanked.spec.bodies.iter_mut().zip(free) {

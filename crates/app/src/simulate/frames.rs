@@ -26,7 +26,11 @@ impl Frames {
         let name = scene.loaded.document.path();
         let mut frames = Self {
             folder: folder.to_path_buf(),
-            scene: name.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            scene: name
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
             bodies: scene.spec.bodies.clone(),
             interval: scene.loaded.settings.run.frame,
             next: 0.0,
@@ -69,7 +73,8 @@ impl Frames {
             })
             .collect();
         let path = self.folder.join(format!("{}.pvd", self.scene));
-        std::fs::write(&path, write_pvd(&entries)).map_err(|e| format!("{}: {e}", path.display()))?;
+        std::fs::write(&path, write_pvd(&entries))
+            .map_err(|e| format!("{}: {e}", path.display()))?;
         Ok((self.folder, self.written.len()))
     }
 }

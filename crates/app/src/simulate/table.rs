@@ -23,7 +23,11 @@ pub fn heading(file: &SceneFile, path: &Path) -> String {
             built.rest_positions(index).len()
         ));
         let values = &file.loaded.document.value()["body"][index]["material"];
-        for (material, value) in body.material.iter().zip(values.as_array().into_iter().flatten()) {
+        for (material, value) in body
+            .material
+            .iter()
+            .zip(values.as_array().into_iter().flatten())
+        {
             lines.push(format!("  material  {}", material_line(material, value)));
         }
     }
@@ -100,12 +104,25 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
     let verdicts = runner.verdicts();
     rows.extend(verdicts.iter().map(|verdict| row(scene, verdict)));
     if !rows.is_empty() {
-        let heading = ["probe", "what", "expected", "found", "error", "tolerance", ""];
+        let heading = [
+            "probe",
+            "what",
+            "expected",
+            "found",
+            "error",
+            "tolerance",
+            "",
+        ];
         rows.insert(0, heading.map(str::to_owned).to_vec());
         lines.push(columns(&rows));
     }
     for expect in &scene.expect {
-        lines.push(format!("{} {}: {}", expect.probe, expect.what.name(), expect.source));
+        lines.push(format!(
+            "{} {}: {}",
+            expect.probe,
+            expect.what.name(),
+            expect.source
+        ));
     }
     lines.join("\n")
 }
@@ -131,12 +148,20 @@ fn columns(rows: &[Vec<String>]) -> String {
     let count = rows.iter().map(Vec::len).max().unwrap_or_default();
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or_default()
+        cells
+            .map(|cell| cell.chars().count())
+            .max()
+            .unwrap_or_default()
     };
     let widths: Vec<usize> = (0..count).map(width).collect();
     let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
-        format!("  {}", cells.collect::<Vec<_>>().join("  ")).trim_end().to_owned()
+        let cells = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| format!("{cell:<width$}"));
+        format!("  {}", cells.collect::<Vec<_>>().join("  "))
+            .trim_end()
+            .to_owned()
     };
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }
@@ -150,7 +175,11 @@ fn number(unit: Unit, value: f64) -> String {
     let text = unit.describe(round(value));
     // Smaller than the smallest symbol: zeros say nothing.
     if text.contains("0.000") {
-        let symbol = if unit == Unit::Ratio { "" } else { unit.symbol() };
+        let symbol = if unit == Unit::Ratio {
+            ""
+        } else {
+            unit.symbol()
+        };
         return format!("{value:.4e} {symbol}").trim_end().to_owned();
     }
     text
@@ -175,12 +204,18 @@ mod tests {
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {
-        let rows = [vec!["a".to_owned(), "bc".to_owned()], vec!["def".to_owned()]];
+        let rows = [
+            vec!["a".to_owned(), "bc".to_owned()],
+            vec!["def".to_owned()],
+        ];
         assert_eq!(columns(&rows), "  a    bc\n  def");
         assert_eq!(round(0.000123456), 0.00012346);
         assert_eq!(number(Unit::Length, 0.0321084), "32.108 mm");
         assert_eq!(number(Unit::Force, 7.614e-12), "7.6140e-12 N");
         assert_eq!(number(Unit::Ratio, 0.5), "0.5");
-        assert_eq!((percent(0.0312), percent(-2e-7)), ("+3.12 %".into(), "-2.0e-7".into()));
+        assert_eq!(
+            (percent(0.0312), percent(-2e-7)),
+            ("+3.12 %".into(), "-2.0e-7".into())
+        );
     }
 }

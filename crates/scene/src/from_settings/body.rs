@@ -102,10 +102,7 @@ fn mesh(
     load: &mut Load<'_>,
     notes: &mut Vec<String>,
 ) -> Result<TetMesh, FromSettingsError> {
-    let wrong = |cause| FromSettingsError {
-        key: key.key("generator"),
-        cause,
-    };
+    let wrong = |cause| FromSettingsError::new(key.key("generator"), cause);
     let split = match body.split {
         None | Some(settings::Split::Kuhn) => CellSplit::Kuhn,
         Some(settings::Split::Mirrored) => CellSplit::Mirrored,
@@ -168,10 +165,7 @@ fn from_file(
     notes: &mut Vec<String>,
 ) -> Result<TetMesh, FromSettingsError> {
     let at = key.key("file");
-    let wrong = |cause| FromSettingsError {
-        key: at.clone(),
-        cause,
-    };
+    let wrong = |cause| FromSettingsError::new(at.clone(), cause);
     let file = body
         .file
         .clone()
@@ -231,10 +225,8 @@ fn materials(
         let material = super::material::material(of, &key)?;
         match of.region {
             Some(region) if !regions.contains(&region) => {
-                return Err(FromSettingsError {
-                    key: key.key("region"),
-                    cause: FromSettingsCause::Region { region, regions },
-                });
+                let cause = FromSettingsCause::Region { region, regions };
+                return Err(FromSettingsError::new(key.key("region"), cause));
             }
             Some(region) => materials.push((region, material)),
             None => {

@@ -10,7 +10,7 @@ pub struct FromSettingsError {
     /// The key, from the top of the file.
     pub key: KeyPath,
     /// Why.
-    pub cause: FromSettingsCause,
+    pub cause: Box<FromSettingsCause>,
 }
 
 /// Why settings do not describe a scene.
@@ -83,9 +83,13 @@ impl std::fmt::Display for FromSettingsError {
 
 impl std::error::Error for FromSettingsError {}
 
-pub(super) fn missing(key: KeyPath, what: &'static str) -> FromSettingsError {
-    FromSettingsError {
-        key,
-        cause: FromSettingsCause::Missing(what),
+impl FromSettingsError {
+    pub(super) fn new(key: KeyPath, cause: FromSettingsCause) -> Self {
+        let cause = Box::new(cause);
+        Self { key, cause }
     }
+}
+
+pub(super) fn missing(key: KeyPath, what: &'static str) -> FromSettingsError {
+    FromSettingsError::new(key, FromSettingsCause::Missing(what))
 }

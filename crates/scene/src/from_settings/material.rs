@@ -95,7 +95,10 @@ fn springs(
                 area: material.area_modulus.unwrap_or(0.0),
                 volume: material.volume_modulus.unwrap_or(0.0),
             };
-            (SpringForm::Scaled(moduli), Some(stretch).filter(|s| *s > 0.0))
+            (
+                SpringForm::Scaled(moduli),
+                Some(stretch).filter(|s| *s > 0.0),
+            )
         }
         Some(settings::SpringForm::Plain) => (SpringForm::Plain(constants), None),
         Some(settings::SpringForm::Normalised) => (SpringForm::Normalised(constants), None),

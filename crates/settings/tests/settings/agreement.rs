@@ -37,6 +37,7 @@ fn accept(kind: &str, value: &Value) -> Result<(), String> {
         "manifest" => parse::<Manifest>(value),
         "level" => parse::<Level>(value),
         "scene" => parse::<Scene>(value),
+        "chart" => parse::<Chart>(value),
         "tool" => parse::<Tool>(value),
         "translator" => parse::<Translator>(value),
         "recording" => parse::<RecordingMap>(value),

@@ -54,7 +54,10 @@ fn a_level_is_read_in_si() {
 fn a_scene_is_read_in_si() {
     let scene = read_scene(example("scene"), "scene.toml", &[]);
     let scene = scene.expect("the example is right").settings;
-    assert_eq!((scene.run.end, scene.run.rest_speed), (End::Rest, Some(1e-6)));
+    assert_eq!(
+        (scene.run.end, scene.run.rest_speed),
+        (End::Rest, Some(1e-6))
+    );
     assert_eq!(scene.method.name, MethodName::ImplicitEuler);
     let vessel = &scene.body[1];
     assert_eq!(vessel.layer[1].thickness, 40e-6);
@@ -69,7 +72,10 @@ fn a_scene_is_read_in_si() {
     assert_eq!(grip.motion[0].angle, std::f64::consts::FRAC_PI_2);
     // Directions have length 1; values stand in the unit of what is expected.
     assert_eq!(grip.axis, [0.0, 1.0, 0.0]);
-    assert_eq!((scene.expect[0].value, scene.expect[1].value), (0.0345, 0.15));
+    assert_eq!(
+        (scene.expect[0].value, scene.expect[1].value),
+        (0.0345, 0.15)
+    );
 }
 
 #[test]
@@ -96,7 +102,7 @@ fn overrides_are_held_to_the_schema_and_named() {
     for (texts, expected) in [
         (
             ["run.step=5mm", "method.iterations=7"],
-            "--set run.step=5mm: key `run.step`: found the text `5mm` (a length), expected a time from 1 ns to 1000 s (a number in s, or a text in s, min, ms, us or ns)",
+            "--set run.step=5mm: key `run.step`: found the text `5mm` (a length), expected a time from 1 ns to 10 min (a number in s, or a text in s, min, ms, us or ns)",
         ),
         (
             ["method.iterations=7", "method.substeps=2"],

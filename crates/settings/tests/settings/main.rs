@@ -10,10 +10,11 @@ use microsim_settings::*;
 use serde_json::Value;
 
 /// A full example of each kind: every key of its schema occurs.
-const EXAMPLES: [(&str, &str); 8] = [
+const EXAMPLES: [(&str, &str); 9] = [
     ("manifest", include_str!("../examples/manifest.toml")),
     ("level", include_str!("../examples/level.toml")),
     ("scene", include_str!("../examples/scene.toml")),
+    ("chart", include_str!("../examples/chart.toml")),
     ("tool", include_str!("../examples/tool.toml")),
     ("translator", include_str!("../examples/translator.toml")),
     ("recording", include_str!("../examples/recording.toml")),
@@ -53,6 +54,7 @@ fn read(kind: &str, text: &str) -> Result<Value, ConfigErrors> {
         "manifest" => read_manifest(text, file)?.document,
         "level" => read_level(text, file, &manifest(), &KNOWN_METRICS)?.document,
         "scene" => read_scene(text, file, &[])?.document,
+        "chart" => read_chart(text, file)?.document,
         "tool" => read_tool(text, file)?.document,
         "translator" => read_translator(text, file)?.document,
         "recording" => read_recording_map(text, file)?.document,

@@ -31,6 +31,8 @@ pub struct Candidates {
     pub meshes: Vec<Mesh>,
     /// Discretisations.
     pub elements: Vec<Elements>,
+    /// What is the measure where nothing is known from outside.
+    pub reference: (Mesh, Elements),
     /// Methods with their steps and iterations.
     pub methods: Vec<ChartMethod>,
     /// Overrides and step of exact solutions.
@@ -52,6 +54,20 @@ pub struct Choices<'a> {
     pub step: PlannedStep,
     /// Iterations.
     pub iterations: Option<u32>,
+}
+
+impl Candidates {
+    /// Leaves mesh and elements as the file has them; the measure of things stays the fine mesh with its elements.
+    pub fn keep_mesh(&mut self) {
+        self.meshes = vec![Mesh {
+            title: "its mesh".into(),
+            set: Vec::new(),
+        }];
+        self.elements = vec![Elements {
+            title: "its elements".into(),
+            set: Vec::new(),
+        }];
+    }
 }
 
 impl Choices<'_> {
@@ -86,9 +102,11 @@ pub fn candidates(
             meshes.push(mesh);
         }
     }
+    let elements = elements(scene, &tune.discretisations);
     Candidates {
         meshes,
-        elements: elements(scene, &tune.discretisations),
+        reference: (scaled(scene, tune.reference_scale), elements[0].clone()),
+        elements,
         methods: methods.cloned().collect(),
         exact: (set.to_vec(), step),
         contact,

@@ -1,0 +1,237 @@
+//! `microsim tune`: the cheapest method, mesh and step that keep what a scene or level states, written into its file.
+
+mod edit;
+mod level;
+
+use crate::chart::{plan_path, thread_seconds};
+use crate::cli::{Place, TuneArgs};
+use crate::output::{Exit, Problem, say};
+use crate::scene_file::find;
+use crate::session_file::installation;
+use microsim_scene::{Serial, scene_spec};
+use microsim_settings::{self as settings, Chart, ChartScene, ExactKind, Expect, Override};
+use microsim_study::{
+    Context, Goal, LoadedScene, Trial, Tuning, candidates, measure, percent,
+    significant, tune as choose,
+};
+use std::path::{Path, PathBuf};
+
+/// What is tuned.
+struct Target {
+    /// The file that is written.
+    path: PathBuf,
+    /// What is measured, as the text of a scene.
+    scene: String,
+    /// Whether it is a level.
+    level: Option<level::Clock>,
+    /// Whether tools touch its bodies.
+    contact: bool,
+    /// How it is named on the command line.
+    name: String,
+}
+
+/// Chooses, or verifies an earlier choice.
+pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
+    let target = target(place, args)?;
+    let plan = plan_path(place)?;
+    let chart = settings::load_chart(&plan)?.settings;
+    let file = target.path.display().to_string();
+    let folder = target.path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let load = |_: &str, set: &[String]| load(&target.scene, &file, &folder, set);
+    let scene = load("", &[])?.settings;
+    let Some(accuracy) = scene.accuracy else {
+        return Err(format!(
+            "{file} states no accuracy to keep; add a table [accuracy] with `error`, such as error = \"3 %\""
+        )
+        .into());
+    };
+    let of_plan = of_plan(&chart, &plan, &target.path);
+    let goal = Goal {
+        expect: expectations(&scene, of_plan),
+        error: accuracy.error,
+        margin: accuracy.stability_margin,
+    };
+    // A scene that ends by time is about its motion.
+    let kind = match scene.run.end {
+        settings::End::Rest => ExactKind::Rest,
+        settings::End::Time => ExactKind::Motion,
+    };
+    let mut candidates = candidates(&chart, &scene, kind, of_plan, target.contact);
+    if args.keep_mesh {
+        candidates.keep_mesh();
+    }
+    let context = Context {
+        chart: &chart,
+        load: &load,
+        clock: &thread_seconds,
+        budget: chart.budget.run,
+        remaining: &|| f64::INFINITY,
+        exec: &Serial,
+    };
+    if args.verify {
+        return verify(&context, goal, &scene);
+    }
+    let tuning = choose(&context, &goal, &candidates, &mut |trial| {
+        let verdict = trial.rejected.as_deref().unwrap_or("the best so far");
+        eprintln!("{}: {verdict}", trial.description);
+    });
+    if let Some(reason) = &tuning.no_measure {
+        return Err(format!("{file}: nothing to compare with: {reason}").into());
+    }
+    report(&tuning, &goal)?;
+    let Some(choice) = tuning.choice() else {
+        say(format!("{file}: nothing keeps an error of {}; the file is as it was", percent(goal.error)))?;
+        return Ok(Exit::Negative);
+    };
+    if args.dry_run {
+        say(format!("{file} is as it was (--dry-run)"))?;
+        return Ok(Exit::Done);
+    }
+    let written = edit::write(&target, &scene, choice, &tuning)?;
+    std::fs::write(&target.path, written).map_err(|e| format!("{file}: {e}"))?;
+    say(format!("Written into {file}; `microsim tune {} --verify` measures it again", target.name))?;
+    Ok(Exit::Done)
+}
+
+fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
+    let read = |path: &Path| {
+        std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+    };
+    let Some(number) = args.level else {
+        let path = find(place, Path::new(&args.target))?;
+        return Ok(Target {
+            scene: read(&path)?,
+            path,
+            level: None,
+            contact: false,
+            name: args.target.clone(),
+        });
+    };
+    let installation = installation(place)?;
+    let module = installation.module(&args.target)?;
+    let path = (number as usize).checked_sub(1).and_then(|index| module.levels.get(index));
+    let Some(path) = path else {
+        return Err(format!("{} has levels 1 to {}", args.target, module.levels.len()).into());
+    };
+    let level = level::Level::of(&read(path)?).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(Target {
+        path: path.clone(),
+        contact: level.contact,
+        scene: level.scene,
+        level: Some(level.clock),
+        name: format!("{} --level {number}", args.target),
+    })
+}
+
+/// The scene of a text, with overrides.
+fn load(text: &str, file: &str, folder: &Path, set: &[String]) -> Result<LoadedScene, String> {
+    let overrides: Vec<Override> =
+        set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
+    let loaded = settings::read_scene(text, file, &overrides).map_err(|e| e.to_string())?;
+    let described = scene_spec(&loaded.settings, &mut |file| std::fs::read(folder.join(file)));
+    let spec = described.map_err(|e| format!("{file}: {e}"))?.spec;
+    Ok(LoadedScene {
+        settings: loaded.settings,
+        spec,
+    })
+}
+
+/// The scene of the plan that has the same file.
+fn of_plan<'a>(chart: &'a Chart, plan: &Path, path: &Path) -> Option<&'a ChartScene> {
+    let folder = plan.parent().unwrap_or(Path::new(""));
+    let own = path.canonicalize().ok()?;
+    chart.scene.iter().find(|scene| folder.join(&scene.file).canonicalize().ok().as_ref() == Some(&own))
+}
+
+/// What is compared: the measures of the plan with their references, or what the scene expects.
+fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Expect> {
+    let Some(of_plan) = of_plan else {
+        if !scene.expect.is_empty() {
+            return scene.expect.clone();
+        }
+        // What is watched counts at the end, against the exact solution on a fine mesh.
+        let watched = scene.probe.iter().map(|probe| Expect {
+            probe: probe.name.clone(),
+            what: settings::Feature::AtEnd,
+            value: f64::NAN,
+            tolerance: 1.0,
+            scale: None,
+            settle: 0.0,
+            source: String::new(),
+        });
+        return watched.collect();
+    };
+    let references = of_plan.variant.first().map(|variant| variant.reference.as_slice());
+    let references = references.unwrap_or_default();
+    let expect = |(k, measure): (usize, &settings::ChartMeasure)| Expect {
+        probe: measure.probe.clone(),
+        what: measure.what,
+        value: references.get(k).copied().unwrap_or(f64::NAN),
+        tolerance: 1.0,
+        scale: None,
+        settle: measure.settle,
+        source: String::new(),
+    };
+    let all = of_plan.measure.iter().enumerate().map(expect);
+    // Where something is known from outside, only that counts.
+    if references.is_empty() { all.collect() } else { all.take(references.len()).collect() }
+}
+
+/// The table of what was tried.
+fn report(tuning: &Tuning, goal: &Goal) -> Result<(), Problem> {
+    say(format!("Demanded: an error of at most {}, a margin of {}", percent(goal.error), goal.margin))?;
+    for sentence in tuning.sentences() {
+        say(format!("  rejected  {sentence}"))?;
+    }
+    if let Some(choice) = tuning.choice() {
+        say(format!("  chosen    {}", figures(choice)))?;
+    }
+    Ok(())
+}
+
+fn figures(trial: &Trial) -> String {
+    format!(
+        "{}: error {}, {} CPU s per simulated s, stable at {} times the step",
+        trial.description,
+        trial.error.map_or("unknown".into(), percent),
+        trial.cost.map_or("unknown".into(), |cost| significant(cost, 2)),
+        trial.margin.unwrap_or(1.0)
+    )
+}
+
+/// Runs the file as it is and compares with what stands in it.
+fn verify(
+    context: &Context<'_>,
+    mut goal: Goal,
+    scene: &settings::Scene,
+) -> Result<Exit, Problem> {
+    let Some(tuned) = &scene.tuned else {
+        return Err("the file holds no [tuned]: run tune first".into());
+    };
+    if !tuned.measure.is_empty() {
+        if tuned.measure.len() != goal.expect.len() {
+            return Err("the file's [tuned] measures something else than the file: run tune again".into());
+        }
+        for (expect, value) in goal.expect.iter_mut().zip(&tuned.measure) {
+            expect.value = *value;
+        }
+    }
+    let found = measure(context, &goal)?;
+    let error_kept = found.error.is_some_and(|error| error <= goal.error);
+    // The error is the same on every machine, but for the digits that the file leaves out.
+    let same = found.error.zip(tuned.error).is_some_and(|(a, b)| (a - b).abs() <= 0.01 * b.max(1e-4));
+    say(format!(
+        "error {} (stated {}, allowed {}): {}",
+        found.error.map_or("unknown".into(), percent),
+        tuned.error.map_or("nothing".into(), percent),
+        percent(goal.error),
+        if error_kept && same { "confirmed" } else { "NOT CONFIRMED" }
+    ))?;
+    // Times are not: they are shown, and decide nothing.
+    say(format!(
+        "{} CPU s per simulated s (stated {})",
+        found.cost.map_or("unknown".into(), |cost| significant(cost, 2)),
+        tuned.cost.map_or("nothing".into(), |cost| significant(cost, 2)),
+    ))?;
+    Ok(if error_kept && same { Exit::Done } else { Exit::Negative })
+}
