@@ -23,16 +23,36 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
     let start = Instant::now();
     let plan = plan_path(place)?;
     let chart = settings::load_chart(&plan)?.settings;
-    let unknown = args.scene.iter().find(|name| chart.scene.iter().all(|s| s.name != **name));
+    let unknown = args
+        .scene
+        .iter()
+        .find(|name| chart.scene.iter().all(|s| s.name != **name));
     if let Some(unknown) = unknown {
-        let names: Vec<&str> = chart.scene.iter().map(|scene| scene.name.as_str()).collect();
-        return Err(format!("no scene `{unknown}` in {}; there are: {}", plan.display(), names.join(", ")).into());
+        let names: Vec<&str> = chart
+            .scene
+            .iter()
+            .map(|scene| scene.name.as_str())
+            .collect();
+        return Err(format!(
+            "no scene `{unknown}` in {}; there are: {}",
+            plan.display(),
+            names.join(", ")
+        )
+        .into());
     }
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
     let groups = groups(&chart, args.quick, &args.scene);
     let scenes = plan.parent().unwrap_or(Path::new("")).to_path_buf();
-    let limit = if args.quick { chart.budget.quick_total } else { f64::INFINITY };
-    let budget = if args.quick { chart.budget.quick_run } else { chart.budget.run };
+    let limit = if args.quick {
+        chart.budget.quick_total
+    } else {
+        f64::INFINITY
+    };
+    let budget = if args.quick {
+        chart.budget.quick_run
+    } else {
+        chart.budget.run
+    };
     let remaining = || limit - start.elapsed().as_secs_f64();
     let progress = Progress::new(&chart, &groups);
     let left_out = Mutex::new(Vec::new());
@@ -49,7 +69,9 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         };
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(group) = groups.get(index) else { break };
+            let Some(group) = groups.get(index) else {
+                break;
+            };
             let result = run_group(&context, group, &mut |step| {
                 if let Step::LeftOut(run) = &step {
                     let method = &chart.method[run.method].title;
@@ -99,7 +121,11 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         say(format!("Left out for lack of time: {text}"))?;
     }
     let page = args.out.join("chart.html");
-    say(format!("{} after {:.0} s", page.display(), start.elapsed().as_secs_f64()))?;
+    say(format!(
+        "{} after {:.0} s",
+        page.display(),
+        start.elapsed().as_secs_f64()
+    ))?;
     Ok(Exit::Done)
 }
 
@@ -112,11 +138,18 @@ pub fn plan_path(place: &Place) -> Result<PathBuf, Problem> {
 /// Loads the scene of a file below `folder`.
 pub fn load(folder: &Path, file: &str, set: &[String]) -> Result<LoadedScene, String> {
     let path = folder.join(file);
-    let overrides: Vec<Override> = set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
-    let settings = settings::load_scene(&path, &overrides).map_err(|e| e.to_string())?.settings;
+    let overrides: Vec<Override> = set
+        .iter()
+        .map(|text| Override::parse(text))
+        .collect::<Result<_, _>>()?;
+    let settings = settings::load_scene(&path, &overrides)
+        .map_err(|e| e.to_string())?
+        .settings;
     let beside = path.parent().unwrap_or(Path::new(""));
     let described = scene_spec(&settings, &mut |file| std::fs::read(beside.join(file)));
-    let spec = described.map_err(|e| format!("{}: {e}", path.display()))?.spec;
+    let spec = described
+        .map_err(|e| format!("{}: {e}", path.display()))?
+        .spec;
     Ok(LoadedScene { settings, spec })
 }
 
@@ -167,9 +200,11 @@ fn command(args: &ChartArgs) -> String {
 }
 
 /// Processor and number of cores, as far as the system says.
-fn machine() -> String {
+pub fn machine() -> String {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let model = cpu
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     let model = model.map_or("unknown processor", |(_, name)| name.trim());
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     format!("{model}, {cores} cores, one thread per run")
@@ -197,7 +232,11 @@ impl Progress {
     fn step(&self, chart: &Chart, group: &Group, step: &Step<'_>) {
         let mut state = lock(&self.state);
         state.0 += weight(chart, group);
-        let often = if self.terminal { Duration::from_millis(200) } else { PROGRESS };
+        let often = if self.terminal {
+            Duration::from_millis(200)
+        } else {
+            PROGRESS
+        };
         if matches!(step, Step::LeftOut(_)) || state.1.is_some_and(|last| last.elapsed() < often) {
             return;
         }
@@ -226,5 +265,9 @@ impl Progress {
 /// How long a run takes compared with one on the coarsest mesh, roughly: halved edges are eight times the elements.
 fn weight(chart: &Chart, group: &Group) -> f64 {
     let coarsest = chart.scene[group.key.scene].resolution.len() == 1;
-    if coarsest { 1.0 } else { 6f64.powi(group.key.resolution as i32) }
+    if coarsest {
+        1.0
+    } else {
+        6f64.powi(group.key.resolution as i32)
+    }
 }

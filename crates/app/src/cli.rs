@@ -39,6 +39,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Compare methods, elements and meshes on the scenes of config/chart.toml: error against CPU time, as CSV, SVG and HTML
     Chart(ChartArgs),
+    /// Measure where methods fail and what helps: largest stable steps, bad elements, large steps, recovery of a damaged beam
+    Atlas(AtlasArgs),
     /// Choose the cheapest method, mesh and step that keep the stated error of a scene or level, and write them into its file
     Tune(TuneArgs),
     /// Recompute a recorded session, compare it, draw pictures of it
@@ -167,6 +169,19 @@ pub struct ChartArgs {
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
     /// A date for the page; without one the same results give the same page
+    #[arg(long, value_name = "TEXT")]
+    pub date: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct AtlasArgs {
+    /// One or two of each kind, in less than a minute
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder for atlas.html, atlas.md, the tables as CSV and the drawings
+    #[arg(long, value_name = "DIR", default_value = "atlas", value_parser = utf8_path)]
+    pub out: PathBuf,
+    /// A date for the page
     #[arg(long, value_name = "TEXT")]
     pub date: Option<String>,
 }

@@ -4,6 +4,7 @@
 //! error), 1 the verdict that was asked for is negative, 2 could not run. Results go to standard output, logs and progress
 //! to standard error.
 
+mod atlas;
 mod bus;
 mod chart;
 mod check;
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Command::List(args) => list::list(&cli.place, args),
         Command::Run(args) => run::run(&cli.place, args),
         Command::Simulate(args) => simulate::simulate(&cli.place, args),
+        Command::Atlas(args) => atlas::atlas(args),
         Command::Chart(args) => chart::chart(&cli.place, args),
         Command::Tune(args) => tune::tune(&cli.place, args),
         Command::Replay(args) => replay::replay(&cli.place, args),

@@ -11,8 +11,8 @@ use crate::session_file::installation;
 use microsim_scene::{Serial, scene_spec};
 use microsim_settings::{self as settings, Chart, ChartScene, ExactKind, Expect, Override};
 use microsim_study::{
-    Context, Goal, LoadedScene, Trial, Tuning, candidates, measure, percent,
-    significant, tune as choose,
+    Context, Goal, LoadedScene, Trial, Tuning, candidates, measure, percent, significant,
+    tune as choose,
 };
 use std::path::{Path, PathBuf};
 
@@ -80,7 +80,10 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     }
     report(&tuning, &goal)?;
     let Some(choice) = tuning.choice() else {
-        say(format!("{file}: nothing keeps an error of {}; the file is as it was", percent(goal.error)))?;
+        say(format!(
+            "{file}: nothing keeps an error of {}; the file is as it was",
+            percent(goal.error)
+        ))?;
         return Ok(Exit::Negative);
     };
     if args.dry_run {
@@ -89,14 +92,16 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     }
     let written = edit::write(&target, &scene, choice, &tuning)?;
     std::fs::write(&target.path, written).map_err(|e| format!("{file}: {e}"))?;
-    say(format!("Written into {file}; `microsim tune {} --verify` measures it again", target.name))?;
+    say(format!(
+        "Written into {file}; `microsim tune {} --verify` measures it again",
+        target.name
+    ))?;
     Ok(Exit::Done)
 }
 
 fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
-    let read = |path: &Path| {
-        std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
-    };
+    let read =
+        |path: &Path| std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()));
     let Some(number) = args.level else {
         let path = find(place, Path::new(&args.target))?;
         return Ok(Target {
@@ -109,7 +114,9 @@ fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
     };
     let installation = installation(place)?;
     let module = installation.module(&args.target)?;
-    let path = (number as usize).checked_sub(1).and_then(|index| module.levels.get(index));
+    let path = (number as usize)
+        .checked_sub(1)
+        .and_then(|index| module.levels.get(index));
     let Some(path) = path else {
         return Err(format!("{} has levels 1 to {}", args.target, module.levels.len()).into());
     };
@@ -125,10 +132,14 @@ fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
 
 /// The scene of a text, with overrides.
 fn load(text: &str, file: &str, folder: &Path, set: &[String]) -> Result<LoadedScene, String> {
-    let overrides: Vec<Override> =
-        set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
+    let overrides: Vec<Override> = set
+        .iter()
+        .map(|text| Override::parse(text))
+        .collect::<Result<_, _>>()?;
     let loaded = settings::read_scene(text, file, &overrides).map_err(|e| e.to_string())?;
-    let described = scene_spec(&loaded.settings, &mut |file| std::fs::read(folder.join(file)));
+    let described = scene_spec(&loaded.settings, &mut |file| {
+        std::fs::read(folder.join(file))
+    });
     let spec = described.map_err(|e| format!("{file}: {e}"))?.spec;
     Ok(LoadedScene {
         settings: loaded.settings,
@@ -140,7 +151,10 @@ fn load(text: &str, file: &str, folder: &Path, set: &[String]) -> Result<LoadedS
 fn of_plan<'a>(chart: &'a Chart, plan: &Path, path: &Path) -> Option<&'a ChartScene> {
     let folder = plan.parent().unwrap_or(Path::new(""));
     let own = path.canonicalize().ok()?;
-    chart.scene.iter().find(|scene| folder.join(&scene.file).canonicalize().ok().as_ref() == Some(&own))
+    chart
+        .scene
+        .iter()
+        .find(|scene| folder.join(&scene.file).canonicalize().ok().as_ref() == Some(&own))
 }
 
 /// What is compared: the measures of the plan with their references, or what the scene expects.
@@ -161,7 +175,10 @@ fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Ex
         });
         return watched.collect();
     };
-    let references = of_plan.variant.first().map(|variant| variant.reference.as_slice());
+    let references = of_plan
+        .variant
+        .first()
+        .map(|variant| variant.reference.as_slice());
     let references = references.unwrap_or_default();
     let expect = |(k, measure): (usize, &settings::ChartMeasure)| Expect {
         probe: measure.probe.clone(),
@@ -174,12 +191,20 @@ fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Ex
     };
     let all = of_plan.measure.iter().enumerate().map(expect);
     // Where something is known from outside, only that counts.
-    if references.is_empty() { all.collect() } else { all.take(references.len()).collect() }
+    if references.is_empty() {
+        all.collect()
+    } else {
+        all.take(references.len()).collect()
+    }
 }
 
 /// The table of what was tried.
 fn report(tuning: &Tuning, goal: &Goal) -> Result<(), Problem> {
-    say(format!("Demanded: an error of at most {}, a margin of {}", percent(goal.error), goal.margin))?;
+    say(format!(
+        "Demanded: an error of at most {}, a margin of {}",
+        percent(goal.error),
+        goal.margin
+    ))?;
     for sentence in tuning.sentences() {
         say(format!("  rejected  {sentence}"))?;
     }
@@ -194,23 +219,23 @@ fn figures(trial: &Trial) -> String {
         "{}: error {}, {} CPU s per simulated s, stable at {} times the step",
         trial.description,
         trial.error.map_or("unknown".into(), percent),
-        trial.cost.map_or("unknown".into(), |cost| significant(cost, 2)),
+        trial
+            .cost
+            .map_or("unknown".into(), |cost| significant(cost, 2)),
         trial.margin.unwrap_or(1.0)
     )
 }
 
 /// Runs the file as it is and compares with what stands in it.
-fn verify(
-    context: &Context<'_>,
-    mut goal: Goal,
-    scene: &settings::Scene,
-) -> Result<Exit, Problem> {
+fn verify(context: &Context<'_>, mut goal: Goal, scene: &settings::Scene) -> Result<Exit, Problem> {
     let Some(tuned) = &scene.tuned else {
         return Err("the file holds no [tuned]: run tune first".into());
     };
     if !tuned.measure.is_empty() {
         if tuned.measure.len() != goal.expect.len() {
-            return Err("the file's [tuned] measures something else than the file: run tune again".into());
+            return Err(
+                "the file's [tuned] measures something else than the file: run tune again".into(),
+            );
         }
         for (expect, value) in goal.expect.iter_mut().zip(&tuned.measure) {
             expect.value = *value;
@@ -219,19 +244,34 @@ fn verify(
     let found = measure(context, &goal)?;
     let error_kept = found.error.is_some_and(|error| error <= goal.error);
     // The error is the same on every machine, but for the digits that the file leaves out.
-    let same = found.error.zip(tuned.error).is_some_and(|(a, b)| (a - b).abs() <= 0.01 * b.max(1e-4));
+    let same = found
+        .error
+        .zip(tuned.error)
+        .is_some_and(|(a, b)| (a - b).abs() <= 0.01 * b.max(1e-4));
     say(format!(
         "error {} (stated {}, allowed {}): {}",
         found.error.map_or("unknown".into(), percent),
         tuned.error.map_or("nothing".into(), percent),
         percent(goal.error),
-        if error_kept && same { "confirmed" } else { "NOT CONFIRMED" }
+        if error_kept && same {
+            "confirmed"
+        } else {
+            "NOT CONFIRMED"
+        }
     ))?;
     // Times are not: they are shown, and decide nothing.
     say(format!(
         "{} CPU s per simulated s (stated {})",
-        found.cost.map_or("unknown".into(), |cost| significant(cost, 2)),
-        tuned.cost.map_or("nothing".into(), |cost| significant(cost, 2)),
+        found
+            .cost
+            .map_or("unknown".into(), |cost| significant(cost, 2)),
+        tuned
+            .cost
+            .map_or("nothing".into(), |cost| significant(cost, 2)),
     ))?;
-    Ok(if error_kept && same { Exit::Done } else { Exit::Negative })
+    Ok(if error_kept && same {
+        Exit::Done
+    } else {
+        Exit::Negative
+    })
 }

@@ -12,6 +12,7 @@ mod body;
 mod body_check;
 mod body_schema;
 mod chart;
+mod chart_schema;
 mod check;
 mod describe;
 mod discover;
@@ -45,9 +46,9 @@ pub use body::{
 };
 pub use chart::{
     Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution,
-    ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, chart_schema, load_chart,
-    read_chart,
+    ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
 };
+pub use chart_schema::chart_schema;
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
 pub use document::{Document, Loaded};

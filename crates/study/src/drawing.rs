@@ -112,7 +112,9 @@ fn text(out: &mut String, (x, y): (f64, f64), class: &str, anchor: &str, content
 /// A complete drawing: `body` on an area of this size, with its own style when it stands alone.
 pub fn document(width: f64, height: f64, title: &str, body: &str, alone: bool) -> String {
     let style = if alone {
-        format!("<style>{STYLE}</style><rect class=\"ground\" width=\"{width:.0}\" height=\"{height:.0}\"/>")
+        format!(
+            "<style>{STYLE}</style><rect class=\"ground\" width=\"{width:.0}\" height=\"{height:.0}\"/>"
+        )
     } else {
         String::new()
     };

@@ -116,7 +116,10 @@ fn exact(context: &Context<'_>, group: &Group) -> Result<(usize, Vec<Option<f64>
     let outcome = advance(context, prepared, EXACT_BUDGET * context.budget);
     match outcome.status {
         Status::Ok => Ok((elements, outcome.values)),
-        status => Err(format!("{}, the exact solution on the mesh", reason(&status))),
+        status => Err(format!(
+            "{}, the exact solution on the mesh",
+            reason(&status)
+        )),
     }
 }
 
@@ -134,7 +137,11 @@ pub(crate) fn exact_way<'a>(
     let Some(scene) = scene else {
         return (set, step);
     };
-    let own = if scene.exact_set.is_empty() { set } else { &scene.exact_set };
+    let own = if scene.exact_set.is_empty() {
+        set
+    } else {
+        &scene.exact_set
+    };
     (own, scene.exact_step.map(PlannedStep::Seconds).or(step))
 }
 
@@ -148,12 +155,7 @@ fn reason(status: &Status) -> String {
 }
 
 /// One planned run; `exact` are the values of the exact solution, if there is one.
-fn run(
-    context: &Context<'_>,
-    group: &Group,
-    planned: &PlannedRun,
-    exact: &[Option<f64>],
-) -> Row {
+fn run(context: &Context<'_>, group: &Group, planned: &PlannedRun, exact: &[Option<f64>]) -> Row {
     let scene = &context.chart.scene[group.key.scene];
     let variant = &scene.variant[group.key.variant];
     let mut row = Row {
@@ -243,7 +245,9 @@ pub(crate) fn ready(
     }
     loaded.spec.containment = false;
     let scene = Scene::new(&loaded.spec).map_err(|e| e.to_string())?;
-    let elements = (0..scene.body_count()).map(|b| scene.element_count(b)).sum();
+    let elements = (0..scene.body_count())
+        .map(|b| scene.element_count(b))
+        .sum();
     let run = &mut loaded.settings.run;
     match step {
         None => {}
@@ -280,7 +284,8 @@ pub(crate) fn stability_limit(scene: &Scene) -> f64 {
 fn conserves(scene: &settings::Scene) -> bool {
     scene.run.end == settings::End::Time
         && scene.body.iter().all(|body| {
-            let still = |clamp: &settings::Clamp| clamp.motion.is_empty() && clamp.release.is_none();
+            let still =
+                |clamp: &settings::Clamp| clamp.motion.is_empty() && clamp.release.is_none();
             let lossless = |material: &settings::Material| {
                 material.viscosity.unwrap_or(0.0) == 0.0
                     && material.relaxation_time.unwrap_or(0.0) == 0.0
@@ -391,3 +396,6 @@ fn energy_drift(runner: &Runner) -> Option<f64> {
     let largest = series.kinetic.iter().copied().fold(0.0, f64::max);
     (fifth > 0 && largest > 0.0).then(|| (mean(samples - fifth) - mean(0)) / largest)
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@
 //! not: files (a function that the caller brings loads scenes) and clocks (another one gives CPU time). Nowhere else are
 //! methods compared.
 
+pub mod atlas;
 mod drawing;
 mod execute;
 mod front;

@@ -93,7 +93,12 @@ mod tests {
         ] {
             assert_eq!(significant(value, digits), text, "{value}");
         }
-        for (seconds, text) in [(0.005, "5 ms"), (1.5, "1.5 s"), (6.3e-5, "63 µs"), (0.2, "200 ms")] {
+        for (seconds, text) in [
+            (0.005, "5 ms"),
+            (1.5, "1.5 s"),
+            (6.3e-5, "63 µs"),
+            (0.2, "200 ms"),
+        ] {
             assert_eq!(time(seconds), text);
         }
         assert_eq!(percent(0.0294), "2.9 %");

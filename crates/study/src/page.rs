@@ -96,7 +96,12 @@ impl Results {
         out.push_str("<p class=\"legend\">");
         for (index, method) in self.chart.method.iter().enumerate() {
             if rows().any(|row| row.key.method == index) {
-                let _ = write!(out, "<span class=\"key\">{}{}</span>", key(index, ""), escape(&method.title));
+                let _ = write!(
+                    out,
+                    "<span class=\"key\">{}{}</span>",
+                    key(index, ""),
+                    escape(&method.title)
+                );
             }
         }
         out.push_str("</p>\n<p class=\"legend small\">Markers grow with the mesh. Filled: elements that stand first in the scene's table of \
@@ -108,7 +113,13 @@ impl Results {
     fn summary(&self, out: &mut String, panels: &[Panel<'_>]) {
         out.push_str("<section><h2>Cheapest run for an error of 10, 3 and 1 %</h2>\n<div class=\"wide\"><table class=\"summary\"><thead><tr><th>Scene</th>");
         for error in ERRORS {
-            let _ = write!(out, "<th>{}</th>", percent(error).replace("1.0 %", "1 %").replace("3.0 %", "3 %"));
+            let _ = write!(
+                out,
+                "<th>{}</th>",
+                percent(error)
+                    .replace("1.0 %", "1 %")
+                    .replace("3.0 %", "3 %")
+            );
         }
         out.push_str("<th class=\"n\">Smallest error</th></tr></thead><tbody>\n");
         for panel in panels {
@@ -118,7 +129,11 @@ impl Results {
                 "<tr><td><a href=\"#{}\">{}</a>{}</td>",
                 panel.id(),
                 escape(&panel.title()),
-                if panel.has_reference() { "" } else { "<br><small>against the same mesh</small>" }
+                if panel.has_reference() {
+                    ""
+                } else {
+                    "<br><small>against the same mesh</small>"
+                }
             );
             for error in ERRORS {
                 match panel.cheapest(against, error) {
@@ -161,7 +176,11 @@ impl Results {
              it is the equilibrium (Newton's method to a residual of 10⁻⁹), for scenes that move it is the motion at a quarter of the largest stable step.</p>\n\
              <p>A first peak is the largest value before the curve has fallen for a stated time. Energy drift is the energy gained over the run as a share of \
              the largest kinetic energy. A run that diverged is drawn above the scale where its time was measured, and stays in the table.</p>\n");
-        let _ = write!(out, "<p>Made by <code>{}</code>.</p></section>\n", escape(&info.command));
+        let _ = write!(
+            out,
+            "<p>Made by <code>{}</code>.</p></section>\n",
+            escape(&info.command)
+        );
     }
 }
 

@@ -185,12 +185,22 @@ mod tests {
         let keys: Vec<_> = all.iter().map(key).collect();
         // By hand: the quick sweep first, then what the second sweep adds; then the other scene.
         let expected = [
-            (0, 0, 0, 0), (0, 1, 0, 0),
-            (0, 0, 0, 1), (0, 0, 1, 0), (0, 0, 1, 1), (0, 1, 0, 1), (0, 1, 1, 0), (0, 1, 1, 1),
+            (0, 0, 0, 0),
+            (0, 1, 0, 0),
+            (0, 0, 0, 1),
+            (0, 0, 1, 0),
+            (0, 0, 1, 1),
+            (0, 1, 0, 1),
+            (0, 1, 1, 0),
+            (0, 1, 1, 1),
             (1, 0, 0, 0),
         ];
         assert_eq!(keys, expected);
-        let run = |method, step, iterations| PlannedRun { method, step, iterations };
+        let run = |method, step, iterations| PlannedRun {
+            method,
+            step,
+            iterations,
+        };
         let (seconds, share) = (PlannedStep::Seconds, PlannedStep::Share);
         // The run of the quick sweep stays in front and is not made again.
         let expected = [
@@ -217,7 +227,12 @@ mod tests {
     #[test]
     fn a_variant_changes_what_a_material_sets() {
         let chart = chart();
-        let key = GroupKey { scene: 0, variant: 1, resolution: 1, material: 1 };
+        let key = GroupKey {
+            scene: 0,
+            variant: 1,
+            resolution: 1,
+            material: 1,
+        };
         let run = groups(&chart, false, &[])[0].runs[0];
         assert_eq!(
             run_overrides(&chart, &key, &run),

@@ -114,7 +114,10 @@ impl Results {
              error_reference,error_same_mesh,cpu_s,simulated_s,cpu_s_per_simulated_s,iterations_per_step,energy_drift",
         );
         for k in 1..=measures {
-            let _ = write!(out, ",measure_{k},value_{k},reference_{k},exact_same_mesh_{k}");
+            let _ = write!(
+                out,
+                ",measure_{k},value_{k},reference_{k},exact_same_mesh_{k}"
+            );
         }
         out.push('\n');
         for group in &self.groups {
@@ -141,7 +144,12 @@ impl Results {
                 fields[0] = group.elements.to_string();
                 fields[1] = material.clone();
                 fields[2] = "exact".into();
-                fields[5] = if group.exact_failure.is_some() { "not applicable" } else { "ok" }.into();
+                fields[5] = if group.exact_failure.is_some() {
+                    "not applicable"
+                } else {
+                    "ok"
+                }
+                .into();
                 fields[7] = group.exact_failure.clone().unwrap_or_default();
                 fields[8] = optional(group.exact_error());
                 line(fields, &group.exact);
@@ -158,7 +166,9 @@ impl Results {
                     material.clone(),
                     self.chart.method[row.key.method].name.clone(),
                     number(row.step),
-                    row.iteration_limit.map(|l| l.to_string()).unwrap_or_default(),
+                    row.iteration_limit
+                        .map(|l| l.to_string())
+                        .unwrap_or_default(),
                     row.status.name().into(),
                     optional(at),
                     reason.into(),
@@ -179,7 +189,11 @@ impl Results {
 
 /// A number for a machine; nothing for what is none.
 fn number(value: f64) -> String {
-    if value.is_finite() { value.to_string() } else { String::new() }
+    if value.is_finite() {
+        value.to_string()
+    } else {
+        String::new()
+    }
 }
 
 fn optional(value: Option<f64>) -> String {
@@ -292,7 +306,11 @@ impl Panel<'_> {
                     }
                 }
                 if best.error > 0.01 {
-                    let _ = write!(words, " Nothing reaches 1 %; the best has {}.", percent(best.error));
+                    let _ = write!(
+                        words,
+                        " Nothing reaches 1 %; the best has {}.",
+                        percent(best.error)
+                    );
                 }
             }
             None => {
@@ -317,7 +335,10 @@ impl Panel<'_> {
             let mut methods: Vec<(usize, usize, usize)> = Vec::new();
             for row in &self.rows {
                 let failed = usize::from(row.status.name() == status);
-                match methods.iter_mut().find(|(method, ..)| *method == row.key.method) {
+                match methods
+                    .iter_mut()
+                    .find(|(method, ..)| *method == row.key.method)
+                {
                     Some((_, count, all)) => {
                         *count += failed;
                         *all += 1;
@@ -374,10 +395,17 @@ mod tests {
         let csv = results.to_csv();
         let lines: Vec<Vec<String>> = csv.lines().map(fields).collect();
         let rows: usize = results.groups.iter().map(|g| g.rows.len()).sum();
-        assert_eq!(lines.len(), 1 + rows + results.groups.len(), "and one line per exact solution");
+        assert_eq!(
+            lines.len(),
+            1 + rows + results.groups.len(),
+            "and one line per exact solution"
+        );
         assert!(lines.iter().all(|line| line.len() == lines[0].len()));
         let column = |name: &str| lines[0].iter().position(|f| f == name).expect(name);
-        let diverged: Vec<_> = lines.iter().filter(|l| l[column("status")] == "diverged").collect();
+        let diverged: Vec<_> = lines
+            .iter()
+            .filter(|l| l[column("status")] == "diverged")
+            .collect();
         assert_eq!(diverged.len(), 9, "one of each group");
         for line in diverged {
             assert_eq!(line[column("reason")], "gains energy, \"much\"");
@@ -385,7 +413,10 @@ mod tests {
             assert_eq!(line[column("error_reference")], "");
             assert_ne!(line[column("cpu_s_per_simulated_s")], "");
         }
-        let exact = lines.iter().find(|l| l[column("method")] == "exact").expect("one");
+        let exact = lines
+            .iter()
+            .find(|l| l[column("method")] == "exact")
+            .expect("one");
         let error: f64 = exact[column("error_reference")].parse().expect("a number");
         assert!((error - 0.01).abs() < 1e-12, "{error}");
         assert_eq!(exact[column("reference_1")], "0.0345");
@@ -409,6 +440,10 @@ mod tests {
         let panel = &results.panels()[0];
         let diverged = panel.rows.iter().filter(|r| r.status.name() == "diverged");
         assert_eq!(diverged.clone().count(), 4);
-        assert!(diverged.into_iter().all(|r| r.error(Against::Reference).is_none() && r.cost().is_some()));
+        assert!(
+            diverged
+                .into_iter()
+                .all(|r| r.error(Against::Reference).is_none() && r.cost().is_some())
+        );
     }
 }

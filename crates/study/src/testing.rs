@@ -1,9 +1,11 @@
-//! A small plan with results by hand, for tests of what is made of them.
+//! A small plan with results by hand, for tests of what is made of them, and a small scene to run.
 
+use crate::execute::LoadedScene;
 use crate::plan::{Group, PlannedRun, RunKey, groups};
 use crate::results::Results;
 use crate::row::{GroupResult, Measured, Row, Status};
-use microsim_settings::{Chart, read_chart};
+use microsim_scene::scene_spec;
+use microsim_settings::{Chart, Override, read_chart, read_scene};
 
 /// Two scenes, one of them at three of Poisson's ratios.
 pub const PLAN: &str = r#"
@@ -84,7 +86,10 @@ pub fn chart() -> Chart {
 /// limit diverges, the finest implicit one is over budget.
 pub fn results() -> Results {
     let chart = chart();
-    let groups = groups(&chart, false, &[]).iter().map(|g| result(&chart, g)).collect();
+    let groups = groups(&chart, false, &[])
+        .iter()
+        .map(|g| result(&chart, g))
+        .collect();
     Results { chart, groups }
 }
 
@@ -153,4 +158,100 @@ fn row(
         cpu: 0.125 * power,
         iterations: run.iterations.map(f64::from),
     }
+}
+
+/// A beam of 24 tetrahedra that swings, 0.2 s long.
+const BEAM: &str = r#"
+title = { de = "Balken", en = "Beam" }
+summary = { de = "Er schwingt.", en = "It swings." }
+run = { duration = "0.2 s", step = "1 ms", sample = "2 ms" }
+method = { name = "stoermer-verlet" }
+[[body]]
+name = "beam"
+generator = "block"
+size = ["40 mm", "10 mm", "10 mm"]
+cells = [4, 1, 1]
+[[body.material]]
+law = "stable-neo-hookean"
+youngs_modulus = "20 kPa"
+poisson_ratio = 0.3
+density = "1000 kg/m^3"
+[[body.clamp]]
+nodes = { min = ["-20 mm", "-5 mm", "-5 mm"], max = ["-20 mm", "5 mm", "5 mm"] }
+[[probe]]
+name = "sag"
+body = "beam"
+nodes = { min = ["20 mm", "-5 mm", "-5 mm"], max = ["20 mm", "5 mm", "5 mm"] }
+quantity = "displacement"
+direction = [0, 0, -1]
+"#;
+
+/// One group of four runs on the beam: one that ends, one beyond the stability limit, an implicit one, one that cannot be made.
+const BEAM_PLAN: &str = r#"
+[budget]
+run = "20 s"
+quick_run = "2 s"
+quick_total = "100 s"
+[exact]
+rest = ['method={name="quasi-static"}']
+motion = ['method={name="stoermer-verlet"}']
+[tune]
+scales = [0.1, 1, 2]
+reference_scale = 3
+discretisations = ["selective", "tetrahedra"]
+methods = ["verlet", "midpoint", "xpbd"]
+contact_methods = ["verlet"]
+[[material]]
+name = "as-it-is"
+title = "as it is"
+[[method]]
+name = "verlet"
+title = "Verlet"
+set = ['method={name="stoermer-verlet"}']
+shares = [0.5, 1.5]
+[[method]]
+name = "midpoint"
+title = "midpoint"
+set = ['method={name="implicit-midpoint"}']
+steps = ["2 ms"]
+[[method]]
+name = "xpbd"
+title = "XPBD"
+set = ['method={name="xpbd"}']
+steps = ["2 ms"]
+[[scene]]
+name = "beam"
+title = "Beam"
+file = "beam.toml"
+exact = "motion"
+measure = [{ title = "first peak", probe = "sag", what = "first-peak", settle = "20 ms" }]
+resolution = [{ name = "S" }]
+variant = [{ name = "as it is" }]
+[[scene.sweep]]
+resolutions = ["S"]
+materials = ["as-it-is"]
+methods = ["verlet", "midpoint", "xpbd"]
+"#;
+
+/// The plan of the beam.
+pub fn beam_plan() -> Chart {
+    read_chart(BEAM_PLAN, "chart.toml")
+        .expect("a plan")
+        .settings
+}
+
+/// The beam with overrides.
+pub fn beam(set: &[String]) -> Result<LoadedScene, String> {
+    let set: Vec<Override> = set
+        .iter()
+        .map(|s| Override::parse(s))
+        .collect::<Result<_, _>>()?;
+    let settings = read_scene(BEAM, "beam.toml", &set)
+        .map_err(|e| e.to_string())?
+        .settings;
+    let no_file = |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
+    let spec = scene_spec(&settings, &mut { no_file })
+        .map_err(|e| e.to_string())?
+        .spec;
+    Ok(LoadedScene { settings, spec })
 }

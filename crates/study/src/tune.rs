@@ -89,9 +89,18 @@ impl Tuning {
             }
         }
         let sentence = |kind: &&str| {
-            let of = || self.trials.iter().filter(|t| t.kind == **kind && t.rejected.is_some());
+            let of = || {
+                self.trials
+                    .iter()
+                    .filter(|t| t.kind == **kind && t.rejected.is_some())
+            };
             // The one that came nearest: it kept the error at the least cost, or had the least error.
-            let rank = |t: &&Trial| (t.error.unwrap_or(f64::INFINITY), t.cost.unwrap_or(f64::INFINITY));
+            let rank = |t: &&Trial| {
+                (
+                    t.error.unwrap_or(f64::INFINITY),
+                    t.cost.unwrap_or(f64::INFINITY),
+                )
+            };
             let best = of().min_by(|a, b| {
                 let (a, b) = (rank(a), rank(b));
                 a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
@@ -129,19 +138,30 @@ pub fn tune(
             }
         }
     }
-    let pairs = candidates.meshes.iter().flat_map(|mesh| candidates.elements.iter().map(move |e| (mesh, e)));
+    let pairs = candidates
+        .meshes
+        .iter()
+        .flat_map(|mesh| candidates.elements.iter().map(move |e| (mesh, e)));
     for (mesh, elements) in pairs {
         let found = exact_values(context, &goal, candidates, mesh, elements);
         let of_mesh = format!("{}, {}", elements.title, mesh.title);
         let usable = match found {
             Ok((values, count)) => match error_of(&goal, &values) {
                 Some(error) if error <= goal.error => Ok(()),
-                Some(error) => Err((count, Some(error), format!(
-                    "an exact solver would already be off by {}, allowed are {}",
-                    percent(error),
-                    percent(goal.error)
-                ))),
-                None => Err((count, None, "its exact solution does not hold what is expected".into())),
+                Some(error) => Err((
+                    count,
+                    Some(error),
+                    format!(
+                        "an exact solver would already be off by {}, allowed are {}",
+                        percent(error),
+                        percent(goal.error)
+                    ),
+                )),
+                None => Err((
+                    count,
+                    None,
+                    "its exact solution does not hold what is expected".into(),
+                )),
             },
             Err(reason) => Err((0, None, format!("no exact solution: {reason}"))),
         };
@@ -165,7 +185,13 @@ pub fn tune(
             Ok(_) => {
                 for method in &candidates.methods {
                     for (step, iterations) in parameters(method) {
-                        let choices = Choices { mesh, elements, method, step, iterations };
+                        let choices = Choices {
+                            mesh,
+                            elements,
+                            method,
+                            step,
+                            iterations,
+                        };
                         let best = tuning.choice().and_then(|t| t.cost);
                         let trial = attempt(context, &goal, candidates, &choices, best);
                         after(&trial);
@@ -366,14 +392,19 @@ fn judge(
         Status::OverBudget { .. } if best.is_some() => {
             return Err("it costs more than the best one so far".into());
         }
-        Status::OverBudget { .. } => return Err("it needs more CPU time than a run may take".into()),
+        Status::OverBudget { .. } => {
+            return Err("it needs more CPU time than a run may take".into());
+        }
         Status::NotApplicable { reason } => return Err(reason.clone()),
     }
-    let error = error_of(goal, &outcome.values)
-        .ok_or("its run does not hold what is expected")?;
+    let error = error_of(goal, &outcome.values).ok_or("its run does not hold what is expected")?;
     trial.error = Some(error);
     if error > goal.error {
-        return Err(format!("off by {}, allowed are {}", percent(error), percent(goal.error)));
+        return Err(format!(
+            "off by {}, allowed are {}",
+            percent(error),
+            percent(goal.error)
+        ));
     }
     let cost = trial.cost.unwrap_or(f64::INFINITY);
     if best.is_some_and(|best| cost > best * (1.0 - NOISE)) {
@@ -382,7 +413,11 @@ fn judge(
             significant(cost, 2)
         ));
     }
-    let demanded = if limited { goal.margin } else { goal.margin.max(IMPLICIT_FACTOR) };
+    let demanded = if limited {
+        goal.margin
+    } else {
+        goal.margin.max(IMPLICIT_FACTOR)
+    };
     let mut factors: Vec<f64> = FACTORS.iter().copied().filter(|f| *f != demanded).collect();
     factors.push(demanded);
     factors.sort_by(f64::total_cmp);
@@ -399,7 +434,9 @@ fn judge(
     if margin < demanded {
         return Err(format!(
             "it fails at {} times its step, demanded are {}",
-            significant(margin, 3).trim_end_matches('0').trim_end_matches('.'),
+            significant(margin, 3)
+                .trim_end_matches('0')
+                .trim_end_matches('.'),
             significant(demanded, 2)
         ));
     }
@@ -429,9 +466,18 @@ fn yanked_node(scene: &Scene) -> Vec<([f64; 3], [f64; 3])> {
     let of_body = |body: usize| {
         let rest = scene.rest_positions(body);
         let clamped = scene.clamped(body);
-        let held: Vec<_> = rest.iter().zip(&clamped).filter(|(_, c)| **c).map(|(p, _)| p).collect();
+        let held: Vec<_> = rest
+            .iter()
+            .zip(&clamped)
+            .filter(|(_, c)| **c)
+            .map(|(p, _)| p)
+            .collect();
         let from = held.first().copied().unwrap_or(&rest[0]);
-        let free = rest.iter().zip(&clamped).filter(|(_, c)| !**c).map(|(p, _)| p);
+        let free = rest
+            .iter()
+            .zip(&clamped)
+            .filter(|(_, c)| !**c)
+            .map(|(p, _)| p);
         let far = free.max_by(|a, b| (*a - from).norm().total_cmp(&(*b - from).norm()));
         let far = far.unwrap_or(&rest[0]);
         let size = rest.iter().map(|p| (p - from).norm()).fold(0.0, f64::max);
@@ -439,3 +485,6 @@ fn yanked_node(scene: &Scene) -> Vec<([f64; 3], [f64; 3])> {
     };
     (0..scene.body_count()).map(of_body).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -25,6 +25,7 @@ pub use smoothed::SmoothingDomains;
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Where a body is, as its elements see it.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +99,10 @@ pub trait Elements: Debug + Send + Sync {
     /// Sets `out` to minus the derivative of an element's viscous force by the velocities of its nodes [N·s/m]; symmetric,
     /// no negative eigenvalue.
     fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix);
+
+    /// The same set with the energy and the viscous forces of each element times its factor, > 0: the stiffness cap of NUMERICS
+    /// 3.5 d.
+    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements>;
 
     /// Lets internal variables flow for a time `h` [s]; returns whether a stiffness has grown, which may shorten the stable
     /// step.

@@ -183,6 +183,25 @@ impl TissueModel {
         }
     }
 
+    /// The same body with these node masses [kg], > 0: those of [`stability::mass_floor`](crate::stability::mass_floor). Weight is
+    /// that of these masses; to add inertia alone, take the weight of the difference off by
+    /// [`Control::forces`](crate::Control::forces).
+    pub fn with_masses(mut self, masses: Vec<f64>) -> Self {
+        for (w, mass) in self.inverse_masses.iter_mut().zip(&masses) {
+            *w = if *w > 0.0 { 1.0 / mass } else { 0.0 };
+        }
+        self.masses = masses;
+        self
+    }
+
+    /// The same body with the energy of each element times its factor, set after set: the factors of
+    /// [`stability::stiffness_cap`](crate::stability::stiffness_cap).
+    pub fn with_scaled_elements(mut self, factors: &[Vec<f64>]) -> Self {
+        let sets = self.sets.iter().zip(factors);
+        self.sets = sets.map(|(set, factors)| set.scaled(factors)).collect();
+        self
+    }
+
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.rest_positions.len()

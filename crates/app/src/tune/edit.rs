@@ -14,7 +14,9 @@ pub fn write(
 ) -> Result<String, String> {
     let text = std::fs::read_to_string(&target.path);
     let text = text.map_err(|e| format!("{}: {e}", target.path.display()))?;
-    let mut document: DocumentMut = text.parse().map_err(|e| format!("{}: {e}", target.path.display()))?;
+    let mut document: DocumentMut = text
+        .parse()
+        .map_err(|e| format!("{}: {e}", target.path.display()))?;
     for set in &choice.overrides {
         let (path, value) = set.split_once('=').unwrap_or((set, ""));
         replace(document.as_item_mut(), path, parsed(value))
@@ -45,13 +47,20 @@ fn tuned(target: &Target, choice: &Trial, tuning: &Tuning) -> Table {
     table.insert("method", value(choice.method.as_str()));
     table.insert("step", value(time(choice.step)));
     table.insert("elements", value(choice.elements as i64));
-    for (key, number) in [("error", choice.error), ("margin", choice.margin), ("cost", choice.cost)] {
+    for (key, number) in [
+        ("error", choice.error),
+        ("margin", choice.margin),
+        ("cost", choice.cost),
+    ] {
         if let Some(number) = number {
             table.insert(key, value(rounded(number)));
         }
     }
     if !tuning.measure.is_empty() {
-        table.insert("measure", value(tuning.measure.iter().copied().collect::<Array>()));
+        table.insert(
+            "measure",
+            value(tuning.measure.iter().copied().collect::<Array>()),
+        );
     }
     let mut list = Array::new();
     for sentence in tuning.sentences() {
@@ -84,10 +93,14 @@ fn parsed(text: &str) -> Value {
 
 /// Puts a value where a path of keys and indices leads; tables and lists on the way must be there, keys need not.
 fn replace(item: &mut Item, path: &str, new: Value) -> Option<()> {
-    let (step, rest) = path.split_once('.').map_or((path, None), |(s, r)| (s, Some(r)));
+    let (step, rest) = path
+        .split_once('.')
+        .map_or((path, None), |(s, r)| (s, Some(r)));
     let Some(rest) = rest else {
         // A table stays a table with its comments; only its values change.
-        if let (Value::InlineTable(new), Some(table)) = (&new, item.get_mut(step).and_then(Item::as_table_mut)) {
+        if let (Value::InlineTable(new), Some(table)) =
+            (&new, item.get_mut(step).and_then(Item::as_table_mut))
+        {
             change_table(table, new);
         } else {
             set_value(item, step, new);
@@ -171,20 +184,32 @@ mod tests {
             ("body.0.layer.0.cells", "7"),
             ("body.0.material.0.discretisation", "selective"),
         ] {
-            assert_eq!(replace(document.as_item_mut(), path, parsed(new)), Some(()), "{path}");
+            assert_eq!(
+                replace(document.as_item_mut(), path, parsed(new)),
+                Some(()),
+                "{path}"
+            );
         }
         set_value(&mut document["run"], "step", "5 ms".into());
         let expected = "# What it is.\n[run]\nstep = \"5 ms\" # short\n[method] # the best\nname = \"implicit-euler\" # so far\n\
             must_converge = false\niterations = 2\n[[body]]\ncells = [4,5,6] # few\nlayer = [{ cells = 7, region = 2 }]\n[[body.material]]\nlaw = \"springs\"\ndiscretisation = \"selective\"\n";
         assert_eq!(document.to_string(), expected);
         for nowhere in ["body.1.cells", "nothing.at.all", "body.x.cells"] {
-            assert_eq!(replace(document.as_item_mut(), nowhere, parsed("1")), None, "{nowhere}");
+            assert_eq!(
+                replace(document.as_item_mut(), nowhere, parsed("1")),
+                None,
+                "{nowhere}"
+            );
         }
     }
 
     #[test]
     fn times_are_rounded_down_to_four_digits() {
-        for (seconds, text) in [(0.005, "5 ms"), (7.41599e-5, "74.15 us"), (0.000249996, "249.9 us")] {
+        for (seconds, text) in [
+            (0.005, "5 ms"),
+            (7.41599e-5, "74.15 us"),
+            (0.000249996, "249.9 us"),
+        ] {
             assert_eq!(time(seconds), text);
         }
     }

@@ -32,7 +32,10 @@ impl Level {
         let level: DocumentMut = text.parse().map_err(|e| format!("{e}"))?;
         let tick = quantity(level["clock"].get("tick"), microsim_settings::Unit::Time);
         let tick = tick.ok_or("no `clock.tick`")?;
-        let steps = level["clock"].get("steps").and_then(Item::as_integer).unwrap_or(1);
+        let steps = level["clock"]
+            .get("steps")
+            .and_then(Item::as_integer)
+            .unwrap_or(1);
         let mut scene = DocumentMut::new();
         for key in ["title", "summary", "method", "accuracy", "tuned"] {
             if let Some(item) = level.get(key) {
@@ -82,12 +85,16 @@ fn push(body: &mut Table) {
     let Some(size) = body.get("size").and_then(Item::as_array) else {
         return;
     };
-    let size: Vec<f64> = size.iter().filter_map(|v| number(v, Unit::Length)).collect();
+    let size: Vec<f64> = size
+        .iter()
+        .filter_map(|v| number(v, Unit::Length))
+        .collect();
     let material = body.get("material").and_then(Item::as_array_of_tables);
     let material = material.and_then(|list| list.iter().next());
     let modulus = material.and_then(|material| {
         let keys = ["youngs_modulus", "stretch_modulus"];
-        keys.iter().find_map(|key| quantity(material.get(key), Unit::Pressure))
+        keys.iter()
+            .find_map(|key| quantity(material.get(key), Unit::Pressure))
     });
     let (&[x, y, z], Some(modulus)) = (size.as_slice(), modulus) else {
         return;

@@ -102,7 +102,7 @@ fn overrides_are_held_to_the_schema_and_named() {
     for (texts, expected) in [
         (
             ["run.step=5mm", "method.iterations=7"],
-            "--set run.step=5mm: key `run.step`: found the text `5mm` (a length), expected a time from 1 ns to 10 min (a number in s, or a text in s, min, ms, us or ns)",
+            "--set run.step=5mm: key `run.step`: found the text `5mm` (a length), expected a time from 1 ns to 600 s (a number in s, or a text in s, min, ms, us or ns)",
         ),
         (
             ["method.iterations=7", "method.substeps=2"],

@@ -47,7 +47,13 @@ pub fn locking_plot(out: &mut String, heading: &str, curves: &[LockingCurve], er
     for ratio in &ratios {
         let x = across(*ratio);
         let _ = write!(out, "<path class=\"rule\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/>");
-        text(out, (x, BOTTOM + 16.0), "tick", "middle", &ratio.to_string());
+        text(
+            out,
+            (x, BOTTOM + 16.0),
+            "tick",
+            "middle",
+            &ratio.to_string(),
+        );
     }
     let limit = up.at(100.0 * LIMIT);
     let _ = write!(
@@ -55,9 +61,21 @@ pub fn locking_plot(out: &mut String, heading: &str, curves: &[LockingCurve], er
         "<path class=\"frame\" d=\"M{LEFT} {TOP}V{BOTTOM}H{RIGHT}\"/>\
          <path class=\"limit\" d=\"M{LEFT} {limit:.1}H{RIGHT}\"/>"
     );
-    text(out, (RIGHT + 4.0, limit + 4.0), "limit-text", "start", "5 %");
+    text(
+        out,
+        (RIGHT + 4.0, limit + 4.0),
+        "limit-text",
+        "start",
+        "5 %",
+    );
     let middle = (LEFT + RIGHT) / 2.0;
-    text(out, (middle, BOTTOM + 36.0), "label", "middle", "Poisson’s ratio");
+    text(
+        out,
+        (middle, BOTTOM + 36.0),
+        "label",
+        "middle",
+        "Poisson’s ratio",
+    );
     let _ = write!(
         out,
         "<text class=\"label\" transform=\"translate(11 {:.1}) rotate(-90)\" text-anchor=\"middle\">error [%]</text>",
@@ -74,8 +92,15 @@ pub fn locking_plot(out: &mut String, heading: &str, curves: &[LockingCurve], er
             let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
         }
         let series = curve.series % super::SERIES;
-        let dashed = if curve.series >= super::SERIES { " dashed" } else { "" };
-        let _ = write!(out, "<path class=\"curve series-{series}{dashed}\" d=\"{path}\"/>");
+        let dashed = if curve.series >= super::SERIES {
+            " dashed"
+        } else {
+            ""
+        };
+        let _ = write!(
+            out,
+            "<path class=\"curve series-{series}{dashed}\" d=\"{path}\"/>"
+        );
         for ((ratio, error), at) in curve.points.iter().zip(&places) {
             let tip = format!(
                 "{}, ν = {ratio}: error {}",

@@ -3,7 +3,14 @@
 use std::fmt::Write;
 
 /// A marker of series `index` at a place; `radius` is that of a disc of about the same area.
-pub fn marker(out: &mut String, index: usize, (x, y): (f64, f64), radius: f64, class: &str, tip: &str) {
+pub fn marker(
+    out: &mut String,
+    index: usize,
+    (x, y): (f64, f64),
+    radius: f64,
+    class: &str,
+    tip: &str,
+) {
     let r = radius;
     let polygon = |corners: &[(f64, f64)]| {
         let mut path = String::new();
@@ -39,8 +46,18 @@ pub fn marker(out: &mut String, index: usize, (x, y): (f64, f64), radius: f64, c
         4 => regular(3, 1.45, pi, 1.0),
         5 => regular(10, 1.6, 0.0, 0.45),
         6 => polygon(&[
-            (-0.45, -1.3), (0.45, -1.3), (0.45, -0.45), (1.3, -0.45), (1.3, 0.45), (0.45, 0.45),
-            (0.45, 1.3), (-0.45, 1.3), (-0.45, 0.45), (-1.3, 0.45), (-1.3, -0.45), (-0.45, -0.45),
+            (-0.45, -1.3),
+            (0.45, -1.3),
+            (0.45, -0.45),
+            (1.3, -0.45),
+            (1.3, 0.45),
+            (0.45, 0.45),
+            (0.45, 1.3),
+            (-0.45, 1.3),
+            (-0.45, 0.45),
+            (-1.3, 0.45),
+            (-1.3, -0.45),
+            (-0.45, -0.45),
         ]),
         7 => regular(6, 1.2, 0.0, 1.0),
         8 => regular(3, 1.45, pi / 2.0, 1.0),

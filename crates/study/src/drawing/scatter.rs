@@ -51,10 +51,13 @@ const NUMBER_RADIUS: f64 = 8.0;
 pub fn scatter(out: &mut String, x: f64, heading: &str, points: &[ScatterPoint], front: &[usize]) {
     let _ = write!(out, "<g transform=\"translate({x:.0} 0)\">");
     text(out, (LEFT, 18.0), "heading", "start", heading);
-    let rows: Vec<(Zone, &str)> = [(Zone::Diverged, "diverged"), (Zone::OverBudget, "over budget")]
-        .into_iter()
-        .filter(|(zone, _)| points.iter().any(|p| p.zone == *zone))
-        .collect();
+    let rows: Vec<(Zone, &str)> = [
+        (Zone::Diverged, "diverged"),
+        (Zone::OverBudget, "over budget"),
+    ]
+    .into_iter()
+    .filter(|(zone, _)| points.iter().any(|p| p.zone == *zone))
+    .collect();
     let top = TOP + ROW * rows.len() as f64;
     let inside = || points.iter().filter(|p| p.zone == Zone::Inside);
     let costs = points.iter().map(|p| p.cost).chain([1.0]);
@@ -135,7 +138,13 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
     );
     // Outside the area, where no point can be.
     text(out, (real, TOP - 6.0), "real-text", "middle", "real time");
-    text(out, (RIGHT + 5.0, limit + 4.0), "limit-text", "start", "3 %");
+    text(
+        out,
+        (RIGHT + 5.0, limit + 4.0),
+        "limit-text",
+        "start",
+        "3 %",
+    );
     let middle = (LEFT + RIGHT) / 2.0;
     text(
         out,
@@ -183,8 +192,12 @@ fn numbers(out: &mut String, points: &[(f64, f64)], top: f64) {
             let inside = (LEFT + margin..RIGHT - margin).contains(&at.0)
                 && (top + margin..BOTTOM - margin).contains(&at.1);
             inside
-                && placed.iter().all(|other| distance(*at, *other) > 2.0 * margin)
-                && points.iter().all(|other| distance(*at, *other) > margin + 5.0)
+                && placed
+                    .iter()
+                    .all(|other| distance(*at, *other) > 2.0 * margin)
+                && points
+                    .iter()
+                    .all(|other| distance(*at, *other) > margin + 5.0)
         };
         let Some(at) = candidates.into_iter().find(free) else {
             continue;
@@ -210,7 +223,9 @@ mod tests {
         let number = |text: &str, key: &str| -> f64 {
             let from = text.find(key).expect(key) + key.len();
             let rest = &text[from..];
-            rest[..rest.find('"').expect("closed")].parse().expect("a number")
+            rest[..rest.find('"').expect("closed")]
+                .parse()
+                .expect("a number")
         };
         svg.split("<circle class=\"number\"")
             .skip(1)

@@ -33,12 +33,21 @@ impl Results {
         );
         out.push_str(&escape(&self.locking_sentence(&multiples)));
         out.push_str("</p>\n<p class=\"legend\">");
-        let mut used: Vec<usize> = multiples.iter().flat_map(|m| &m.curves).map(|c| c.series).collect();
+        let mut used: Vec<usize> = multiples
+            .iter()
+            .flat_map(|m| &m.curves)
+            .map(|c| c.series)
+            .collect();
         used.sort_unstable();
         used.dedup();
         for series in used {
             let title = &self.chart.material[series].title;
-            let _ = write!(out, "<span class=\"key\">{}{}</span>", key(series, ""), escape(title));
+            let _ = write!(
+                out,
+                "<span class=\"key\">{}{}</span>",
+                key(series, ""),
+                escape(title)
+            );
         }
         out.push_str("</p>\n<div class=\"multiples\">\n");
         for multiple in &multiples {
@@ -98,8 +107,13 @@ impl Results {
         let mut materials: Vec<(usize, f64)> = Vec::new();
         for curve in multiples.iter().flat_map(|m| &m.curves) {
             // At the largest ratio.
-            let Some((_, error)) = curve.points.last() else { continue };
-            match materials.iter_mut().find(|(series, _)| *series == curve.series) {
+            let Some((_, error)) = curve.points.last() else {
+                continue;
+            };
+            match materials
+                .iter_mut()
+                .find(|(series, _)| *series == curve.series)
+            {
                 Some((_, worst)) => *worst = worst.max(*error),
                 None => materials.push((curve.series, *error)),
             }
@@ -128,7 +142,12 @@ impl Results {
             ),
         };
         if let Some((worst, error)) = materials.last() {
-            let _ = write!(words, " The worst is {}, off by up to {}.", title(*worst), percent(*error));
+            let _ = write!(
+                words,
+                " The worst is {}, off by up to {}.",
+                title(*worst),
+                percent(*error)
+            );
         }
         words
     }
@@ -137,9 +156,16 @@ impl Results {
     fn methods_over_ratio(&self, out: &mut String) {
         let mut columns: Vec<(usize, usize)> = Vec::new();
         for (scene, of) in self.chart.scene.iter().enumerate() {
-            let ratios = of.variant.iter().filter(|v| v.poisson_ratio.is_some()).count();
+            let ratios = of
+                .variant
+                .iter()
+                .filter(|v| v.poisson_ratio.is_some())
+                .count();
             for (variant, v) in of.variant.iter().enumerate() {
-                let run = self.groups.iter().any(|g| g.key.scene == scene && g.key.variant == variant);
+                let run = self
+                    .groups
+                    .iter()
+                    .any(|g| g.key.scene == scene && g.key.variant == variant);
                 if ratios > 1 && v.poisson_ratio.is_some() && run {
                     columns.push((scene, variant));
                 }
@@ -182,7 +208,9 @@ impl Results {
                 });
                 let mut best: Option<(usize, f64)> = None;
                 for row in of_cell {
-                    let Some(error) = row.error(Against::Reference) else { continue };
+                    let Some(error) = row.error(Against::Reference) else {
+                        continue;
+                    };
                     let mesh = row.key.group.resolution;
                     if best.is_none_or(|(m, e)| mesh > m || mesh == m && error < e) {
                         best = Some((mesh, error));

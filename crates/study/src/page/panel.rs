@@ -73,7 +73,13 @@ pub fn panel_svg(panel: &Panel<'_>, alone: bool) -> String {
         }
         front.sort_unstable();
         let front: Vec<usize> = front.into_iter().map(|(_, point)| point).collect();
-        scatter(&mut body, SCATTER_SIZE.0 * k as f64, heading(*against), &points, &front);
+        scatter(
+            &mut body,
+            SCATTER_SIZE.0 * k as f64,
+            heading(*against),
+            &points,
+            &front,
+        );
     }
     let width = SCATTER_SIZE.0 * comparisons.len() as f64;
     let mut height = SCATTER_SIZE.1;
@@ -96,13 +102,21 @@ fn zone(row: &Row, against: Against) -> Option<(Zone, f64)> {
 
 fn tip(panel: &Panel<'_>, row: &Row) -> String {
     let mut words = panel.results.describe(row);
-    for (against, name) in [(Against::Reference, "reference"), (Against::SameMesh, "same mesh")] {
+    for (against, name) in [
+        (Against::Reference, "reference"),
+        (Against::SameMesh, "same mesh"),
+    ] {
         if let Some(error) = row.error(against) {
             let _ = write!(words, "\nerror against the {name}: {}", percent(error));
         }
     }
     if let Some(cost) = row.cost() {
-        let _ = write!(words, "\n{} CPU s per simulated s, {}", significant(cost, 2), speed(cost));
+        let _ = write!(
+            words,
+            "\n{} CPU s per simulated s, {}",
+            significant(cost, 2),
+            speed(cost)
+        );
     }
     if row.status != Status::Ok {
         let _ = write!(words, "\n{}", status_words(&row.status));
@@ -125,7 +139,12 @@ fn legend(out: &mut String, panel: &Panel<'_>, width: f64, top: f64) -> f64 {
             (x, y) = (84.0, y + 22.0);
         }
         crate::drawing::marker(out, index, (x, y - 4.0), 5.0, "", "");
-        let _ = write!(out, "<text x=\"{:.1}\" y=\"{y:.1}\">{}</text>", x + 12.0, escape(title));
+        let _ = write!(
+            out,
+            "<text x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
+            x + 12.0,
+            escape(title)
+        );
         x += wide;
     }
     y + 16.0 - top
@@ -165,7 +184,10 @@ fn answers(out: &mut String, panel: &Panel<'_>, against: Against) {
                 Some(k) => format!("<span class=\"disc\">{}</span>", k + 1),
                 None => "none".into(),
             };
-            format!("{} %: {answer}", significant(100.0 * error, 2).trim_end_matches(".0"))
+            format!(
+                "{} %: {answer}",
+                significant(100.0 * error, 2).trim_end_matches(".0")
+            )
         })
         .collect();
     let _ = write!(out, "{}</p></div>\n", answers.join(" · "));
@@ -179,16 +201,28 @@ fn materials(out: &mut String, panel: &Panel<'_>) {
     let of_panel = |key: &crate::plan::GroupKey| {
         key.scene == panel.scene_index && key.variant == panel.variant_index
     };
-    let groups: Vec<_> = panel.results.groups.iter().filter(|g| of_panel(&g.key)).collect();
+    let groups: Vec<_> = panel
+        .results
+        .groups
+        .iter()
+        .filter(|g| of_panel(&g.key))
+        .collect();
     let mut materials: Vec<usize> = groups.iter().map(|g| g.key.material).collect();
     let mut meshes: Vec<usize> = groups.iter().map(|g| g.key.resolution).collect();
     let mut seen = Vec::new();
-    materials.retain(|m| !seen.contains(m) && { seen.push(*m); true });
+    materials.retain(|m| {
+        !seen.contains(m) && {
+            seen.push(*m);
+            true
+        }
+    });
     meshes.sort_unstable();
     meshes.dedup();
     out.push_str("<details><summary>Error of the elements alone, with an exact solver</summary><div class=\"wide\"><table><thead><tr><th>Elements</th>");
     for mesh in &meshes {
-        let elements = groups.iter().find(|g| g.key.resolution == *mesh && g.elements > 0);
+        let elements = groups
+            .iter()
+            .find(|g| g.key.resolution == *mesh && g.elements > 0);
         let _ = write!(
             out,
             "<th class=\"n\">{}<br><small>{} tetrahedra</small></th>",
@@ -198,11 +232,19 @@ fn materials(out: &mut String, panel: &Panel<'_>) {
     }
     out.push_str("</tr></thead><tbody>\n");
     for material in materials {
-        let _ = write!(out, "<tr><td>{}</td>", escape(&panel.results.chart.material[material].title));
+        let _ = write!(
+            out,
+            "<tr><td>{}</td>",
+            escape(&panel.results.chart.material[material].title)
+        );
         for mesh in &meshes {
-            let group = groups.iter().find(|g| g.key.material == material && g.key.resolution == *mesh);
+            let group = groups
+                .iter()
+                .find(|g| g.key.material == material && g.key.resolution == *mesh);
             let cell = group.and_then(|g| g.exact_error()).map(percent);
-            let why = group.and_then(|g| g.exact_failure.as_deref()).unwrap_or_default();
+            let why = group
+                .and_then(|g| g.exact_failure.as_deref())
+                .unwrap_or_default();
             let _ = write!(
                 out,
                 "<td class=\"n\" title=\"{}\">{}</td>",
@@ -222,7 +264,11 @@ fn all_runs(out: &mut String, panel: &Panel<'_>) {
         panel.rows.len()
     );
     for measure in &panel.scene.measure {
-        let _ = write!(out, "<th class=\"n\">{}<br><small>error reference · mesh</small></th>", escape(&measure.title));
+        let _ = write!(
+            out,
+            "<th class=\"n\">{}<br><small>error reference · mesh</small></th>",
+            escape(&measure.title)
+        );
     }
     let drift = panel.rows.iter().any(|row| row.energy_drift.is_some());
     if drift {
@@ -234,7 +280,11 @@ fn all_runs(out: &mut String, panel: &Panel<'_>) {
         let _ = write!(
             out,
             "<tr class=\"{}\"><td>{}{}</td><td>{}</td><td>{}</td><td>{}</td>",
-            if row.status == Status::Ok { "" } else { "failed" },
+            if row.status == Status::Ok {
+                ""
+            } else {
+                "failed"
+            },
             key(row.key.method, ""),
             escape(results.method_title(row)),
             escape(results.material_title(row)),
@@ -251,7 +301,9 @@ fn all_runs(out: &mut String, panel: &Panel<'_>) {
             );
         }
         if drift {
-            let text = row.energy_drift.map_or("–".into(), |d| format!("{} %", significant(100.0 * d, 2)));
+            let text = row
+                .energy_drift
+                .map_or("–".into(), |d| format!("{} %", significant(100.0 * d, 2)));
             let _ = write!(out, "<td class=\"n\">{text}</td>");
         }
         let text = |value: Option<f64>| value.map_or("–".into(), |v| significant(v, 2));

@@ -23,7 +23,11 @@ fn assert_well_formed(text: &str) {
         let (tag, after) = tag.split_at(end);
         rest = &after[1..];
         assert_eq!(tag.matches('"').count() % 2, 0, "<{tag}>");
-        let name = tag.trim_start_matches('/').split([' ', '/']).next().unwrap_or_default();
+        let name = tag
+            .trim_start_matches('/')
+            .split([' ', '/'])
+            .next()
+            .unwrap_or_default();
         if tag.starts_with('!') || tag.ends_with('/') || matches!(name, "meta" | "br") {
             continue;
         }
@@ -44,14 +48,31 @@ fn the_page_is_well_formed_loads_nothing_and_holds_every_answer() {
     let results = results();
     let page = results.to_html(&info());
     assert_well_formed(&page);
-    for forbidden in ["<script", "http://", "https://", "url(", "NaN", "inf ", "<patches>", "<2>"] {
+    for forbidden in [
+        "<script",
+        "http://",
+        "https://",
+        "url(",
+        "NaN",
+        "inf ",
+        "<patches>",
+        "<2>",
+    ] {
         assert!(!page.contains(forbidden), "{forbidden}");
     }
-    assert!(page.contains("F-bar &lt;patches&gt;") && page.contains("a machine with &lt;2&gt; cores"));
+    assert!(
+        page.contains("F-bar &lt;patches&gt;") && page.contains("a machine with &lt;2&gt; cores")
+    );
     // Three panels: two ratios of the beam, the swing. The swing has no reference, so one drawing; the beams have two each.
-    assert_eq!(page.matches("<section id=").count(), 4, "with the one on locking");
+    assert_eq!(
+        page.matches("<section id=").count(),
+        4,
+        "with the one on locking"
+    );
     assert_eq!(page.matches(">real time<").count(), 5);
-    assert!(page.contains("two runs at a time") && page.contains("1 runs of the plan were left out"));
+    assert!(
+        page.contains("two runs at a time") && page.contains("1 runs of the plan were left out")
+    );
 }
 
 #[test]
@@ -80,11 +101,23 @@ fn the_sentences_give_the_answers_of_the_table() {
         sentence.starts_with("An error of 3 % costs least with implicit Euler, F-bar <patches>, mesh S, step 1 ms, 1 iteration: 0.50 CPU s per simulated s"),
         "{sentence}"
     );
-    assert!(sentence.contains("Diverged: Störmer–Verlet (4 of 8 runs)."), "{sentence}");
-    assert!(sentence.contains("Over budget: implicit Euler (4 of 16 runs)"), "{sentence}");
+    assert!(
+        sentence.contains("Diverged: Störmer–Verlet (4 of 8 runs)."),
+        "{sentence}"
+    );
+    assert!(
+        sentence.contains("Over budget: implicit Euler (4 of 16 runs)"),
+        "{sentence}"
+    );
     let swing = panels[2].sentence();
-    assert!(swing.starts_with("Nothing is known from outside"), "{swing}");
-    assert!(swing.contains("Nothing reaches 3 %. The smallest error is 8.0 %"), "{swing}");
+    assert!(
+        swing.starts_with("Nothing is known from outside"),
+        "{swing}"
+    );
+    assert!(
+        swing.contains("Nothing reaches 3 %. The smallest error is 8.0 %"),
+        "{swing}"
+    );
     let page = results.to_html(&info());
     assert!(
         page.contains("At the largest ratio only F-bar &lt;patches&gt; stays within 5.0 % on every mesh shown. The worst is linear tetrahedra, off by up to 60 %."),

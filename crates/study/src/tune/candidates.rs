@@ -93,8 +93,14 @@ pub fn candidates(
     let tune = &chart.tune;
     let kind = of_plan.map_or(kind, |scene| scene.exact);
     let (set, step) = exact_way(chart, kind, of_plan);
-    let names = if contact { &tune.contact_methods } else { &tune.methods };
-    let methods = names.iter().filter_map(|name| chart.method.iter().find(|m| m.name == *name));
+    let names = if contact {
+        &tune.contact_methods
+    } else {
+        &tune.methods
+    };
+    let methods = names
+        .iter()
+        .filter_map(|name| chart.method.iter().find(|m| m.name == *name));
     let mut meshes: Vec<Mesh> = Vec::new();
     for scale in &tune.scales {
         let mesh = scaled(scene, *scale);
@@ -126,7 +132,9 @@ fn scaled(scene: &settings::Scene, scale: f64) -> Mesh {
                 words.push(format!("{x} × {y} × {z} cells"));
             }
             Generator::Tube => {
-                let (Some(around), Some(along)) = (body.around, body.along) else { continue };
+                let (Some(around), Some(along)) = (body.around, body.along) else {
+                    continue;
+                };
                 let (around, along) = (times(around, 3), times(along, 1));
                 set.push(format!("body.{index}.around={around}"));
                 set.push(format!("body.{index}.along={along}"));

@@ -11,6 +11,7 @@ use crate::elements::{
 };
 use nalgebra::Vector3;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Springs along edges: q is the length.
 pub type Springs = ConstraintSet<Length, 2>;
@@ -213,6 +214,10 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         let (_, _, damping) = self.constants(element, at.internal);
         let (_, g) = M::gradient(self.corners(element, at.positions));
         out.add_outer(&g, damping);
+    }
+
+    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
+        Arc::new(self.clone().with_factors(factors))
     }
 
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], h: f64) -> bool {

@@ -15,6 +15,7 @@ use crate::law::{Lame, Law, viscosity};
 use nalgebra::Vector3;
 use std::marker::PhantomData;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Linear tetrahedra.
 ///
@@ -120,6 +121,12 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         let tangent = viscosity::tangent(&f, &self.lame, self.relaxation_time);
         let gradient = |corner| self.domains.gradient(element, corner);
         set_tangent(&tangent, self.domains.volume(element), gradient, out);
+    }
+
+    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
+        let mut scaled = self.clone();
+        scaled.domains.scale_volumes(factors);
+        Arc::new(scaled)
     }
 
     fn constraints(&self) -> Option<&dyn Constraints> {

@@ -11,9 +11,37 @@ const DIFFERENCE: f64 = 1e-8;
 /// Sums of some hundred terms of size one.
 const ROUNDING: f64 = 1e-13;
 
+/// Checks that factors of the elements of `set` scale energy, forces and matrices.
+pub(crate) fn check_factors(set: &dyn Elements, at: &Configuration<'_>) {
+    // Powers of two scale without rounding.
+    let factors: Vec<f64> = (0..set.count()).map(|e| [2.0, 0.5][e % 2]).collect();
+    let (doubled, scaled) = (set.scaled(&vec![2.0; set.count()]), set.scaled(&factors));
+    assert_eq!(doubled.energy(at), 2.0 * set.energy(at));
+    let forces = |set: &dyn Elements, factor: f64| {
+        let mut values = vec![Vector3::zeros(); at.positions.len()];
+        let mut window = NodeWindow {
+            first: 0,
+            values: &mut values,
+        };
+        set.add_forces(0..set.count(), at, &mut window);
+        values.iter_mut().for_each(|f| *f *= factor);
+        values
+    };
+    assert_eq!(forces(&*doubled, 1.0), forces(set, 2.0));
+    let (mut plain, mut other) = (ElementMatrix::new(), ElementMatrix::new());
+    for (element, factor) in factors.iter().enumerate() {
+        set.stiffness(element, at, Tangent::Exact, &mut plain);
+        scaled.stiffness(element, at, Tangent::Exact, &mut other);
+        assert_eq!(*other.block(0, 0), plain.block(0, 0) * *factor);
+        set.damping(element, at, &mut plain);
+        scaled.damping(element, at, &mut other);
+        assert_eq!(*other.block(0, 0), plain.block(0, 0) * *factor);
+    }
+}
+
 /// Checks `set` at these positions (a body of size one), velocities and internal variables: forces = −dE/dx, stiffness =
 /// −dF/dx, the positive tangent without negative eigenvalue, damping = −dF/dv without negative power, momentum, rigid motion,
-/// forces in parts.
+/// forces in parts, factors of elements.
 pub(crate) fn check(
     set: &dyn Elements,
     positions: &[Vector3<f64>],
@@ -73,6 +101,15 @@ pub(crate) fn check(
         );
     }
     assert!((&stiffness - stiffness.transpose()).amax() <= ROUNDING * stiffness_scale);
+
+    check_factors(
+        set,
+        &Configuration {
+            positions,
+            velocities,
+            internal,
+        },
+    );
 
     // Matrices of single elements.
     for element in 0..set.count() {

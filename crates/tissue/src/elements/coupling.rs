@@ -17,6 +17,7 @@ use crate::elements::{
 use crate::material::{MaterialError, not_negative, positive};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Constants of a coupling.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -210,6 +211,14 @@ impl Elements for Coupling {
 
     fn damping(&self, element: usize, _at: &Configuration<'_>, out: &mut ElementMatrix) {
         out.reset(self.stencils[element].count);
+    }
+
+    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
+        let mut scaled = self.clone();
+        for (stiffness, factor) in scaled.stiffness.iter_mut().zip(factors) {
+            *stiffness *= factor;
+        }
+        Arc::new(scaled)
     }
 
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], _h: f64) -> bool {

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
 
 /// Domains over which F = Σ x_i ⊗ b_i, with Σ b_i = 0.
-pub trait Domains: Debug + Send + Sync + 'static {
+pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// Number of domains.
     fn count(&self) -> usize;
 
@@ -15,6 +15,9 @@ pub trait Domains: Debug + Send + Sync + 'static {
 
     /// Volume at rest [m³].
     fn volume(&self, domain: usize) -> f64;
+
+    /// Takes each volume times its factor; all that a domain does is in proportion to its volume.
+    fn scale_volumes(&mut self, factors: &[f64]);
 
     /// b_i [1/m] of the i-th node of a domain.
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64>;
@@ -79,6 +82,12 @@ impl Domains for Tetrahedra {
 
     fn volume(&self, domain: usize) -> f64 {
         self.volumes[domain]
+    }
+
+    fn scale_volumes(&mut self, factors: &[f64]) {
+        for (volume, factor) in self.volumes.iter_mut().zip(factors) {
+            *volume *= factor;
+        }
     }
 
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {

@@ -97,6 +97,12 @@ impl Domains for SmoothingDomains {
         self.volumes[domain]
     }
 
+    fn scale_volumes(&mut self, factors: &[f64]) {
+        for (volume, factor) in self.volumes.iter_mut().zip(factors) {
+            *volume *= factor;
+        }
+    }
+
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {
         self.gradients[self.run(domain)][i]
     }

@@ -1,5 +1,6 @@
 //! What every law on every discretisation keeps, on a distorted mesh.
 
+use crate::elements::contract::check_factors;
 use crate::elements::{Configuration, ElementMatrix, NodeWindow, Tangent};
 use crate::law::LawName;
 use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
@@ -405,4 +406,19 @@ fn tetrahedra_lock_and_selective_smoothing_does_not() {
         assert!(share > 0.85 && share < 1.03, "{poisson}: {share}");
         assert!(!Discretisation::Selective.locks(poisson));
     }
+}
+
+#[test]
+fn factors_scale_every_element() {
+    each(TIME, |model, _| {
+        let (positions, velocities) = (deformed(model), random(model, 1e-3, 2));
+        for set in model.sets() {
+            let at = Configuration {
+                positions: &positions,
+                velocities: &velocities,
+                internal: &[],
+            };
+            check_factors(&**set, &at);
+        }
+    });
 }

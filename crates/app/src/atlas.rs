@@ -1,0 +1,69 @@
+//! `microsim atlas`: where the methods fail, and what helps, as CSV, Markdown, SVG and one HTML page.
+
+use crate::chart::{machine, thread_seconds};
+use crate::cli::AtlasArgs;
+use crate::output::{Exit, Problem, say};
+use microsim_study::atlas::{Atlas, AtlasInfo, Extent};
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+/// Time between two lines of progress where there is no terminal.
+const PROGRESS: Duration = Duration::from_secs(10);
+
+/// Makes the atlas.
+pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
+    let start = Instant::now();
+    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
+    let extent = if args.quick {
+        Extent::Quick
+    } else {
+        Extent::Full
+    };
+    let terminal = std::io::stderr().is_terminal();
+    let mut last: Option<Instant> = None;
+    let atlas = Atlas::make(extent, &thread_seconds, &mut |what| {
+        if terminal || last.is_none_or(|last| last.elapsed() >= PROGRESS) {
+            last = Some(Instant::now());
+            let line = format!("{:.0} s: {what}", start.elapsed().as_secs_f64());
+            // Progress that nobody reads is no reason to stop.
+            let _ = match terminal {
+                true => write!(std::io::stderr(), "\r\x1b[K{line}"),
+                false => writeln!(std::io::stderr(), "{line}"),
+            };
+        }
+    });
+    if terminal {
+        eprint!("\r\x1b[K");
+    }
+    let info = AtlasInfo {
+        machine: machine(),
+        command: format!("microsim atlas{}", if args.quick { " --quick" } else { "" }),
+        date: args.date.clone(),
+    };
+    let mut files = vec![
+        ("atlas.html".to_owned(), atlas.to_html(&info)),
+        ("atlas.md".to_owned(), atlas.to_markdown(&info)),
+    ];
+    files.extend(
+        atlas
+            .to_csv()
+            .into_iter()
+            .map(|(name, text)| (name.to_owned(), text)),
+    );
+    let figures = atlas.figures().into_iter();
+    files.extend(figures.map(|figure| (format!("{}.svg", figure.name), figure.to_svg(true))));
+    for (name, text) in files {
+        let path = args.out.join(name);
+        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    for sentence in atlas.findings() {
+        say(sentence)?;
+    }
+    let page = args.out.join("atlas.html");
+    say(format!(
+        "{} after {:.0} s",
+        page.display(),
+        start.elapsed().as_secs_f64()
+    ))?;
+    Ok(Exit::Done)
+}

@@ -1,0 +1,163 @@
+//! The stability atlas: how large a step may be, measured against predicted; what methods without a limit do to a motion; the
+//! remedies for bad elements; and how a beam recovers from shapes that no load makes.
+//!
+//! What is here: the measurements, their tables as CSV and Markdown, heat maps as SVG, one page as HTML. What is not: files, and
+//! clocks (a function that the caller brings gives CPU time). Everything but CPU times has the same bits on every machine.
+
+mod eigen;
+mod figures;
+mod heat_map;
+mod large_steps;
+mod limits;
+mod page;
+mod recovery;
+mod recovery_figures;
+mod remedies;
+mod subject;
+mod tables;
+mod ways;
+
+pub use heat_map::{Field, HeatMap};
+pub use large_steps::{LargeStep, Start};
+pub use limits::{Limit, Measured, predicted};
+pub use page::AtlasInfo;
+pub use recovery::{Damage, Outcome, Recovery, StepLength, Way, recover};
+pub use remedies::{Remedied, Remedy};
+pub use subject::{Constants, Subject, Substance, Variation};
+
+use microsim_tissue::Method;
+
+/// Measured and exactly predicted limits may differ by this share.
+pub const TOLERANCE: f64 = 0.03;
+
+/// All that was measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Atlas {
+    /// Largest stable steps.
+    pub limits: Vec<Limit>,
+    /// Methods without a limit, far beyond that of the others.
+    pub large_steps: Vec<LargeStep>,
+    /// Remedies for bad elements.
+    pub remedies: Vec<Remedied>,
+    /// Recovery of the beam.
+    pub recoveries: Vec<Recovery>,
+}
+
+/// How much of the atlas is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// Everything: some minutes.
+    Full,
+    /// One or two of each kind: less than a minute.
+    Quick,
+}
+
+impl Atlas {
+    /// Measures everything. `clock` tells CPU time [s]; `progress` is told what is being done.
+    pub fn make(extent: Extent, clock: &dyn Fn() -> f64, progress: &mut dyn FnMut(&str)) -> Self {
+        let mut atlas = Self::default();
+        let (substances, variations) = match extent {
+            Extent::Full => (Substance::all(), &Variation::ALL[..]),
+            Extent::Quick => (Substance::few(), &Variation::FEW[..]),
+        };
+        for substance in substances {
+            progress(&format!("limits of {}", substance.name()));
+            atlas.limits.extend(limits(substance, variations));
+        }
+        let (substances, starts) = match extent {
+            Extent::Full => (large_steps::substances(), &Start::ALL[..]),
+            Extent::Quick => (vec![Substance::SpringsVolumes], &Start::ALL[..]),
+        };
+        for substance in substances {
+            progress(&format!("large steps of {}", substance.name()));
+            if let Ok(subject) = Subject::new(substance, Variation::Plain) {
+                atlas
+                    .large_steps
+                    .extend(large_steps::large_steps(substance, &subject, starts));
+            }
+        }
+        progress("remedies");
+        for substance in Substance::few() {
+            for variation in [Variation::Layer(0.03), Variation::Node(0.03)] {
+                atlas
+                    .remedies
+                    .extend(remedies::remedies(substance, variation));
+            }
+        }
+        let ways = match extent {
+            Extent::Full => ways::all(),
+            Extent::Quick => ways::few(),
+        };
+        for (index, way) in ways.iter().enumerate() {
+            progress(&format!(
+                "recovery {} of {}: {}",
+                index + 1,
+                ways.len(),
+                way.name()
+            ));
+            atlas.recoveries.extend(recover(way, &Damage::ALL, clock));
+        }
+        atlas
+    }
+
+    /// Number of limits with an exact prediction, number of those that agree with it, and the largest share by which one differs.
+    pub fn agreement(&self) -> (usize, usize, f64) {
+        let compared = || {
+            self.limits
+                .iter()
+                .filter_map(|limit| limit.agrees(TOLERANCE).map(|agrees| (limit, agrees)))
+        };
+        let agreeing = compared().filter(|(_, agrees)| *agrees).count();
+        let differences = compared()
+            .filter_map(|(limit, _)| limit.ratio())
+            .map(|ratio| (ratio - 1.0).abs());
+        (
+            compared().count(),
+            agreeing,
+            differences.fold(0.0, f64::max),
+        )
+    }
+}
+
+/// The limits of all methods on the blocks of one substance.
+pub fn limits(substance: Substance, variations: &[Variation]) -> Vec<Limit> {
+    let mut found = Vec::new();
+    for &variation in variations
+        .iter()
+        .filter(|variation| variation.concerns(substance))
+    {
+        if let Ok(subject) = Subject::new(substance, variation) {
+            let methods = limits::METHODS.into_iter();
+            found.extend(
+                methods.filter_map(|method| Limit::find(method, substance, variation, &subject)),
+            );
+        }
+    }
+    found
+}
+
+/// A method with what tells it from others of its name.
+pub fn method_name(method: &Method) -> String {
+    let plural = |n: u32, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    match method {
+        Method::ImplicitEuler(newton)
+        | Method::ImplicitMidpoint(newton)
+        | Method::Sdirk2(newton)
+        | Method::QuasiStatic(newton) => match newton.iterations {
+            1 => format!("{}, 1 iteration", method.name()),
+            _ => method.name().into(),
+        },
+        Method::Xpbd {
+            substeps,
+            iterations,
+        } => format!(
+            "xpbd, {}, {}",
+            plural(*substeps, "sub-step"),
+            plural(*iterations, "iteration")
+        ),
+        _ => method.name().into(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,224 @@
+//! Heat maps of the recovery of the beam.
+
+use super::heat_map::{Field, HeatMap};
+use super::recovery::{Damage, Outcome, Recovery, StepLength, Way};
+use super::{Atlas, Substance, method_name};
+use crate::number::{percent, significant, time};
+use microsim_tissue::Method;
+
+impl Atlas {
+    /// How much each substance recovers from with each method and step; those methods alone that are computed on several
+    /// substances.
+    pub fn recovery_overview(&self) -> HeatMap {
+        let mut columns: Vec<(String, String)> = Vec::new();
+        let mut rows: Vec<Substance> = Vec::new();
+        let runs: Vec<&[Recovery]> = self.recoveries.chunk_by(|a, b| a.way == b.way).collect();
+        let substances = |column: &(String, String)| {
+            runs.iter()
+                .filter(|run| column_of(&run[0].way) == *column)
+                .count()
+        };
+        for run in &runs {
+            let column = column_of(&run[0].way);
+            if substances(&column) > 1 && !columns.contains(&column) {
+                columns.push(column);
+            }
+        }
+        // Groups together, in the order in which they come.
+        let first = |columns: &[(String, String)], group: &str| {
+            columns.iter().position(|(g, _)| g == group)
+        };
+        let order = columns.clone();
+        columns.sort_by_key(|(group, _)| first(&order, group));
+        for run in runs
+            .iter()
+            .filter(|run| columns.contains(&column_of(&run[0].way)))
+        {
+            if !rows.contains(&run[0].way.substance) {
+                rows.push(run[0].way.substance);
+            }
+        }
+        let field = |substance: &Substance, column: &(String, String)| {
+            let of = |run: &&&[Recovery]| {
+                run[0].way.substance == *substance && column_of(&run[0].way) == *column
+            };
+            runs.iter().find(of).map(|run| overview_field(run))
+        };
+        HeatMap {
+            name: "recovery-overview".into(),
+            title: "Number of damages from which the beam recovers, and largest CPU time".into(),
+            rows: rows.iter().map(Substance::name).collect(),
+            fields: rows
+                .iter()
+                .map(|row| columns.iter().map(|column| field(row, column)).collect())
+                .collect(),
+            columns,
+            size: (49.0, 34.0),
+        }
+    }
+
+    /// Which way recovers from what.
+    pub fn recovery_figure(&self) -> HeatMap {
+        let mut ways: Vec<&Way> = Vec::new();
+        for recovery in &self.recoveries {
+            if !ways.contains(&&recovery.way) {
+                ways.push(&recovery.way);
+            }
+        }
+        let of = |way: &Way, damage: Damage| {
+            self.recoveries
+                .iter()
+                .find(|r| r.way == *way && r.damage == damage)
+        };
+        let row = |way: &&Way| {
+            let step = Damage::ALL
+                .into_iter()
+                .find_map(|damage| of(way, damage))
+                .map_or(f64::NAN, |r| r.step);
+            way_label(way, step)
+        };
+        HeatMap {
+            name: "recovery".into(),
+            title: "Recovery of the beam S within 1.2 s: simulated time until then, and CPU time of the 1.2 s".into(),
+            columns: Damage::ALL.map(|damage| (String::new(), damage.name().to_string())).to_vec(),
+            rows: ways.iter().map(row).collect(),
+            fields: ways
+                .iter()
+                .map(|way| Damage::ALL.map(|damage| of(way, damage).map(recovery_field)).to_vec())
+                .collect(),
+            size: (112.0, 34.0),
+        }
+    }
+}
+
+/// Group and label of the column of a way.
+fn column_of(way: &Way) -> (String, String) {
+    let mut group = match way.method {
+        Method::Xpbd { .. } => "xpbd, sub-steps × iterations".into(),
+        ref method => method_name(method),
+    };
+    if way.relaxation_time > 0.0 {
+        group += ", viscous";
+    }
+    let label = match (way.method, way.step) {
+        (
+            Method::Xpbd {
+                substeps,
+                iterations,
+            },
+            _,
+        ) => format!("{substeps} × {iterations}"),
+        (_, StepLength::Share(share)) => format!("s {share}"),
+        (_, StepLength::Seconds(seconds)) => time(seconds),
+    };
+    (group, label)
+}
+
+fn overview_field(run: &[Recovery]) -> Field {
+    let recovered = run.iter().filter(|one| one.outcome.is_recovered()).count();
+    let slowest = run.iter().map(|one| one.cpu).fold(0.0, f64::max);
+    let failed: Vec<&str> = run
+        .iter()
+        .filter(|one| !one.outcome.is_recovered())
+        .map(|one| one.damage.name())
+        .collect();
+    let place = way_label(&run[0].way, run[0].step);
+    if run
+        .iter()
+        .all(|one| matches!(one.outcome, Outcome::NotApplicable(_)))
+    {
+        return Field {
+            lines: vec!["n/a".into()],
+            class: "none",
+            tip: format!("{place}: not applicable"),
+        };
+    }
+    Field {
+        lines: vec![
+            format!("{recovered}/{}", run.len()),
+            format!("{} s", significant(slowest, 2)),
+        ],
+        class: match recovered {
+            0 => "bad",
+            n if n == run.len() => "good",
+            _ => "stuck",
+        },
+        tip: match failed.as_slice() {
+            [] => format!("{place}: recovers from everything"),
+            failed => format!("{place}: does not recover from: {}", failed.join(", ")),
+        },
+    }
+}
+
+/// A way with its step in words.
+pub(super) fn way_label(way: &Way, step: f64) -> String {
+    let share = match way.step {
+        StepLength::Share(share) => format!(" (s = {share})"),
+        StepLength::Seconds(_) => String::new(),
+    };
+    let viscosity = match way.relaxation_time {
+        t if t > 0.0 => format!(", τ {}", time(t)),
+        _ => String::new(),
+    };
+    format!("{}, {}{share}{viscosity}", way.name(), time(step))
+}
+
+fn recovery_field(recovery: &Recovery) -> Field {
+    let cpu = format!("CPU {} s", significant(recovery.cpu, 2));
+    let place = format!(
+        "{}, {}",
+        way_label(&recovery.way, recovery.step),
+        recovery.damage.name()
+    );
+    let field = |class, first: String, tip: String| Field {
+        lines: vec![first, cpu.clone()],
+        class,
+        tip: format!("{place}: {tip}; {cpu}"),
+    };
+    match &recovery.outcome {
+        Outcome::Recovered(at) => field(
+            "good",
+            format!("✓ {} s", significant(*at, 2)),
+            format!("recovered at {}", time(*at)),
+        ),
+        Outcome::Elsewhere {
+            distance,
+            inverted,
+            still,
+        } => {
+            let tip = format!(
+                "{} of the length away, {inverted} elements inverted, {}",
+                percent(*distance),
+                if *still { "at rest" } else { "moving" }
+            );
+            let word = if *still { "stuck" } else { "moving" };
+            let first = match inverted {
+                0 => format!("✕ {word}, {} off", percent(*distance)),
+                _ => format!("✕ {word}, {inverted} inv."),
+            };
+            field(if *still { "stuck" } else { "bad" }, first, tip)
+        }
+        Outcome::Failed { time: at, reason } => {
+            let word = if reason.contains("not finite") || reason.contains("apart") {
+                "blows up"
+            } else {
+                "no step"
+            };
+            field(
+                "bad",
+                format!("✕ {word}"),
+                format!("fails at {}: {reason}", time(*at)),
+            )
+        }
+        Outcome::TooSlow(at) => field(
+            "slow",
+            "✕ too slow".into(),
+            format!("cut off at {}", time(*at)),
+        ),
+        Outcome::NotApplicable(reason) => Field {
+            lines: vec!["n/a".into()],
+            class: "none",
+            tip: format!("{place}: {reason}"),
+        },
+    }
+}

@@ -1,0 +1,192 @@
+//! The ways in which the recovery of the beam is computed.
+
+use super::method_name;
+use super::recovery::{StepLength, Way};
+use super::subject::Substance;
+use microsim_tissue::law::LawName;
+use microsim_tissue::{Discretisation, Method, Newton};
+
+/// Drag of all ways [1/s]: half of the critical damping of the first bending mode, which takes some 0.28 s.
+const DRAG: f64 = 20.0;
+
+impl Way {
+    /// Its name in reports.
+    pub fn name(&self) -> String {
+        format!("{}, {}", method_name(&self.method), self.substance.name())
+    }
+}
+
+const SPRINGS: Substance = Substance::SpringsVolumes;
+const ST_VENANT: Substance = tetrahedra(LawName::StVenantKirchhoff);
+const LOGARITHMIC: Substance = tetrahedra(LawName::NeoHookean);
+const COROTATIONAL: Substance = tetrahedra(LawName::Corotational);
+const STABLE: Substance = tetrahedra(LawName::StableNeoHookean);
+const POLYNOMIAL: Substance = tetrahedra(LawName::NeoHookeanPolynomial);
+const SELECTIVE: Substance =
+    Substance::Continuum(LawName::StableNeoHookean, Discretisation::Selective);
+const NODAL_PRESSURE: Substance =
+    Substance::Continuum(LawName::StableNeoHookean, Discretisation::NodalPressure);
+const COROTATIONAL_SELECTIVE: Substance =
+    Substance::Continuum(LawName::Corotational, Discretisation::Selective);
+
+/// All substances of the beam.
+const SUBSTANCES: [Substance; 9] = [
+    SPRINGS,
+    ST_VENANT,
+    LOGARITHMIC,
+    COROTATIONAL,
+    STABLE,
+    POLYNOMIAL,
+    SELECTIVE,
+    NODAL_PRESSURE,
+    COROTATIONAL_SELECTIVE,
+];
+
+const fn tetrahedra(law: LawName) -> Substance {
+    Substance::Continuum(law, Discretisation::Tetrahedra)
+}
+
+const fn way(method: Method, substance: Substance, step: StepLength) -> Way {
+    Way {
+        method,
+        substance,
+        step,
+        drag: DRAG,
+        relaxation_time: 0.0,
+    }
+}
+
+/// Newton's method up to `iterations`; a step that has not converged is made all the same.
+const fn newton(iterations: u32) -> Newton {
+    Newton {
+        iterations,
+        tolerance: 1e-4,
+        must_converge: false,
+    }
+}
+
+/// Newton's method of the quasi-static solver, which has no other way on.
+const STATIC: Newton = Newton {
+    iterations: 50,
+    tolerance: 1e-4,
+    must_converge: true,
+};
+
+const fn xpbd(substeps: u32, iterations: u32) -> Method {
+    Method::Xpbd {
+        substeps,
+        iterations,
+    }
+}
+
+const fn milliseconds(ms: f64) -> StepLength {
+    StepLength::Seconds(1e-3 * ms)
+}
+
+/// Every method, law and discretisation, at several steps.
+pub fn all() -> Vec<Way> {
+    let mut ways = Vec::new();
+    // Explicit: one method on everything, the others on one thing.
+    for substance in SUBSTANCES {
+        for share in [0.9, 0.6, 0.3, 0.1] {
+            ways.push(way(
+                Method::StoermerVerlet,
+                substance,
+                StepLength::Share(share),
+            ));
+        }
+    }
+    for method in [
+        Method::SymplecticEuler,
+        Method::VelocityVerlet,
+        Method::VelocityVerletLagged,
+        Method::ExplicitEuler,
+    ] {
+        ways.push(way(method, COROTATIONAL, StepLength::Share(0.6)));
+    }
+    for substance in [SPRINGS, COROTATIONAL, STABLE] {
+        ways.push(Way {
+            relaxation_time: 1e-4,
+            ..way(Method::StoermerVerlet, substance, StepLength::Share(0.6))
+        });
+    }
+    // Implicit.
+    for substance in SUBSTANCES {
+        for ms in [5.0, 20.0] {
+            ways.push(way(
+                Method::ImplicitEuler(newton(1)),
+                substance,
+                milliseconds(ms),
+            ));
+            ways.push(way(
+                Method::ImplicitEuler(newton(20)),
+                substance,
+                milliseconds(ms),
+            ));
+            ways.push(way(Method::Sdirk2(newton(20)), substance, milliseconds(ms)));
+        }
+        ways.push(way(
+            Method::QuasiStatic(STATIC),
+            substance,
+            milliseconds(100.0),
+        ));
+    }
+    for substance in [SPRINGS, COROTATIONAL, STABLE] {
+        ways.push(way(
+            Method::ImplicitMidpoint(newton(20)),
+            substance,
+            milliseconds(5.0),
+        ));
+        ways.push(Way {
+            relaxation_time: 5e-3,
+            ..way(
+                Method::ImplicitMidpoint(newton(20)),
+                substance,
+                milliseconds(5.0),
+            )
+        });
+    }
+    // Position-based: sub-steps of 0.1, 0.25, 0.5 and 5 ms.
+    for substance in [SPRINGS, POLYNOMIAL] {
+        for method in [
+            xpbd(50, 1),
+            xpbd(20, 1),
+            xpbd(10, 1),
+            xpbd(1, 1),
+            xpbd(1, 20),
+        ] {
+            ways.push(way(method, substance, milliseconds(5.0)));
+        }
+    }
+    ways
+}
+
+/// One or two of each kind.
+pub fn few() -> Vec<Way> {
+    vec![
+        way(Method::StoermerVerlet, SPRINGS, StepLength::Share(0.6)),
+        way(Method::StoermerVerlet, COROTATIONAL, StepLength::Share(0.6)),
+        way(Method::StoermerVerlet, STABLE, StepLength::Share(0.6)),
+        way(Method::StoermerVerlet, STABLE, StepLength::Share(0.3)),
+        way(Method::ImplicitEuler(newton(1)), SPRINGS, milliseconds(5.0)),
+        way(Method::ImplicitEuler(newton(1)), STABLE, milliseconds(5.0)),
+        way(
+            Method::ImplicitEuler(newton(20)),
+            ST_VENANT,
+            milliseconds(20.0),
+        ),
+        way(
+            Method::ImplicitEuler(newton(20)),
+            STABLE,
+            milliseconds(20.0),
+        ),
+        way(Method::Sdirk2(newton(20)), STABLE, milliseconds(20.0)),
+        way(
+            Method::ImplicitMidpoint(newton(20)),
+            SPRINGS,
+            milliseconds(20.0),
+        ),
+        way(Method::QuasiStatic(STATIC), STABLE, milliseconds(100.0)),
+        way(xpbd(10, 1), POLYNOMIAL, milliseconds(5.0)),
+    ]
+}

@@ -1,0 +1,90 @@
+use super::*;
+use crate::plan::groups;
+use crate::row::Against;
+use crate::testing::{beam, beam_plan};
+use std::cell::Cell;
+
+/// A clock on which each reading takes a millisecond: runs are as long as they have samples.
+fn run_all(budget: f64, remaining: &dyn Fn() -> f64) -> (GroupResult, Vec<String>) {
+    let chart = beam_plan();
+    let ticks = Cell::new(0.0);
+    let context = Context {
+        chart: &chart,
+        load: &|_, set| beam(set),
+        clock: &|| {
+            ticks.set(ticks.get() + 1e-3);
+            ticks.get()
+        },
+        budget,
+        remaining,
+        exec: &microsim_scene::Serial,
+    };
+    let mut steps = Vec::new();
+    let group = &groups(&chart, false, &[])[0];
+    let result = run_group(&context, group, &mut |step| {
+        steps.push(match step {
+            Step::Exact => "exact".into(),
+            Step::Run(row) => row.status.name().into(),
+            Step::LeftOut(_) => "left out".into(),
+        });
+    });
+    (result, steps)
+}
+
+#[test]
+fn every_run_of_the_plan_ends_in_the_table() {
+    let (result, steps) = run_all(1e3, &|| f64::INFINITY);
+    assert_eq!(steps, ["exact", "ok", "diverged", "ok", "not applicable"]);
+    assert_eq!(result.elements, 24);
+    let exact = result.exact[0].value.expect("a peak");
+    let [verlet, diverged, midpoint, xpbd] = result.rows.as_slice() else {
+        panic!("four runs");
+    };
+    // Verlet at half the limit against a quarter: errors of (hω)²/24 of the modes that matter, whose frequency is far below
+    // the limit's. The midpoint rule at 2 ms errs by (hω)²/12 with ω of about 40 per second: 5e-4.
+    let error = |row: &Row| row.error(Against::SameMesh).expect("an error");
+    assert!(error(verlet) < 1e-3, "{}", error(verlet));
+    assert!(error(midpoint) < 5e-3, "{}", error(midpoint));
+    assert_eq!(verlet.measures[0].exact, Some(exact));
+    // What diverges stays, with its time.
+    let Status::Diverged { time, .. } = diverged.status else {
+        panic!("{:?}", diverged.status);
+    };
+    assert!(time > 0.0 && time <= 0.2 && diverged.error(Against::SameMesh).is_none());
+    assert!(
+        matches!(&xpbd.status, Status::NotApplicable { reason } if reason.contains("constraints"))
+    );
+    // Nothing takes energy from the undamped beam: drift is that of the methods.
+    for row in [verlet, midpoint] {
+        let drift = row.energy_drift.expect("it should conserve");
+        assert!(drift.abs() < 0.02, "{drift}");
+    }
+    assert!(midpoint.iterations.is_some_and(|i| i > 1.0) && verlet.iterations == Some(1.0));
+}
+
+#[test]
+fn runs_over_budget_are_cut_off_and_kept() {
+    // 5 ms on a clock of 1 ms per sample: five of 100 samples.
+    let (result, _) = run_all(5e-3, &|| f64::INFINITY);
+    let row = &result.rows[0];
+    let Status::OverBudget { time } = row.status else {
+        panic!("{:?}", row.status);
+    };
+    assert!(time > 0.0 && time < 0.05, "{time}");
+    assert!(row.cost().is_some(), "what it costs is known nevertheless");
+}
+
+#[test]
+fn without_time_runs_are_left_out_and_said_to_be() {
+    let (result, steps) = run_all(1e3, &|| 0.0);
+    assert_eq!(steps, ["left out"; 4]);
+    assert!(result.rows.is_empty() && result.exact.is_empty());
+}
+
+#[test]
+fn steps_of_a_share_are_those_of_the_plan() {
+    let (result, _) = run_all(1e3, &|| f64::INFINITY);
+    // 0.5 and 1.5 of one limit, each shortened to a whole number in the scene's duration: by less than one sample in 100.
+    let ratio = result.rows[1].step / result.rows[0].step;
+    assert!((ratio - 3.0).abs() < 0.05, "{ratio}");
+}

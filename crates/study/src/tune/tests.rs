@@ -1,0 +1,87 @@
+use super::*;
+use crate::testing::{beam, beam_plan};
+use microsim_settings::{ExactKind, Feature};
+use std::cell::Cell;
+
+fn goal(error: f64, value: f64) -> Goal {
+    Goal {
+        expect: vec![Expect {
+            probe: "sag".into(),
+            what: Feature::FirstPeak,
+            value,
+            tolerance: 1.0,
+            scale: None,
+            settle: 0.02,
+            source: String::new(),
+        }],
+        error,
+        margin: 1.5,
+    }
+}
+
+fn run(goal: &Goal) -> Tuning {
+    let chart = beam_plan();
+    let scene = beam(&[]).expect("a scene").settings;
+    let candidates = candidates(&chart, &scene, ExactKind::Motion, None, false);
+    let ticks = Cell::new(0.0);
+    let context = Context {
+        chart: &chart,
+        load: &|_, set| beam(set),
+        clock: &|| {
+            ticks.set(ticks.get() + 1e-3);
+            ticks.get()
+        },
+        budget: 1e3,
+        remaining: &|| f64::INFINITY,
+        exec: &microsim_scene::Serial,
+    };
+    tune(&context, goal, &candidates, &mut |_| {})
+}
+
+#[test]
+fn the_choice_keeps_the_error_and_the_margin_and_the_others_have_reasons() {
+    let tuning = run(&goal(0.2, f64::NAN));
+    assert_eq!(tuning.measure.len(), 1, "the fine mesh was the measure");
+    let choice = tuning.choice().expect("something keeps 20 %");
+    assert!(choice.error.is_some_and(|e| e <= 0.2) && choice.margin.is_some_and(|m| m >= 1.5));
+    assert!(choice.rejected.is_none() && choice.cost.is_some());
+    let without = tuning.trials.iter().filter(|t| t.rejected.is_none());
+    assert_eq!(without.count(), 1, "every other trial has a reason");
+    // On the clock of the test a run costs what it has samples: no other run that kept everything has fewer.
+    let rejected = tuning.sentences().join("\n");
+    assert!(
+        rejected.contains("0.6 of the stability limit"),
+        "{rejected}"
+    );
+    assert!(rejected.contains("no sum of constraints"), "{rejected}");
+}
+
+#[test]
+fn what_no_mesh_can_keep_is_refused_for_every_method_at_once() {
+    // Ten times what the beam does.
+    let tuning = run(&goal(0.01, 0.5));
+    assert!(tuning.choice().is_none() && tuning.measure.is_empty());
+    assert!(tuning.trials.iter().all(|t| t.method == "exact"));
+    assert!(tuning.sentences()[0].contains("an exact solver would already be off"));
+}
+
+#[test]
+fn meshes_are_scaled_and_named_once() {
+    let chart = beam_plan();
+    let scene = beam(&[]).expect("a scene").settings;
+    let found = candidates(&chart, &scene, ExactKind::Motion, None, false);
+    // Scales 0.1, 1 and 2 of 4 × 1 × 1 cells; 0.1 leaves one cell.
+    let sets: Vec<&str> = found.meshes.iter().map(|m| m.set[0].as_str()).collect();
+    assert_eq!(
+        sets,
+        [
+            "body.0.cells=[1,1,1]",
+            "body.0.cells=[4,1,1]",
+            "body.0.cells=[8,2,2]"
+        ]
+    );
+    assert_eq!(
+        found.elements[0].set,
+        ["body.0.material.0.discretisation=selective"]
+    );
+}
