@@ -85,8 +85,11 @@ impl Results {
         if !info.left_out.is_empty() {
             let _ = write!(
                 out,
-                "<details class=\"warn\"><summary>{} runs of the plan were left out for lack of time</summary><ul>",
-                info.left_out.len()
+                "<details class=\"warn\"><summary>{} of the plan left out for lack of time</summary><ul>",
+                match info.left_out.len() {
+                    1 => "1 run".into(),
+                    many => format!("{many} runs"),
+                }
             );
             for text in &info.left_out {
                 let _ = write!(out, "<li>{}</li>", escape(text));

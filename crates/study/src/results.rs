@@ -9,6 +9,9 @@ use std::fmt::Write;
 /// Errors below this are no better than each other: what is left of a solver's tolerance and of rounding.
 const LEAST_ERROR: f64 = 1e-6;
 
+/// By this share an error must be smaller to be worth its cost.
+const VISIBLE: f64 = 0.02;
+
 /// The errors for which the cheapest run is named.
 pub const ERRORS: [f64; 3] = [0.10, 0.03, 0.01];
 
@@ -246,9 +249,20 @@ impl Panel<'_> {
         self.rows.iter().enumerate().filter_map(point).collect()
     }
 
-    /// The runs that no other run beats, by ascending cost.
+    /// The runs that no other run beats, by ascending cost; those that are better by less than a reader could see, and
+    /// answer nothing, are left out.
     pub fn front(&self, against: Against) -> Vec<Point> {
-        pareto_front(&self.points(against))
+        let mut front: Vec<Point> = Vec::new();
+        for point in pareto_front(&self.points(against)) {
+            let better = |last: &Point| {
+                let answers = ERRORS.iter().any(|e| last.error > *e && point.error <= *e);
+                answers || point.error < (1.0 - VISIBLE) * last.error
+            };
+            if front.last().is_none_or(better) {
+                front.push(point);
+            }
+        }
+        front
     }
 
     /// The cheapest run for an error.

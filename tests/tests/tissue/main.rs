@@ -4,6 +4,7 @@
 //! never repeated.
 
 mod beam;
+mod foreign;
 mod locking;
 mod refinement;
 mod released;

@@ -15,16 +15,16 @@ pub struct LockingCurve {
 }
 
 /// Size of one drawing.
-pub const SIZE: (f64, f64) = (340.0, 270.0);
+pub const SIZE: (f64, f64) = (340.0, 278.0);
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 312.0;
-const TOP: f64 = 34.0;
-const BOTTOM: f64 = 222.0;
+const TOP: f64 = 42.0;
+const BOTTOM: f64 = 230.0;
 /// The error at which a line is drawn.
 const LIMIT: f64 = 0.05;
 
 /// One of several small drawings; they share the range of errors so that they can be compared.
-pub fn locking_plot(out: &mut String, heading: &str, curves: &[LockingCurve], errors: &[f64]) {
+pub fn locking_plot(out: &mut String, [title, mesh]: [&str; 2], curves: &[LockingCurve], errors: &[f64]) {
     let mut ratios: Vec<f64> = curves.iter().flat_map(|c| &c.points).map(|p| p.0).collect();
     ratios.sort_by(f64::total_cmp);
     ratios.dedup();
@@ -36,7 +36,8 @@ pub fn locking_plot(out: &mut String, heading: &str, curves: &[LockingCurve], er
     };
     let percents = errors.iter().map(|e| 100.0 * e.max(1e-5)).chain([5.0]);
     let up = LogAxis::around(percents, 2.0, (BOTTOM, TOP));
-    text(out, (LEFT, 16.0), "heading", "start", heading);
+    text(out, (LEFT, 15.0), "heading", "start", title);
+    text(out, (LEFT, 31.0), "label", "start", mesh);
     for (value, named) in up.ticks() {
         let y = up.at(value);
         let _ = write!(out, "<path class=\"rule\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/>");

@@ -12,7 +12,10 @@ const LOCKED: f64 = 0.05;
 
 /// Scene and mesh with their curves.
 struct Multiple {
-    heading: String,
+    title: String,
+    mesh: String,
+    /// Whether there is no finer mesh of the scene.
+    finest: bool,
     curves: Vec<LockingCurve>,
 }
 
@@ -52,9 +55,10 @@ impl Results {
         out.push_str("</p>\n<div class=\"multiples\">\n");
         for multiple in &multiples {
             let mut body = String::new();
-            locking_plot(&mut body, &multiple.heading, &multiple.curves, &errors);
+            let heading = [multiple.title.as_str(), multiple.mesh.as_str()];
+            locking_plot(&mut body, heading, &multiple.curves, &errors);
             let (width, height) = LOCKING_SIZE;
-            let svg = document(width, height, &multiple.heading, &body, false);
+            let svg = document(width, height, &heading.join(", "), &body, false);
             let _ = writeln!(out, "<figure>{svg}</figure>");
         }
         out.push_str("</div>\n<p class=\"note\">Error of the exact solution on the mesh against the closed form or reference: what the elements do, \
@@ -92,8 +96,13 @@ impl Results {
                     }
                 }
                 if !curves.is_empty() {
+                    for coarser in multiples.iter_mut().filter(|m: &&mut Multiple| m.title == scene.title) {
+                        coarser.finest = false;
+                    }
                     multiples.push(Multiple {
-                        heading: format!("{}, mesh {}", scene.title, mesh.name),
+                        title: scene.title.clone(),
+                        mesh: format!("mesh {}", mesh.name),
+                        finest: true,
                         curves,
                     });
                 }
@@ -105,7 +114,8 @@ impl Results {
     /// Which discretisations stay within the limit everywhere, and how far off the worst is.
     fn locking_sentence(&self, multiples: &[Multiple]) -> String {
         let mut materials: Vec<(usize, f64)> = Vec::new();
-        for curve in multiples.iter().flat_map(|m| &m.curves) {
+        let finest = multiples.iter().filter(|m| m.finest);
+        for curve in finest.flat_map(|m| &m.curves) {
             // At the largest ratio.
             let Some((_, error)) = curve.points.last() else {
                 continue;
@@ -127,13 +137,13 @@ impl Results {
             .collect();
         let mut words = match (&free[..], materials.first()) {
             ([], Some((best, worst))) => format!(
-                "At the largest ratio no discretisation stays within {} on every mesh; the best, {}, is off by up to {}.",
+                "At the largest ratio, on the finest mesh of each scene, no discretisation stays within {}; the best, {}, is off by up to {}.",
                 percent(LOCKED),
                 title(*best),
                 percent(*worst)
             ),
             (free, _) => format!(
-                "At the largest ratio {} within {} on every mesh shown.",
+                "At the largest ratio, on the finest mesh of each scene, {} within {}.",
                 match free {
                     [one] => format!("only {one} stays"),
                     more => format!("{} stay", more.join(", ")),

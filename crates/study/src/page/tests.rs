@@ -71,7 +71,7 @@ fn the_page_is_well_formed_loads_nothing_and_holds_every_answer() {
     );
     assert_eq!(page.matches(">real time<").count(), 5);
     assert!(
-        page.contains("two runs at a time") && page.contains("1 runs of the plan were left out")
+        page.contains("two runs at a time") && page.contains("1 run of the plan left out")
     );
 }
 
@@ -120,7 +120,7 @@ fn the_sentences_give_the_answers_of_the_table() {
     );
     let page = results.to_html(&info());
     assert!(
-        page.contains("At the largest ratio only F-bar &lt;patches&gt; stays within 5.0 % on every mesh shown. The worst is linear tetrahedra, off by up to 60 %."),
+        page.contains("At the largest ratio, on the finest mesh of each scene, only F-bar &lt;patches&gt; stays within 5.0 %. The worst is linear tetrahedra, off by up to 60 %."),
         "{page}"
     );
 }

@@ -58,7 +58,7 @@ fn the_choice_keeps_the_error_and_the_margin_and_the_others_have_reasons() {
 
 #[test]
 fn what_no_mesh_can_keep_is_refused_for_every_method_at_once() {
-    // Ten times what the beam does.
+    // The beam is 40 mm long: half a metre is out of its reach.
     let tuning = run(&goal(0.01, 0.5));
     assert!(tuning.choice().is_none() && tuning.measure.is_empty());
     assert!(tuning.trials.iter().all(|t| t.method == "exact"));
