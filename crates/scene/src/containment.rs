@@ -79,41 +79,44 @@ pub(crate) struct Watch {
     pub work: f64,
     /// Whether an old overlap was undone: it changes the energy by an amount that is not followed.
     pub overlap_undone: bool,
-    /// Whether moving clamps or loads bring energy that is not followed either.
+    /// Whether clamps or grips move in the tick: they bring energy that is not followed either.
     driven: bool,
 }
 
 impl Watch {
-    pub fn new(body: &Body, state: &State) -> Self {
+    /// Begins to watch a body in the tick of `tick_s` [s] that begins at `time` [s].
+    pub fn new(body: &Body, state: &State, time: f64, tick_s: f64) -> Self {
         Self {
             start_energy: state.energies(&body.model).total(),
             work: 0.0,
             overlap_undone: false,
-            driven: body.drive.does_work(),
+            driven: body.drive.moves(time, time + tick_s),
         }
     }
 
-    /// Looks at a body at the end of a tick.
+    /// Looks at a body at the end of a tick, at `time` [s].
     pub fn judge(
         &self,
         body: &Body,
         start: &State,
         end: &State,
         gravity: &Vector3<f64>,
+        time: f64,
     ) -> Option<Divergence> {
         if let Some(escape) = escaped(body, end) {
             return Some(escape);
         }
         let energy = end.energies(&body.model).total();
-        // What gravity brought: Σ m g·(p_end − p_start).
-        let fall: f64 = body
-            .model
-            .masses()
-            .iter()
-            .zip(start.positions.iter().zip(&end.positions))
-            .map(|(m, (from, to))| m * gravity.dot(&(to - from)))
-            .sum();
-        let brought = self.start_energy + fall.abs() + self.work;
+        // What weight and loads brought: Σ F·(p_end − p_start), with the loads of the end on the shape of the end.
+        let masses = body.model.masses().iter();
+        let mut forces: Vec<Vector3<f64>> = masses.map(|m| gravity * *m).collect();
+        let control = body.drive.control(gravity, time);
+        control.add_loads(&end.positions, &mut forces);
+        let moved = start.positions.iter().zip(&end.positions);
+        let work = moved
+            .zip(&forces)
+            .map(|((from, to), f)| f.dot(&(to - from)));
+        let brought = self.start_energy + work.sum::<f64>().abs() + self.work;
         let allowed = brought * (1.0 + ENERGY_MARGIN) + body.energy_scale;
         if !energy.is_finite() {
             return Some(Divergence::NotFinite);

@@ -102,10 +102,17 @@ impl Drive {
         !self.grips.is_empty()
     }
 
-    /// Whether it may bring energy: something moves or presses.
-    pub fn does_work(&self) -> bool {
-        let moves = self.clamps.iter().any(|(motion, _)| motion.is_some());
-        moves || !self.grips.is_empty() || !self.loads.is_empty()
+    /// Whether anything that holds the body moves, closes or lets go between two times [s].
+    pub fn moves(&self, from: f64, to: f64) -> bool {
+        let still = |motion: &Option<Motion>| {
+            let last = motion.as_ref().and_then(|motion| motion.keys.last());
+            last.is_none_or(|(time, _, _)| *time <= from)
+        };
+        // A grip that closes on a body at time 0 may first have to bring it to where it is.
+        let stays = |grip: &Grip| {
+            (still(&grip.motion) && from > 0.0 && to < grip.release) || grip.release < from
+        };
+        !self.clamps.iter().all(|(motion, _)| still(motion)) || !self.grips.iter().all(stays)
     }
 
     /// What drives the body in the step that ends at `time` [s].

@@ -20,6 +20,31 @@ pub enum SceneError {
         /// Why.
         source: BuildError,
     },
+    /// A value of a body cannot be computed with.
+    Value {
+        /// The body.
+        body: String,
+        /// Where: `origin`, `clamp`, `load`, `start`.
+        what: &'static str,
+        /// Index among those.
+        index: usize,
+        /// What is wrong, or what is expected.
+        reason: &'static str,
+    },
+    /// Two clamps hold one node, and at least one of them moves.
+    HeldTwice {
+        /// The body.
+        body: String,
+        /// Indices of the clamps.
+        clamps: [usize; 2],
+    },
+    /// The method is stable at no step for a body.
+    NeverStable {
+        /// The body.
+        body: String,
+        /// The method.
+        method: &'static str,
+    },
     /// Two regions of a body cannot be coupled.
     Couple {
         /// The body.
@@ -103,6 +128,25 @@ impl std::fmt::Display for SceneError {
                 )
             }
             Self::Build { body, source } => write!(f, "body '{body}': {source}"),
+            Self::Value {
+                body,
+                what,
+                index,
+                reason,
+            } => {
+                write!(f, "{what} {index} of body '{body}': {reason}")
+            }
+            Self::HeldTwice {
+                body,
+                clamps: [first, second],
+            } => write!(
+                f,
+                "clamps {first} and {second} of body '{body}' share a node, and one of them moves: let each node have one holder"
+            ),
+            Self::NeverStable { body, method } => write!(
+                f,
+                "{method} is stable at no step for body '{body}': give it drag, or use another method"
+            ),
             Self::Couple { body, source } => write!(f, "coupling in body '{body}': {source}"),
             Self::Empty { body, what, index } => write!(
                 f,

@@ -4,6 +4,7 @@
 //! body that diverges, exact saving and restoring. What is not: the mathematics of tissue and contact (crates `tissue`,
 //! `contact`), files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
 
+mod check;
 mod containment;
 mod drive;
 mod error;

@@ -126,7 +126,7 @@ impl Runner {
         self.steps
     }
 
-    /// Solver's steps made so far; without those that containment added.
+    /// Solver's steps made so far; without those that containment or plastic flow added.
     pub fn steps(&self) -> u64 {
         self.taken * u64::from(self.steps)
     }

@@ -1,7 +1,7 @@
 //! Exact bytes of all that evolves.
 //!
 //! Little-endian, in this order: magic, version u32, time f64, number of bodies u32; per body the number of nodes u32, the last
-//! step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
+//! step f64, longest stable step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
 //! f64 and f64 each); number of pairs u32; per pair the number of remembered normals u32
 //! and per normal capsule u32, node u32, 3 × f64. What does not evolve is not saved: bytes are restored into a scene built from
 //! the same description.
@@ -12,7 +12,7 @@ use microsim_tissue::State;
 use nalgebra::Vector3;
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,9 +62,10 @@ impl Scene {
         put_u32(&mut bytes, VERSION);
         put_f64(&mut bytes, self.state.time);
         put_u32(&mut bytes, self.state.bodies.len() as u32);
-        for body in &self.state.bodies {
+        for (body, stable_step) in self.state.bodies.iter().zip(&self.state.stable_steps) {
             put_u32(&mut bytes, body.positions.len() as u32);
             put_f64(&mut bytes, body.step);
+            put_f64(&mut bytes, *stable_step);
             body.positions
                 .iter()
                 .chain(&body.velocities)
@@ -102,10 +103,12 @@ impl Scene {
         let time = reader.f64()?;
         reader.expect(self.bodies.len())?;
         let mut bodies = Vec::with_capacity(self.bodies.len());
+        let mut stable_steps = Vec::with_capacity(self.bodies.len());
         for body in &self.bodies {
             let nodes = body.model.node_count();
             reader.expect(nodes)?;
             let step = reader.f64()?;
+            stable_steps.push(reader.longest_step()?);
             let positions = (0..nodes)
                 .map(|_| reader.vector())
                 .collect::<Result<_, _>>()?;
@@ -146,16 +149,11 @@ impl Scene {
             return Err(RestoreError::Length);
         }
         self.state = SceneState {
-            stable_steps: self.bodies.iter().map(|body| body.stable_step).collect(),
             bodies,
             memories,
+            stable_steps,
             time,
         };
-        for body in 0..self.bodies.len() {
-            if self.state.bodies[body].internal != self.bodies[body].start.internal {
-                self.renew_stable_step(body);
-            }
-        }
         Ok(())
     }
 }
@@ -199,6 +197,16 @@ impl<'a> Reader<'a> {
     fn f64(&mut self) -> Result<f64, RestoreError> {
         let value = f64::from_le_bytes(self.array()?);
         if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(RestoreError::NotFinite)
+        }
+    }
+
+    /// A step, which is infinite for a method without a limit.
+    fn longest_step(&mut self) -> Result<f64, RestoreError> {
+        let value = f64::from_le_bytes(self.array()?);
+        if value >= 0.0 {
             Ok(value)
         } else {
             Err(RestoreError::NotFinite)

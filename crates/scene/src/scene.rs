@@ -1,5 +1,6 @@
 //! The scene: bodies, tools, contact pairs, and what evolves.
 
+use crate::check;
 use crate::drive::Drive;
 use crate::error::SceneError;
 use crate::select;
@@ -59,7 +60,7 @@ pub(crate) struct SceneState {
     pub bodies: Vec<State>,
     /// One per contact pair.
     pub memories: Vec<ContactMemory>,
-    /// Longest step of each body as it is now [s]: plastic flow makes it shorter. It follows from the state.
+    /// Longest step of each body as it is now [s]: plastic flow makes it shorter.
     pub stable_steps: Vec<f64>,
     /// Simulated time [s].
     pub time: f64,
@@ -130,6 +131,12 @@ impl Scene {
     pub fn check_step(&self, tick_s: f64, steps: u32) -> Result<(), SceneError> {
         if !tick_s.is_finite() || tick_s <= 0.0 {
             return Err(SceneError::Tick { tick_s });
+        }
+        if let Some(body) = self.state.stable_steps.iter().position(|step| *step <= 0.0) {
+            return Err(SceneError::NeverStable {
+                body: self.bodies[body].name.clone(),
+                method: self.method.name(),
+            });
         }
         let required_steps = self.required_steps(tick_s);
         let stable_steps = self.bodies.iter().zip(&self.state.stable_steps);
@@ -253,7 +260,7 @@ impl Scene {
         self.state.bodies[body].energies(&self.bodies[body].model)
     }
 
-    /// Elastic force, weight and loads at each node of a body [N]; at a clamped node it is what the clamp holds.
+    /// Elastic and viscous force, weight and loads at each node of a body [N]; at a clamped node it is what the clamp holds.
     pub fn forces(&self, body: usize) -> Vec<Vector3<f64>> {
         let of = &self.bodies[body];
         let control = of.drive.control(&self.gravity, self.state.time);
@@ -315,19 +322,18 @@ impl Scene {
         self.state.stable_steps[body]
     }
 
-    /// Works out the longest step of a body as it is now.
+    /// Works out the longest step of a body with its internal variables as they are now. It never grows again.
     pub(crate) fn renew_stable_step(&mut self, body: usize) {
         let of = &self.bodies[body];
-        if self.method.is_explicit() {
-            let state = &self.state.bodies[body];
-            self.state.stable_steps[body] =
-                stability::stable_step_at(&of.model, state, stability::SAFETY);
-        }
+        let step = stable_step(&self.method, &of.model, &self.state.bodies[body]);
+        let now = &mut self.state.stable_steps[body];
+        *now = now.min(step);
     }
 }
 
 impl Body {
     fn new(spec: &BodySpec, method: &Method, touched: bool) -> Result<Self, SceneError> {
+        check::check(spec)?;
         let name = spec.name.clone();
         let (mesh, origin) = (&spec.mesh, Vector3::from(spec.origin));
         let surface = mesh.surface();
@@ -349,6 +355,8 @@ impl Body {
             }
             clamps.push((clamp, nodes));
         }
+        let held: Vec<Vec<u32>> = clamps.iter().map(|(_, nodes)| nodes.clone()).collect();
+        check::check_holders(spec, &held)?;
         let mut loads = Vec::new();
         for (index, load) in spec.loads.iter().enumerate() {
             let nodes = selected("load", index, &load.surface)?;
@@ -397,11 +405,7 @@ impl Body {
                 }
             }
         }
-        let stable_step = if method.is_explicit() {
-            stability::stable_step(&model, stability::SAFETY)
-        } else {
-            f64::INFINITY
-        };
+        let stable_step = stable_step(method, &model, &State::at_rest(&model));
         Ok(Self {
             energy_scale: energy_scale(&model),
             iterations: 0,
@@ -416,6 +420,22 @@ impl Body {
             model,
         })
     }
+}
+
+/// The longest step [s] with safety factor of a method on a body with the internal variables of `state`, its nodes at rest;
+/// infinite for a method without a limit, 0 for one that is never stable.
+fn stable_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
+    if !method.is_explicit() {
+        return f64::INFINITY;
+    }
+    let at_rest = State {
+        internal: state.internal.clone(),
+        ..State::at_rest(model)
+    };
+    let step = stability::stable_step_at(model, &at_rest, stability::SAFETY);
+    // h = 2s/√λ for a body without viscosity; a viscous one has a shorter step, hence a larger λ here, on the safe side.
+    let lambda = 4.0 * stability::SAFETY * stability::SAFETY / (step * step);
+    step.min(stability::SAFETY * stability::limit(method, lambda, model.drag()))
 }
 
 /// Energy of a body stretched by 1 % along x [J].

@@ -38,12 +38,9 @@ impl Scene {
         assert!(tick_s > 0.0 && tick_s.is_finite(), "a tick of {tick_s} s");
         assert!(steps > 0, "a tick without steps");
         // Plastic flow may have made a body stiffer than it was when the number of steps was chosen.
-        let stiffened = self.has_stiffened();
-        let steps = if stiffened {
-            steps.max(self.required_steps(tick_s))
-        } else {
-            steps
-        };
+        let required = self.required_steps(tick_s);
+        let stiffened = self.has_stiffened() && steps < required;
+        let steps = if stiffened { required } else { steps };
         let (motions, invalid_motions) = self.valid_motions(motions);
         let (substeps, capped) = self.substeps(&motions, tick_s, steps);
         let start = self.state.clone();
@@ -152,7 +149,7 @@ impl Scene {
             .bodies
             .iter()
             .zip(&start)
-            .map(|(body, state)| Watch::new(body, state))
+            .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s))
             .collect();
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.bodies.len()];
@@ -178,7 +175,13 @@ impl Scene {
         for (index, watch) in watches.iter().enumerate() {
             let (body, end) = (&self.bodies[index], &self.state.bodies[index]);
             let found = if self.containment {
-                watch.judge(body, &start[index], end, &self.gravity)
+                watch.judge(
+                    body,
+                    &start[index],
+                    end,
+                    &self.gravity,
+                    self.state.time + tick_s,
+                )
             } else {
                 containment::escaped(body, end)
             };
@@ -231,8 +234,12 @@ impl Scene {
         *iterations += 1;
         let predicted = solver.predict(model, state, &control, h, exec);
 
-        // Each tool sees where the ones before it have led the nodes.
+        // Each tool sees where grips and the tools before it have led the nodes. It cannot move what a grip holds.
         let mut targets: Vec<Vector3<f64>> = Vec::new();
+        let mut movable = model.inverse_masses().to_vec();
+        for grip in &grips.targets {
+            movable[grip.node as usize] = 0.0;
+        }
         let mut responses: Vec<(usize, Response)> = Vec::new();
         for (index, pair) in self
             .pairs
@@ -247,11 +254,14 @@ impl Scene {
             };
             if targets.is_empty() {
                 targets.extend_from_slice(predicted);
+                for grip in &grips.targets {
+                    targets[grip.node as usize] = grip.target;
+                }
             }
             let surface = BodySurface {
                 surface,
                 start: &state.positions,
-                inverse_masses: model.inverse_masses(),
+                inverse_masses: &movable,
                 mean_edge_length: model.mean_edge_length(),
             };
             responses.push((index, respond(&surface, capsules, memory, &mut targets)));

@@ -2,7 +2,7 @@
 //! for a reason.
 //!
 //! A mesh with a discretisation whose exact solution misses the error is rejected with every method: two errors that cancel are
-//! luck. Of the others each run may take as long as the cheapest so far. What beats it must be stable at a longer step: an explicit
+//! luck. Once a mesh keeps the error, finer ones of the same elements are not tried: they only cost more. Of the others each run may take as long as the cheapest so far. What beats it must be stable at a longer step: an explicit
 //! method at the stated margin, any other at twice the step at least, and after a node was yanked away by the size of the body.
 
 mod candidates;
@@ -138,11 +138,16 @@ pub fn tune(
             }
         }
     }
+    let mut keeping: Vec<&String> = Vec::new();
     let pairs = candidates
         .meshes
         .iter()
         .flat_map(|mesh| candidates.elements.iter().map(move |e| (mesh, e)));
     for (mesh, elements) in pairs {
+        // From coarse to fine: more of the same elements only cost more.
+        if keeping.contains(&&elements.title) {
+            continue;
+        }
         let found = exact_values(context, &goal, candidates, mesh, elements);
         let of_mesh = format!("{}, {}", elements.title, mesh.title);
         let usable = match found {
@@ -195,6 +200,9 @@ pub fn tune(
                         let best = tuning.choice().and_then(|t| t.cost);
                         let trial = attempt(context, &goal, candidates, &choices, best);
                         after(&trial);
+                        if trial.error.is_some_and(|error| error <= goal.error) {
+                            keeping.push(&elements.title);
+                        }
                         if trial.rejected.is_none() {
                             if let Some(before) = tuning.chosen {
                                 tuning.trials[before].rejected =

@@ -64,7 +64,8 @@ pub fn power_iteration_at(model: &TissueModel, state: &State, part: Part, steps:
 /// The longest step [s] at the share `safety` of the stability limit of explicit methods that take viscous forces from a known
 /// velocity: h²λ + 2hΛ = 4·safety² (NUMERICS 3.1, q < 4 − 2δ), λ and Λ of stiffness and damping the smaller of the Gershgorin
 /// bound and the estimate by power iteration with its margin. Infinite for a body without stiffness or without a free node.
-/// It does not hold for explicit Euler ([`limit`]); for the lagged Verlet it does up to `safety` = √½.
+/// It does not hold for explicit Euler ([`limit`]). Up to `safety` = √½ it does for the lagged Verlet, and for velocity Verlet with
+/// viscous forces, whose limit is q = 4 − 4δ.
 pub fn stable_step(model: &TissueModel, safety: f64) -> f64 {
     stable_step_at(model, &State::at_rest(model), safety)
 }

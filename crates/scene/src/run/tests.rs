@@ -176,7 +176,7 @@ fn a_divergence_ends_the_run_and_its_expectations() {
     assert!((verdict.found, verdict.met) == (None, false));
 }
 
-/// The same bits whether sampled often or seldom, on the same steps.
+/// The same motion whether sampled often or seldom, on the same steps, but for the rounding of the step's length.
 #[test]
 fn samples_do_not_disturb() {
     let end = |sample: &str| {

@@ -1,6 +1,7 @@
 //! What is refused, divided, repeated or rolled back.
 
 use super::*;
+use microsim_tissue::elements::Plasticity;
 
 #[test]
 fn a_step_beyond_the_limit_is_refused_with_the_number_that_is_enough() {
@@ -162,7 +163,7 @@ fn motions_that_cannot_be_used_are_named() {
 #[test]
 fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
     let good = strip([4, 1, 1], false);
-    let cases: [(fn(&mut SceneSpec), &str); 11] = [
+    let cases: [(fn(&mut SceneSpec), &str); 15] = [
         (
             |s| s.bodies.push(s.bodies[0].clone()),
             "each body needs a name of its own, 'strip'",
@@ -211,6 +212,48 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
             |s| s.contact_pairs.push(s.contact_pairs[0].clone()),
             "stands twice",
         ),
+        (
+            |s| {
+                s.bodies[0].clamps[0].motion = Some(MotionSpec {
+                    pivot: [0.0; 3],
+                    axis: [0.0; 3],
+                    keys: Vec::new(),
+                });
+            },
+            "clamp 0 of body 'strip': an axis",
+        ),
+        (
+            |s| {
+                let key = |time| MotionKey {
+                    time,
+                    shift: [0.0; 3],
+                    angle: 0.0,
+                };
+                s.bodies[0].clamps[1].motion = Some(MotionSpec {
+                    pivot: [0.0; 3],
+                    axis: [0.0, 0.0, 1.0],
+                    keys: vec![key(1.0), key(1.0)],
+                });
+            },
+            "the times of a motion ascend",
+        ),
+        (
+            |s| {
+                let mut twin = s.bodies[0].clamps[0].clone();
+                twin.release = Some(1.0);
+                twin.motion = Some(MotionSpec {
+                    pivot: [0.0; 3],
+                    axis: [0.0, 0.0, 1.0],
+                    keys: Vec::new(),
+                });
+                s.bodies[0].clamps.push(twin);
+            },
+            "clamps 0 and 2 of body 'strip' share a node",
+        ),
+        (
+            |s| s.bodies[0].clamps[0].release = Some(f64::NAN),
+            "clamp 0 of body 'strip': its release",
+        ),
         (|s| s.gravity[1] = f64::NAN, "gravity"),
     ];
     for (spoil, expected) in cases {
@@ -221,5 +264,67 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
             text.contains(expected),
             "'{text}' does not say '{expected}'"
         );
+    }
+}
+
+/// A strip that yields and hardens under the probe: its stable step shrinks, and a saved scene goes on with the same bits.
+#[test]
+fn a_hardening_body_needs_more_steps_and_is_saved_exactly() {
+    let mut spec = strip([8, 2, 1], false);
+    let mut constants = SpringConstants::scaled(25e3, 5e4);
+    constants.plasticity = Some(Plasticity {
+        yield_strain: 0.0,
+        creep_rate: 200.0,
+        max_strain: 1.0,
+        hardening: 500.0,
+        max_stiffening: 20.0,
+    });
+    spec.bodies[0].materials[0].1.behaviour = Behaviour::Springs(constants);
+    let mut scene = Scene::new(&spec).unwrap();
+    let steps = scene.required_steps(TICK);
+    let at_rest = scene.stable_step(0);
+    let push = |scene: &mut Scene, k: usize| {
+        let motion = push(depth(k), depth(k + 1));
+        scene.tick(&[motion], TICK, steps, &Serial).unwrap()
+    };
+    let reports: Vec<_> = (0..30).map(|k| push(&mut scene, k)).collect();
+    let stiffened = reports.iter().any(|report| report.stiffened);
+    assert!(stiffened && scene.stable_step(0) < at_rest);
+
+    let mut copy = Scene::new(&spec).unwrap();
+    copy.restore(&scene.save()).unwrap();
+    for k in 30..34 {
+        assert_eq!(push(&mut scene, k), push(&mut copy, k));
+    }
+    assert_eq!(scene.save(), copy.save());
+}
+
+/// A grip holds the nodes under the probe: the tool cannot move them, and no force on them is counted.
+#[test]
+fn a_tool_does_not_move_what_a_grip_holds() {
+    let mut spec = strip([8, 2, 1], false);
+    spec.bodies[0].clamps.push(ClampSpec {
+        nodes: Selection::Box(BoxSpec {
+            min: [-9e-3, -1.0, -1.0],
+            max: [9e-3, 1.0, 1.0],
+        }),
+        motion: None,
+        release: Some(1.0),
+    });
+    spec.gravity = [0.0; 3];
+    let mut scene = Scene::new(&spec).unwrap();
+    let steps = scene.required_steps(TICK);
+    for k in 0..8 {
+        let motion = push(depth(k), depth(k + 1));
+        let report = scene.tick(&[motion], TICK, steps, &Serial).unwrap();
+        assert!(
+            report
+                .contacts
+                .iter()
+                .all(|c| c.force_on_tissue == [0.0; 3])
+        );
+    }
+    for (p, rest) in scene.positions(0).iter().zip(scene.rest_positions(0)) {
+        assert!((p - rest).norm() < 1e-15, "{p} {rest}");
     }
 }

@@ -92,18 +92,12 @@ impl Atlas {
              <b>Mirrored</b>: all free nodes mirrored about half height, so that every element is inside out. <b>Clamp jumps</b>: one length \
              sideways at once. <b>Clamp turns</b>: 90° at once. Recovered: every node within 3 % of the length of its resting place and nothing \
              inverted, for good, within 1.2 simulated seconds. No containment, no position is set back. s is the share of the limit of the step, τ the \
-             time of Kelvin–Voigt damping; CPU time is that of all 1.2 s, or until it failed.</p>\n",
+             time of Kelvin–Voigt damping; CPU time is that of all 1.2 s, or until it failed. ×1: one iteration of Newton’s method per step.</p>\n",
         );
-        out.push_str(&key(&[
-            ("good", "recovered, and when"),
-            ("stuck", "at rest elsewhere"),
-            ("bad", "blows up, no step, or still moving"),
-            ("slow", "more than 12 CPU s"),
-            ("none", "method cannot treat the material"),
-        ]));
         let overview = self.recovery_overview();
         if !overview.rows.is_empty() {
             let _ = write!(out, "<h3>{}</h3>\n", escape(&overview.title));
+            out.push_str(&key(&[("good", "all"), ("stuck", "some"), ("bad", "none")]));
             figure(out, &overview);
         }
         let all = self.recovery_figure();
@@ -112,6 +106,13 @@ impl Atlas {
             "<details open><summary>{}</summary>\n",
             escape(&all.title)
         );
+        out.push_str(&key(&[
+            ("good", "recovered, and when"),
+            ("stuck", "at rest elsewhere"),
+            ("bad", "blows up, no step, or still moving"),
+            ("slow", "more than 12 CPU s"),
+            ("none", "method cannot treat the material"),
+        ]));
         figure(out, &all);
         out.push_str("</details></section>\n");
     }

@@ -53,7 +53,7 @@ impl Atlas {
                 .map(|row| columns.iter().map(|column| field(row, column)).collect())
                 .collect(),
             columns,
-            size: (49.0, 34.0),
+            size: (56.0, 34.0),
         }
     }
 
@@ -95,6 +95,8 @@ impl Atlas {
 fn column_of(way: &Way) -> (String, String) {
     let mut group = match way.method {
         Method::Xpbd { .. } => "xpbd, sub-steps × iterations".into(),
+        // Short, for it stands over few columns.
+        Method::ImplicitEuler(newton) if newton.iterations == 1 => "implicit-euler ×1".into(),
         ref method => method_name(method),
     };
     if way.relaxation_time > 0.0 {

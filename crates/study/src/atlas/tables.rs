@@ -180,7 +180,7 @@ impl Atlas {
         let (best, most) = all().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let below = all().filter(|(_, ratio)| *ratio < SAFETY).count();
         Some(format!(
-            "Random offsets of 20 % of a cell leave {} of the linear limit of Störmer–Verlet with {}, and {} with {}; {below} of {} materials then need less              than the recommended share of {SAFETY}.",
+            "Random offsets of 20 % of a cell leave {} of the linear limit of Störmer–Verlet with {}, and {} with {}; {below} of {} materials then need less than the recommended share of {SAFETY}.",
             significant(most, 2),
             best.substance.name(),
             significant(least, 2),

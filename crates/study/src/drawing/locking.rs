@@ -24,7 +24,12 @@ const BOTTOM: f64 = 230.0;
 const LIMIT: f64 = 0.05;
 
 /// One of several small drawings; they share the range of errors so that they can be compared.
-pub fn locking_plot(out: &mut String, [title, mesh]: [&str; 2], curves: &[LockingCurve], errors: &[f64]) {
+pub fn locking_plot(
+    out: &mut String,
+    [title, mesh]: [&str; 2],
+    curves: &[LockingCurve],
+    errors: &[f64],
+) {
     let mut ratios: Vec<f64> = curves.iter().flat_map(|c| &c.points).map(|p| p.0).collect();
     ratios.sort_by(f64::total_cmp);
     ratios.dedup();

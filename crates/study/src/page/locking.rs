@@ -96,7 +96,10 @@ impl Results {
                     }
                 }
                 if !curves.is_empty() {
-                    for coarser in multiples.iter_mut().filter(|m: &&mut Multiple| m.title == scene.title) {
+                    for coarser in multiples
+                        .iter_mut()
+                        .filter(|m: &&mut Multiple| m.title == scene.title)
+                    {
                         coarser.finest = false;
                     }
                     multiples.push(Multiple {

@@ -70,9 +70,7 @@ fn the_page_is_well_formed_loads_nothing_and_holds_every_answer() {
         "with the one on locking"
     );
     assert_eq!(page.matches(">real time<").count(), 5);
-    assert!(
-        page.contains("two runs at a time") && page.contains("1 run of the plan left out")
-    );
+    assert!(page.contains("two runs at a time") && page.contains("1 run of the plan left out"));
 }
 
 #[test]
