@@ -2,14 +2,14 @@
 
 use crate::cli::{CheckArgs, Place};
 use crate::mesh_file;
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, say_if_read as say};
 use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
 use microsim_host::assemble::{Input, Installation, Request, assemble, known_metrics};
 use microsim_host::record::Session;
 use microsim_host::run::RunError;
 use microsim_host::{Engine, loader};
-use microsim_settings as settings;
+use microsim_settings::{self as settings, Override};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -42,15 +42,20 @@ pub fn check(place: &Place, args: &CheckArgs) -> Result<Exit, Problem> {
         check_installation(&installation(place)?, &mut findings);
     } else {
         for path in &args.paths {
-            findings.note(path.display().to_string(), check_file(place, path));
+            if path.is_dir() {
+                check_folder(place, path, &mut findings);
+            } else {
+                findings.note(path.display().to_string(), check_file(place, path));
+            }
         }
     }
     if args.json {
-        say_json(&json!({
+        let document = json!({
             "checked": findings.checked,
             "problems": findings.problems,
             "warnings": findings.warnings,
-        }))?;
+        });
+        say(format!("{document:#}"))?;
     } else {
         for warning in &findings.warnings {
             say(format!("warning: {warning}"))?;
@@ -92,6 +97,10 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
     for path in files_in(&config.join("scenes"), "toml") {
         findings.note(path.display().to_string(), check_scene(&path));
     }
+    let chart = config.join("chart.toml");
+    if chart.is_file() {
+        findings.note(chart.display().to_string(), check_chart(&chart));
+    }
     for folder in &installation.tree.modules {
         let name = &folder.manifest.settings.name;
         let scripts = folder.manifest.document.path().with_file_name("scripts");
@@ -130,6 +139,80 @@ fn check_scene(path: &Path) -> Result<Vec<String>, String> {
         None => Ok(scene.warnings),
         Some(sentence) => Err(sentence),
     }
+}
+
+/// Reads the plan of the chart, and each of its scenes with the meshes and parameters that it names.
+fn check_chart(path: &Path) -> Result<Vec<String>, String> {
+    let chart = settings::load_chart(path).map_err(|e| e.to_string())?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut problems = Vec::new();
+    for scene in &chart.settings.scene {
+        let file = folder.join(&scene.file);
+        let resolutions = scene.resolution.iter().map(|r| (&r.name, &r.set));
+        let variants = scene.variant.iter().map(|v| (&v.name, &v.set));
+        for (name, set) in resolutions.chain(variants) {
+            let overrides: Result<Vec<_>, _> = set.iter().map(|t| Override::parse(t)).collect();
+            let loaded = overrides.and_then(|overrides| {
+                settings::load_scene(&file, &overrides).map_err(|e| e.to_string())
+            });
+            let at = || format!("{}: scene `{}`, `{name}`", path.display(), scene.name);
+            match loaded {
+                Err(error) => problems.push(format!("{}: {error}", at())),
+                Ok(loaded) => {
+                    let probes = &loaded.settings.probe;
+                    let unknown = |m: &&settings::ChartMeasure| {
+                        probes.iter().all(|probe| probe.name != m.probe)
+                    };
+                    let missing = scene.measure.iter().filter(unknown);
+                    problems.extend(missing.map(|m| {
+                        format!("{}: the scene has no probe `{}`", at(), m.probe)
+                    }));
+                }
+            }
+        }
+    }
+    match problems.is_empty() {
+        true => Ok(Vec::new()),
+        false => Err(problems.join("\n")),
+    }
+}
+
+/// All files of a folder and those below it that are of a kind that is known.
+fn check_folder(place: &Place, folder: &Path, findings: &mut Findings) {
+    let before = findings.checked.len();
+    for path in files_below(folder) {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        // The two files of a TetGen mesh are checked together.
+        let half = extension == "node" && path.with_extension("ele").is_file();
+        let known = match extension.as_ref() {
+            "toml" | "session" => true,
+            "csv" => path.with_extension("toml").is_file(),
+            _ => mesh_file::is_mesh(&path),
+        };
+        if known && !half {
+            findings.note(path.display().to_string(), check_file(place, &path));
+        }
+    }
+    if findings.checked.len() == before {
+        let problem = format!("{}: nothing in this folder that could be checked", folder.display());
+        findings.note(folder.display().to_string(), Err(problem));
+    }
+}
+
+/// The files of a folder and of those below it, by path; hidden ones are left out, and links to folders not followed.
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .filter_map(Result::ok)
+        .filter(|entry| !entry.file_name().to_string_lossy().starts_with('.'));
+    let mut entries: Vec<_> = entries.collect();
+    entries.sort_by_key(|entry| entry.path());
+    let below = entries.iter().flat_map(|entry| match entry.file_type() {
+        Ok(kind) if kind.is_dir() => files_below(&entry.path()),
+        _ => vec![entry.path()],
+    });
+    below.filter(|path| path.is_file()).collect()
 }
 
 /// Loads everything that the level uses and initialises it, as a run would, without a single tick: libraries, layouts,
@@ -185,8 +268,11 @@ fn nothing<T>(_: T) -> Vec<String> {
     Vec::new()
 }
 
-/// One file by what it is: its place and name say which kind.
+/// One file by what it is: its place and name say which kind, or else what stands in it.
 fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
+    if !path.exists() {
+        return Err(format!("{}: no such file", path.display()));
+    }
     let text = |e: settings::ConfigErrors| e.to_string();
     let name = path
         .file_name()
@@ -206,6 +292,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         }
         ("host.toml", _, _) => settings::load_host(path).map(nothing).map_err(text),
         ("translator.toml", _, _) => settings::load_translator(path).map(nothing).map_err(text),
+        ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
         (_, Some("scenes"), "toml") => check_scene(path),
         (_, Some("scripts"), "toml") => settings::load_script(path).map(nothing).map_err(text),
@@ -229,8 +316,12 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
             Err(Problem::BrokenPipe) => Ok(Vec::new()),
         },
         (_, _, "toml") => {
-            // A script may lie anywhere.
-            settings::load_script(path).map(nothing).map_err(text)
+            // Scenes, charts and scripts may lie anywhere.
+            match settings::guess_kind(&std::fs::read_to_string(path).unwrap_or_default()) {
+                Some("scene") => check_scene(path),
+                Some("chart") => check_chart(path),
+                _ => settings::load_script(path).map(nothing).map_err(text),
+            }
         }
         (_, _, "session") => check_session(path),
         _ if is_session(path) => check_session(path),

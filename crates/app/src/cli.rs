@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
 ///
 /// Exit status: 0 done (a failed level is a result, not an error), 1 the verdict that was asked for is negative
-/// (`replay --verify`, `check`, `simulate` that diverged, `run --require-pass`), 2 could not run.
+/// (`replay --verify`, `check`, `simulate` that diverged or did not come to rest as it should, `run --require-pass`), 2 could not run.
 #[derive(Debug, Parser)]
 #[command(name = "microsim", version, arg_required_else_help = true)]
 pub struct Cli {
@@ -31,7 +31,7 @@ pub struct Place {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// List modules with their levels, and plugins
+    /// List modules with their levels, scenes, and plugins
     List(ListArgs),
     /// Run a level of a module; writes session and report
     Run(RunArgs),
@@ -126,25 +126,35 @@ pub struct RunArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:
+#[command(
+    override_usage = "microsim simulate SCENE [OPTIONS]",
+    after_help = "Exit status 1: it diverged, or a scene that ends at rest did not come to rest within its duration; with --require
+also when an expectation was missed. The JSON document says which: status \"ok\", \"not-at-rest\" or \"diverged\".
+
+Examples:
   microsim simulate cantilever
   microsim simulate cantilever --set body.0.cells=[15,3,3] --set body.0.material.0.poisson_ratio=0.45
-  microsim simulate my/scene.toml --set method.name=implicit-euler --set run.step=5ms --json result.json --vtu frames")]
+  microsim simulate cantilever --set 'method={name=\"implicit-euler\",iterations=2}' --set run.step=5ms
+  microsim simulate cantilever --set run.end=time --set run.rest_speed=
+  microsim simulate cantilever --json --vtu > result.json
+  microsim simulate my/scene.toml --json result.json --vtu frames"
+)]
 pub struct SimulateArgs {
     /// Scene: a file, or the name of one in config/scenes
     #[arg(value_parser = utf8_path)]
-    pub scene: PathBuf,
-    /// Use another value for a key of the scene: a path of keys and indices, and TOML or a text
+    pub scene: Option<PathBuf>,
+    /// Use another value for a key of the scene: a path of keys and indices, and TOML or a text; KEY= takes the key out. A
+    /// whole table replaces one, as another method with other keys needs
     #[arg(long, value_name = "KEY=VALUE", value_parser = parse_override)]
     pub set: Vec<Override>,
     /// Threads for parallel work; the result does not depend on it
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads: u16,
-    /// Write one JSON document with everything to this file, or alone to standard output (-)
+    /// Write one JSON document with everything to this file, or, without FILE, alone to standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = utf8_path)]
     pub json: Option<PathBuf>,
-    /// Write the deformed meshes as a series for ParaView into this folder
-    #[arg(long, value_name = "DIR", value_parser = utf8_path)]
+    /// Write the deformed meshes as a series for ParaView into this folder [without DIR: SCENE-vtu]
+    #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = "", value_parser = utf8_path)]
     pub vtu: Option<PathBuf>,
     /// Exit with status 1 unless all that was expected came out
     #[arg(long)]
@@ -270,7 +280,7 @@ pub struct BusArgs {
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Files; without any, the whole installation with its libraries
+    /// Files, and folders with all that is known in them; without any, the whole installation with its libraries
     #[arg(value_parser = utf8_path)]
     pub paths: Vec<PathBuf>,
     /// Print one JSON document

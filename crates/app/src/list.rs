@@ -1,5 +1,6 @@
 //! `microsim list`.
 
+use crate::check::files_in;
 use crate::cli::{ListArgs, Place};
 use crate::output::{Exit, Problem, say, say_json};
 use crate::session_file::installation;
@@ -7,7 +8,7 @@ use microsim_host::assemble::known_metrics;
 use microsim_settings as settings;
 use serde_json::json;
 
-/// Modules with their levels, and plugins.
+/// Modules with their levels, scenes, and plugins.
 pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
     let mut modules = Vec::new();
@@ -43,11 +44,22 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
             json!({ "name": p.name, "kind": kind, "version": p.version, "title": p.title, "summary": p.summary })
         })
         .collect();
+    let mut scenes = Vec::new();
+    for path in files_in(&installation.config.join("scenes"), "toml") {
+        match settings::load_scene(&path, &[]) {
+            Ok(scene) => scenes.push(json!({
+                "name": path.file_stem().unwrap_or_default().to_string_lossy(),
+                "title": scene.settings.title,
+                "summary": scene.settings.summary,
+            })),
+            Err(errors) => eprintln!("microsim: {errors}"),
+        }
+    }
     for complaint in &installation.complaints {
         eprintln!("microsim: {complaint}");
     }
     if args.json {
-        say_json(&json!({ "modules": modules, "plugins": plugins }))?;
+        say_json(&json!({ "modules": modules, "scenes": scenes, "plugins": plugins }))?;
         return Ok(Exit::Done);
     }
     let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
@@ -65,6 +77,11 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
                 text(&level["title"]["en"])
             ))?;
         }
+    }
+    say("Scenes")?;
+    for scene in &scenes {
+        let (name, title) = (text(&scene["name"]), text(&scene["title"]["en"]));
+        say(format!("  {name:<20} {title}"))?;
     }
     say("Plugins")?;
     for plugin in &plugins {

@@ -49,6 +49,14 @@ pub fn say(text: impl Display) -> Result<(), Problem> {
     })
 }
 
+/// Writes a line to standard output for those who read it: where an exit status follows, it does not depend on that.
+pub fn say_if_read(text: impl Display) -> Result<(), Problem> {
+    match say(text) {
+        Err(Problem::BrokenPipe) => Ok(()),
+        other => other,
+    }
+}
+
 /// Writes a JSON document, and nothing else, to standard output.
 pub fn say_json(value: &serde_json::Value) -> Result<(), Problem> {
     say(format!("{value:#}"))

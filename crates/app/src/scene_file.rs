@@ -5,7 +5,7 @@ use crate::output::Problem;
 use crate::session_file::program_folder;
 use microsim_mesh::{Severity, TetMesh, defects};
 use microsim_scene::{
-    Behaviour, BuildError, FromSettingsError, LevelParts, ProbeError, Runner, Scene, SceneError,
+    Behaviour, BuildError, Diverged, End, FromSettingsError, LevelParts, ProbeError, Runner, Scene, SceneError,
     SceneSpec, level_spec, scene_spec,
 };
 use microsim_settings as settings;
@@ -85,7 +85,7 @@ impl SceneFile {
         let bodies = &loaded.settings.body;
         warnings.extend(check_bodies(document, bodies, &described.spec)?);
         let scene = Scene::new(&described.spec)
-            .map_err(|e| format!("{}: {e}", document.place(&key_of(&e, bodies))))?;
+            .map_err(|e| blame(document, &e, bodies, &described.spec))?;
         let runner = Runner::new(&loaded.settings, scene).map_err(|error: ProbeError| {
             let key = KeyPath::root().key("probe").at(error.probe).key("nodes");
             format!("{}: {error}", document.place(&key))
@@ -98,6 +98,27 @@ impl SceneFile {
             step_too_long,
             loaded,
         })
+    }
+}
+
+impl SceneFile {
+    /// Whether it should have come to rest and has not.
+    pub fn restless(&self) -> bool {
+        self.loaded.settings.run.end == settings::End::Rest
+            && self.runner.end() == Some(&End::Duration)
+    }
+
+    /// That it has not come to rest, and what helps.
+    pub fn restless_sentence(&self) -> String {
+        format!(
+            "Does not rest within {}: give it a longer duration, drag, or a larger rest_speed",
+            settings::Unit::Time.describe(self.loaded.settings.run.duration)
+        )
+    }
+
+    /// Whole steps of the run before a body diverged, as far as containment did not divide them.
+    pub fn step_of(&self, diverged: &Diverged) -> u64 {
+        (diverged.time / self.runner.step()).round() as u64
     }
 }
 
@@ -125,9 +146,13 @@ pub fn check_level(
     let folder = path.parent().unwrap_or(Path::new(""));
     let described = level_spec(&parts, &mut |file| std::fs::read(folder.join(file)));
     let described = described.map_err(|e| placed(document, e))?;
-    let warnings = check_bodies(document, &of.body, &described.spec)?;
+    let notes = described.notes.iter();
+    let mut warnings: Vec<String> = notes
+        .map(|note| format!("{}: {note}", path.display()))
+        .collect();
+    warnings.extend(check_bodies(document, &of.body, &described.spec)?);
     let scene = Scene::new(&described.spec)
-        .map_err(|e| format!("{}: {e}", document.place(&key_of(&e, &of.body))))?;
+        .map_err(|e| blame(document, &e, &of.body, &described.spec))?;
     let steps = KeyPath::root().key("clock").key("steps");
     scene
         .check_step(of.clock.tick, of.clock.steps)
@@ -153,6 +178,7 @@ fn check_bodies(
             let place = document.place(&key.key("file"));
             errors.extend(bad.iter().map(|defect| format!("{place}: {defect}")));
             warnings.extend(odd.iter().map(|defect| format!("{place}: {defect}")));
+            warnings.extend(too_large(&of.mesh).map(|sentence| format!("{place}: {sentence}")));
         }
         for (m, material) in body.material.iter().enumerate() {
             let Some(poisson) = material.poisson_ratio else {
@@ -181,6 +207,24 @@ fn check_bodies(
         true => Ok(warnings),
         false => Err(errors.join("\n")),
     }
+}
+
+/// That a mesh is larger than any length that files may state, which is that of its units.
+fn too_large(mesh: &TetMesh) -> Option<String> {
+    let extent = (0..3).map(|axis| {
+        let along = mesh.positions.iter().map(|p| p[axis]);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        high - low
+    });
+    let size = extent.fold(0.0, f64::max);
+    (size > settings::LENGTH_MAX).then(|| {
+        format!(
+            "the mesh is {} long: say with `scale` how long one unit of the file is, such as scale = \"1 mm\"",
+            settings::Unit::Length.describe(format!("{size:.3e}").parse().unwrap_or(size))
+        )
+    })
 }
 
 /// What makes a mesh useless, and what should be known of it; of each at most a screenful.
@@ -228,6 +272,38 @@ fn microseconds(time: f64) -> String {
     format!("{:.3} us", time * 1e6)
 }
 
+/// Why a scene cannot be built, with the key that is to blame.
+fn blame(
+    document: &Document,
+    error: &SceneError,
+    bodies: &[settings::Body],
+    spec: &SceneSpec,
+) -> String {
+    let place = document.place(&key_of(error, bodies));
+    if let (SceneError::Couple { body, .. }, Some([from, to])) = (error, error.uncoupled()) {
+        let of = spec.bodies.iter().find(|of| of.name == *body);
+        if of.is_some_and(|of| share_nodes(&of.mesh, from, to)) {
+            return format!(
+                "{place}: regions {from} and {to} of body '{body}' share nodes, which joins them already: leave the coupling out, or give each region nodes of its own"
+            );
+        }
+    }
+    format!("{place}: {error}")
+}
+
+/// Whether two regions of a mesh have a node in common.
+fn share_nodes(mesh: &TetMesh, one: u32, other: u32) -> bool {
+    let nodes = |region: u32| -> Vec<u32> {
+        let tets = mesh.tets.iter().zip(&mesh.regions);
+        let of = tets.filter(|(_, r)| **r == region);
+        let mut nodes: Vec<u32> = of.flat_map(|(tet, _)| *tet).collect();
+        nodes.sort_unstable();
+        nodes
+    };
+    let others = nodes(other);
+    nodes(one).iter().any(|node| others.binary_search(node).is_ok())
+}
+
 /// The key that is to blame for a scene that cannot be built.
 fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
     let root = KeyPath::root();
@@ -260,6 +336,24 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
         SceneError::Method { .. } | SceneError::Contact { .. } | SceneError::Grip { .. } => {
             root.key("method").key("name")
         }
+        SceneError::Couple { body: name, .. } => {
+            let of = bodies.iter().find(|body| body.name == *name);
+            let regions = error.uncoupled();
+            let index = of.and_then(|of| {
+                of.coupling
+                    .iter()
+                    .position(|c| Some([c.from, c.to]) == regions)
+            });
+            match index {
+                Some(index) => body(name).key("coupling").at(index),
+                None => body(name).key("coupling"),
+            }
+        }
+        SceneError::Value { body: name, what, index, .. } if *what != "origin" => {
+            body(name).key(what).at(*index)
+        }
+        SceneError::HeldTwice { body: name, clamps } => body(name).key("clamp").at(clamps[1]),
+        SceneError::NeverStable { .. } => root.key("method").key("name"),
         SceneError::Name { .. } => root.key("body"),
         _ => root,
     }

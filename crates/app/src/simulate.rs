@@ -7,7 +7,7 @@ mod pool;
 mod table;
 
 use crate::cli::{Place, SimulateArgs};
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, say_if_read as say};
 use crate::scene_file::{SceneFile, find};
 use cpu::cpu_seconds;
 use document::{Result as Outcome, document};
@@ -15,15 +15,19 @@ use frames::Frames;
 use indicatif::{ProgressBar, ProgressStyle};
 use microsim_scene::{End, Executor, Serial};
 use pool::Pool;
-use std::io::IsTerminal;
-use std::path::Path;
+use std::fs::File;
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
 const PROGRESS: u64 = 1000;
 
 /// Runs a scene.
 pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
-    let path = find(place, &args.scene)?;
+    let given = args.scene.as_ref().ok_or(
+        "no scene: name it before the options, as in `microsim simulate cantilever --json result.json`",
+    )?;
+    let path = find(place, given)?;
     let mut scene = SceneFile::open(&path, &args.set)?;
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
@@ -36,6 +40,13 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         (None, _) => {}
     }
     let quiet = args.json.as_deref() == Some(Path::new("-"));
+    // A file that cannot be written is said before the time is spent.
+    let mut json_file = match &args.json {
+        Some(file) if !quiet => {
+            Some(File::create(file).map_err(|e| format!("{}: {e}", file.display()))?)
+        }
+        _ => None,
+    };
     if !quiet {
         say(table::heading(&scene, &path))?;
     }
@@ -52,7 +63,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         .map(|body| scene.runner.scene().positions(body).to_vec())
         .collect();
     let mut frames = match &args.vtu {
-        Some(folder) => Some(Frames::new(folder, &scene)?),
+        Some(folder) => Some(Frames::new(&folder_of(folder, &path), &scene)?),
         None => None,
     };
     let bar = progress_bar();
@@ -74,17 +85,19 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     let files = frames.map(Frames::finish).transpose()?;
 
     let outcome = Outcome {
+        given: given.clone(),
+        set: args.set.clone(),
         cpu_s: cpu,
         threads: args.threads,
         start,
     };
     if let Some(file) = &args.json {
         let document = document(&scene, &outcome);
-        if quiet {
-            say_json(&document)?;
-        } else {
-            std::fs::write(file, format!("{document:#}\n"))
-                .map_err(|e| format!("{}: {e}", file.display()))?;
+        match &mut json_file {
+            None => say(format!("{document:#}"))?,
+            Some(open) => {
+                writeln!(open, "{document:#}").map_err(|e| format!("{}: {e}", file.display()))?;
+            }
         }
     }
     if !quiet {
@@ -100,11 +113,22 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         }
     }
     let diverged = matches!(scene.runner.end(), Some(End::Diverged(_)));
+    let restless = scene.restless();
     let missed = scene.runner.verdicts().iter().any(|verdict| !verdict.met);
-    Ok(match diverged || (args.require && missed) {
+    Ok(match diverged || restless || (args.require && missed) {
         true => Exit::Negative,
         false => Exit::Done,
     })
+}
+
+/// The folder for meshes: as given, or here and named after the scene.
+fn folder_of(given: &Path, scene: &Path) -> PathBuf {
+    if !given.as_os_str().is_empty() {
+        return given.to_path_buf();
+    }
+    let mut name = scene.file_stem().unwrap_or_default().to_os_string();
+    name.push("-vtu");
+    name.into()
 }
 
 fn progress_bar() -> ProgressBar {

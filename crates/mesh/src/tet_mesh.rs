@@ -147,10 +147,15 @@ impl TetMesh {
             .collect()
     }
 
-    /// Lumped node masses [kg] for `density` [kg/m³]: a quarter of the mass of each element at the node.
+    /// Lumped node masses [kg] of a body with one `density` [kg/m³].
     pub fn lumped_masses(&self, density: f64) -> Vec<f64> {
+        self.node_masses(&vec![density; self.tets.len()])
+    }
+
+    /// Lumped node masses [kg] for the density of each element [kg/m³]: a quarter of the mass of each element at the node.
+    pub fn node_masses(&self, densities: &[f64]) -> Vec<f64> {
         let mut masses = vec![0.0; self.positions.len()];
-        for (tet, volume) in self.tets.iter().zip(self.volumes()) {
+        for ((tet, density), volume) in self.tets.iter().zip(densities).zip(self.volumes()) {
             for &node in tet {
                 masses[node as usize] += 0.25 * density * volume;
             }

@@ -205,8 +205,13 @@ impl Runner {
             let probe = self.probes.iter().position(|p| p.name == expect.probe);
             let values = probe.map(|probe| self.series.probes[probe].as_slice());
             let at_end = expect.what == settings::Feature::AtEnd;
+            let settled = matches!(
+                expect.what,
+                settings::Feature::FirstPeak | settings::Feature::FirstPeakTime
+            );
             let found = values
-                .filter(|_| !(at_end && diverged))
+                // What was to come could still change all but a peak that had settled.
+                .filter(|_| settled || !diverged)
                 .and_then(|v| feature::find(expect, &self.series.time, v));
             let scale = expect.scale.unwrap_or(expect.value.abs());
             let error = found.map(|found| (found - expect.value) / scale);

@@ -2,15 +2,12 @@
 
 use crate::spec::BodySpec;
 use microsim_mesh::TetMesh;
-use microsim_tissue::law::{
-    Corotational, Lame, Law, LawName, NeoHookean, NeoHookeanPolynomial, StVenantKirchhoff,
-    StableNeoHookean,
-};
 use microsim_tissue::{Behaviour, ContinuumConstants};
 use nalgebra::{Matrix3, Vector3};
 
 /// Von Mises stress of each element with its nodes at `positions` [m], in pascals: √(3/2 s:s) of the elastic Cauchy stress
-/// σ = P Fᵀ/J with deviator s. 0 in regions that are no continuum; `None` for a body without any.
+/// σ = P Fᵀ/J with deviator s. 0 in regions that are no continuum and in elements without
+/// volume or inverted; `None` for a body without any.
 ///
 /// The deformation is that of the tetrahedron itself, whatever smoothing its discretisation does.
 pub fn von_mises(body: &BodySpec, positions: &[Vector3<f64>]) -> Option<Vec<f64>> {
@@ -34,7 +31,7 @@ pub fn von_mises(body: &BodySpec, positions: &[Vector3<f64>]) -> Option<Vec<f64>
             let constants = continua.iter().find(|(of, _)| of == region);
             constants.map_or(0.0, |(_, constants)| {
                 let f = deformation(&body.mesh, element, positions);
-                equivalent(&cauchy(constants, &f))
+                equivalent(&constants.cauchy_stress(&f))
             })
         });
     Some(stresses.collect())
@@ -49,18 +46,6 @@ fn deformation(mesh: &TetMesh, element: usize, positions: &[Vector3<f64>]) -> Ma
     edges(now) * rest.unwrap_or_else(Matrix3::identity)
 }
 
-fn cauchy(constants: &ContinuumConstants, f: &Matrix3<f64>) -> Matrix3<f64> {
-    let lame = Lame::from_young_poisson(constants.young, constants.poisson);
-    let stress = match constants.law {
-        LawName::StVenantKirchhoff => StVenantKirchhoff::stress(f, &lame),
-        LawName::NeoHookean => NeoHookean::stress(f, &lame),
-        LawName::Corotational => Corotational::stress(f, &lame),
-        LawName::StableNeoHookean => StableNeoHookean::stress(f, &lame),
-        LawName::NeoHookeanPolynomial => NeoHookeanPolynomial::stress(f, &lame),
-    };
-    stress * f.transpose() / f.determinant()
-}
-
 fn equivalent(stress: &Matrix3<f64>) -> f64 {
     let deviator = stress - Matrix3::identity() * (stress.trace() / 3.0);
     (1.5 * deviator.norm_squared()).sqrt()
@@ -70,6 +55,7 @@ fn equivalent(stress: &Matrix3<f64>) -> f64 {
 mod tests {
     use super::*;
     use microsim_mesh::{Block, CellSplit};
+    use microsim_tissue::law::LawName;
     use microsim_tissue::{Discretisation, Material};
 
     /// Simple shear γ of linear elasticity has σ_xz = μγ alone, so √3 μγ; a change of volume has none. All laws are linear

@@ -6,6 +6,9 @@
 use crate::text::{Colour, Finish};
 use serde::Deserialize;
 
+/// Most tetrahedra of a body: a few gigabytes.
+pub const MAX_ELEMENTS: u64 = 5_000_000;
+
 /// A tetrahedral body.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

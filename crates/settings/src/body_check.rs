@@ -1,5 +1,6 @@
 //! What bodies must fulfil beyond their single values: what their generator, law and form need is there, and nothing else.
 
+use crate::body::MAX_ELEMENTS;
 use crate::check::items;
 use crate::document::Reading;
 use crate::error::KeyPath;
@@ -78,6 +79,29 @@ const FORM: [Rule; 11] = [
     allowed("volume_damping", &["plain", "normalised"]),
 ];
 
+/// Complains about bodies that have no one place of rest, under a method that looks for it.
+pub(crate) fn check_held(reading: &mut Reading) {
+    if reading.value()["method"]["name"] != "quasi-static" {
+        return;
+    }
+    let held = |(_, clamp): (usize, &Value)| clamp["release"].is_null();
+    let loose: Vec<usize> = items(reading.value(), "body")
+        .filter(|(_, body)| !items(body, "clamp").any(held))
+        .map(|(b, _)| b)
+        .collect();
+    for b in loose {
+        let key = KeyPath::root().key("body").at(b).key("clamp");
+        // A clamp that is wrong has its complaint already.
+        if !reading.is_written(&key.at(0)) || reading.value_at(&key.at(0)).is_some_and(|c| !c.is_null()) {
+            reading.complain(
+                &key,
+                "no clamp that stays closed",
+                "one at least: quasi-static looks for the one place of rest, and a loose body has none; or another method",
+            );
+        }
+    }
+}
+
 /// Complains about all that is wrong in the bodies of a file.
 pub(crate) fn check_bodies(reading: &mut Reading) {
     let bodies: Vec<Value> = items(reading.value(), "body")
@@ -96,6 +120,7 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
             if generator != "block" && reading.is_written(&key.key("arc_start")) {
                 needs(reading, &key, "arc_start", "arc");
             }
+            check_size(reading, &key, body);
         }
         for (m, material) in items(body, "material") {
             check_material(reading, &key.key("material").at(m), material);
@@ -128,6 +153,28 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
                 reading.complain(&key, "the same region", "another region than `from`");
             }
         }
+    }
+}
+
+/// A generated body of a sensible number of elements: six in each cell.
+fn check_size(reading: &mut Reading, key: &KeyPath, body: &Value) {
+    let count = |value: &Value| value.as_f64().unwrap_or(1.0);
+    let (name, cells) = match body["generator"].as_str() {
+        Some("block") => (
+            "cells",
+            items(body, "cells").map(|(_, n)| count(n)).product::<f64>(),
+        ),
+        Some("tube") => {
+            let through: f64 = items(body, "layer").map(|(_, l)| count(&l["cells"])).sum();
+            let ring = count(&body["around"]) * count(&body["along"]);
+            ("around", through * ring)
+        }
+        _ => return,
+    };
+    let elements = 6.0 * cells;
+    if elements > MAX_ELEMENTS as f64 {
+        let expected = format!("fewer cells: {MAX_ELEMENTS} tetrahedra at most");
+        reading.complain(&key.key(name), &format!("{elements} tetrahedra"), &expected);
     }
 }
 
@@ -181,6 +228,14 @@ fn needs(reading: &mut Reading, table: &KeyPath, one: &str, other: &str) {
 }
 
 fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
+    reading.advise(
+        &key.key("poisson_ratio"),
+        "0.5 is incompressible, so take 0.49 with discretisation = \"selective\" or \"nodal-pressure\"",
+    );
+    reading.advise(
+        &key.key("youngs_modulus"),
+        "what has no stiffness holds no shape; soft tissue has 1 kPa to 1 MPa",
+    );
     let Some(law) = material["law"].as_str() else {
         return;
     };
@@ -249,7 +304,7 @@ fn check_regions(reading: &mut Reading, body: &KeyPath, value: &Value) {
     }
 }
 
-/// A selection is at most one of a box, a shell and a node; `all` says whether one of them is needed.
+/// A selection is at most one of a box, a shell and a node; `needed` says whether one of them has to be there.
 fn check_nodes(reading: &mut Reading, key: &KeyPath, needed: bool) {
     check_box(reading, key);
     let written: Vec<&str> = ["min", "shell", "nearest"]
@@ -317,5 +372,15 @@ fn check_motion(reading: &mut Reading, key: &KeyPath, clamp: &Value) {
             let key = key.key("motion").at(pair[1].0).key("time");
             reading.complain(&key, &found, "a time after that of the key before");
         }
+    }
+    let last = times.last().map(|(_, time)| *time);
+    let release = clamp["release"].as_f64();
+    if let Some((release, last)) = release.zip(last).filter(|(release, last)| release < last) {
+        let found = Unit::Time.describe(release);
+        let expected = format!(
+            "a time that is not before the last key of the motion, {}",
+            Unit::Time.describe(last)
+        );
+        reading.complain(&key.key("release"), &found, &expected);
     }
 }

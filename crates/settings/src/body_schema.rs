@@ -7,7 +7,7 @@ use crate::unit::Unit;
 use serde_json::json;
 
 /// Largest coordinate and size \[m\].
-pub(crate) const LENGTH_MAX: f64 = 1.0;
+pub const LENGTH_MAX: f64 = 1.0;
 /// Smallest size of anything: a micrometre \[m\].
 pub(crate) const LENGTH_MIN: f64 = 1e-6;
 

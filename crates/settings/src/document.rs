@@ -150,6 +150,13 @@ impl Reading {
         self.errors.push(error);
     }
 
+    /// Adds what helps to the complaints about the value at `key`.
+    pub fn advise(&mut self, key: &KeyPath, advice: &str) {
+        for error in self.errors.iter_mut().filter(|error| error.key == *key) {
+            error.expected = format!("{}: {advice}", error.expected);
+        }
+    }
+
     /// Reads the value at `key`, a [`Kind::Dependent`] one, as the kind that is known now. Nothing happens without it.
     pub fn refine(&mut self, key: &KeyPath, kind: &Kind) -> Option<Value> {
         let place = find_mut(&mut self.document.value, key)?;

@@ -1,6 +1,6 @@
 //! What a level must fulfil beyond its single values: names, references, the module's reasons, consistent limits.
 
-use crate::body_check::check_bodies;
+use crate::body_check::{check_bodies, check_held};
 use crate::check::{items, refers, texts, unique};
 use crate::document::Reading;
 use crate::error::KeyPath;
@@ -19,6 +19,7 @@ pub(crate) fn check(reading: &mut Reading, manifest: &Manifest, known_metrics: &
     check_parents(reading);
     check_bodies(reading);
     check_method(reading, &KeyPath::root().key("method"));
+    check_held(reading);
     check_contacts(reading);
     check_physics(reading);
     check_limits(reading, manifest, known_metrics);

@@ -18,6 +18,7 @@ mod describe;
 mod discover;
 mod document;
 mod error;
+mod guess;
 mod host;
 mod level;
 mod level_check;
@@ -41,9 +42,10 @@ mod tree;
 mod unit;
 
 pub use body::{
-    Body, Clamp, Coupling, Discretisation, Generator, Law, Layer, Load, Material, MotionKey, Nodes,
-    Plasticity, Shell, Split, SpringForm, Start,
+    Body, Clamp, Coupling, Discretisation, Generator, Law, Layer, Load, MAX_ELEMENTS, Material,
+    MotionKey, Nodes, Plasticity, Shell, Split, SpringForm, Start,
 };
+pub use body_schema::LENGTH_MAX;
 pub use chart::{
     Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution,
     ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
@@ -53,6 +55,7 @@ pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
 pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
+pub use guess::guess_kind;
 pub use host::{
     Host, LateSettings, PictureSettings, QueueSettings, SessionSettings, host_schema, load_host,
     read_host,

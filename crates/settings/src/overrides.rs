@@ -1,4 +1,5 @@
-//! Values from the command line that take the place of those of a file: `run.step=5ms`, `body.0.cells=[35,7,7]`.
+//! Values from the command line that take the place of those of a file: `run.step=5ms`, `body.0.cells=[35,7,7]`; nothing
+//! behind the sign takes a key out: `run.rest_speed=`.
 //!
 //! They are put into the tree before it is read by its schema, so they are held to the same rules; a complaint about one
 //! names the override instead of a line of the file.
@@ -6,12 +7,13 @@
 use crate::error::{ConfigError, KeyPath, Position};
 use crate::tree::{Entry, Item, Node};
 
-/// A value that takes the place of one in a file.
+/// A value that takes the place of one in a file, or the absence of one.
 #[derive(Clone, Debug)]
 pub struct Override {
     text: String,
     steps: Vec<String>,
-    item: Item,
+    /// `None` takes the key out.
+    item: Option<Item>,
 }
 
 /// The place of what an override brings: no line of a file is the 0th; the column counts the overrides.
@@ -24,10 +26,11 @@ pub(crate) fn place(index: usize) -> Position {
 
 impl Override {
     /// Reads `KEY=VALUE`: a path of keys and indices (from 0) joined by dots, and a value in TOML; what is no TOML is a text.
+    /// Without a value the key is taken out.
     pub fn parse(text: &str) -> Result<Self, String> {
         let wrong = || {
             format!(
-                "`{text}`: expected KEY=VALUE with a path of keys and indices, such as run.step=5ms or body.0.cells=[35,7,7]"
+                "`{text}`: expected KEY=VALUE with a path of keys and indices, such as run.step=5ms or body.0.cells=[35,7,7], or KEY= to take a key out"
             )
         };
         let (path, value) = text.split_once('=').ok_or_else(wrong)?;
@@ -41,8 +44,9 @@ impl Override {
             Ok(Node {
                 item: Item::Table(mut entries),
                 ..
-            }) if entries.len() == 1 && entries[0].key == "v" => entries.remove(0).node.item,
-            _ => Item::Text(value.to_owned()),
+            }) if entries.len() == 1 && entries[0].key == "v" => Some(entries.remove(0).node.item),
+            _ if value.is_empty() => None,
+            _ => Some(Item::Text(value.to_owned())),
         };
         Ok(Self {
             text: text.to_owned(),
@@ -52,7 +56,7 @@ impl Override {
     }
 
     /// As it was written.
-    pub(crate) fn text(&self) -> &str {
+    pub fn text(&self) -> &str {
         &self.text
     }
 
@@ -87,11 +91,25 @@ impl Override {
                         return Err(wrong(format!("`{step}`"), expected));
                     };
                     path = path.at(index);
+                    if self.item.is_none() && path.steps().len() == self.steps.len() {
+                        nodes.remove(index);
+                        return Ok(());
+                    }
                     &mut nodes[index]
                 }
                 Item::Table(entries) => {
                     path = path.key(step);
                     let found = entries.iter().position(|entry| entry.key == *step);
+                    if self.item.is_none() {
+                        let Some(found) = found else {
+                            let expected = "a key that is there, to take it out".to_owned();
+                            return Err(wrong(format!("no key `{step}`"), expected));
+                        };
+                        if path.steps().len() == self.steps.len() {
+                            entries.remove(found);
+                            return Ok(());
+                        }
+                    }
                     let found = found.unwrap_or_else(|| {
                         entries.push(Entry {
                             key: step.clone(),
@@ -113,9 +131,10 @@ impl Override {
                 }
             };
         }
-        let mut item = self.item.clone();
-        move_to(&mut item, at);
-        *node = Node { at, item };
+        if let Some(mut item) = self.item.clone() {
+            move_to(&mut item, at);
+            *node = Node { at, item };
+        }
         Ok(())
     }
 }
@@ -144,7 +163,7 @@ mod tests {
     use super::*;
 
     fn item(text: &str) -> Item {
-        Override::parse(text).expect(text).item
+        Override::parse(text).expect(text).item.expect(text)
     }
 
     #[test]
@@ -158,7 +177,6 @@ mod tests {
             ("a=implicit-euler", "implicit-euler"),
             ("a=[1,", "[1,"),
             ("a=1\nb=2", "1\nb=2"),
-            ("a=", ""),
             ("a=b=c", "b=c"),
         ] {
             assert!(
@@ -181,14 +199,29 @@ mod tests {
         }
         let path = |keys: &[&str]| keys.iter().fold(KeyPath::root(), |p, k| p.key(k));
         let b = path(&["b"]).at(0);
-        let get = |path: &KeyPath| root.get(path).expect("there");
-        assert!(matches!(&get(&path(&["a"])).item, Item::Text(t) if t == "x"));
-        assert!(matches!(get(&b.key("c").at(0)).item, Item::Integer(1)));
-        let set = get(&b.key("c").at(1));
+        fn get<'a>(root: &'a Node, path: &KeyPath) -> &'a Node {
+            root.get(path).expect("there")
+        }
+        assert!(matches!(&get(&root, &path(&["a"])).item, Item::Text(t) if t == "x"));
+        assert!(matches!(get(&root, &b.key("c").at(0)).item, Item::Integer(1)));
+        let set = get(&root, &b.key("c").at(1));
         assert!(matches!(set.item, Item::Integer(7)) && set.at == place(1));
-        assert!(matches!(get(&b.key("d").key("e")).item, Item::Integer(3)));
+        assert!(matches!(get(&root, &b.key("d").key("e")).item, Item::Integer(3)));
+
+        for (index, text) in ["b.0.c.0=", "b.0.d="].into_iter().enumerate() {
+            let done = Override::parse(text)
+                .expect(text)
+                .apply(&mut root, index);
+            assert_eq!(done, Ok(()), "{text}");
+        }
+        assert!(matches!(get(&root, &b.key("c").at(0)).item, Item::Integer(7)));
+        assert!(root.get(&b.key("c").at(1)).is_none() && root.get(&b.key("d")).is_none());
 
         for (text, expected) in [
+            (
+                "b.0.d=",
+                "--set b.0.d=: key `b[0]`: found no key `d`, expected a key that is there, to take it out",
+            ),
             (
                 "b.1.c=1",
                 "--set b.1.c=1: key `b`: found `1`, expected an index from 0 to 0",

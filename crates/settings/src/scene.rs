@@ -108,9 +108,9 @@ pub enum Quantity {
     Radius,
     /// Largest distance of a node from its place at rest.
     Distance,
-    /// Force along a direction with which clamps hold the nodes.
+    /// Force along a direction with which clamps hold those of the nodes that they hold now; loads and weight are not in it.
     Force,
-    /// Torque about an axis with which clamps hold the nodes.
+    /// Torque about an axis with which clamps hold those of the nodes that they hold now.
     Torque,
     /// Relative change of the body's volume.
     Volume,

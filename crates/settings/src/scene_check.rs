@@ -1,6 +1,6 @@
 //! What a scene must fulfil beyond its single values: names, references, times that fit, probes that can be measured.
 
-use crate::body_check::{check_bodies, check_box};
+use crate::body_check::{check_bodies, check_box, check_held};
 use crate::check::{items, refers, texts, unique};
 use crate::document::Reading;
 use crate::error::KeyPath;
@@ -20,6 +20,7 @@ pub(crate) fn check(reading: &mut Reading) {
     check_run(reading);
     check_method(reading, &root.key("method"));
     check_bodies(reading);
+    check_held(reading);
     check_probes(reading);
     check_expectations(reading);
 }

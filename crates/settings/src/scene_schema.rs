@@ -122,7 +122,7 @@ fn probe_keys() -> Vec<Key> {
         Key::required(
             "quantity",
             Kind::choice(&Quantity::NAMES),
-            "What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest `distance` from rest, `force` or `torque` of the clamps on them, relative change of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`.",
+            "What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest `distance` from rest, `force` or `torque` with which clamps hold those that they hold now, relative change of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`.",
         ),
         Key::optional(
             "direction",

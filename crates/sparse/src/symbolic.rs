@@ -109,7 +109,7 @@ impl Symbolic {
     /// Analyses the pattern under an ordering. The result serves every matrix on this pattern.
     ///
     /// # Panics
-    /// When the ordering is not one of the pattern's nodes.
+    /// When the ordering is not one of the pattern's nodes, or the columns of one front hold 2³² numbers or more.
     pub fn analyse(pattern: &Arc<Pattern>, ordering: &Ordering) -> Self {
         assert_eq!(
             ordering.sequence().len(),

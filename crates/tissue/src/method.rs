@@ -39,7 +39,7 @@ pub enum Method {
     },
 }
 
-/// Why a method cannot treat a model.
+/// Why a method cannot treat a model, or has parameters out of range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodError {
     /// Name of the method.
@@ -107,8 +107,27 @@ impl Method {
         }
     }
 
+    /// What is wrong with the parameters.
+    fn out_of_range(&self) -> Option<&'static str> {
+        match self {
+            Self::ImplicitEuler(Newton { iterations: 0, .. })
+            | Self::ImplicitMidpoint(Newton { iterations: 0, .. })
+            | Self::Sdirk2(Newton { iterations: 0, .. })
+            | Self::QuasiStatic(Newton { iterations: 0, .. })
+            | Self::Xpbd { iterations: 0, .. } => Some("iterations must be at least 1"),
+            Self::Xpbd { substeps: 0, .. } => Some("substeps must be at least 1"),
+            _ => None,
+        }
+    }
+
     /// A solver for `model`.
     pub fn solver(&self, model: &TissueModel) -> Result<Box<dyn Solver>, MethodError> {
+        if let Some(reason) = self.out_of_range() {
+            return Err(MethodError {
+                method: self.name(),
+                reason,
+            });
+        }
         let explicit = |scheme| Box::new(SolverExplicit::new(model, scheme));
         let implicit = |scheme, newton| Box::new(SolverImplicit::new(model, scheme, newton));
         Ok(match self {
@@ -134,5 +153,42 @@ impl Method {
                 }
             },
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{build, soft_block};
+
+    /// Without an iteration or a sub-step nothing would move, and no failure would tell.
+    #[test]
+    fn counts_below_one_are_refused_by_name() {
+        let model = build(&soft_block([1; 3]), |p| p.x < -0.9e-3);
+        let none = Newton {
+            iterations: 0,
+            must_converge: false,
+            ..Newton::default()
+        };
+        let xpbd = |substeps, iterations| Method::Xpbd {
+            substeps,
+            iterations,
+        };
+        for (method, value) in [
+            (Method::ImplicitEuler(none), Some("iterations")),
+            (Method::ImplicitMidpoint(none), Some("iterations")),
+            (Method::Sdirk2(none), Some("iterations")),
+            (Method::QuasiStatic(none), Some("iterations")),
+            (xpbd(1, 0), Some("iterations")),
+            (xpbd(0, 1), Some("substeps")),
+            (xpbd(1, 1), None),
+            (Method::QuasiStatic(Newton::default()), None),
+        ] {
+            let refused = method.solver(&model).err();
+            assert_eq!(
+                refused.map(|error| (error.method, error.reason.split(' ').next())),
+                value.map(|value| (method.name(), Some(value))),
+            );
+        }
     }
 }

@@ -41,6 +41,13 @@ pub(crate) struct Part {
 /// Why a model cannot be built from a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModelError {
+    /// The mesh has no node or no element.
+    Empty,
+    /// Drag is not finite or below zero.
+    Drag {
+        /// The drag [1/s].
+        drag: f64,
+    },
     /// One clamp flag per node is needed.
     ClampCount {
         /// Number of flags.
@@ -72,6 +79,8 @@ pub enum ModelError {
 impl std::fmt::Display for ModelError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Empty => f.write_str("the mesh has no element"),
+            Self::Drag { drag } => write!(f, "drag is {drag} 1/s; allowed: >= 0 1/s, finite"),
             Self::ClampCount { flags, nodes } => write!(f, "{flags} clamp flags for {nodes} nodes"),
             Self::DensityCount {
                 densities,
@@ -100,6 +109,12 @@ impl TissueModel {
         sets: Vec<Arc<dyn Elements>>,
         drag: f64,
     ) -> Result<Self, ModelError> {
+        if mesh.tets.is_empty() || mesh.positions.is_empty() {
+            return Err(ModelError::Empty);
+        }
+        if !drag.is_finite() || drag < 0.0 {
+            return Err(ModelError::Drag { drag });
+        }
         if clamped.len() != mesh.positions.len() {
             return Err(ModelError::ClampCount {
                 flags: clamped.len(),
@@ -112,16 +127,12 @@ impl TissueModel {
                 elements: mesh.tets.len(),
             });
         }
-        let rest_volumes = mesh.volumes();
-        let mut masses = vec![0.0; mesh.positions.len()];
-        for (element, (&volume, density)) in rest_volumes.iter().zip(densities).enumerate() {
+        for (element, volume) in mesh.volumes().into_iter().enumerate() {
             if volume.is_nan() || volume <= 0.0 {
                 return Err(ModelError::Volume { element, volume });
             }
-            for node in mesh.tets[element] {
-                masses[node as usize] += 0.25 * density * volume;
-            }
         }
+        let masses = mesh.node_masses(densities);
         if let Some(node) = masses.iter().position(|&m| m == 0.0) {
             return Err(ModelError::LooseNode { node });
         }
@@ -293,4 +304,30 @@ fn parts(tets: usize, nodes: usize, sets: &[Arc<dyn Elements>]) -> Vec<Part> {
         Part { elements, nodes }
     };
     (0..PARALLEL_PARTS).map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::soft_block;
+
+    #[test]
+    fn what_is_no_body_is_refused() {
+        let mesh = soft_block([1; 3]);
+        let nothing = TetMesh::new(Vec::new(), Vec::new(), Vec::new());
+        let nodes_alone = TetMesh::new(mesh.positions.clone(), Vec::new(), Vec::new());
+        let build = |mesh: &TetMesh, drag| {
+            let densities = vec![1000.0; mesh.tets.len()];
+            let clamped = vec![false; mesh.positions.len()];
+            TissueModel::new(mesh, &densities, &clamped, Vec::new(), drag).map(|_| ())
+        };
+        assert_eq!(build(&nothing, 0.0), Err(ModelError::Empty));
+        assert_eq!(build(&nodes_alone, 0.0), Err(ModelError::Empty));
+        assert_eq!(build(&mesh, 0.0), Ok(()));
+        for drag in [-1.0, f64::INFINITY] {
+            assert_eq!(build(&mesh, drag), Err(ModelError::Drag { drag }));
+        }
+        let refused = build(&mesh, f64::NAN);
+        assert!(matches!(refused, Err(ModelError::Drag { .. })));
+    }
 }

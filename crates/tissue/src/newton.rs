@@ -38,6 +38,7 @@ use crate::model::TissueModel;
 use crate::solver::{StepFailure, StepReport};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
+use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
 
 /// How far Newton's method goes.
@@ -293,9 +294,12 @@ impl NewtonSolver {
                 left += residual.norm_squared();
             }
         }
-        for (_, force) in &problem.control.forces {
-            scale += force.norm_squared();
-        }
+        // Loads count by themselves too: where they are in equilibrium nothing is left of them in the sums above.
+        self.scratch.fill(Vector3::zeros());
+        problem
+            .control
+            .add_loads(&self.trial.positions, &mut self.scratch);
+        scale += self.scratch.iter().map(Vector3::norm_squared).sum::<f64>();
         let left = left.sqrt();
         if left <= noise {
             0.0
@@ -368,9 +372,19 @@ impl NewtonSolver {
             .assemble(problem.model, &self.trial, shares, Tangent::Positive);
         match self.system.factorise(problem.fixed) {
             Ok(()) => Ok(Tangent::Positive),
-            Err(failure) => Err(StepFailure::Singular {
+            Err(failure) => Err(self.why_not_positive(failure)),
+        }
+    }
+
+    /// No element and no mass makes the positive matrix indefinite: it is singular to rounding, or has numbers that are not finite.
+    fn why_not_positive(&self, failure: NotPositive) -> StepFailure {
+        let mut values = self.system.matrix().values().iter();
+        if values.all(|block| block.sum().is_finite()) {
+            StepFailure::Singular {
                 node: failure.node as u32,
-            }),
+            }
+        } else {
+            StepFailure::NotFinite
         }
     }
 

@@ -52,7 +52,7 @@ pub enum StepFailure {
         /// What is left.
         residual: f64,
     },
-    /// The linear system has no solution: a node can move without resistance.
+    /// The linear system has no solution to rounding: a node, with others or alone, can move without resistance.
     Singular {
         /// The node.
         node: u32,
@@ -72,7 +72,7 @@ impl std::fmt::Display for StepFailure {
             ),
             Self::Singular { node } => write!(
                 f,
-                "node {node} can move without resistance: the body needs a clamp, or a method with inertia"
+                "node {node} can move without resistance: the body needs a clamp, or a method with inertia and a shorter step"
             ),
         }
     }

@@ -11,7 +11,8 @@
 //! ```
 //!
 //! Velocity Verlet (3.19, 3.20 as corrected in NUMERICS 1.2) carries its accelerations in the state; a' is taken at p' and the
-//! velocity E (u + ½h a) expected there, so that viscous forces keep second order. The lagged loop stores velocity and
+//! velocity E (u + ½h a) expected there, so that viscous forces keep second order. A body with internal variables computes its
+//! accelerations at the start of each step anew, since these may have flowed in between. The lagged loop stores velocity and
 //! acceleration of the positions before the last step (v₋, a₋, h₋ the step that led from them), as 3.19 and 3.20 are printed;
 //! its a holds viscous forces and drag −c v₋ of that old velocity.
 //!
@@ -26,7 +27,8 @@
 //! mode: energy oscillates and does not drift; first order; its drag lowers the limit. Velocity Verlet: energy oscillates and
 //! does not drift; second order; a node that was led leaves its target with the velocity (p* − p̃)/h more and must be led again
 //! (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
-//! the state are one step old. A step that changes from call to call is not symplectic in any of them.
+//! the state are one step old. Loads and clamps are taken as given for the end of the step: a load that changes is followed to
+//! first order only, but for velocity Verlet without internal variables, which has those of both ends. A step that changes from call to call is not symplectic in any of them.
 
 use crate::executor::Executor;
 use crate::forces::Forces;
@@ -152,7 +154,9 @@ impl SolverExplicit {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
-        if state.accelerations.len() == state.positions.len() {
+        // Internal variables may have flowed, or ties torn, since the last step: the accelerations carried from there would still
+        // pull with the old ones.
+        if state.accelerations.len() == state.positions.len() && state.internal.is_empty() {
             self.accelerations.copy_from_slice(&state.accelerations);
         } else {
             self.accelerate(model, state, control, 0.0, exec);

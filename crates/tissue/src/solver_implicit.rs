@@ -33,7 +33,8 @@
 //!
 //! All conserve linear momentum up to the tolerance; angular momentum only implicit midpoint does. Backward Euler is of first
 //! order. With one iteration backward Euler stays of first order and implicit midpoint and SDIRK2 of second, but what is conserved
-//! then holds only up to the error of the linearisation.
+//! then holds only up to the error of the linearisation. Loads are those of the end of the step in every stage: a load that
+//! changes is followed to first order only.
 
 use crate::executor::Executor;
 use crate::model::TissueModel;

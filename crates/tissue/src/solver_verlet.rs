@@ -10,7 +10,7 @@
 //!
 //! For c = 0 and constant h this is p' = 2p − p_{n−1} + h²F/m. The first step has h_old = 0, a later one may have another h:
 //! the formula is velocity Verlet in every case. The drag enters as a factor, never as a force from an old velocity, so the
-//! limit stays h·ω < 2 for every c ≥ 0.
+//! limit stays h·ω < 2 for every c ≥ 0 without viscosity.
 //!
 //! The force that lands a node on its target p* is, with the predicted position p̃ = p + h(E u + γ F/m),
 //!
@@ -24,7 +24,9 @@
 //! # Limitations
 //! Explicit: the step is bounded (`stability`). Energy oscillates but does not drift; momentum of internal forces is
 //! conserved to rounding. A change of h keeps second order but not symplecticity. Velocities are those of the middle of a
-//! step.
+//! step. Viscous forces are those of u, half a step old: with them the scheme is of first order (the decay rate of a mode is
+//! 1 + δ/2 times the right one, δ = h τ ω²) and the limit falls to h²ω² < 4 − 2δ (NUMERICS 3.1). Loads and clamps are taken as
+//! given for the end of the step: a load that changes is followed to first order only.
 
 use crate::executor::Executor;
 use crate::forces::Forces;

@@ -83,6 +83,10 @@ impl State {
 }
 
 /// What drives a body during a step.
+///
+/// Loads and clamps are given once, for the end of the step, and loads are taken as they are there: a load that changes is
+/// followed to first order in the step, whatever the order of the method. Only velocity Verlet, where it carries accelerations,
+/// has the loads of both ends.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Control {
     /// Acceleration of gravity [m/s²].

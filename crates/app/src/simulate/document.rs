@@ -6,10 +6,16 @@ use microsim_session::digest;
 use microsim_settings as settings;
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
+use settings::Override;
+use std::path::PathBuf;
 
 /// What the document holds besides the run itself.
 #[derive(Debug)]
 pub struct Result {
+    /// The scene as it was asked for.
+    pub given: PathBuf,
+    /// The values that took the place of those of the file.
+    pub set: Vec<Override>,
     /// CPU time of all threads from the first step to the last [s].
     pub cpu_s: f64,
     /// Threads.
@@ -26,18 +32,25 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
         Some(End::Diverged(diverged)) => (
             "diverged",
             json!({
-                "step": runner.steps() + u64::from(diverged.step),
+                "step": file.step_of(diverged),
                 "body": diverged.body_name,
                 "time": diverged.time,
                 "what": diverged.what.to_string(),
             }),
         ),
+        _ if file.restless() => ("not-at-rest", Value::Null),
         _ => ("ok", Value::Null),
     };
+    let mut warnings = file.warnings.clone();
+    if file.restless() {
+        warnings.push(file.restless_sentence());
+    }
     let bodies = (0..scene.body_count()).map(|body| of_body(file, result, body));
     let series = runner.series();
     json!({
-        "scene": file.loaded.document.path(),
+        "scene": result.given,
+        "set": result.set.iter().map(Override::text).collect::<Vec<_>>(),
+        "run": file.loaded.document.value()["run"],
         "method": scene.method().name(),
         "method_settings": file.loaded.document.value()["method"],
         "dt": runner.step(),
@@ -54,7 +67,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
             "what": recovery.what.to_string(),
             "factor": recovery.factor,
         })).collect::<Vec<_>>(),
-        "warnings": file.warnings,
+        "warnings": warnings,
         "state_hash": hex(&digest([scene.save().as_slice()])),
         "bodies": bodies.collect::<Vec<_>>(),
         "series": {
@@ -106,11 +119,15 @@ fn expectations(runner: &Runner, settings: &settings::Scene) -> Vec<Value> {
     let verdicts = runner.verdicts();
     let verdicts = verdicts.iter().map(|verdict| {
         let expect = &settings.expect[verdict.expect];
+        let probe = settings.probe.iter().find(|probe| probe.name == expect.probe);
+        let unit = probe.map(|probe| expect.what.unit(probe.quantity));
         let mut entry = Map::new();
         for (key, value) in [
             ("probe", json!(expect.probe)),
             ("what", json!(expect.what.name())),
+            ("unit", json!(unit.map(|unit| unit.symbol()))),
             ("expected", json!(expect.value)),
+            ("scale", json!(expect.scale.unwrap_or(expect.value.abs()))),
             ("found", json!(verdict.found)),
             ("error", json!(verdict.error)),
             ("tolerance", json!(expect.tolerance)),

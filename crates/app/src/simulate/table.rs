@@ -74,18 +74,25 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
     let (scene, runner) = (&file.loaded.settings, &file.runner);
     let time = runner.scene().time();
     let ended = match runner.end() {
-        Some(End::Diverged(diverged)) => format!("Diverged: {diverged}"),
+        Some(End::Diverged(diverged)) => format!(
+            "Diverged at {:.6} s, after {} steps: body '{}' {}; use a shorter step (--set run.step=...), an implicit method, or containment",
+            diverged.time,
+            file.step_of(diverged),
+            diverged.body_name,
+            diverged.what
+        ),
         Some(End::Rest) => format!("Rests after {}", Unit::Time.describe(round(time))),
-        _ if scene.run.end == settings::End::Rest => {
-            format!("Does not rest within {}", Unit::Time.describe(round(time)))
-        }
+        _ if file.restless() => file.restless_sentence(),
         _ => format!("Simulated {}", Unit::Time.describe(round(time))),
     };
+    // A run that diverged in its first step has simulated nothing.
+    let per_second = match time > 0.0 {
+        true => format!(", {:.3} per simulated second", cpu_s / time),
+        false => String::new(),
+    };
     let mut lines = vec![format!(
-        "{ended}: {} steps, {:.3} CPU seconds, {:.3} per simulated second",
+        "{ended}: {} steps, {cpu_s:.3} CPU seconds{per_second}",
         runner.steps(),
-        cpu_s,
-        cpu_s / time,
     )];
     if !runner.recoveries().is_empty() {
         lines.push(format!(

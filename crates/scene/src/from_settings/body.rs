@@ -190,6 +190,7 @@ fn from_file(
         let parts: Vec<&[u8]> = bytes.iter().map(Vec::as_slice).collect();
         let mut import = read_tet_mesh(kind, &parts).map_err(|e| wrong(format(e)))?;
         notes.extend(import.notes.iter().map(note));
+        allowed(import.mesh.tets.len() as f64).map_err(wrong)?;
         import.mesh.positions.iter_mut().for_each(|p| *p = place(p));
         return Ok(import.mesh);
     }
@@ -206,7 +207,21 @@ fn from_file(
     let cell = body
         .fill
         .ok_or_else(|| missing(key.key("fill"), "`fill`"))?;
+    // Six in each cell of the box around it: what filling looks at, whatever it keeps.
+    let bounds = microsim_geometry::Aabb::of(&import.surface.positions);
+    let cells = (bounds.max - bounds.min).map(|side| (side / cell).ceil().max(1.0));
+    allowed(6.0 * cells.product()).map_err(|cause| FromSettingsError::new(key.key("fill"), cause))?;
     fill(&import.surface, cell).map_err(|e| wrong(FromSettingsCause::Fill(e)))
+}
+
+/// Whether a body may have so many tetrahedra.
+fn allowed(count: f64) -> Result<(), FromSettingsCause> {
+    match count <= settings::MAX_ELEMENTS as f64 {
+        true => Ok(()),
+        false => Err(FromSettingsCause::Elements {
+            count: count as u64,
+        }),
+    }
 }
 
 /// The material of each region of the mesh; one without a region is for all that no other names.

@@ -2,7 +2,9 @@
 
 use microsim_mesh::format::FormatError;
 use microsim_mesh::{BlockError, FillError, TubeError};
+use crate::error::SceneError;
 use microsim_settings::KeyPath;
+use microsim_tissue::elements::CoupleError;
 
 /// Why settings do not describe a scene, and which key is to blame.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +50,11 @@ pub enum FromSettingsCause {
         /// Those of the mesh.
         regions: Vec<u32>,
     },
+    /// A mesh has more tetrahedra than a body may have.
+    Elements {
+        /// How many; of a surface to be filled about how many.
+        count: u64,
+    },
     /// Something is not there.
     Missing(&'static str),
 }
@@ -70,6 +77,11 @@ impl std::fmt::Display for FromSettingsCause {
                 f,
                 "the mesh has no region {region}, only {regions:?}: correct the region of the material or of the mesh"
             ),
+            Self::Elements { count } => write!(
+                f,
+                "{count} tetrahedra are too many: {} at most, so use a coarser mesh or larger cells",
+                microsim_settings::MAX_ELEMENTS
+            ),
             Self::Missing(what) => write!(f, "{what} is missing"),
         }
     }
@@ -82,6 +94,19 @@ impl std::fmt::Display for FromSettingsError {
 }
 
 impl std::error::Error for FromSettingsError {}
+
+impl SceneError {
+    /// The regions `from` and `to` of a coupling that have no interface, if that is what is wrong.
+    pub fn uncoupled(&self) -> Option<[u32; 2]> {
+        match self {
+            Self::Couple {
+                source: CoupleError::NoInterface { from, to },
+                ..
+            } => Some([*from, *to]),
+            _ => None,
+        }
+    }
+}
 
 impl FromSettingsError {
     pub(super) fn new(key: KeyPath, cause: FromSettingsCause) -> Self {

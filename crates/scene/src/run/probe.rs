@@ -41,6 +41,17 @@ impl std::fmt::Display for ProbeError {
 
 impl std::error::Error for ProbeError {}
 
+impl Scene {
+    /// Whether each node of a body is held now: by a clamp, or by a grip that has not let go.
+    fn held(&self, body: usize) -> Vec<bool> {
+        let mut held = self.clamped(body);
+        for target in self.bodies[body].drive.contacts(self.time()).targets {
+            held[target.node as usize] = true;
+        }
+        held
+    }
+}
+
 impl Probe {
     pub fn new(
         index: usize,
@@ -115,16 +126,17 @@ impl Probe {
                 .fold(0.0, f64::max),
             Quantity::Force => {
                 let forces = scene.forces(self.body);
-                let nodes = self.nodes.iter();
+                let held = scene.held(self.body);
+                let nodes = self.nodes.iter().filter(|n| held[**n as usize]);
                 -nodes
                     .map(|n| forces[*n as usize].dot(&self.direction))
                     .sum::<f64>()
             }
             Quantity::Torque => {
                 let forces = scene.forces(self.body);
-                let torque: Vector3<f64> = self
-                    .nodes
-                    .iter()
+                let held = scene.held(self.body);
+                let nodes = self.nodes.iter().filter(|n| held[**n as usize]);
+                let torque: Vector3<f64> = nodes
                     .map(|n| (now[*n as usize] - self.point).cross(&forces[*n as usize]))
                     .sum();
                 -torque.dot(&self.axis)

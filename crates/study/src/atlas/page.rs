@@ -96,14 +96,14 @@ impl Atlas {
         );
         let overview = self.recovery_overview();
         if !overview.rows.is_empty() {
-            let _ = write!(out, "<h3>{}</h3>\n", escape(&overview.title));
+            let _ = writeln!(out, "<h3>{}</h3>", escape(&overview.title));
             out.push_str(&key(&[("good", "all"), ("stuck", "some"), ("bad", "none")]));
             figure(out, &overview);
         }
         let all = self.recovery_figure();
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<details open><summary>{}</summary>\n",
+            "<details open><summary>{}</summary>",
             escape(&all.title)
         );
         out.push_str(&key(&[
@@ -134,7 +134,7 @@ impl Atlas {
             .iter()
             .filter(|map| !map.rows.is_empty())
         {
-            let _ = write!(out, "<h3>{}</h3>\n", escape(&map.title));
+            let _ = writeln!(out, "<h3>{}</h3>", escape(&map.title));
             figure(out, map);
         }
         self.limit_details(out);
@@ -192,7 +192,7 @@ impl Atlas {
         );
         out.push_str(&ratio_key());
         for map in maps.iter().filter(|map| !map.rows.is_empty()) {
-            let _ = write!(out, "<h3>{}</h3>\n", escape(&map.title));
+            let _ = writeln!(out, "<h3>{}</h3>", escape(&map.title));
             figure(out, map);
         }
         out.push_str("</section>\n");

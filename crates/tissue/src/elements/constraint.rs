@@ -244,7 +244,8 @@ impl<M: Measure<N>, const N: usize> Constraints for ConstraintSet<M, N> {
         1
     }
 
-    /// One constraint C = q − q0 with compliance 1/k and, for damping, γ = k_d/(k h) (Macklin et al. 2016, eq. 26).
+    /// One constraint C = q − q0 with compliance 1/k and, for damping, γ = k_d/(k h) (Macklin et al. 2016, eq. 26), times k h², so
+    /// that it holds for damping alone too (k = 0).
     fn project(
         &self,
         element: usize,
@@ -256,21 +257,20 @@ impl<M: Measure<N>, const N: usize> Constraints for ConstraintSet<M, N> {
         h: f64,
     ) {
         let (rest, stiffness, damping) = self.constants(element, internal);
-        if stiffness <= 0.0 {
+        if stiffness <= 0.0 && damping <= 0.0 {
             return;
         }
         let nodes = &self.nodes[element];
         let (value, g) = M::gradient(self.corners(element, positions));
-        let compliance = 1.0 / (stiffness * h * h);
-        let gamma = damping / (stiffness * h);
+        let (elastic, viscous) = (stiffness * h * h, damping * h);
         let (mut resistance, mut motion) = (0.0, 0.0);
         for (node, g) in nodes.iter().zip(&g) {
             let node = *node as usize;
             resistance += inverse_masses[node] * g.norm_squared();
             motion += g.dot(&(positions[node] - previous[node]));
         }
-        let change = (rest - value - compliance * multipliers[0] - gamma * motion)
-            / ((1.0 + gamma) * resistance + compliance);
+        let change = (elastic * (rest - value) - viscous * motion - multipliers[0])
+            / ((elastic + viscous) * resistance + 1.0);
         multipliers[0] += change;
         for (node, g) in nodes.iter().zip(&g) {
             positions[*node as usize] += g * (inverse_masses[*node as usize] * change);

@@ -20,7 +20,7 @@ pub struct SignedSvd {
 const SWEEPS: usize = 30;
 
 /// Columns with a smaller cosine between them are orthogonal to rounding.
-const ORTHOGONAL: f64 = 1e-16;
+const ORTHOGONAL: f64 = 4.0 * f64::EPSILON;
 
 /// The pairs of axes of a sweep.
 const PAIRS: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];

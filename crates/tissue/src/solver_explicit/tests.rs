@@ -1,5 +1,6 @@
 //! Orders, energy, momentum, landing, failure: for every explicit method.
 
+mod flow;
 mod limits;
 mod viscosity;
 

@@ -226,6 +226,33 @@ fn a_follower_pressure_is_balanced() {
     assert!(drift.norm() < 1e-9, "{drift}");
 }
 
+/// In equilibrium under even pressure there are no reactions, and in a long step no inertia: the pressure alone is what the
+/// residual is a share of. After one linear step it is of the order of the strain, p/κ = 50/5e4.
+#[test]
+fn a_residual_under_pressure_is_a_share_of_the_pressure() {
+    let mesh = soft_block([2, 2, 1]);
+    let model = build(&mesh, |_| false);
+    let control = Control {
+        pressures: vec![Pressure {
+            triangles: mesh.surface().triangles.into(),
+            pressure: 50.0,
+        }],
+        ..Control::default()
+    };
+    let newton = Newton {
+        iterations: 1,
+        must_converge: false,
+        ..TIGHT
+    };
+    let mut state = State::at_rest(&model);
+    let scheme = ImplicitScheme::BackwardEuler;
+    let report = run(&model, &mut state, scheme, newton, &control, 1.0, 1);
+    assert!(
+        report.residual > 0.0 && report.residual < 1e-2,
+        "{report:?}"
+    );
+}
+
 #[test]
 fn a_body_far_from_rest_comes_back() {
     // Inverted, flat, and with one node far out: backward Euler goes down its potential to the rest shape.

@@ -250,7 +250,9 @@ fn energy_of_the_undamped_block_does_not_drift_at_half_the_limit() {
     run(&model, &mut state, &Control::default(), h, 9000);
     let late = mean(&mut state);
     assert!((late / early - 1.0).abs() < 0.05, "{start} {early} {late}");
-    assert!((early / start - 1.0).abs() < 0.25, "{start} {early}");
+    // In a linear mode x_n = x_0 cos nφ and u has the amplitude ω x_0 (sin φ/2 = hω/2), so that the mean is the energy at the
+    // start; offsets of 5 % of an edge are linear to about that share (measured: 1.5 %).
+    assert!((early / start - 1.0).abs() < 0.05, "{start} {early}");
 }
 
 #[test]

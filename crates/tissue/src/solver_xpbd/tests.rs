@@ -119,9 +119,10 @@ fn many_iterations_come_close_to_backward_euler_in_a_body() {
         apart(&found, &expected) / apart(&state, &expected)
     };
     let shares = [2e-5, 1e-5].map(share);
-    assert!(shares[0] < 0.05, "{shares:?}");
+    // Measured 0.0224 and 0.0056. The next term of the share is of its own size.
+    assert!(shares[0] < 0.03, "{shares:?}");
     let ratio = shares[0] / shares[1];
-    assert!(ratio > 3.0 && ratio < 5.0, "{shares:?}");
+    assert!((ratio / 4.0 - 1.0).abs() < shares[0], "{shares:?}");
 }
 
 #[test]
@@ -148,6 +149,33 @@ fn a_node_alone_falls_and_slows_exactly() {
     let expected = Vector3::new(0.4 * left, 0.0, -9.81 / 20.0 * (1.0 - left));
     // Velocities are differences of positions of 0.02 m in 0.005 s.
     assert!((end.velocities[0] - expected).norm() < 1e-14);
+}
+
+/// m (v − v_0)/h = −k_d v.
+#[test]
+fn a_damper_without_stiffness_slows_as_backward_euler_says() {
+    let damper = Constraint {
+        nodes: [0, 1],
+        rest: 1.0,
+        stiffness: 0.0,
+        damping: 0.5,
+    };
+    let model = TissueModel::assemble(
+        vec![Vector3::zeros(), Vector3::x()],
+        vec![1.0, 2.0],
+        &[true, false],
+        vec![],
+        1.0,
+        vec![Arc::new(Springs::new([damper]))],
+        0.0,
+    );
+    let mut state = State::at_rest(&model);
+    state.velocities[1].x = 0.3;
+    let mut solver = SolverXpbd::new(&model, 1, 1).unwrap();
+    let end = solve(&model, &state, &Control::default(), &mut solver, 0.1);
+    let expected = 0.3 / (1.0 + 0.5 * 0.1 / 2.0);
+    // A few roundings of a position of 1 m, over 0.1 s.
+    assert!((end.velocities[1].x - expected).abs() < 1e-14);
 }
 
 #[test]

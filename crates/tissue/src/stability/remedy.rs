@@ -7,7 +7,7 @@ use crate::model::TissueModel;
 use crate::state::State;
 
 /// Node masses [kg] with which the step `h` [s] is stable at the share `safety` of the limit: m_i ← max(m_i, S_i h²/(4 s²)).
-/// What is added is inertia without weight, and must be reported.
+/// What is added is meant as inertia, but [`TissueModel::with_masses`] gives it weight too: see there. It must be reported.
 pub fn mass_floor(model: &TissueModel, state: &State, h: f64, safety: f64) -> Vec<f64> {
     let sums = row_sums(model, state, Part::Stiffness);
     let room = 4.0 * safety * safety / (h * h);

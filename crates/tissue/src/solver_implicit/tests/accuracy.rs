@@ -151,8 +151,9 @@ fn orders_on_a_bent_block() {
             };
             let errors = [error(320), error(640)];
             let measured = libm::log2(errors[0] / errors[1]);
+            // Measured 0.952, 2.017 and 2.034: what the next term of the error leaves at these steps, twice that is allowed.
             assert!(
-                (measured - order).abs() < 0.15,
+                (measured - order).abs() < 0.1,
                 "{scheme:?} {iterations}: {measured}"
             );
         }
