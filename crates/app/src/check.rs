@@ -164,9 +164,9 @@ fn check_chart(path: &Path) -> Result<Vec<String>, String> {
                         probes.iter().all(|probe| probe.name != m.probe)
                     };
                     let missing = scene.measure.iter().filter(unknown);
-                    problems.extend(missing.map(|m| {
-                        format!("{}: the scene has no probe `{}`", at(), m.probe)
-                    }));
+                    problems.extend(
+                        missing.map(|m| format!("{}: the scene has no probe `{}`", at(), m.probe)),
+                    );
                 }
             }
         }
@@ -194,7 +194,10 @@ fn check_folder(place: &Place, folder: &Path, findings: &mut Findings) {
         }
     }
     if findings.checked.len() == before {
-        let problem = format!("{}: nothing in this folder that could be checked", folder.display());
+        let problem = format!(
+            "{}: nothing in this folder that could be checked",
+            folder.display()
+        );
         findings.note(folder.display().to_string(), Err(problem));
     }
 }

@@ -5,8 +5,8 @@ use crate::output::Problem;
 use crate::session_file::program_folder;
 use microsim_mesh::{Severity, TetMesh, defects};
 use microsim_scene::{
-    Behaviour, BuildError, Diverged, End, FromSettingsError, LevelParts, ProbeError, Runner, Scene, SceneError,
-    SceneSpec, level_spec, scene_spec,
+    Behaviour, BuildError, Diverged, End, FromSettingsError, LevelParts, ProbeError, Runner, Scene,
+    SceneError, SceneSpec, level_spec, scene_spec,
 };
 use microsim_settings as settings;
 use settings::{Document, KeyPath, Loaded, Override};
@@ -151,8 +151,8 @@ pub fn check_level(
         .map(|note| format!("{}: {note}", path.display()))
         .collect();
     warnings.extend(check_bodies(document, &of.body, &described.spec)?);
-    let scene = Scene::new(&described.spec)
-        .map_err(|e| blame(document, &e, &of.body, &described.spec))?;
+    let scene =
+        Scene::new(&described.spec).map_err(|e| blame(document, &e, &of.body, &described.spec))?;
     let steps = KeyPath::root().key("clock").key("steps");
     scene
         .check_step(of.clock.tick, of.clock.steps)
@@ -301,7 +301,9 @@ fn share_nodes(mesh: &TetMesh, one: u32, other: u32) -> bool {
         nodes
     };
     let others = nodes(other);
-    nodes(one).iter().any(|node| others.binary_search(node).is_ok())
+    nodes(one)
+        .iter()
+        .any(|node| others.binary_search(node).is_ok())
 }
 
 /// The key that is to blame for a scene that cannot be built.
@@ -349,9 +351,12 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
                 None => body(name).key("coupling"),
             }
         }
-        SceneError::Value { body: name, what, index, .. } if *what != "origin" => {
-            body(name).key(what).at(*index)
-        }
+        SceneError::Value {
+            body: name,
+            what,
+            index,
+            ..
+        } if *what != "origin" => body(name).key(what).at(*index),
         SceneError::HeldTwice { body: name, clamps } => body(name).key("clamp").at(clamps[1]),
         SceneError::NeverStable { .. } => root.key("method").key("name"),
         SceneError::Name { .. } => root.key("body"),

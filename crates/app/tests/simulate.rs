@@ -166,6 +166,55 @@ fn a_missed_expectation_is_a_verdict_only_on_request() {
     assert_eq!(simulate("drop", &["--require"]).status.code(), Some(0));
 }
 
+/// A verdict is one whether or not somebody reads on, and an undamped beam does not rest.
+#[test]
+fn a_verdict_does_not_depend_on_its_readers() {
+    let restless = [
+        "--set",
+        "run.end=rest",
+        "--set",
+        "run.rest_speed=1um/s",
+        "--set",
+        "run.duration=5ms",
+    ];
+    let output = simulate("cantilever-dynamic", &[&restless[..], &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    let run: Value = serde_json::from_slice(&output.stdout).expect("a document");
+    assert_eq!(run["status"], "not-at-rest");
+    assert_eq!(run["set"][1], "run.rest_speed=1um/s");
+    assert_eq!(run["run"]["duration"], 0.005);
+
+    let scene = scenes().join("cantilever-dynamic.toml");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_microsim"));
+    command.arg("simulate").arg(scene).args(restless);
+    let mut child = command
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    assert_eq!(child.wait().expect("an end").code(), Some(1));
+}
+
+/// A folder is walked, a scene is known wherever it lies, and a missing file is called that.
+#[test]
+fn check_walks_folders_and_knows_scenes_by_their_tables() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let inner = folder.path().join("deep");
+    std::fs::create_dir(&inner).expect("a folder");
+    std::fs::copy(scenes().join("drop.toml"), inner.join("mine.toml")).expect("a copy");
+    let check = |path: &Path| {
+        let output = microsim(&["check", path.to_str().expect("UTF-8")]);
+        (output.status.code(), text(&output.stdout))
+    };
+    let (code, said) = check(folder.path());
+    assert!(code == Some(0) && said.contains("1 checked"), "{said}");
+    let (code, said) = check(&folder.path().join("nothing.toml"));
+    assert!(
+        code == Some(1) && said.contains("nothing.toml: no such file"),
+        "{said}"
+    );
+}
+
 #[test]
 fn meshes_are_written_for_paraview() {
     let folder = tempfile::tempdir().expect("a folder");

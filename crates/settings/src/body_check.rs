@@ -92,7 +92,9 @@ pub(crate) fn check_held(reading: &mut Reading) {
     for b in loose {
         let key = KeyPath::root().key("body").at(b).key("clamp");
         // A clamp that is wrong has its complaint already.
-        if !reading.is_written(&key.at(0)) || reading.value_at(&key.at(0)).is_some_and(|c| !c.is_null()) {
+        if !reading.is_written(&key.at(0))
+            || reading.value_at(&key.at(0)).is_some_and(|c| !c.is_null())
+        {
             reading.complain(
                 &key,
                 "no clamp that stays closed",

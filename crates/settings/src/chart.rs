@@ -4,12 +4,12 @@
 //! is the product of its lists; the runs of a scene are those of its sweeps in their order, each run once.
 
 use crate::body::Discretisation;
+use crate::chart_schema::chart_schema;
 use crate::check::{items, refers, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::overrides::Override;
 use crate::scene::Feature;
-use crate::chart_schema::chart_schema;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -203,18 +203,25 @@ mod tests {
             root.get(path).expect("there")
         }
         assert!(matches!(&get(&root, &path(&["a"])).item, Item::Text(t) if t == "x"));
-        assert!(matches!(get(&root, &b.key("c").at(0)).item, Item::Integer(1)));
+        assert!(matches!(
+            get(&root, &b.key("c").at(0)).item,
+            Item::Integer(1)
+        ));
         let set = get(&root, &b.key("c").at(1));
         assert!(matches!(set.item, Item::Integer(7)) && set.at == place(1));
-        assert!(matches!(get(&root, &b.key("d").key("e")).item, Item::Integer(3)));
+        assert!(matches!(
+            get(&root, &b.key("d").key("e")).item,
+            Item::Integer(3)
+        ));
 
         for (index, text) in ["b.0.c.0=", "b.0.d="].into_iter().enumerate() {
-            let done = Override::parse(text)
-                .expect(text)
-                .apply(&mut root, index);
+            let done = Override::parse(text).expect(text).apply(&mut root, index);
             assert_eq!(done, Ok(()), "{text}");
         }
-        assert!(matches!(get(&root, &b.key("c").at(0)).item, Item::Integer(7)));
+        assert!(matches!(
+            get(&root, &b.key("c").at(0)).item,
+            Item::Integer(7)
+        ));
         assert!(root.get(&b.key("c").at(1)).is_none() && root.get(&b.key("d")).is_none());
 
         for (text, expected) in [

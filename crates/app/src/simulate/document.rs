@@ -119,7 +119,10 @@ fn expectations(runner: &Runner, settings: &settings::Scene) -> Vec<Value> {
     let verdicts = runner.verdicts();
     let verdicts = verdicts.iter().map(|verdict| {
         let expect = &settings.expect[verdict.expect];
-        let probe = settings.probe.iter().find(|probe| probe.name == expect.probe);
+        let probe = settings
+            .probe
+            .iter()
+            .find(|probe| probe.name == expect.probe);
         let unit = probe.map(|probe| expect.what.unit(probe.quantity));
         let mut entry = Map::new();
         for (key, value) in [

@@ -116,7 +116,11 @@ fn replace(item: &mut Item, path: &str, new: Value) -> Option<()> {
             }
             other => return replace_in_value(other.as_array_mut()?.get_mut(index)?, rest, new),
         },
-        Err(_) => item.get_mut(step)?,
+        Err(_) => {
+            // Asking for a key to change it would make it.
+            item.get(step).filter(|next| !next.is_none())?;
+            item.get_mut(step)?
+        }
     };
     replace(next, rest, new)
 }

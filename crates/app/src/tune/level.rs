@@ -140,8 +140,10 @@ mod tests {
             let scene = microsim_settings::read_scene(&level.scene, "level.toml", &[]);
             let scene = scene.expect("a scene").settings;
             assert_eq!(scene.body.len(), 1);
-            // 1 % of 25 kPa.
-            assert_eq!(scene.body[0].load[0].traction, Some([0.0, 0.0, -250.0]));
+            let material = &scene.body[0].material[0];
+            let modulus = material.youngs_modulus.or(material.stretch_modulus);
+            let push = PUSH * modulus.expect("a modulus");
+            assert_eq!(scene.body[0].load[0].traction, Some([0.0, 0.0, -push]));
         }
     }
 

@@ -210,7 +210,8 @@ fn from_file(
     // Six in each cell of the box around it: what filling looks at, whatever it keeps.
     let bounds = microsim_geometry::Aabb::of(&import.surface.positions);
     let cells = (bounds.max - bounds.min).map(|side| (side / cell).ceil().max(1.0));
-    allowed(6.0 * cells.product()).map_err(|cause| FromSettingsError::new(key.key("fill"), cause))?;
+    allowed(6.0 * cells.product())
+        .map_err(|cause| FromSettingsError::new(key.key("fill"), cause))?;
     fill(&import.surface, cell).map_err(|e| wrong(FromSettingsCause::Fill(e)))
 }
 

@@ -1,8 +1,8 @@
 //! Why settings do not describe a scene.
 
+use crate::error::SceneError;
 use microsim_mesh::format::FormatError;
 use microsim_mesh::{BlockError, FillError, TubeError};
-use crate::error::SceneError;
 use microsim_settings::KeyPath;
 use microsim_tissue::elements::CoupleError;
 

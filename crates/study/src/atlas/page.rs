@@ -214,7 +214,7 @@ impl Atlas {
             .iter()
             .filter(|map| !map.rows.is_empty())
         {
-            let _ = write!(out, "<div><h3>{}</h3>\n", escape(&map.title));
+            let _ = writeln!(out, "<div><h3>{}</h3>", escape(&map.title));
             figure(out, map);
             out.push_str("</div>");
         }

@@ -100,7 +100,7 @@ fn column_of(way: &Way) -> (String, String) {
         ref method => method_name(method),
     };
     if way.relaxation_time > 0.0 {
-        group += ", viscous";
+        group += ", τ";
     }
     let label = match (way.method, way.step) {
         (
@@ -138,7 +138,11 @@ fn overview_field(run: &[Recovery]) -> Field {
     Field {
         lines: vec![
             format!("{recovered}/{}", run.len()),
-            format!("{} s", significant(slowest, 2)),
+            if slowest < 1e-3 {
+                "< 1 ms".into()
+            } else {
+                format!("{} s", significant(slowest, 2))
+            },
         ],
         class: match recovered {
             0 => "bad",
