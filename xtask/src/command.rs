@@ -240,7 +240,10 @@ mod tests {
             ("new module", "`new module` needs a name"),
             ("new module demo --dir", "`--dir` needs a folder"),
             ("new module demo more", "`new` does not take \"more\""),
-            ("bench hosts", "there is no \"hosts\"; there are: host, kernels"),
+            (
+                "bench hosts",
+                "there is no \"hosts\"; there are: host, kernels",
+            ),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {
             assert_eq!(parsed(line), expected, "{line}");

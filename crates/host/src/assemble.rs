@@ -603,7 +603,9 @@ impl Planner<'_> {
             for body in &level.body {
                 let mesh = match (body.elements(), &body.file) {
                     (Some(elements), _) => format!("{elements} tetrahedra"),
-                    (None, file) => format!("its mesh from {}", file.as_deref().unwrap_or("a file")),
+                    (None, file) => {
+                        format!("its mesh from {}", file.as_deref().unwrap_or("a file"))
+                    }
                 };
                 parts.push(part(
                     "body",
