@@ -8,9 +8,15 @@ use nalgebra::Vector3;
 
 /// A scene with these lines of a body besides its name.
 fn read(method: &str, body: &str) -> settings::Scene {
+    // Statics needs something that holds.
+    let clamp = if method == "quasi-static" && !body.contains("clamp") {
+        "clamp = [{nodes = {min = ['-1.5 mm', '-1 m', '-1 m'], max = ['-1.5 mm', '1 m', '1 m']}}]\n"
+    } else {
+        ""
+    };
     let text = format!(
         "title = {{de='a', en='b'}}\nsummary = {{de='a', en='b'}}\nrun = {{duration=1, step=0.01}}\n\
-         method = {{name='{method}'}}\n[[body]]\nname = 'body'\n{body}"
+         method = {{name='{method}'}}\n[[body]]\nname = 'body'\n{clamp}{body}"
     );
     let scene = settings::read_scene(&text, "scene.toml", &[]);
     scene.unwrap_or_else(|errors| panic!("{errors}")).settings

@@ -89,14 +89,14 @@ fn overrides_are_held_to_the_schema_and_named() {
         "run.step=5ms",
         "body.0.cells=[35,7,7]",
         "body.1.material.0.poisson_ratio = 0.49",
-        "method.name=quasi-static",
+        "method.name=sdirk2",
         "expect.0.value=\"30 mm\"",
     ]);
     let scene = scene.expect("all is right").settings;
     assert_eq!(scene.run.step, 0.005);
     assert_eq!(scene.body[0].cells, Some([35, 7, 7]));
     assert_eq!(scene.body[1].material[0].poisson_ratio, Some(0.49));
-    assert_eq!(scene.method.name, MethodName::QuasiStatic);
+    assert_eq!(scene.method.name, MethodName::Sdirk2);
     assert_eq!(scene.expect[0].value, 0.03);
 
     for (texts, expected) in [
