@@ -5,7 +5,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Symbolic};
+use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Real, Symbolic};
 use nalgebra::{Matrix3, Vector3};
 
 fn main() {
@@ -17,11 +17,12 @@ fn main() {
         "grid  nodes fronts  entries    MFLOP  order  analyse factorise GFLOP/s  solve product [ms]"
     );
     for (name, size) in [("S", [16, 4, 4]), ("M", [36, 8, 8]), ("L", [61, 13, 13])] {
-        bench(name, size, repetitions);
+        bench::<f64>(name, size, repetitions);
+        bench::<f32>(name, size, repetitions);
     }
 }
 
-fn bench(name: &str, size: [usize; 3], repetitions: usize) {
+fn bench<T: Real>(name: &str, size: [usize; 3], repetitions: usize) {
     let (positions, cells) = kuhn_grid(size);
     let nodes = positions.len();
     let pattern = Arc::new(Pattern::from_cliques(nodes, &cells));
@@ -45,7 +46,7 @@ fn bench(name: &str, size: [usize; 3], repetitions: usize) {
     let (analyse, symbolic) = fastest(repetitions, || {
         Arc::new(Symbolic::analyse(&pattern, &ordering))
     });
-    let mut factor = Factor::new(symbolic.clone());
+    let mut factor = Factor::<T>::new(symbolic.clone());
     let (factorise, outcome) = fastest(repetitions, || factor.factorise(&matrix, Some(&fixed)));
     outcome.expect("a beam held at one end");
     let load: Vec<Vector3<f64>> = fixed

@@ -178,7 +178,7 @@ impl NewtonSolver {
             self.from.copy_from_slice(&self.trial.positions);
             self.set_loads(&problem);
             tangent = self.factorise(&problem, tangent)?;
-            let jumps = self.set_direction(fixed, ends);
+            let jumps = self.set_direction(fixed, ends)?;
             let taken = if jumps {
                 self.lift(&problem, ends);
                 0.0
@@ -375,7 +375,11 @@ impl NewtonSolver {
     }
 
     /// Solves for the step; returns whether prescribed nodes are still to jump.
-    fn set_direction(&mut self, fixed: &[bool], ends: &[Vector3<f64>]) -> bool {
+    fn set_direction(
+        &mut self,
+        fixed: &[bool],
+        ends: &[Vector3<f64>],
+    ) -> Result<bool, StepFailure> {
         let mut jumps = false;
         for (node, d) in self.direction.iter_mut().enumerate() {
             *d = Vector3::zeros();
@@ -397,7 +401,11 @@ impl NewtonSolver {
                 *d = self.residual[node];
             }
         }
-        self.system.solve(&mut self.direction);
-        jumps
+        self.system
+            .solve(&mut self.direction)
+            .map_err(|failure| StepFailure::Singular {
+                node: failure.node as u32,
+            })?;
+        Ok(jumps)
     }
 }

@@ -2,13 +2,26 @@
 //!
 //! Where the blocks of each element go is found once per model, and so is the order of elimination (nested dissection of the
 //! rest shape); a step only adds numbers, in a fixed order. Prescribed nodes are marked when the matrix is factored.
+//!
+//! The factor is one of single numbers (half the time and memory), and conjugate gradients with it as preconditioner bring the
+//! solution to [`TOLERANCE`]; where that takes more than [`ITERATIONS`], as for a very slender body without inertia, a factor of
+//! double numbers solves the system. Nothing is kept from one system to the next.
 
 use crate::elements::{ElementMatrix, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
-use microsim_sparse::{BlockMatrix, Factor, NotPositive, Ordering, Pattern, Symbolic};
+use microsim_sparse::{
+    BlockMatrix, Factor, NotPositive, Ordering, Pattern, Symbolic, conjugate_gradients,
+};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
+
+/// The residual at which a linear system is solved, as a share of its right-hand side. Newton's method goes on by at most that
+/// factor per iteration.
+const TOLERANCE: f64 = 1e-8;
+
+/// Most iterations with the factor of single numbers: by then one of double numbers costs less.
+const ITERATIONS: usize = 12;
 
 /// The shares of a matrix K + b·D + c·M.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +39,12 @@ pub(crate) struct System {
     slots: Arc<[Slots]>,
     symbolic: Arc<Symbolic>,
     matrix: BlockMatrix,
-    factor: Factor,
+    factor: Factor<f32>,
+    /// Made when it is needed first.
+    exact: Option<Box<Factor<f64>>>,
+    /// Marks of the prescribed nodes of the last factorisation.
+    fixed: Vec<bool>,
+    right_side: Vec<Vector3<f64>>,
     /// Working memory for one element.
     element: ElementMatrix,
 }
@@ -73,6 +91,9 @@ impl System {
         Self {
             slots: slots.collect(),
             factor: Factor::new(symbolic.clone()),
+            exact: None,
+            fixed: vec![false; model.node_count()],
+            right_side: vec![Vector3::zeros(); model.node_count()],
             symbolic,
             matrix: BlockMatrix::zeros(pattern),
             element: ElementMatrix::new(),
@@ -141,12 +162,56 @@ impl System {
 
     /// Factors the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
     pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
+        self.fixed.copy_from_slice(fixed);
         self.factor.factorise(&self.matrix, Some(fixed))
     }
 
-    /// Solves with the last factor, in place.
-    pub fn solve(&mut self, x: &mut [Vector3<f64>]) {
-        self.factor.solve(x);
+    /// Solves with the last factor, in place. Prescribed nodes keep their entry, which has no effect on the others.
+    pub fn solve(&mut self, x: &mut [Vector3<f64>]) -> Result<(), NotPositive> {
+        let Self {
+            matrix,
+            factor,
+            fixed,
+            right_side,
+            ..
+        } = self;
+        for ((b, x), fixed) in right_side.iter_mut().zip(&*x).zip(&*fixed) {
+            *b = if *fixed { Vector3::zeros() } else { *x };
+        }
+        let mut solution = right_side.clone();
+        factor.solve(&mut solution);
+        let outcome = conjugate_gradients(
+            |p, q| {
+                matrix.multiply(p, q);
+                for (q, fixed) in q.iter_mut().zip(&*fixed) {
+                    if *fixed {
+                        *q = Vector3::zeros();
+                    }
+                }
+            },
+            |r, z| {
+                z.copy_from_slice(r);
+                factor.solve(z);
+            },
+            right_side,
+            &mut solution,
+            TOLERANCE,
+            ITERATIONS,
+        );
+        if !outcome.converged {
+            let exact = self
+                .exact
+                .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())));
+            exact.factorise(&self.matrix, Some(&self.fixed))?;
+            solution.copy_from_slice(&self.right_side);
+            exact.solve(&mut solution);
+        }
+        for ((x, solution), fixed) in x.iter_mut().zip(&solution).zip(&self.fixed) {
+            if !fixed {
+                *x = *solution;
+            }
+        }
+        Ok(())
     }
 
     /// For each node the lowest node that it is coupled to, directly or through others.
@@ -182,6 +247,9 @@ impl Clone for System {
             symbolic: self.symbolic.clone(),
             matrix: self.matrix.clone(),
             factor: Factor::new(self.symbolic.clone()),
+            exact: None,
+            fixed: self.fixed.clone(),
+            right_side: self.right_side.clone(),
             element: ElementMatrix::new(),
         }
     }
