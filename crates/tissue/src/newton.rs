@@ -31,6 +31,19 @@
 
 mod descent;
 
+/// The share of a step at which the curvature of the forces along it is measured.
+const PROBE: f64 = 1.0 / 64.0;
+
+/// The way of an iteration is bent only while at least this share of the forces is left, and where curvature changes at least
+/// [`CURVED`] of what is left: straight steps converge quadratically below, and differences have no digits there.
+const FAR: f64 = 1e-3;
+const CURVED: f64 = 0.02;
+
+/// The residuals at which linear systems are solved, for the direction and for the curvature of the way, as shares of the
+/// right-hand side. Newton's method goes on by at most the first one per iteration.
+const TOLERANCE: f64 = 1e-8;
+const ROUGH: f64 = 1e-2;
+
 use crate::elements::Tangent;
 use crate::executor::Executor;
 use crate::forces::Forces;
@@ -38,7 +51,14 @@ use crate::model::TissueModel;
 use crate::solver::{StepFailure, StepReport};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
+use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
+
+fn singular(failure: NotPositive) -> StepFailure {
+    StepFailure::Singular {
+        node: failure.node as u32,
+    }
+}
 
 /// How far Newton's method goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +106,8 @@ pub(crate) struct NewtonSolver {
     /// Sum of all forces at `trial` minus the left side [N].
     residual: Vec<Vector3<f64>>,
     direction: Vec<Vector3<f64>>,
+    /// c of the way x + s d + s² c [m].
+    bend: Vec<Vector3<f64>>,
     /// Positions at the start of an iteration.
     from: Vec<Vector3<f64>>,
     /// n: the forces without energy at the start of an iteration [N].
@@ -114,6 +136,7 @@ impl NewtonSolver {
             trial: State::at_rest(model),
             residual: zeros.clone(),
             direction: zeros.clone(),
+            bend: zeros.clone(),
             from: zeros.clone(),
             loads: zeros.clone(),
             scratch: zeros,
@@ -183,6 +206,8 @@ impl NewtonSolver {
                 self.lift(&problem, ends);
                 0.0
             } else {
+                let far = tangent == Tangent::Exact && report.residual >= FAR;
+                self.set_bend(&problem, far)?;
                 self.search(&problem)
             };
             let before = report.residual;
@@ -368,9 +393,7 @@ impl NewtonSolver {
             .assemble(problem.model, &self.trial, shares, Tangent::Positive);
         match self.system.factorise(problem.fixed) {
             Ok(()) => Ok(Tangent::Positive),
-            Err(failure) => Err(StepFailure::Singular {
-                node: failure.node as u32,
-            }),
+            Err(failure) => Err(singular(failure)),
         }
     }
 
@@ -402,10 +425,52 @@ impl NewtonSolver {
             }
         }
         self.system
-            .solve(&mut self.direction)
-            .map_err(|failure| StepFailure::Singular {
-                node: failure.node as u32,
-            })?;
+            .solve(&mut self.direction, TOLERANCE)
+            .map_err(singular)?;
         Ok(jumps)
+    }
+
+    /// Sets c such that the forces left on the way x + s d + s² c, beyond their linear decrease, are of third order in s:
+    /// K c = ½ ∂²r/∂s² along d, from a difference. The residual at the start is kept.
+    fn set_bend(&mut self, problem: &Problem<'_>, far: bool) -> Result<(), StepFailure> {
+        if !far {
+            self.bend.fill(Vector3::zeros());
+            return Ok(());
+        }
+        self.scratch.copy_from_slice(&self.residual);
+        for (c, r) in self.bend.iter_mut().zip(&self.residual) {
+            *c = r * -2.0;
+        }
+        for step in [PROBE, -PROBE] {
+            for ((x, from), d) in self
+                .trial
+                .positions
+                .iter_mut()
+                .zip(&self.from)
+                .zip(&self.direction)
+            {
+                *x = from + d * step;
+            }
+            self.set_velocities(problem);
+            self.evaluate(problem, 0.0);
+            for (c, r) in self.bend.iter_mut().zip(&self.residual) {
+                *c += r;
+            }
+        }
+        for c in &mut self.bend {
+            *c *= 0.5 / (PROBE * PROBE);
+        }
+        self.residual.copy_from_slice(&self.scratch);
+        let size = |forces: &[Vector3<f64>]| forces.iter().map(|f| f.norm_squared()).sum::<f64>();
+        let curvature = size(&self.bend);
+        let mut bent = curvature > CURVED * CURVED * size(&self.residual) && curvature.is_finite();
+        if bent {
+            self.system.solve(&mut self.bend, ROUGH).map_err(singular)?;
+            bent = size(&self.bend) < size(&self.direction);
+        }
+        if !bent {
+            self.bend.fill(Vector3::zeros());
+        }
+        Ok(())
     }
 }

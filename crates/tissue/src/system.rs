@@ -4,10 +4,10 @@
 //! rest shape); a step only adds numbers, in a fixed order. Prescribed nodes are marked when the matrix is factored.
 //!
 //! The factor is one of single numbers (half the time and memory), and conjugate gradients with it as preconditioner bring the
-//! solution to [`TOLERANCE`]; where that takes more than [`ITERATIONS`], as for a very slender body without inertia, a factor of
-//! double numbers solves the system. Nothing is kept from one system to the next.
+//! solution to the accuracy wanted; where that takes more than [`ITERATIONS`], as for a very slender body without inertia, a factor
+//! of double numbers solves the system. Nothing is kept from one system to the next.
 
-use crate::elements::{ElementMatrix, Tangent};
+use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
 use microsim_sparse::{
@@ -15,10 +15,6 @@ use microsim_sparse::{
 };
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
-
-/// The residual at which a linear system is solved, as a share of its right-hand side. Newton's method goes on by at most that
-/// factor per iteration.
-const TOLERANCE: f64 = 1e-8;
 
 /// Most iterations with the factor of single numbers: by then one of double numbers costs less.
 const ITERATIONS: usize = 12;
@@ -49,16 +45,6 @@ pub(crate) struct System {
     element: ElementMatrix,
 }
 
-/// Where the blocks of the elements of one set go.
-#[derive(Debug)]
-struct Slots {
-    /// Those of element e are `places[starts[e]..starts[e + 1]]`.
-    starts: Vec<u32>,
-    /// For the pairs of nodes (i, j ≤ i) in ascending order: twice the slot of the matrix, plus one where the block (j, i) is
-    /// stored there.
-    places: Vec<u32>,
-}
-
 impl System {
     /// The system of `model`.
     pub fn new(model: &TissueModel) -> Self {
@@ -68,23 +54,12 @@ impl System {
             .flat_map(|set| (0..set.count()).map(|element| set.nodes(element)));
         let pattern = Arc::new(Pattern::from_cliques(model.node_count(), cliques));
         let slots = model.sets().iter().map(|set| {
-            let mut slots = Slots {
-                starts: vec![0],
-                places: Vec::new(),
-            };
-            for element in 0..set.count() {
-                let nodes = set.nodes(element);
-                for (i, &row) in nodes.iter().enumerate() {
-                    for &column in &nodes[..=i] {
-                        let slot = pattern
-                            .slot(row.max(column) as usize, row.min(column) as usize)
-                            .expect("the nodes of an element are coupled");
-                        slots.places.push(2 * slot as u32 + u32::from(row < column));
-                    }
-                }
-                slots.starts.push(slots.places.len() as u32);
-            }
-            slots
+            let elements = (0..set.count()).map(|element| set.nodes(element));
+            Slots::new(elements, |row, column| {
+                pattern
+                    .slot(row as usize, column as usize)
+                    .expect("the nodes of an element are coupled")
+            })
         });
         let ordering = Ordering::nested_dissection(&pattern, Some(model.rest_positions()));
         let symbolic = Arc::new(Symbolic::analyse(&pattern, &ordering));
@@ -113,13 +88,12 @@ impl System {
         for (index, (set, slots)) in model.sets().iter().zip(&*self.slots).enumerate() {
             let at = state.configuration(model, index);
             let viscous = shares.damping > 0.0 && set.is_viscous();
-            for (element, run) in slots.starts.windows(2).enumerate() {
-                let places = &slots.places[run[0] as usize..run[1] as usize];
-                set.stiffness(element, &at, tangent, &mut self.element);
-                scatter(values, places, &self.element, 1.0);
-                if viscous {
+            let mut window = MatrixWindow { slots, values };
+            set.add_stiffness(&at, tangent, &mut window);
+            if viscous {
+                for element in 0..set.count() {
                     set.damping(element, &at, &mut self.element);
-                    scatter(values, places, &self.element, shares.damping);
+                    window.add(element, &self.element, shares.damping);
                 }
             }
         }
@@ -166,8 +140,9 @@ impl System {
         self.factor.factorise(&self.matrix, Some(fixed))
     }
 
-    /// Solves with the last factor, in place. Prescribed nodes keep their entry, which has no effect on the others.
-    pub fn solve(&mut self, x: &mut [Vector3<f64>]) -> Result<(), NotPositive> {
+    /// Solves with the last factor, in place, until what is left is at most `tolerance` of the right-hand side. Prescribed nodes
+    /// keep their entry, which has no effect on the others.
+    pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
         let Self {
             matrix,
             factor,
@@ -195,7 +170,7 @@ impl System {
             },
             right_side,
             &mut solution,
-            TOLERANCE,
+            tolerance,
             ITERATIONS,
         );
         if !outcome.converged {
@@ -251,22 +226,6 @@ impl Clone for System {
             fixed: self.fixed.clone(),
             right_side: self.right_side.clone(),
             element: ElementMatrix::new(),
-        }
-    }
-}
-
-/// Adds factor·`element` to the blocks of the matrix.
-#[inline]
-fn scatter(values: &mut [Matrix3<f64>], places: &[u32], element: &ElementMatrix, factor: f64) {
-    let mut places = places.iter();
-    for i in 0..element.nodes() {
-        for (j, place) in (0..=i).zip(&mut places) {
-            let block = if place % 2 == 0 {
-                element.block(i, j)
-            } else {
-                element.block(j, i)
-            };
-            values[(place / 2) as usize] += block * factor;
         }
     }
 }
