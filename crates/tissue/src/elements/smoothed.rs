@@ -13,6 +13,10 @@ use super::domains::{Domains, product, shape};
 use crate::elements::NodeWindow;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
+
+/// More elements than that around an edge make more than one patch.
+const LARGEST_PATCH: usize = 6;
 
 /// Domains of any number of nodes, as arrays: those of domain d are `starts[d]..starts[d + 1]`.
 #[derive(Clone, Debug)]
@@ -39,6 +43,16 @@ impl SmoothingDomains {
             .iter()
             .flat_map(|&element| mesh.tets[element as usize].map(|node| (node, element)));
         Self::new(mesh, around.collect(), 0.25)
+    }
+
+    /// One domain per patch of about five elements around a common edge.
+    ///
+    /// Edges are taken by the number of their elements that are not in a patch yet, the longest first among equals (of the six
+    /// tetrahedra of a cell that is their common diagonal); elements that are left alone go to the smallest patch across a face.
+    pub fn of_patches(mesh: &TetMesh, elements: &[u32]) -> Self {
+        let patches = patches(mesh, elements);
+        let around = patches.into_iter().zip(elements.iter().copied());
+        Self::new(mesh, around.collect(), 1.0)
     }
 
     /// One domain per key: of each of its elements the share `share` of the volume.
@@ -82,6 +96,71 @@ impl SmoothingDomains {
     fn run(&self, domain: usize) -> std::ops::Range<usize> {
         self.starts[domain] as usize..self.starts[domain + 1] as usize
     }
+}
+
+/// The patch of each of these elements.
+fn patches(mesh: &TetMesh, elements: &[u32]) -> Vec<u32> {
+    const NONE: u32 = u32::MAX;
+    let mut rings: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
+    for (index, &element) in elements.iter().enumerate() {
+        for [a, b] in mesh.element_edges(element as usize) {
+            let edge = [a.min(b), a.max(b)];
+            rings.entry(edge).or_default().push(index as u32);
+        }
+    }
+    let length = |[a, b]: [u32; 2]| {
+        (mesh.positions[a as usize] - mesh.positions[b as usize]).norm_squared()
+    };
+    let mut edges: Vec<([u32; 2], Vec<u32>)> = rings.into_iter().collect();
+    edges.sort_by(|(a, ..), (b, ..)| length(*b).total_cmp(&length(*a)));
+    let most = edges.iter().map(|(_, ring)| ring.len()).max().unwrap_or(0);
+    let mut patches = vec![NONE; elements.len()];
+    let mut sizes: Vec<usize> = Vec::new();
+    // A ring only shrinks, so going down the sizes sees every edge at its own.
+    for size in (2..=most.min(LARGEST_PATCH)).rev() {
+        for (_, ring) in &edges {
+            let free = |index: &&u32| patches[**index as usize] == NONE;
+            let mut members: Vec<u32> = ring.iter().filter(free).copied().collect();
+            if members.len() < size {
+                continue;
+            }
+            members.truncate(size);
+            for index in members {
+                patches[index as usize] = sizes.len() as u32;
+            }
+            sizes.push(size);
+        }
+    }
+    let mut faces: BTreeMap<[u32; 3], Vec<u32>> = BTreeMap::new();
+    for (index, &element) in elements.iter().enumerate() {
+        let [a, b, c, d] = mesh.tets[element as usize];
+        for mut face in [[b, c, d], [a, c, d], [a, b, d], [a, b, c]] {
+            face.sort_unstable();
+            faces.entry(face).or_default().push(index as u32);
+        }
+    }
+    for index in 0..elements.len() {
+        if patches[index] != NONE {
+            continue;
+        }
+        let [a, b, c, d] = mesh.tets[elements[index] as usize];
+        let across = [[b, c, d], [a, c, d], [a, b, d], [a, b, c]]
+            .into_iter()
+            .flat_map(|mut face| {
+                face.sort_unstable();
+                &faces[&face]
+            })
+            .map(|other| patches[*other as usize])
+            .filter(|patch| *patch != NONE);
+        patches[index] = across
+            .min_by_key(|patch| (sizes[*patch as usize], *patch))
+            .unwrap_or_else(|| {
+                sizes.push(0);
+                sizes.len() as u32 - 1
+            });
+        sizes[patches[index] as usize] += 1;
+    }
+    patches
 }
 
 impl Domains for SmoothingDomains {

@@ -51,25 +51,29 @@ pub enum Discretisation {
     /// Burton 1998; their volume is the mean of the volumes, here it is that of the mean deformation gradient). Does not lock,
     /// but stays as stiff in bending as tetrahedra without pressure.
     NodalPressure,
+    /// The part of μ in tetrahedra, the part of λ in patches of about five.
+    PatchPressure,
 }
 
 impl Discretisation {
     /// All discretisations.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Tetrahedra,
         Self::EdgeSmoothed,
         Self::NodeSmoothed,
         Self::Selective,
         Self::NodalPressure,
+        Self::PatchPressure,
     ];
 
     /// Names of all discretisations, in the order of [`ALL`](Self::ALL).
-    pub const NAMES: [&'static str; 5] = [
+    pub const NAMES: [&'static str; 6] = [
         "tetrahedra",
         "edge-smoothed",
         "node-smoothed",
         "selective",
         "nodal-pressure",
+        "patch-pressure",
     ];
 
     /// Its name in files and reports.
@@ -88,7 +92,10 @@ impl Discretisation {
         match self {
             Self::Tetrahedra => poisson >= 0.4,
             Self::EdgeSmoothed => poisson >= 0.45,
-            Self::NodeSmoothed | Self::Selective | Self::NodalPressure => false,
+            Self::NodeSmoothed
+            | Self::Selective
+            | Self::NodalPressure
+            | Self::PatchPressure => false,
         }
     }
 }
@@ -148,6 +155,11 @@ impl ContinuumConstants {
             Discretisation::Selective => vec![edges(lame)],
             Discretisation::NodalPressure if split => vec![tetrahedra(shear), nodes(pressure)],
             Discretisation::NodalPressure => vec![tetrahedra(lame)],
+            Discretisation::PatchPressure if split => {
+                let patches = smoothed(SmoothingDomains::of_patches(mesh, elements), pressure);
+                vec![tetrahedra(shear), patches]
+            }
+            Discretisation::PatchPressure => vec![tetrahedra(lame)],
         }
     }
 }
