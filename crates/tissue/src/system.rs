@@ -153,8 +153,7 @@ impl System {
         for ((b, x), fixed) in right_side.iter_mut().zip(&*x).zip(&*fixed) {
             *b = if *fixed { Vector3::zeros() } else { *x };
         }
-        let mut solution = right_side.clone();
-        factor.solve(&mut solution);
+        let mut solution = vec![Vector3::zeros(); x.len()];
         let outcome = conjugate_gradients(
             |p, q| {
                 matrix.multiply(p, q);

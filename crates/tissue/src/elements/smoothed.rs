@@ -1,4 +1,4 @@
-//! Smoothing domains: the deformation gradient is the mean over the tetrahedra around an edge or a node.
+//! Smoothing domains: the deformation gradient is the mean over the tetrahedra around an edge or a node, or of a patch.
 //!
 //! A tetrahedron gives a sixth of its volume to each of its edges, or a quarter to each of its nodes; the gradients of a domain
 //! are the means of those of its tetrahedra, weighted with these volumes, so that F = Σ x_i ⊗ b_i still is exact for a linear
@@ -108,9 +108,8 @@ fn patches(mesh: &TetMesh, elements: &[u32]) -> Vec<u32> {
             rings.entry(edge).or_default().push(index as u32);
         }
     }
-    let length = |[a, b]: [u32; 2]| {
-        (mesh.positions[a as usize] - mesh.positions[b as usize]).norm_squared()
-    };
+    let length =
+        |[a, b]: [u32; 2]| (mesh.positions[a as usize] - mesh.positions[b as usize]).norm_squared();
     let mut edges: Vec<([u32; 2], Vec<u32>)> = rings.into_iter().collect();
     edges.sort_by(|(a, ..), (b, ..)| length(*b).total_cmp(&length(*a)));
     let most = edges.iter().map(|(_, ring)| ring.len()).max().unwrap_or(0);
@@ -208,5 +207,43 @@ impl Domains for SmoothingDomains {
             forces.add(*node, force);
         }
         forces.add(nodes[0], -sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::block_mesh;
+
+    #[test]
+    fn the_patches_of_a_block_are_its_cells() {
+        let mesh = block_mesh([4.0, 3.0, 2.0], [4, 3, 2]);
+        let elements: Vec<u32> = (0..mesh.tets.len() as u32).collect();
+        let patches = SmoothingDomains::of_patches(&mesh, &elements);
+        assert_eq!(patches.count(), 24);
+        for patch in 0..24 {
+            // A unit cube of eight nodes; six volumes are summed.
+            assert_eq!(patches.nodes(patch).len(), 8);
+            assert!((patches.volume(patch) - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn every_element_is_in_one_patch_and_few_are_alone() {
+        // A corner of cells cut off: rings of many sizes.
+        let mesh = block_mesh([5.0; 3], [5; 3]);
+        let centre = |e: &u32| mesh.corners(*e as usize).iter().sum::<Vector3<f64>>() / 4.0;
+        let elements: Vec<u32> = (0..mesh.tets.len() as u32)
+            .filter(|e| centre(e).sum() < 0.3)
+            .collect();
+        let patches = patches(&mesh, &elements);
+        let count = *patches.iter().max().unwrap() as usize + 1;
+        let mut sizes = vec![0; count];
+        patches.iter().for_each(|patch| sizes[*patch as usize] += 1);
+        assert_eq!(sizes.iter().sum::<usize>(), elements.len());
+        assert!(sizes.iter().all(|size| *size > 0));
+        // What is left alone joins a neighbour, and there is one for every element of this body.
+        assert!(sizes.iter().filter(|size| **size == 1).count() * 20 <= count);
+        assert!(elements.len() > 4 * count, "{} in {count}", elements.len());
     }
 }

@@ -32,8 +32,12 @@ pub struct ContinuumConstants {
 /// | node-smoothed | 116 / 114 / 112 % | 104 / 104 / 103 % | 54 µs |
 /// | selective | 101 / 97 / 93 % | 101 / 100 / 99 % | 54 µs |
 /// | nodal-pressure | 80 / 77 / 73 % | 96 / 94 / 93 % | 53 µs |
+/// | patch-pressure | 81 / 80 / 79 % | 96 / 95 / 95 % | |
 ///
-/// The other laws differ by less than 1 %. Take selective where it can be paid for: `examples/bench_kernels` has the times.
+/// The other laws differ by less than 1 % (the last row is that of the stable neo-Hookean law). Take selective where it can be paid
+/// for, and patch-pressure with implicit methods in real time: its matrices couple hardly more nodes than those of tetrahedra, so a
+/// static solution of M takes half more time than with tetrahedra, with nodal-pressure four times as long. `examples/bench_kernels`
+/// and `examples/bench_solvers` have the times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Discretisation {
     /// The tetrahedra themselves.
@@ -51,7 +55,9 @@ pub enum Discretisation {
     /// Burton 1998; their volume is the mean of the volumes, here it is that of the mean deformation gradient). Does not lock,
     /// but stays as stiff in bending as tetrahedra without pressure.
     NodalPressure,
-    /// The part of μ in tetrahedra, the part of λ in patches of about five.
+    /// The part of μ in tetrahedra, the part of λ in patches of about five around a common edge: one pressure for each, of the volume
+    /// of the mean deformation gradient (after the patches of de Souza Neto et al. 2005). Does not lock: there are fewer patches than
+    /// nodes. As stiff in bending as nodal-pressure. After a cut the patches of the region are formed anew.
     PatchPressure,
 }
 
@@ -92,10 +98,9 @@ impl Discretisation {
         match self {
             Self::Tetrahedra => poisson >= 0.4,
             Self::EdgeSmoothed => poisson >= 0.45,
-            Self::NodeSmoothed
-            | Self::Selective
-            | Self::NodalPressure
-            | Self::PatchPressure => false,
+            Self::NodeSmoothed | Self::Selective | Self::NodalPressure | Self::PatchPressure => {
+                false
+            }
         }
     }
 }
