@@ -43,9 +43,9 @@ pub(crate) fn columns_of_product<T: Real, const C: usize>(
 ) -> [Octet<T>; C] {
     let mut tile = [[T::ZERO; WIDTH]; C];
     for (a, b) in a.iter().zip(b) {
-        for c in 0..C {
+        for (c, column) in tile.iter_mut().enumerate() {
             let b = b.0[first + c];
-            for (sum, a) in tile[c].iter_mut().zip(&a.0) {
+            for (sum, a) in column.iter_mut().zip(&a.0) {
                 *sum = a.mul_add(b, *sum);
             }
         }
