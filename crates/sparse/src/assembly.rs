@@ -1,31 +1,36 @@
 //! Filling a front: with the blocks of the matrix, and with the updates of its children.
 
 use crate::BlockMatrix;
-use crate::kernels::{Quad, WIDTH, triangle_start};
+use crate::kernels::{Octet, WIDTH, triangle_start};
+use crate::real::Real;
 use crate::symbolic::{Entry, Front, Kind, Symbolic};
 
 /// A pivot must exceed this share of the diagonal entry it is left of. Each subtraction rounds by up to ε/2 of that
 /// entry, and there are some hundreds of either sign; what is smaller has no correct digit. A longer way through many
 /// fronts can leave more, but a larger share would refuse slender bodies, whose pivots are small rightly.
-const PIVOT_SHARE: f64 = 64.0 * f64::EPSILON;
+fn pivot_share<T: Real>() -> T {
+    T::EPSILON * T::from_f64(64.0)
+}
 
 /// Fills a panel with the blocks of the matrix, the nodes marked in `fixed` decoupled, and the identity in the rows
 /// added at its end; and sets the least admissible pivot of each column.
-pub(crate) fn assemble(
+pub(crate) fn assemble<T: Real>(
     entries: &[Entry],
     front: &Front,
     matrix: &BlockMatrix,
     fixed: Option<&[bool]>,
-    panel: &mut [Quad],
-    least: &mut [f64],
+    panel: &mut [Octet<T>],
+    least: &mut [T],
 ) {
-    panel.fill(Quad::ZERO);
-    let mut set = |target: usize, value: f64| panel[target / WIDTH].0[target % WIDTH] = value;
+    panel.fill(Octet::ZERO);
+    let mut set = |target: usize, value: f64| {
+        panel[target / WIDTH].0[target % WIDTH] = T::from_f64(value);
+    };
     let added = 3 * front.columns.len()..WIDTH * front.triangle();
-    least[added.clone()].fill(0.0);
+    least[added.clone()].fill(T::ZERO);
     for row in added {
-        let (quad, lane) = Front::own_row(row);
-        set(WIDTH * (quad + row) + lane, 1.0);
+        let (octet, lane) = Front::own_row(row);
+        set(WIDTH * (octet + row) + lane, 1.0);
     }
     for entry in entries {
         let is_fixed =
@@ -43,7 +48,8 @@ pub(crate) fn assemble(
                     }
                     let diagonal = if is_fixed { 1.0 } else { block[(a, a)] };
                     set(target + WIDTH * a, diagonal);
-                    least[column as usize + a] = PIVOT_SHARE * diagonal.max(0.0);
+                    least[column as usize + a] =
+                        pivot_share::<T>() * T::from_f64(diagonal.max(0.0));
                 }
             }
             _ if is_fixed => {}
@@ -71,7 +77,7 @@ pub(crate) enum Part {
 /// Where the rows and columns of a child's update go in its parent.
 #[derive(Debug)]
 pub(crate) struct Places {
-    /// First quad of the row, and its lane.
+    /// First octet of the row, and its lane.
     rows: Vec<(u32, u32)>,
     columns: Vec<u32>,
 }
@@ -86,17 +92,17 @@ impl Places {
     }
 
     /// Adds what the update of `child`, on `stack`, holds for one part of its parent's front to that part (`target`).
-    pub fn add_update(
+    pub fn add_update<T: Real>(
         &mut self,
         symbolic: &Symbolic,
         child: u32,
         parent: &Front,
-        stack: &[Quad],
+        stack: &[Octet<T>],
         part: Part,
-        target: &mut [Quad],
+        target: &mut [Octet<T>],
     ) {
         let child = &symbolic.fronts[child as usize];
-        let update = &stack[child.update..][..child.update_quads()];
+        let update = &stack[child.update..][..child.update_octets()];
         let in_parent = &symbolic.in_parent[child.rows.clone()];
         let count = 3 * in_parent.len();
         let split = self.find(in_parent, parent, part);
@@ -110,14 +116,14 @@ impl Places {
             let first = WIDTH * strip;
             let source = &update[triangle_start(strip)..][..first + WIDTH];
             let rows = &self.rows[first..count.min(first + WIDTH)];
-            // Four rows at once left of the diagonal tile; row by row within it and where a strip is not whole.
+            // Eight rows at once left of the diagonal tile; row by row within it and where a strip is not whole.
             let mut done = begin;
-            if let &[a, b, c, d] = rows
+            if let Ok(rows) = <&[(u32, u32); WIDTH]>::try_from(rows)
                 && first >= begin
             {
                 done = end.min(first);
                 for (&column, value) in columns[begin..done].iter().zip(&source[begin..done]) {
-                    for (lane, row) in [a, b, c, d].into_iter().enumerate() {
+                    for (lane, row) in rows.iter().enumerate() {
                         target[(row.0 + column) as usize].0[row.1 as usize % WIDTH] +=
                             value.0[lane];
                     }
@@ -140,12 +146,12 @@ impl Places {
         let first = if part == Part::Panel { 0 } else { split };
         for index in first..3 * in_parent.len() {
             let row = 3 * in_parent[index / 3] as usize + index % 3;
-            let (row, (quad, lane)) = match part {
+            let (row, (octet, lane)) = match part {
                 Part::Panel if index < split => (row, Front::own_row(row)),
                 Part::Panel => (row, parent.below_row(row - 3 * eliminated)),
                 Part::Update => (row - 3 * eliminated, Front::own_row(row - 3 * eliminated)),
             };
-            self.rows[index] = (quad as u32, lane as u32);
+            self.rows[index] = (octet as u32, lane as u32);
             self.columns[index] = row as u32;
         }
         split

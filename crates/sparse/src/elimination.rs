@@ -221,10 +221,10 @@ impl Supernodes {
     }
 }
 
-/// Cost of a front that eliminates `s` nodes and updates `u`, in multiplications: the arithmetic, four for each number
+/// Cost of a front that eliminates `s` nodes and updates `u`, in multiplications: the arithmetic, ten for each number
 /// of the update matrix, which is written and then added to the parent, and a fixed share for walking through it. The
 /// weights were measured on grids of 256 to 10,309 nodes; the optimum is flat.
 fn cost(s: usize, u: usize) -> f64 {
     let (s, u) = (3.0 * s as f64, 3.0 * u as f64);
-    s * s * s / 6.0 + s * s * u / 2.0 + s * u * u / 2.0 + 4.0 * u * u / 2.0 + 2000.0
+    s * s * s / 6.0 + s * s * u / 2.0 + s * u * u / 2.0 + 10.0 * u * u / 2.0 + 5000.0
 }

@@ -11,8 +11,9 @@ use nalgebra::Vector3;
 use crate::BlockMatrix;
 use crate::assembly::{Part, Places, assemble};
 use crate::kernels::{
-    Quad, WIDTH, factor_panel, outer_product, solve_backward, solve_forward, triangle_start,
+    Octet, WIDTH, factor_panel, outer_product, solve_backward, solve_forward, triangle_start,
 };
+use crate::real::Real;
 use crate::symbolic::{Front, Symbolic};
 
 /// The matrix is not positive definite, to working accuracy, or not finite.
@@ -36,37 +37,39 @@ impl std::error::Error for NotPositive {}
 
 /// Cholesky factor A = L Lᵀ of matrices on one pattern, with its workspace: after `new` nothing is allocated.
 #[derive(Debug)]
-pub struct Factor {
+pub struct Factor<T = f64> {
     symbolic: Arc<Symbolic>,
-    panels: Vec<Quad>,
-    updates: [Vec<Quad>; 2],
+    panels: Vec<Octet<T>>,
+    updates: [Vec<Octet<T>>; 2],
     /// Whether `panels` hold a factor.
     valid: bool,
     /// Least admissible pivots of a front's columns.
-    least: Vec<f64>,
+    least: Vec<T>,
     places: Places,
     /// Right-hand side in the order of elimination; that of a front, above and below; room for the backward solution.
-    x: Vec<f64>,
-    own: Vec<Quad>,
-    below: Vec<Quad>,
-    sums: Vec<Quad>,
+    x: Vec<T>,
+    own: Vec<Octet<T>>,
+    below: Vec<Octet<T>>,
+    sums: Vec<Octet<T>>,
 }
 
-impl Factor {
+impl<T: Real> Factor<T> {
     /// Allocates the factor; it holds no numbers until `factorise`.
     pub fn new(symbolic: Arc<Symbolic>) -> Self {
         let most = |size: fn(&Front) -> usize| symbolic.fronts.iter().map(size).max().unwrap_or(0);
         let (triangle, below) = (most(Front::triangle), most(Front::below));
         Self {
-            panels: vec![Quad::ZERO; symbolic.panel_quads],
-            updates: symbolic.stack_quads.map(|quads| vec![Quad::ZERO; quads]),
+            panels: vec![Octet::ZERO; symbolic.panel_octets],
+            updates: symbolic
+                .stack_octets
+                .map(|octets| vec![Octet::ZERO; octets]),
             valid: false,
-            least: vec![0.0; WIDTH * triangle],
+            least: vec![T::ZERO; WIDTH * triangle],
             places: Places::new(WIDTH * below),
-            x: vec![0.0; 3 * symbolic.sequence.len()],
-            own: vec![Quad::ZERO; triangle],
-            below: vec![Quad::ZERO; below],
-            sums: vec![Quad::ZERO; WIDTH * triangle],
+            x: vec![T::ZERO; 3 * symbolic.sequence.len()],
+            own: vec![Octet::ZERO; triangle],
+            below: vec![Octet::ZERO; below],
+            sums: vec![Octet::ZERO; WIDTH * triangle],
             symbolic,
         }
     }
@@ -103,7 +106,7 @@ impl Factor {
         }
         self.valid = false;
         for front in &symbolic.fronts {
-            let panel = &mut self.panels[front.panel..][..front.panel_quads()];
+            let panel = &mut self.panels[front.panel..][..front.panel_octets()];
             let triangle = front.triangle();
             let least = &mut self.least[..WIDTH * triangle];
             let [even, odd] = &mut self.updates;
@@ -112,7 +115,7 @@ impl Factor {
             } else {
                 (odd, even)
             };
-            let update = &mut own[front.update..][..front.update_quads()];
+            let update = &mut own[front.update..][..front.update_octets()];
             assemble(
                 &symbolic.entries[front.entries.clone()],
                 front,
@@ -147,10 +150,12 @@ impl Factor {
         let symbolic = &*self.symbolic;
         assert_eq!(rhs.len(), symbolic.sequence.len(), "one vector per node");
         for (x, &node) in self.x.chunks_exact_mut(3).zip(&symbolic.sequence) {
-            x.copy_from_slice(rhs[node as usize].as_slice());
+            for (x, value) in x.iter_mut().zip(rhs[node as usize].iter()) {
+                *x = T::from_f64(*value);
+            }
         }
         for front in &symbolic.fronts {
-            let panel = &self.panels[front.panel..][..front.panel_quads()];
+            let panel = &self.panels[front.panel..][..front.panel_octets()];
             let (own, below) = (
                 &mut self.own[..front.triangle()],
                 &mut self.below[..front.below()],
@@ -164,7 +169,7 @@ impl Factor {
             scatter(below, rows, &mut self.x);
         }
         for front in symbolic.fronts.iter().rev() {
-            let panel = &self.panels[front.panel..][..front.panel_quads()];
+            let panel = &self.panels[front.panel..][..front.panel_octets()];
             let (own, below) = (
                 &mut self.own[..front.triangle()],
                 &mut self.below[..front.below()],
@@ -176,43 +181,45 @@ impl Factor {
             store(own, &mut self.x[columns]);
         }
         for (x, &node) in self.x.chunks_exact(3).zip(&symbolic.sequence) {
-            rhs[node as usize].copy_from_slice(x);
+            for (value, x) in rhs[node as usize].iter_mut().zip(x) {
+                *value = x.to_f64();
+            }
         }
     }
 }
 
-/// Copies numbers into quads; the last quad is filled up with zeros.
-fn load(quads: &mut [Quad], x: &[f64]) {
-    for (quad, x) in quads.iter_mut().zip(x.chunks(WIDTH)) {
-        *quad = Quad::ZERO;
-        quad.0[..x.len()].copy_from_slice(x);
+/// Copies numbers into octets; the last octet is filled up with zeros.
+fn load<T: Real>(octets: &mut [Octet<T>], x: &[T]) {
+    for (octet, x) in octets.iter_mut().zip(x.chunks(WIDTH)) {
+        *octet = Octet::ZERO;
+        octet.0[..x.len()].copy_from_slice(x);
     }
 }
 
 /// The way back.
-fn store(quads: &[Quad], x: &mut [f64]) {
-    for (quad, x) in quads.iter().zip(x.chunks_mut(WIDTH)) {
-        x.copy_from_slice(&quad.0[..x.len()]);
+fn store<T: Real>(octets: &[Octet<T>], x: &mut [T]) {
+    for (octet, x) in octets.iter().zip(x.chunks_mut(WIDTH)) {
+        x.copy_from_slice(&octet.0[..x.len()]);
     }
 }
 
-/// Copies the vectors at `rows` into quads; the last quad is filled up with zeros.
-fn gather(quads: &mut [Quad], rows: &[u32], x: &[f64]) {
-    if let Some(last) = quads.last_mut() {
-        *last = Quad::ZERO;
+/// Copies the vectors at `rows` into octets; the last octet is filled up with zeros.
+fn gather<T: Real>(octets: &mut [Octet<T>], rows: &[u32], x: &[T]) {
+    if let Some(last) = octets.last_mut() {
+        *last = Octet::ZERO;
     }
     for (k, &row) in rows.iter().enumerate() {
         for (a, &value) in x[3 * row as usize..][..3].iter().enumerate() {
-            quads[(3 * k + a) / WIDTH].0[(3 * k + a) % WIDTH] = value;
+            octets[(3 * k + a) / WIDTH].0[(3 * k + a) % WIDTH] = value;
         }
     }
 }
 
 /// The way back.
-fn scatter(quads: &[Quad], rows: &[u32], x: &mut [f64]) {
+fn scatter<T: Real>(octets: &[Octet<T>], rows: &[u32], x: &mut [T]) {
     for (k, &row) in rows.iter().enumerate() {
         for (a, value) in x[3 * row as usize..][..3].iter_mut().enumerate() {
-            *value = quads[(3 * k + a) / WIDTH].0[(3 * k + a) % WIDTH];
+            *value = octets[(3 * k + a) / WIDTH].0[(3 * k + a) % WIDTH];
         }
     }
 }

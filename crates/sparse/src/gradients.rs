@@ -158,7 +158,8 @@ mod tests {
     fn agrees_with_the_factor() {
         let (matrix, b) = bar();
         let ordering = Ordering::natural(b.len());
-        let mut factor = Factor::new(Arc::new(Symbolic::analyse(matrix.pattern(), &ordering)));
+        let mut factor =
+            Factor::<f64>::new(Arc::new(Symbolic::analyse(matrix.pattern(), &ordering)));
         factor.factorise(&matrix, None).unwrap();
         let mut expected = b.clone();
         factor.solve(&mut expected);

@@ -1,57 +1,65 @@
 //! Dense kernels on strips: the arithmetic of a front.
 //!
-//! A matrix is kept in strips of four rows; a strip is a run of columns, each a [`Quad`] of its four rows. Both
-//! operands of a product A Bᵀ of two strips are then read in order, no packing is needed, and one 4×4 tile of results
-//! fits the registers of the smallest x86-64 machine (eight of two numbers) or any wider one.
+//! A matrix is kept in strips of eight rows; a strip is a run of columns, each an [`Octet`] of its eight rows. Both operands
+//! of a product A Bᵀ of two strips are then read in order and no packing is needed. As many columns of a tile of results are
+//! worked on together as fill eight registers of 256 bits ([`Real::product`]): more would not fit beside the operands, with
+//! fewer the processor waits for its own sums.
 //!
-//! Each number of a result is one sum over the columns in ascending order, whatever the width of the registers: the
-//! same bits on every machine. Only indices of whole strips are checked at run time, once per tile.
+//! Each number of a result is one sum over the columns in ascending order, a multiplication and an addition rounded once
+//! (`mul_add`), whatever the width of the registers: the same bits on every machine. The build must allow the instruction for
+//! that (x86-64-v3); without it the bits are the same, but a call of a function per number makes it useless. Only indices of whole strips are checked at run time, once per tile.
 
-/// One column of a strip: four rows. Aligned so that a load never crosses a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+use crate::real::Real;
+
+/// One column of a strip: eight rows. Aligned so that a load never crosses a cache line.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub(crate) struct Quad(pub [f64; 4]);
+pub struct Octet<T>(pub [T; WIDTH]);
 
-impl Quad {
-    pub const ZERO: Self = Self([0.0; 4]);
+impl<T: Real> Octet<T> {
+    pub const ZERO: Self = Self([T::ZERO; WIDTH]);
 }
 
 /// Rows of a strip, and columns of a tile.
-pub(crate) const WIDTH: usize = 4;
+pub const WIDTH: usize = 8;
 
 /// Strips that are worked on together against one other strip, so that this one is read from memory once.
 const BLOCK: usize = 4;
 
-/// Four columns of a strip.
-type Tile = [Quad; WIDTH];
+/// Eight columns of a strip.
+pub type Tile<T> = [Octet<T>; WIDTH];
 
-/// Where strip `i` of a lower triangle begins: strip k holds the columns 0..4(k + 1).
+/// Where strip `i` of a lower triangle begins: strip k holds the columns 0..8(k + 1).
 pub(crate) fn triangle_start(i: usize) -> usize {
-    2 * i * (i + 1)
+    WIDTH * i * (i + 1) / 2
 }
 
-/// Tile of A Bᵀ: entry (row r of a, row c of b) = Σ_p a_rp b_cp, at column c, lane r.
+/// Columns `first..first + C` of the tile A Bᵀ: entry (row r of a, row c of b) = Σ_p a_rp b_cp, at column c, lane r.
 #[inline(always)]
-fn product(a: &[Quad], b: &[Quad]) -> Tile {
-    let mut tile = [[0.0; WIDTH]; WIDTH];
+pub(crate) fn columns_of_product<T: Real, const C: usize>(
+    a: &[Octet<T>],
+    b: &[Octet<T>],
+    first: usize,
+) -> [Octet<T>; C] {
+    let mut tile = [[T::ZERO; WIDTH]; C];
     for (a, b) in a.iter().zip(b) {
-        for (column, b) in tile.iter_mut().zip(&b.0) {
+        for (c, column) in tile.iter_mut().enumerate() {
+            let b = b.0[first + c];
             for (sum, a) in column.iter_mut().zip(&a.0) {
-                *sum += a * b;
+                *sum = a.mul_add(b, *sum);
             }
         }
     }
-    tile.map(Quad)
+    tile.map(Octet)
 }
 
 /// tile − A Bᵀ.
 #[inline(always)]
-fn reduced(tile: &[Quad], a: &[Quad], b: &[Quad]) -> Tile {
-    let product = product(a, b);
-    let mut result = [Quad::ZERO; WIDTH];
-    for ((result, tile), product) in result.iter_mut().zip(tile).zip(&product) {
-        for lane in 0..WIDTH {
-            result.0[lane] = tile.0[lane] - product.0[lane];
+fn reduced<T: Real>(tile: &[Octet<T>], a: &[Octet<T>], b: &[Octet<T>]) -> Tile<T> {
+    let mut result = T::product(a, b);
+    for (result, tile) in result.iter_mut().zip(tile) {
+        for (result, value) in result.0.iter_mut().zip(&tile.0) {
+            *result = *value - *result;
         }
     }
     result
@@ -59,7 +67,8 @@ fn reduced(tile: &[Quad], a: &[Quad], b: &[Quad]) -> Tile {
 
 /// X with X Lᵀ = tile, for the triangular tile L that has the reciprocals of its diagonal in the diagonal's place.
 #[inline(always)]
-fn solved(mut tile: Tile, l: &[Quad]) -> Tile {
+fn solved<T: Real>(mut tile: Tile<T>, l: &[Octet<T>]) -> Tile<T> {
+    let l = &l[..WIDTH];
     for j in 0..WIDTH {
         for p in 0..j {
             for lane in 0..WIDTH {
@@ -75,32 +84,35 @@ fn solved(mut tile: Tile, l: &[Quad]) -> Tile {
 
 /// Cholesky factor of a tile, in its lower triangle, with the reciprocals of the diagonal in its place. Fails with the
 /// column whose pivot is not above its `least`, or not finite.
-fn cholesky(mut tile: Tile, least: &[f64]) -> Result<Tile, usize> {
+fn cholesky<T: Real>(mut tile: Tile<T>, least: &[T]) -> Result<Tile<T>, usize> {
     for j in 0..WIDTH {
         for p in 0..j {
-            for lane in j..WIDTH {
-                tile[j].0[lane] -= tile[p].0[lane] * tile[p].0[j];
+            // What lies above the diagonal is worked on too: a loop of fixed length takes less time.
+            let factor = tile[p].0[j];
+            for lane in 0..WIDTH {
+                tile[j].0[lane] -= tile[p].0[lane] * factor;
             }
         }
         let pivot = tile[j].0[j];
         if pivot <= least[j] || !pivot.is_finite() {
             return Err(j);
         }
-        let reciprocal = 1.0 / pivot.sqrt();
-        for lane in j + 1..WIDTH {
+        let reciprocal = T::ONE / pivot.sqrt();
+        for lane in 0..WIDTH {
             tile[j].0[lane] *= reciprocal;
         }
         tile[j].0[j] = reciprocal;
+        tile[j].0[..j].fill(T::ZERO);
     }
     Ok(tile)
 }
 
-/// Factors a panel in place: `triangle` strips of a lower triangle, then full strips of 4·`triangle` columns below it.
+/// Factors a panel in place: `triangle` strips of a lower triangle, then full strips of 8·`triangle` columns below it.
 /// `least` bounds each pivot from below. Fails with the column of the pivot that is not above it.
-pub(crate) fn factor_panel(
-    panel: &mut [Quad],
+pub(crate) fn factor_panel<T: Real>(
+    panel: &mut [Octet<T>],
     triangle: usize,
-    least: &[f64],
+    least: &[T],
 ) -> Result<(), usize> {
     let width = WIDTH * triangle;
     // The triangle: blocks of strips against all strips before the block, then within the block.
@@ -140,24 +152,24 @@ pub(crate) fn factor_panel(
 /// Finishes tile `j` of a strip: less what its columns before share with the strip `pivot`, then solved against the
 /// last tile of that one.
 #[inline(always)]
-fn eliminate(strip: &mut [Quad], pivot: &[Quad], j: usize) {
+fn eliminate<T: Real>(strip: &mut [Octet<T>], pivot: &[Octet<T>], j: usize) {
     let (before, tile) = strip[..WIDTH * (j + 1)].split_at_mut(WIDTH * j);
     let (pivot, corner) = pivot.split_at(WIDTH * j);
     tile.copy_from_slice(&solved(reduced(tile, before, pivot), corner));
 }
 
 /// Writes −B Bᵀ into the lower triangle of strips `update`; `below` are the strips B, `width` columns each.
-pub(crate) fn outer_product(below: &[Quad], width: usize, update: &mut [Quad]) {
+pub(crate) fn outer_product<T: Real>(below: &[Octet<T>], width: usize, update: &mut [Octet<T>]) {
     let strips = below.len() / width;
     for begin in (0..strips).step_by(BLOCK) {
         let end = strips.min(begin + BLOCK);
         for j in 0..end {
             let right = &below[j * width..][..width];
             for i in begin.max(j)..end {
-                let tile = product(&below[i * width..][..width], right);
+                let tile = T::product(&below[i * width..][..width], right);
                 let place = &mut update[triangle_start(i) + WIDTH * j..][..WIDTH];
                 for (place, column) in place.iter_mut().zip(&tile) {
-                    *place = Quad(column.0.map(|value| -value));
+                    *place = Octet(column.0.map(|value| -value));
                 }
             }
         }
@@ -165,7 +177,11 @@ pub(crate) fn outer_product(below: &[Quad], width: usize, update: &mut [Quad]) {
 }
 
 /// Solves L y = b in place for the panel's triangle, then takes L_below y from `below`.
-pub(crate) fn solve_forward(panel: &[Quad], own: &mut [Quad], below: &mut [Quad]) {
+pub(crate) fn solve_forward<T: Real>(
+    panel: &[Octet<T>],
+    own: &mut [Octet<T>],
+    below: &mut [Octet<T>],
+) {
     let width = WIDTH * own.len();
     for i in 0..own.len() {
         let strip = &panel[triangle_start(i)..][..WIDTH * (i + 1)];
@@ -176,7 +192,7 @@ pub(crate) fn solve_forward(panel: &[Quad], own: &mut [Quad], below: &mut [Quad]
             y[j] = (y[j] - sum[j]) * column.0[j];
             let value = y[j];
             for (y, l) in y.iter_mut().zip(&column.0).skip(j + 1) {
-                *y -= l * value;
+                *y -= *l * value;
             }
         }
     }
@@ -188,26 +204,41 @@ pub(crate) fn solve_forward(panel: &[Quad], own: &mut [Quad], below: &mut [Quad]
     }
 }
 
+/// Sums of a row that run side by side.
+const SUMS: usize = 4;
+
 /// The strip times a vector, in four interleaved sums.
 #[inline(always)]
-fn row_sums(strip: &[Quad], x: &[Quad]) -> [f64; WIDTH] {
-    let mut sums = [[0.0; WIDTH]; WIDTH];
+fn row_sums<T: Real>(strip: &[Octet<T>], x: &[Octet<T>]) -> [T; WIDTH] {
+    let mut sums = [[T::ZERO; WIDTH]; SUMS];
     for (tile, x) in strip.as_chunks::<WIDTH>().0.iter().zip(x) {
-        for ((sum, column), x) in sums.iter_mut().zip(tile).zip(&x.0) {
-            for (sum, value) in sum.iter_mut().zip(&column.0) {
-                *sum += value * x;
+        for (columns, x) in tile
+            .as_chunks::<SUMS>()
+            .0
+            .iter()
+            .zip(x.0.as_chunks::<SUMS>().0)
+        {
+            for ((sum, column), x) in sums.iter_mut().zip(columns).zip(x) {
+                for (sum, value) in sum.iter_mut().zip(&column.0) {
+                    *sum += *value * *x;
+                }
             }
         }
     }
     std::array::from_fn(|lane| (sums[0][lane] + sums[1][lane]) + (sums[2][lane] + sums[3][lane]))
 }
 
-/// Solves Lᵀ x = y − L_belowᵀ `below` in place. `sums` is room for one quad per column of the panel.
-pub(crate) fn solve_backward(panel: &[Quad], own: &mut [Quad], below: &[Quad], sums: &mut [Quad]) {
+/// Solves Lᵀ x = y − L_belowᵀ `below` in place. `sums` is room for one octet per column of the panel.
+pub(crate) fn solve_backward<T: Real>(
+    panel: &[Octet<T>],
+    own: &mut [Octet<T>],
+    below: &[Octet<T>],
+    sums: &mut [Octet<T>],
+) {
     let width = WIDTH * own.len();
     // Lane by lane, so that the sums over the lanes are formed once, at the end.
     let sums = &mut sums[..width];
-    sums.fill(Quad::ZERO);
+    sums.fill(Octet::ZERO);
     let strips = panel[triangle_start(own.len())..].chunks_exact(width);
     for (strip, x) in strips.zip(below) {
         add_lanes(sums, strip, x);
@@ -216,10 +247,11 @@ pub(crate) fn solve_backward(panel: &[Quad], own: &mut [Quad], below: &[Quad], s
         let (before, tile) = panel[triangle_start(i)..][..WIDTH * (i + 1)].split_at(WIDTH * i);
         let mut x = own[i].0;
         for j in (0..WIDTH).rev() {
-            let [a, b, c, d] = sums[WIDTH * i + j].0;
-            x[j] -= (a + b) + (c + d);
+            let [a, b, c, d, e, f, g, h] = sums[WIDTH * i + j].0;
+            x[j] -= ((a + b) + (c + d)) + ((e + f) + (g + h));
             for lane in j + 1..WIDTH {
-                x[j] -= tile[j].0[lane] * x[lane];
+                let value = x[lane];
+                x[j] -= tile[j].0[lane] * value;
             }
             x[j] *= tile[j].0[j];
         }
@@ -229,7 +261,7 @@ pub(crate) fn solve_backward(panel: &[Quad], own: &mut [Quad], below: &[Quad], s
 }
 
 #[inline(always)]
-fn add_lanes(sums: &mut [Quad], strip: &[Quad], x: &Quad) {
+fn add_lanes<T: Real>(sums: &mut [Octet<T>], strip: &[Octet<T>], x: &Octet<T>) {
     for (sum, column) in sums.iter_mut().zip(strip) {
         for lane in 0..WIDTH {
             sum.0[lane] += column.0[lane] * x.0[lane];

@@ -10,7 +10,7 @@
 //! // Once per mesh: where the blocks are, and how to eliminate. `positions` make a better ordering; None will do.
 //! let pattern = Arc::new(Pattern::from_cliques(3, [[0, 1], [1, 2]]));
 //! let ordering = Ordering::nested_dissection(&pattern, None);
-//! let mut factor = Factor::new(Arc::new(Symbolic::analyse(&pattern, &ordering)));
+//! let mut factor = Factor::<f64>::new(Arc::new(Symbolic::analyse(&pattern, &ordering)));
 //! let mut matrix = BlockMatrix::zeros(pattern);
 //!
 //! // Each step: numbers, factor, solution.
@@ -39,6 +39,7 @@ mod matrix;
 mod minimum_degree;
 mod ordering;
 mod pattern;
+mod real;
 mod separator;
 mod symbolic;
 
@@ -47,6 +48,7 @@ pub use gradients::{BlockJacobi, CgOutcome, conjugate_gradients};
 pub use matrix::BlockMatrix;
 pub use ordering::{NotPermutation, Ordering};
 pub use pattern::Pattern;
+pub use real::Real;
 pub use symbolic::Symbolic;
 
 #[cfg(test)]

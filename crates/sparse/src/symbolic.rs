@@ -11,7 +11,7 @@ use crate::{Ordering, Pattern};
 ///
 /// A front is a supernode: `s` nodes are eliminated together, `u` nodes further up are updated. Its columns of the
 /// factor, the *panel*, and its *update* matrix are stored in the strips of the kernels: first the 3s rows of the
-/// triangle, filled up to a multiple of four with rows of the identity, then the 3u rows below, filled up with zeros.
+/// triangle, filled up to a multiple of eight with rows of the identity, then the 3u rows below, filled up with zeros.
 #[derive(Debug)]
 pub struct Symbolic {
     pub(crate) pattern: Arc<Pattern>,
@@ -26,9 +26,9 @@ pub struct Symbolic {
     pub(crate) children: Vec<u32>,
     /// Blocks of the matrix in the order of the panels they belong to.
     pub(crate) entries: Vec<Entry>,
-    /// Quads of all panels together, and of the two stacks of updates.
-    pub(crate) panel_quads: usize,
-    pub(crate) stack_quads: [usize; 2],
+    /// Octets of all panels together, and of the two stacks of updates.
+    pub(crate) panel_octets: usize,
+    pub(crate) stack_octets: [usize; 2],
 }
 
 #[derive(Debug, Clone)]
@@ -41,7 +41,7 @@ pub(crate) struct Front {
     pub children: std::ops::Range<usize>,
     /// Range in `entries`.
     pub entries: std::ops::Range<usize>,
-    /// First quad of the panel.
+    /// First octet of the panel.
     pub panel: usize,
     /// Which stack the update lies on, and where. Children lie on the other stack than their parent.
     pub stack: usize,
@@ -59,17 +59,17 @@ impl Front {
         (3 * self.rows.len()).div_ceil(WIDTH)
     }
 
-    /// Quads of the panel.
-    pub fn panel_quads(&self) -> usize {
+    /// Octets of the panel.
+    pub fn panel_octets(&self) -> usize {
         triangle_start(self.triangle()) + self.below() * self.triangle() * WIDTH
     }
 
-    /// Quads of the update.
-    pub fn update_quads(&self) -> usize {
+    /// Octets of the update.
+    pub fn update_octets(&self) -> usize {
         triangle_start(self.below())
     }
 
-    /// Where scalar row `row` of a triangle begins: the quad of its column 0, and its lane.
+    /// Where scalar row `row` of a triangle begins: the octet of its column 0, and its lane.
     pub fn own_row(row: usize) -> (usize, usize) {
         (triangle_start(row / WIDTH), row % WIDTH)
     }
@@ -90,7 +90,7 @@ pub(crate) struct Entry {
     pub slot: u32,
     /// The nodes of the block.
     pub nodes: [u32; 2],
-    /// For each row of the block: the quad of its first column within the panel, times four, plus the lane.
+    /// For each row of the block: the octet of its first column within the panel, times eight, plus the lane.
     pub targets: [u32; 3],
     pub kind: Kind,
 }
@@ -130,8 +130,8 @@ impl Symbolic {
             in_parent: Vec::new(),
             children: Vec::new(),
             entries: Vec::with_capacity(pattern.blocks()),
-            panel_quads: 0,
-            stack_quads: [0; 2],
+            panel_octets: 0,
+            stack_octets: [0; 2],
         };
         for (k, rows) in rows.iter().enumerate() {
             let start = symbolic.rows.len();
@@ -141,11 +141,11 @@ impl Symbolic {
                 rows: start..symbolic.rows.len(),
                 children: 0..0,
                 entries: 0..0,
-                panel: symbolic.panel_quads,
+                panel: symbolic.panel_octets,
                 stack: 0,
                 update: 0,
             };
-            symbolic.panel_quads += front.panel_quads();
+            symbolic.panel_octets += front.panel_octets();
             symbolic.fronts.push(front);
         }
         symbolic.link(&parent);
@@ -186,8 +186,8 @@ impl Symbolic {
             self.fronts[k].children = start..self.children.len();
             let stack = self.fronts[k].stack;
             self.fronts[k].update = tops[stack];
-            tops[stack] += self.fronts[k].update_quads();
-            self.stack_quads[stack] = self.stack_quads[stack].max(tops[stack]);
+            tops[stack] += self.fronts[k].update_octets();
+            self.stack_octets[stack] = self.stack_octets[stack].max(tops[stack]);
             if let Some(&eldest) = self.children.get(start) {
                 tops[1 - stack] = self.fronts[eldest as usize].update;
             }
@@ -211,7 +211,7 @@ impl Symbolic {
         let mut below = vec![0; place.len()];
         for front in &mut self.fronts {
             assert!(
-                front.panel_quads() < u32::MAX as usize / WIDTH,
+                front.panel_octets() < u32::MAX as usize / WIDTH,
                 "a front has less than 2³² numbers"
             );
             for (k, &row) in self.rows[front.rows.clone()].iter().enumerate() {
@@ -223,12 +223,12 @@ impl Symbolic {
                     let [i, j] = nodes.map(|node| place[node as usize]);
                     let targets = std::array::from_fn(|a| {
                         let row = i.max(j);
-                        let (quad, lane) = if row < front.columns.end {
+                        let (octet, lane) = if row < front.columns.end {
                             Front::own_row(3 * (row - front.columns.start) + a)
                         } else {
                             front.below_row(3 * below[row] + a)
                         };
-                        (WIDTH * (quad + 3 * k) + lane) as u32
+                        (WIDTH * (octet + 3 * k) + lane) as u32
                     });
                     let kind = match i.cmp(&j) {
                         std::cmp::Ordering::Less => Kind::Upper,
@@ -249,12 +249,12 @@ impl Symbolic {
 
     /// Numbers (f64) that a factor holds, filling included.
     pub fn factor_entries(&self) -> usize {
-        WIDTH * self.panel_quads
+        WIDTH * self.panel_octets
     }
 
     /// Numbers (f64) of the updates that wait at most during a factorisation.
     pub fn workspace_entries(&self) -> usize {
-        WIDTH * (self.stack_quads[0] + self.stack_quads[1])
+        WIDTH * (self.stack_octets[0] + self.stack_octets[1])
     }
 
     /// Additions and multiplications of one factorisation, without those on filling.

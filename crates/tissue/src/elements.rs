@@ -10,6 +10,7 @@ mod continuum_constraints;
 mod continuum_matrix;
 mod coupling;
 mod domains;
+mod matrix;
 mod measure;
 mod plasticity;
 mod smoothed;
@@ -18,11 +19,12 @@ pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Smoothed};
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
 pub use domains::{Domains, Tetrahedra};
+pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;
 pub use smoothed::SmoothingDomains;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
@@ -93,6 +95,20 @@ pub trait Elements: Debug + Send + Sync {
         out: &mut ElementMatrix,
     );
 
+    /// Adds the second derivatives of the energies of all elements to a matrix, in ascending order.
+    fn add_stiffness(
+        &self,
+        at: &Configuration<'_>,
+        tangent: Tangent,
+        matrix: &mut MatrixWindow<'_>,
+    ) {
+        let mut block = ElementMatrix::new();
+        for element in 0..self.count() {
+            self.stiffness(element, at, tangent, &mut block);
+            matrix.add(element, &block, 1.0);
+        }
+    }
+
     /// Whether any element resists speed: [`damping`](Self::damping) is zero otherwise.
     fn is_viscous(&self) -> bool;
 
@@ -154,76 +170,5 @@ impl NodeWindow<'_> {
     }
 }
 
-/// A dense matrix of 3×3 blocks over the nodes of one element.
-#[derive(Clone, Debug, Default)]
-pub struct ElementMatrix {
-    nodes: usize,
-    blocks: Vec<Matrix3<f64>>,
-}
-
-impl ElementMatrix {
-    /// An empty matrix; its memory is kept from element to element.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Makes it a zero matrix over `nodes` nodes.
-    pub fn reset(&mut self, nodes: usize) {
-        self.nodes = nodes;
-        self.blocks.clear();
-        self.blocks.resize(nodes * nodes, Matrix3::zeros());
-    }
-
-    /// Number of nodes.
-    pub fn nodes(&self) -> usize {
-        self.nodes
-    }
-
-    /// The block of row node `i` and column node `j`.
-    #[inline]
-    pub fn block(&self, i: usize, j: usize) -> &Matrix3<f64> {
-        &self.blocks[i * self.nodes + j]
-    }
-
-    /// The block of row node `i` and column node `j`.
-    #[inline]
-    pub fn block_mut(&mut self, i: usize, j: usize) -> &mut Matrix3<f64> {
-        &mut self.blocks[i * self.nodes + j]
-    }
-
-    /// Adds factor·g gᵀ, `g` one vector per node.
-    pub fn add_outer(&mut self, g: &[Vector3<f64>], factor: f64) {
-        for (i, gi) in g.iter().enumerate() {
-            let scaled = gi * factor;
-            for (j, gj) in g.iter().enumerate() {
-                *self.block_mut(i, j) += scaled * gj.transpose();
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 pub(crate) mod contract;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_outer_product_is_symmetric_and_adds_up() {
-        let g = [Vector3::new(1.0, 2.0, 3.0), Vector3::new(-4.0, 0.5, 2.0)];
-        let mut matrix = ElementMatrix::new();
-        matrix.reset(2);
-        matrix.add_outer(&g, 2.0);
-        matrix.add_outer(&g, 1.0);
-        for i in 0..2 {
-            for j in 0..2 {
-                for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
-                    assert_eq!(matrix.block(i, j)[(r, c)], 3.0 * g[i][r] * g[j][c]);
-                }
-            }
-        }
-        matrix.reset(1);
-        assert_eq!((matrix.nodes(), *matrix.block(0, 0)), (1, Matrix3::zeros()));
-    }
-}

@@ -18,6 +18,7 @@ mod stable_neo_hookean;
 pub mod viscosity;
 
 pub use corotational::Corotational;
+pub use invariants::InvariantDerivatives;
 pub use neo_hookean::NeoHookean;
 pub use neo_hookean_polynomial::NeoHookeanPolynomial;
 pub use principal::PrincipalTangent;
@@ -66,6 +67,11 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
 
     /// ∂P/∂F [Pa].
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9;
+
+    /// Derivatives of a and b at F with det F = `j`, for a law of the form Ψ = a(tr FᵀF) + b(det F), whose matrices are cheap.
+    fn invariants(_f: &Matrix3<f64>, _j: f64, _lame: &Lame) -> Option<InvariantDerivatives> {
+        None
+    }
 
     /// ∂P/∂F [Pa] at F = diag(`stretches`).
     fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {

@@ -26,6 +26,8 @@ pub enum Method {
     ImplicitEuler(Newton),
     /// Implicit midpoint.
     ImplicitMidpoint(Newton),
+    /// Implicit midpoint that drops speed where a tetrahedron is distorted.
+    GuardedMidpoint(Newton),
     /// Second-order L-stable Runge–Kutta method of two implicit stages.
     Sdirk2(Newton),
     /// Static equilibrium at the end of each step.
@@ -67,6 +69,7 @@ impl Method {
             Self::VelocityVerletLagged => "velocity-verlet-lagged",
             Self::ImplicitEuler(_) => "implicit-euler",
             Self::ImplicitMidpoint(_) => "implicit-midpoint",
+            Self::GuardedMidpoint(_) => "guarded-midpoint",
             Self::Sdirk2(_) => "sdirk2",
             Self::QuasiStatic(_) => "quasi-static",
             Self::Xpbd { .. } => "xpbd",
@@ -84,6 +87,7 @@ impl Method {
             | Self::VelocityVerletLagged => true,
             Self::ImplicitEuler(_)
             | Self::ImplicitMidpoint(_)
+            | Self::GuardedMidpoint(_)
             | Self::Sdirk2(_)
             | Self::QuasiStatic(_)
             | Self::Xpbd { .. } => false,
@@ -99,6 +103,7 @@ impl Method {
             | Self::VelocityVerletLagged
             | Self::ImplicitEuler(_)
             | Self::ImplicitMidpoint(_)
+            | Self::GuardedMidpoint(_)
             | Self::Sdirk2(_)
             | Self::QuasiStatic(_)
             | Self::Xpbd { .. } => true,
@@ -112,6 +117,7 @@ impl Method {
         match self {
             Self::ImplicitEuler(Newton { iterations: 0, .. })
             | Self::ImplicitMidpoint(Newton { iterations: 0, .. })
+            | Self::GuardedMidpoint(Newton { iterations: 0, .. })
             | Self::Sdirk2(Newton { iterations: 0, .. })
             | Self::QuasiStatic(Newton { iterations: 0, .. })
             | Self::Xpbd { iterations: 0, .. } => Some("iterations must be at least 1"),
@@ -138,6 +144,7 @@ impl Method {
             Self::VelocityVerletLagged => explicit(Scheme::VelocityVerletLagged),
             Self::ImplicitEuler(newton) => implicit(ImplicitScheme::BackwardEuler, *newton),
             Self::ImplicitMidpoint(newton) => implicit(ImplicitScheme::Midpoint, *newton),
+            Self::GuardedMidpoint(newton) => implicit(ImplicitScheme::GuardedMidpoint, *newton),
             Self::Sdirk2(newton) => implicit(ImplicitScheme::Sdirk2, *newton),
             Self::QuasiStatic(newton) => Box::new(SolverQuasiStatic::new(model, *newton)),
             Self::Xpbd {
@@ -177,6 +184,7 @@ mod tests {
         for (method, value) in [
             (Method::ImplicitEuler(none), Some("iterations")),
             (Method::ImplicitMidpoint(none), Some("iterations")),
+            (Method::GuardedMidpoint(none), Some("iterations")),
             (Method::Sdirk2(none), Some("iterations")),
             (Method::QuasiStatic(none), Some("iterations")),
             (xpbd(1, 0), Some("iterations")),

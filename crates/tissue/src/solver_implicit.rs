@@ -8,9 +8,15 @@
 //! implicit midpoint  η = h/2    x̃ = x_n                     ṽ = v_n                 then x_{n+1} = 2x − x_n, v_{n+1} = 2v − v_n
 //! SDIRK2, stage 1    η = γh     x̃ = x_n                     ṽ = v_n
 //!         stage 2    η = γh     x̃ = x_n + (1−γ)h v_1        ṽ = v_n + (1−γ)h a_1    a_1 = (v_1 − v_n)/γh
+//! guarded midpoint   as implicit midpoint; where that distorts a tetrahedron
+//!         stage 2    η = h/2    x̃ = x                       ṽ = 0                   then x_{n+1} is its solution, v_{n+1} = 0
 //! ```
 //!
-//! with γ = 1 − 1/√2 (Alexander 1977). On linear problems SDIRK2 is TR-BDF2 (Bank et al. 1985), whose amplification is the
+//! The stage of implicit midpoint is backward Euler over half the step; guarded midpoint goes over the other half in the same way
+//! when a tetrahedron has less than half of its volume, or edges 1.5 times as long as at rest (root mean square), in the middle
+//! of the step or at the end to which implicit midpoint would go on.
+//!
+//! With γ = 1 − 1/√2 (Alexander 1977). On linear problems SDIRK2 is TR-BDF2 (Bank et al. 1985), whose amplification is the
 //! only one of second order with that denominator that damps stiff modes entirely; without TR-BDF2's explicit first half it
 //! does not need the forces at the start, which are large right after a contact or a jump.
 //!
@@ -29,7 +35,9 @@
 //! Backward Euler loses 10 % of the amplitude per period already at 200 steps per period, and with it the first peak of a
 //! released body: it is for coming to rest. Implicit midpoint keeps the energy of linear bodies; stiff modes ring on in it, and
 //! large steps of a nonlinear body, above all from a torn or inverted shape, may feed it until it blows up: there SDIRK2 goes
-//! on, and backward Euler comes to rest.
+//! on, and backward Euler comes to rest. Guarded midpoint is implicit midpoint to the bit while nothing is distorted; where something
+//! is, the body creeps out of it without inertia. That costs a second iteration in such steps and, with tissue that is meant to
+//! stretch so far, its swing.
 //!
 //! All conserve linear momentum up to the tolerance; angular momentum only implicit midpoint does. Backward Euler is of first
 //! order. With one iteration backward Euler stays of first order and implicit midpoint and SDIRK2 of second, but what is conserved
@@ -47,6 +55,11 @@ use nalgebra::Vector3;
 /// γ of SDIRK2, 1 − 1/√2.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
+/// A tetrahedron is distorted below this share of its volume at rest, or above this root mean square of the stretches of three of
+/// its edges.
+const LEAST_VOLUME: f64 = 0.5;
+const MOST_STRETCH: f64 = 1.5;
+
 /// Which method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImplicitScheme {
@@ -56,6 +69,8 @@ pub enum ImplicitScheme {
     Midpoint,
     /// Alexander's method of two stages.
     Sdirk2,
+    /// Implicit midpoint, that drops speed in a step in which a tetrahedron is distorted.
+    GuardedMidpoint,
 }
 
 /// The solver: working memory for one model.
@@ -131,6 +146,40 @@ impl SolverImplicit {
         )
     }
 
+    /// Whether an element is flat, inverted or far stretched in the middle of the step or would be so at its end.
+    fn is_distorted(&self, model: &TissueModel, state: &State) -> bool {
+        let middle = &self.solver.trial.positions;
+        let rest = model.rest_positions();
+        let squares =
+            |[a, b, c]: [Vector3<f64>; 3]| a.norm_squared() + b.norm_squared() + c.norm_squared();
+        let edges = |x: &dyn Fn(usize) -> Vector3<f64>, tet: &[u32; 4]| {
+            let [a, b, c, d] = tet.map(|node| x(node as usize));
+            [b - a, c - a, d - a]
+        };
+        model
+            .tets()
+            .iter()
+            .zip(model.rest_volumes())
+            .any(|(tet, volume)| {
+                let most = MOST_STRETCH * MOST_STRETCH * squares(edges(&|n| rest[n], tet));
+                let least = 6.0 * LEAST_VOLUME * volume;
+                let bad = |e: [Vector3<f64>; 3]| {
+                    !(e[0].dot(&e[1].cross(&e[2])) > least && squares(e) < most)
+                };
+                bad(edges(&|n| middle[n], tet))
+                    || bad(edges(
+                        &|n| {
+                            if self.prescribed.fixed[n] {
+                                self.prescribed.ends[n]
+                            } else {
+                                middle[n] * 2.0 - state.positions[n]
+                            }
+                        },
+                        tet,
+                    ))
+            })
+    }
+
     /// The second stage of SDIRK2, after the first.
     fn second_stage(
         &mut self,
@@ -182,7 +231,7 @@ impl Solver for SolverImplicit {
             .copy_from_slice(&state.velocities);
         let (span, way) = match self.scheme {
             ImplicitScheme::BackwardEuler => (h, 1.0),
-            ImplicitScheme::Midpoint => (0.5 * h, 0.5),
+            ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint => (0.5 * h, 0.5),
             ImplicitScheme::Sdirk2 => (GAMMA * h, GAMMA),
         };
         let start = &state.positions;
@@ -194,8 +243,31 @@ impl Solver for SolverImplicit {
             report.iterations += second.iterations;
             report.residual = report.residual.max(second.residual);
         }
+        // The stage of implicit midpoint is a step of backward Euler over half the time: where the other half would be nonsense,
+        // it is made in the same way.
+        let guarded =
+            self.scheme == ImplicitScheme::GuardedMidpoint && self.is_distorted(model, state);
+        if guarded {
+            let trial = &self.solver.trial;
+            self.equation.base.copy_from_slice(&trial.positions);
+            self.equation.base_velocities.fill(Vector3::zeros());
+            let mut half = std::mem::take(&mut self.first_positions);
+            half.copy_from_slice(&trial.positions);
+            let result = self.stage(model, control, 0.5 * h, 1.0, &half, &half, exec);
+            self.first_positions = half;
+            let second = result?;
+            report.iterations += second.iterations;
+            report.residual = report.residual.max(second.residual);
+        }
         let trial = &mut self.solver.trial;
-        if self.scheme == ImplicitScheme::Midpoint {
+        if guarded {
+            trial.velocities.fill(Vector3::zeros());
+        }
+        if matches!(
+            self.scheme,
+            ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint
+        ) && !guarded
+        {
             for node in 0..model.node_count() {
                 trial.positions[node] = if self.prescribed.fixed[node] {
                     self.prescribed.ends[node]

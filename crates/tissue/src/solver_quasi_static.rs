@@ -105,10 +105,6 @@ impl Solver for SolverQuasiStatic {
             return Err(StepFailure::Singular { node });
         }
         self.solver.begin(state);
-        let forces = self
-            .solver
-            .static_forces(model, &state.positions, control, exec);
-        self.start_forces.copy_from_slice(forces);
         self.solved.copy_from_slice(&state.positions);
         let mut iterations = 0;
         let (mut done, mut share) = (0.0, 1.0f64);
@@ -138,6 +134,12 @@ impl Solver for SolverQuasiStatic {
                 Err(failure) => {
                     if let StepFailure::NotConverged { iterations: n, .. } = failure {
                         iterations += n;
+                    }
+                    if done == 0.0 && share == 1.0 {
+                        let forces =
+                            self.solver
+                                .static_forces(model, &state.positions, control, exec);
+                        self.start_forces.copy_from_slice(forces);
                     }
                     share *= 0.5;
                     if share < SHORTEST {

@@ -2,13 +2,22 @@
 //!
 //! Where the blocks of each element go is found once per model, and so is the order of elimination (nested dissection of the
 //! rest shape); a step only adds numbers, in a fixed order. Prescribed nodes are marked when the matrix is factored.
+//!
+//! The factor is one of single numbers (half the time and memory), and conjugate gradients with it as preconditioner bring the
+//! solution to the accuracy wanted; where that takes more than [`ITERATIONS`], as for a very slender body without inertia, a factor
+//! of double numbers solves the system. Nothing is kept from one system to the next.
 
-use crate::elements::{ElementMatrix, Tangent};
+use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
-use microsim_sparse::{BlockMatrix, Factor, NotPositive, Ordering, Pattern, Symbolic};
+use microsim_sparse::{
+    BlockMatrix, Factor, NotPositive, Ordering, Pattern, Symbolic, conjugate_gradients,
+};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
+
+/// Most iterations with the factor of single numbers: by then one of double numbers costs less.
+const ITERATIONS: usize = 12;
 
 /// The shares of a matrix K + b·D + c·M.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,19 +35,14 @@ pub(crate) struct System {
     slots: Arc<[Slots]>,
     symbolic: Arc<Symbolic>,
     matrix: BlockMatrix,
-    factor: Factor,
+    factor: Factor<f32>,
+    /// Made when it is needed first.
+    exact: Option<Box<Factor<f64>>>,
+    /// Marks of the prescribed nodes of the last factorisation.
+    fixed: Vec<bool>,
+    right_side: Vec<Vector3<f64>>,
     /// Working memory for one element.
     element: ElementMatrix,
-}
-
-/// Where the blocks of the elements of one set go.
-#[derive(Debug)]
-struct Slots {
-    /// Those of element e are `places[starts[e]..starts[e + 1]]`.
-    starts: Vec<u32>,
-    /// For the pairs of nodes (i, j ≤ i) in ascending order: twice the slot of the matrix, plus one where the block (j, i) is
-    /// stored there.
-    places: Vec<u32>,
 }
 
 impl System {
@@ -50,29 +54,21 @@ impl System {
             .flat_map(|set| (0..set.count()).map(|element| set.nodes(element)));
         let pattern = Arc::new(Pattern::from_cliques(model.node_count(), cliques));
         let slots = model.sets().iter().map(|set| {
-            let mut slots = Slots {
-                starts: vec![0],
-                places: Vec::new(),
-            };
-            for element in 0..set.count() {
-                let nodes = set.nodes(element);
-                for (i, &row) in nodes.iter().enumerate() {
-                    for &column in &nodes[..=i] {
-                        let slot = pattern
-                            .slot(row.max(column) as usize, row.min(column) as usize)
-                            .expect("the nodes of an element are coupled");
-                        slots.places.push(2 * slot as u32 + u32::from(row < column));
-                    }
-                }
-                slots.starts.push(slots.places.len() as u32);
-            }
-            slots
+            let elements = (0..set.count()).map(|element| set.nodes(element));
+            Slots::new(elements, |row, column| {
+                pattern
+                    .slot(row as usize, column as usize)
+                    .expect("the nodes of an element are coupled")
+            })
         });
         let ordering = Ordering::nested_dissection(&pattern, Some(model.rest_positions()));
         let symbolic = Arc::new(Symbolic::analyse(&pattern, &ordering));
         Self {
             slots: slots.collect(),
             factor: Factor::new(symbolic.clone()),
+            exact: None,
+            fixed: vec![false; model.node_count()],
+            right_side: vec![Vector3::zeros(); model.node_count()],
             symbolic,
             matrix: BlockMatrix::zeros(pattern),
             element: ElementMatrix::new(),
@@ -92,13 +88,12 @@ impl System {
         for (index, (set, slots)) in model.sets().iter().zip(&*self.slots).enumerate() {
             let at = state.configuration(model, index);
             let viscous = shares.damping > 0.0 && set.is_viscous();
-            for (element, run) in slots.starts.windows(2).enumerate() {
-                let places = &slots.places[run[0] as usize..run[1] as usize];
-                set.stiffness(element, &at, tangent, &mut self.element);
-                scatter(values, places, &self.element, 1.0);
-                if viscous {
+            let mut window = MatrixWindow { slots, values };
+            set.add_stiffness(&at, tangent, &mut window);
+            if viscous {
+                for element in 0..set.count() {
                     set.damping(element, &at, &mut self.element);
-                    scatter(values, places, &self.element, shares.damping);
+                    window.add(element, &self.element, shares.damping);
                 }
             }
         }
@@ -141,12 +136,56 @@ impl System {
 
     /// Factors the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
     pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
+        self.fixed.copy_from_slice(fixed);
         self.factor.factorise(&self.matrix, Some(fixed))
     }
 
-    /// Solves with the last factor, in place.
-    pub fn solve(&mut self, x: &mut [Vector3<f64>]) {
-        self.factor.solve(x);
+    /// Solves with the last factor, in place, until what is left is at most `tolerance` of the right-hand side. Prescribed nodes
+    /// keep their entry, which has no effect on the others.
+    pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
+        let Self {
+            matrix,
+            factor,
+            fixed,
+            right_side,
+            ..
+        } = self;
+        for ((b, x), fixed) in right_side.iter_mut().zip(&*x).zip(&*fixed) {
+            *b = if *fixed { Vector3::zeros() } else { *x };
+        }
+        let mut solution = vec![Vector3::zeros(); x.len()];
+        let outcome = conjugate_gradients(
+            |p, q| {
+                matrix.multiply(p, q);
+                for (q, fixed) in q.iter_mut().zip(&*fixed) {
+                    if *fixed {
+                        *q = Vector3::zeros();
+                    }
+                }
+            },
+            |r, z| {
+                z.copy_from_slice(r);
+                factor.solve(z);
+            },
+            right_side,
+            &mut solution,
+            tolerance,
+            ITERATIONS,
+        );
+        if !outcome.converged {
+            let exact = self
+                .exact
+                .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())));
+            exact.factorise(&self.matrix, Some(&self.fixed))?;
+            solution.copy_from_slice(&self.right_side);
+            exact.solve(&mut solution);
+        }
+        for ((x, solution), fixed) in x.iter_mut().zip(&solution).zip(&self.fixed) {
+            if !fixed {
+                *x = *solution;
+            }
+        }
+        Ok(())
     }
 
     /// For each node the lowest node that it is coupled to, directly or through others.
@@ -182,23 +221,10 @@ impl Clone for System {
             symbolic: self.symbolic.clone(),
             matrix: self.matrix.clone(),
             factor: Factor::new(self.symbolic.clone()),
+            exact: None,
+            fixed: self.fixed.clone(),
+            right_side: self.right_side.clone(),
             element: ElementMatrix::new(),
-        }
-    }
-}
-
-/// Adds factor·`element` to the blocks of the matrix.
-#[inline]
-fn scatter(values: &mut [Matrix3<f64>], places: &[u32], element: &ElementMatrix, factor: f64) {
-    let mut places = places.iter();
-    for i in 0..element.nodes() {
-        for (j, place) in (0..=i).zip(&mut places) {
-            let block = if place % 2 == 0 {
-                element.block(i, j)
-            } else {
-                element.block(j, i)
-            };
-            values[(place / 2) as usize] += block * factor;
         }
     }
 }

@@ -94,10 +94,10 @@ fn a_clique_is_one_dense_front() {
     }
     check(&matrix, &Ordering::natural(30), &random.vectors(30));
     let symbolic = Symbolic::analyse(&pattern, &Ordering::natural(30));
-    // 90 columns in 23 strips of 4 (k + 1) columns and four rows.
+    // 90 columns in 12 strips of 8 (k + 1) columns and eight rows.
     assert_eq!(
         (symbolic.fronts(), symbolic.factor_entries()),
-        (1, 16 * 23 * 24 / 2)
+        (1, 64 * 12 * 13 / 2)
     );
     assert_eq!(symbolic.flops(), 90.0 * 90.0 * 90.0 / 3.0);
 }
@@ -254,6 +254,42 @@ fn no_solution_after_a_failure() {
 }
 
 #[test]
+fn a_factor_of_single_numbers_is_a_good_preconditioner() {
+    let (positions, edges) = grid([14, 5, 5]);
+    let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
+    let mut matrix = elastic(&positions, &edges);
+    matrix.constrain(&fixed);
+    let b = Random(19).vectors(positions.len());
+    let ordering = Ordering::nested_dissection(matrix.pattern(), Some(&positions));
+    let mut factor = Factor::<f32>::new(Arc::new(Symbolic::analyse(matrix.pattern(), &ordering)));
+    factor.factorise(&matrix, None).unwrap();
+    let eigenvalues = dense(&matrix).symmetric_eigenvalues();
+    let condition = eigenvalues.max() / eigenvalues.min();
+    let mut x = b.clone();
+    factor.solve(&mut x);
+    let mut y = x.clone();
+    matrix.multiply(&x, &mut y);
+    let residual: f64 = y.iter().zip(&b).map(|(y, b)| (y - b).norm_squared()).sum();
+    let size: f64 = b.iter().map(|b| b.norm_squared()).sum();
+    // Each iteration leaves at most ε of single numbers times the condition number of the error before, times a few.
+    let share = 8.0 * condition * f64::from(f32::EPSILON);
+    assert!(share < 0.05, "the test says something: {share}");
+    assert!((residual / size).sqrt() < share);
+    let outcome = crate::conjugate_gradients(
+        |x, y| matrix.multiply(x, y),
+        |r, z| {
+            z.copy_from_slice(r);
+            factor.solve(z);
+        },
+        &b,
+        &mut x,
+        1e-12,
+        12,
+    );
+    assert!(outcome.converged, "{outcome:?}");
+}
+
+#[test]
 fn the_same_bits_every_time() {
     let (positions, edges) = grid([14, 5, 5]);
     let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
@@ -274,7 +310,10 @@ fn the_same_bits_every_time() {
     bad.values_mut().fill(Matrix3::from_element(f64::NAN));
     factor.factorise(&bad, None).unwrap_err();
     assert_eq!(solve(&mut factor), first);
-    assert_eq!(solve(&mut Factor::new(factor.symbolic().clone())), first);
+    assert_eq!(
+        solve(&mut Factor::<f64>::new(factor.symbolic().clone())),
+        first
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::*;
 use crate::testing::Random;
 
 /// Strips of a triangle and full strips below it, as an ordinary matrix.
-fn unpacked(panel: &[Quad], triangle: usize, below: usize) -> DMatrix<f64> {
+fn unpacked(panel: &[Octet<f64>], triangle: usize, below: usize) -> DMatrix<f64> {
     DMatrix::from_fn(
         WIDTH * (triangle + below),
         WIDTH * triangle,
@@ -27,10 +27,10 @@ fn unpacked(panel: &[Quad], triangle: usize, below: usize) -> DMatrix<f64> {
 }
 
 /// A panel of a definite matrix: random, the diagonal larger than the sum of a row.
-fn panel(random: &mut Random, triangle: usize, below: usize) -> Vec<Quad> {
+fn panel(random: &mut Random, triangle: usize, below: usize) -> Vec<Octet<f64>> {
     let count = triangle_start(triangle) + below * triangle * WIDTH;
-    let mut panel: Vec<Quad> = (0..count)
-        .map(|_| Quad([0.0; 4].map(|_| random.number())))
+    let mut panel: Vec<Octet<f64>> = (0..count)
+        .map(|_| Octet([0.0; WIDTH].map(|_| random.number())))
         .collect();
     for row in 0..WIDTH * triangle {
         panel[triangle_start(row / WIDTH) + row].0[row % WIDTH] = 1.0 + (WIDTH * triangle) as f64;
@@ -57,18 +57,18 @@ fn plain_factor(mut a: DMatrix<f64>) -> DMatrix<f64> {
 fn product_is_the_plain_sum_to_the_bit() {
     let mut random = Random(5);
     for width in [0, 1, 2, 3, 7, 64] {
-        let mut strip = || -> Vec<Quad> {
+        let mut strip = || -> Vec<Octet<f64>> {
             (0..width)
-                .map(|_| Quad([0.0; 4].map(|_| random.number())))
+                .map(|_| Octet([0.0; WIDTH].map(|_| random.number())))
                 .collect()
         };
         let (a, b) = (strip(), strip());
-        let tile = product(&a, &b);
+        let tile = <f64 as crate::real::Products>::product(&a, &b);
         for row in 0..WIDTH {
             for (column, found) in tile.iter().enumerate() {
                 let mut sum = 0.0;
                 for p in 0..width {
-                    sum += a[p].0[row] * b[p].0[column];
+                    sum = a[p].0[row].mul_add(b[p].0[column], sum);
                 }
                 assert_eq!(found.0[row], sum);
             }
@@ -98,13 +98,13 @@ fn factor_and_update_agree_with_plain_loops() {
                 "{triangle} {below}"
             );
 
-            let mut update = vec![Quad([f64::NAN; 4]); triangle_start(below)];
+            let mut update = vec![Octet([f64::NAN; WIDTH]); triangle_start(below)];
             outer_product(&panel[triangle_start(triangle)..], width, &mut update);
             for row in 0..WIDTH * below {
                 for column in 0..=row {
-                    let expected: f64 = -(0..width)
-                        .map(|p| factor[(width + row, p)] * factor[(width + column, p)])
-                        .sum::<f64>();
+                    let expected = -(0..width).fold(0.0, |sum, p| {
+                        factor[(width + row, p)].mul_add(factor[(width + column, p)], sum)
+                    });
                     let found = update[triangle_start(row / WIDTH) + column].0[row % WIDTH];
                     assert_eq!(found, expected, "{triangle} {below} {row} {column}");
                 }
@@ -122,13 +122,15 @@ fn solutions_agree_with_plain_loops() {
         factor_panel(&mut panel, triangle, &vec![0.0; width]).unwrap();
         let mut l = unpacked(&panel, triangle, below);
         (0..width).for_each(|j| l[(j, j)] = 1.0 / l[(j, j)]);
-        let mut vector = |strips: usize| -> Vec<Quad> {
+        let mut vector = |strips: usize| -> Vec<Octet<f64>> {
             (0..strips)
-                .map(|_| Quad([0.0; 4].map(|_| random.number())))
+                .map(|_| Octet([0.0; WIDTH].map(|_| random.number())))
                 .collect()
         };
         let (own, under) = (vector(triangle), vector(below));
-        let flat = |quads: &[Quad]| -> Vec<f64> { quads.iter().flat_map(|quad| quad.0).collect() };
+        let flat = |octets: &[Octet<f64>]| -> Vec<f64> {
+            octets.iter().flat_map(|octet| octet.0).collect()
+        };
         // L y = b; below − L_below y.
         let mut y = flat(&own);
         let mut rest = flat(&under);
@@ -153,7 +155,7 @@ fn solutions_agree_with_plain_loops() {
         let (mut own_y, mut under_y) = (own.clone(), under.clone());
         solve_forward(&panel, &mut own_y, &mut under_y);
         let mut own_x = own.clone();
-        solve_backward(&panel, &mut own_x, &under, &mut vec![Quad::ZERO; width]);
+        solve_backward(&panel, &mut own_x, &under, &mut vec![Octet::ZERO; width]);
         let bound = (width * (width + WIDTH * below)) as f64 * f64::EPSILON;
         for (found, expected) in [(own_y, y), (under_y, rest), (own_x, x)] {
             for (found, expected) in flat(&found).iter().zip(&expected) {
@@ -171,12 +173,15 @@ fn a_pivot_that_is_not_above_its_bound_is_named() {
             let mut panel = panel(&mut random, 6, 2);
             panel[triangle_start(column / WIDTH) + column].0[column % WIDTH] = value;
             assert_eq!(
-                factor_panel(&mut panel, 6, &[0.0; 24]),
+                factor_panel(&mut panel, 6, &[0.0; 6 * WIDTH]),
                 Err(column),
                 "{value}"
             );
         }
     }
     let mut panel = panel(&mut random, 1, 0);
-    assert_eq!(factor_panel(&mut panel, 1, &[0.0, 0.0, 6.0, 0.0]), Err(2));
+    assert_eq!(
+        factor_panel(&mut panel, 1, &[0.0, 0.0, 12.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        Err(2)
+    );
 }

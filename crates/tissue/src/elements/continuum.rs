@@ -6,11 +6,13 @@
 
 use super::continuum_constraints::{ELASTIC, VISCOUS};
 use super::continuum_matrix::{set_positive_tangent, set_tangent};
-use super::domains::{Domains, Tetrahedra};
+use super::domains::{Domains, Tetrahedra, product};
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
-    Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
+    Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
+    Tangent,
 };
+use crate::law::decomposition::cofactor;
 use crate::law::{Lame, Law, viscosity};
 use nalgebra::Vector3;
 use std::marker::PhantomData;
@@ -105,6 +107,39 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         match tangent {
             Tangent::Exact => set_tangent(&L::tangent(&f, &self.lame), volume, gradient, out),
             Tangent::Positive => set_positive_tangent::<L>(&f, &self.lame, volume, gradient, out),
+        }
+    }
+
+    fn add_stiffness(
+        &self,
+        at: &Configuration<'_>,
+        tangent: Tangent,
+        matrix: &mut MatrixWindow<'_>,
+    ) {
+        let mut block = ElementMatrix::new();
+        let mut corners = Vec::new();
+        for element in 0..self.domains.count() {
+            let f = self.domains.deformation(element, at.positions);
+            let (cofactor, j) = cofactor(&f);
+            let derivatives = match tangent {
+                Tangent::Exact => L::invariants(&f, j, &self.lame),
+                Tangent::Positive => None,
+            };
+            let Some(derivatives) = derivatives else {
+                self.stiffness(element, at, tangent, &mut block);
+                matrix.add(element, &block, 1.0);
+                continue;
+            };
+            let derivatives = derivatives.scaled(self.domains.volume(element));
+            let nodes = self.domains.nodes(element).len();
+            corners.clear();
+            corners.extend((0..nodes).map(|node| {
+                let b = self.domains.gradient(element, node);
+                [b, product(&f, &b), product(&cofactor, &b)]
+            }));
+            matrix.add_pairs(element, nodes, |row, column| {
+                derivatives.block(&f, &corners[row], &corners[column])
+            });
         }
     }
 

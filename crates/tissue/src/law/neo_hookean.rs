@@ -1,7 +1,7 @@
 //! Compressible neo-Hookean law with logarithms.
 
 use super::decomposition::cofactor;
-use super::invariants::{self, Derivatives};
+use super::invariants::{self, InvariantDerivatives};
 use super::{Lame, Law, Matrix9};
 use nalgebra::Matrix3;
 
@@ -51,15 +51,24 @@ impl Law for NeoHookean {
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
-        let [log, slope, curvature] = log_volume(j);
-        let pull = lame.lambda * log - lame.mu;
-        let derivatives = Derivatives {
-            a1: 0.5 * lame.mu,
-            a2: 0.0,
-            b1: pull * slope,
-            b2: lame.lambda * slope * slope + pull * curvature,
-        };
-        invariants::tangent(f, &cofactor, &derivatives)
+        invariants::tangent(f, &cofactor, &derivatives(f, j, lame))
+    }
+
+    #[inline(always)]
+    fn invariants(f: &Matrix3<f64>, j: f64, lame: &Lame) -> Option<InvariantDerivatives> {
+        Some(derivatives(f, j, lame))
+    }
+}
+
+#[inline(always)]
+fn derivatives(_f: &Matrix3<f64>, j: f64, lame: &Lame) -> InvariantDerivatives {
+    let [log, slope, curvature] = log_volume(j);
+    let pull = lame.lambda * log - lame.mu;
+    InvariantDerivatives {
+        a1: 0.5 * lame.mu,
+        a2: 0.0,
+        b1: pull * slope,
+        b2: lame.lambda * slope * slope + pull * curvature,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Neo-Hookean law without logarithm.
 
 use super::decomposition::cofactor;
-use super::invariants::{self, Derivatives};
+use super::invariants::{self, InvariantDerivatives};
 use super::{Lame, Law, Matrix9};
 use nalgebra::Matrix3;
 
@@ -36,13 +36,22 @@ impl Law for NeoHookeanPolynomial {
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
-        let derivatives = Derivatives {
-            a1: 0.5 * lame.mu,
-            a2: 0.0,
-            b1: (lame.lambda + lame.mu) * (j - 1.0) - lame.mu,
-            b2: lame.lambda + lame.mu,
-        };
-        invariants::tangent(f, &cofactor, &derivatives)
+        invariants::tangent(f, &cofactor, &derivatives(f, j, lame))
+    }
+
+    #[inline(always)]
+    fn invariants(f: &Matrix3<f64>, j: f64, lame: &Lame) -> Option<InvariantDerivatives> {
+        Some(derivatives(f, j, lame))
+    }
+}
+
+#[inline(always)]
+fn derivatives(_f: &Matrix3<f64>, j: f64, lame: &Lame) -> InvariantDerivatives {
+    InvariantDerivatives {
+        a1: 0.5 * lame.mu,
+        a2: 0.0,
+        b1: (lame.lambda + lame.mu) * (j - 1.0) - lame.mu,
+        b2: lame.lambda + lame.mu,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Stable neo-Hookean law.
 
 use super::decomposition::cofactor;
-use super::invariants::{self, Derivatives};
+use super::invariants::{self, InvariantDerivatives};
 use super::{Lame, Law, Matrix9};
 use nalgebra::Matrix3;
 
@@ -39,16 +39,25 @@ impl Law for StableNeoHookean {
     }
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
-        let (mu, lambda) = own_constants(lame);
         let (cofactor, j) = cofactor(f);
-        let inverse = 1.0 / (f.norm_squared() + 1.0);
-        let derivatives = Derivatives {
-            a1: 0.5 * mu * (1.0 - inverse),
-            a2: 0.5 * mu * inverse * inverse,
-            b1: lambda * (j - 1.0) - 0.75 * mu,
-            b2: lambda,
-        };
-        invariants::tangent(f, &cofactor, &derivatives)
+        invariants::tangent(f, &cofactor, &derivatives(f, j, lame))
+    }
+
+    #[inline(always)]
+    fn invariants(f: &Matrix3<f64>, j: f64, lame: &Lame) -> Option<InvariantDerivatives> {
+        Some(derivatives(f, j, lame))
+    }
+}
+
+#[inline(always)]
+fn derivatives(f: &Matrix3<f64>, j: f64, lame: &Lame) -> InvariantDerivatives {
+    let (mu, lambda) = own_constants(lame);
+    let inverse = 1.0 / (f.norm_squared() + 1.0);
+    InvariantDerivatives {
+        a1: 0.5 * mu * (1.0 - inverse),
+        a2: 0.5 * mu * inverse * inverse,
+        b1: lambda * (j - 1.0) - 0.75 * mu,
+        b2: lambda,
     }
 }
 

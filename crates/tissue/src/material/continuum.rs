@@ -33,8 +33,12 @@ pub struct ContinuumConstants {
 /// | node-smoothed | 116 / 114 / 112 % | 104 / 104 / 103 % | 54 µs |
 /// | selective | 101 / 97 / 93 % | 101 / 100 / 99 % | 54 µs |
 /// | nodal-pressure | 80 / 77 / 73 % | 96 / 94 / 93 % | 53 µs |
+/// | patch-pressure | 81 / 80 / 79 % | 96 / 95 / 95 % | |
 ///
-/// The other laws differ by less than 1 %. Take selective where it can be paid for: `examples/bench_kernels` has the times.
+/// The other laws differ by less than 1 % (the last row is that of the stable neo-Hookean law). Take selective where it can be paid
+/// for, and patch-pressure with implicit methods in real time: its matrices couple hardly more nodes than those of tetrahedra, so a
+/// static solution of M takes half more time than with tetrahedra, with nodal-pressure four times as long. `examples/bench_kernels`
+/// and `examples/bench_solvers` have the times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Discretisation {
     /// The tetrahedra themselves.
@@ -52,25 +56,31 @@ pub enum Discretisation {
     /// Burton 1998; their volume is the mean of the volumes, here it is that of the mean deformation gradient). Does not lock,
     /// but stays as stiff in bending as tetrahedra without pressure.
     NodalPressure,
+    /// The part of μ in tetrahedra, the part of λ in patches of about five around a common edge: one pressure for each, of the volume
+    /// of the mean deformation gradient (after the patches of de Souza Neto et al. 2005). Does not lock: there are fewer patches than
+    /// nodes. As stiff in bending as nodal-pressure. After a cut the patches of the region are formed anew.
+    PatchPressure,
 }
 
 impl Discretisation {
     /// All discretisations.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Tetrahedra,
         Self::EdgeSmoothed,
         Self::NodeSmoothed,
         Self::Selective,
         Self::NodalPressure,
+        Self::PatchPressure,
     ];
 
     /// Names of all discretisations, in the order of [`ALL`](Self::ALL).
-    pub const NAMES: [&'static str; 5] = [
+    pub const NAMES: [&'static str; 6] = [
         "tetrahedra",
         "edge-smoothed",
         "node-smoothed",
         "selective",
         "nodal-pressure",
+        "patch-pressure",
     ];
 
     /// Its name in files and reports.
@@ -89,7 +99,9 @@ impl Discretisation {
         match self {
             Self::Tetrahedra => poisson >= 0.4,
             Self::EdgeSmoothed => poisson >= 0.45,
-            Self::NodeSmoothed | Self::Selective | Self::NodalPressure => false,
+            Self::NodeSmoothed | Self::Selective | Self::NodalPressure | Self::PatchPressure => {
+                false
+            }
         }
     }
 }
@@ -160,6 +172,11 @@ impl ContinuumConstants {
             Discretisation::Selective => vec![edges(lame)],
             Discretisation::NodalPressure if split => vec![tetrahedra(shear), nodes(pressure)],
             Discretisation::NodalPressure => vec![tetrahedra(lame)],
+            Discretisation::PatchPressure if split => {
+                let patches = smoothed(SmoothingDomains::of_patches(mesh, elements), pressure);
+                vec![tetrahedra(shear), patches]
+            }
+            Discretisation::PatchPressure => vec![tetrahedra(lame)],
         }
     }
 }

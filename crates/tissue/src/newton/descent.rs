@@ -49,14 +49,15 @@ impl NewtonSolver {
 
     /// Sets `trial` to `share` of the direction from the start of the iteration.
     fn advance(&mut self, problem: &Problem<'_>, share: f64) {
-        for ((x, from), d) in self
+        for (((x, from), d), c) in self
             .trial
             .positions
             .iter_mut()
             .zip(&self.from)
             .zip(&self.direction)
+            .zip(&self.bend)
         {
-            *x = from + d * share;
+            *x = from + d * share + c * (share * share);
         }
         self.set_velocities(problem);
     }
@@ -64,6 +65,7 @@ impl NewtonSolver {
     /// Prescribed nodes jump to their ends, all others take the share of the direction with which Φ is below that of the jump
     /// alone.
     pub(super) fn lift(&mut self, problem: &Problem<'_>, ends: &[Vector3<f64>]) {
+        self.bend.fill(Vector3::zeros());
         let jump = |this: &mut Self, share: f64| {
             this.advance(problem, share);
             for (node, fixed) in problem.fixed.iter().enumerate() {

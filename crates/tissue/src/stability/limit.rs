@@ -29,6 +29,7 @@ pub fn limit(method: &Method, lambda: f64, drag: f64) -> f64 {
         Method::VelocityVerletLagged => 4.0 / (c + (c * c + 8.0 * lambda).sqrt()),
         Method::ImplicitEuler(_)
         | Method::ImplicitMidpoint(_)
+        | Method::GuardedMidpoint(_)
         | Method::Sdirk2(_)
         | Method::QuasiStatic(_)
         | Method::Xpbd { .. } => f64::INFINITY,
