@@ -119,6 +119,8 @@ pub(crate) struct NewtonSolver {
     /// n: the forces without energy at the start of an iteration [N].
     loads: Vec<Vector3<f64>>,
     scratch: Vec<Vector3<f64>>,
+    /// The residual at the start of an iteration, while others are computed [N].
+    kept: Vec<Vector3<f64>>,
 }
 
 /// What stays the same while one equation is solved.
@@ -145,7 +147,8 @@ impl NewtonSolver {
             bend: zeros.clone(),
             from: zeros.clone(),
             loads: zeros.clone(),
-            scratch: zeros,
+            scratch: zeros.clone(),
+            kept: zeros,
         }
     }
 
@@ -469,7 +472,7 @@ impl NewtonSolver {
             self.bend.fill(Vector3::zeros());
             return Ok(());
         }
-        self.scratch.copy_from_slice(&self.residual);
+        self.kept.copy_from_slice(&self.residual);
         for (c, r) in self.bend.iter_mut().zip(&self.residual) {
             *c = r * -2.0;
         }
@@ -492,7 +495,7 @@ impl NewtonSolver {
         for c in &mut self.bend {
             *c *= 0.5 / (PROBE * PROBE);
         }
-        self.residual.copy_from_slice(&self.scratch);
+        self.residual.copy_from_slice(&self.kept);
         let size = |forces: &[Vector3<f64>]| forces.iter().map(|f| f.norm_squared()).sum::<f64>();
         let curvature = size(&self.bend);
         let mut bent = curvature > CURVED * CURVED * size(&self.residual) && curvature.is_finite();

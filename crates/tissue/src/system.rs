@@ -4,8 +4,8 @@
 //! rest shape); a step only adds numbers, in a fixed order. Prescribed nodes are marked when the matrix is factored.
 //!
 //! The factor is one of single numbers (half the time and memory), and conjugate gradients with it as preconditioner bring the
-//! solution to the accuracy wanted; where that takes more than [`ITERATIONS`], as for a very slender body without inertia, a factor
-//! of double numbers solves the system. Nothing is kept from one system to the next.
+//! solution to the accuracy wanted; where that takes more than [`ITERATIONS`], as for a very slender body without inertia, or single
+//! numbers show no positive pivot, a factor of double numbers solves the system. Nothing is kept from one system to the next.
 
 use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
@@ -38,9 +38,12 @@ pub(crate) struct System {
     factor: Factor<f32>,
     /// Made when it is needed first.
     exact: Option<Box<Factor<f64>>>,
+    /// Whether the last factor is the one of double numbers.
+    in_double: bool,
     /// Marks of the prescribed nodes of the last factorisation.
     fixed: Vec<bool>,
     right_side: Vec<Vector3<f64>>,
+    solution: Vec<Vector3<f64>>,
     /// Working memory for one element.
     element: ElementMatrix,
 }
@@ -67,8 +70,10 @@ impl System {
             slots: slots.collect(),
             factor: Factor::new(symbolic.clone()),
             exact: None,
+            in_double: false,
             fixed: vec![false; model.node_count()],
             right_side: vec![Vector3::zeros(); model.node_count()],
+            solution: vec![Vector3::zeros(); model.node_count()],
             symbolic,
             matrix: BlockMatrix::zeros(pattern),
             element: ElementMatrix::new(),
@@ -137,24 +142,54 @@ impl System {
     /// Factors the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
     pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
         self.fixed.copy_from_slice(fixed);
-        self.factor.factorise(&self.matrix, Some(fixed))
+        self.in_double = false;
+        if self.factor.factorise(&self.matrix, Some(fixed)).is_err() {
+            self.factorise_in_double()?;
+        }
+        Ok(())
+    }
+
+    fn factorise_in_double(&mut self) -> Result<(), NotPositive> {
+        self.exact
+            .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())))
+            .factorise(&self.matrix, Some(&self.fixed))?;
+        self.in_double = true;
+        Ok(())
     }
 
     /// Solves with the last factor, in place, until what is left is at most `tolerance` of the right-hand side. Prescribed nodes
     /// keep their entry, which has no effect on the others.
     pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
+        for ((b, x), fixed) in self.right_side.iter_mut().zip(&*x).zip(&self.fixed) {
+            *b = if *fixed { Vector3::zeros() } else { *x };
+        }
+        if self.in_double || !self.iterate(tolerance) {
+            if !self.in_double {
+                self.factorise_in_double()?;
+            }
+            self.solution.copy_from_slice(&self.right_side);
+            if let Some(factor) = &mut self.exact {
+                factor.solve(&mut self.solution);
+            }
+        }
+        for ((x, solution), fixed) in x.iter_mut().zip(&self.solution).zip(&self.fixed) {
+            if !fixed {
+                *x = *solution;
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves by conjugate gradients with the factor of single numbers; returns whether it came to `tolerance`.
+    fn iterate(&mut self, tolerance: f64) -> bool {
         let Self {
             matrix,
             factor,
             fixed,
-            right_side,
             ..
         } = self;
-        for ((b, x), fixed) in right_side.iter_mut().zip(&*x).zip(&*fixed) {
-            *b = if *fixed { Vector3::zeros() } else { *x };
-        }
-        let mut solution = vec![Vector3::zeros(); x.len()];
-        let outcome = conjugate_gradients(
+        self.solution.fill(Vector3::zeros());
+        conjugate_gradients(
             |p, q| {
                 matrix.multiply(p, q);
                 for (q, fixed) in q.iter_mut().zip(&*fixed) {
@@ -167,25 +202,12 @@ impl System {
                 z.copy_from_slice(r);
                 factor.solve(z);
             },
-            right_side,
-            &mut solution,
+            &self.right_side,
+            &mut self.solution,
             tolerance,
             ITERATIONS,
-        );
-        if !outcome.converged {
-            let exact = self
-                .exact
-                .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())));
-            exact.factorise(&self.matrix, Some(&self.fixed))?;
-            solution.copy_from_slice(&self.right_side);
-            exact.solve(&mut solution);
-        }
-        for ((x, solution), fixed) in x.iter_mut().zip(&solution).zip(&self.fixed) {
-            if !fixed {
-                *x = *solution;
-            }
-        }
-        Ok(())
+        )
+        .converged
     }
 
     /// For each node the lowest node that it is coupled to, directly or through others.
@@ -222,8 +244,10 @@ impl Clone for System {
             matrix: self.matrix.clone(),
             factor: Factor::new(self.symbolic.clone()),
             exact: None,
+            in_double: false,
             fixed: self.fixed.clone(),
             right_side: self.right_side.clone(),
+            solution: self.solution.clone(),
             element: ElementMatrix::new(),
         }
     }
