@@ -43,8 +43,8 @@ const STEPS: [f64; 3] = [0.01, 0.02, 0.022];
 fn once() -> Newton {
     Newton {
         iterations: 1,
+        tolerance: 1e-2,
         must_converge: false,
-        ..Newton::default()
     }
 }
 
@@ -329,6 +329,7 @@ fn rests(text: &mut String, csv: &mut String) {
         let solve = |iterations: u32, repetitions: usize| {
             let newton = Newton {
                 iterations,
+                tolerance: 1e-4,
                 ..once()
             };
             let mut result = [0.0; 2];

@@ -35,21 +35,27 @@ mod elimination;
 mod factor;
 mod gradients;
 mod kernels;
+mod lattice;
 mod matrix;
 mod minimum_degree;
 mod ordering;
 mod pattern;
 mod real;
+mod solver;
 mod separator;
 mod symbolic;
+mod two_level;
 
 pub use factor::{Factor, NotPositive};
-pub use gradients::{BlockJacobi, CgOutcome, conjugate_gradients};
+pub use gradients::{CgOutcome, ConjugateGradients};
+pub use lattice::Lattice;
 pub use matrix::BlockMatrix;
 pub use ordering::{NotPermutation, Ordering};
 pub use pattern::Pattern;
 pub use real::Real;
+pub use solver::LinearSolver;
 pub use symbolic::Symbolic;
+pub use two_level::TwoLevel;
 
 #[cfg(test)]
 mod testing;

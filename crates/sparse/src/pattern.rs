@@ -19,7 +19,7 @@ impl Pattern {
         nodes: usize,
         cliques: impl IntoIterator<Item = C>,
     ) -> Self {
-        let mut rows: Vec<Vec<u32>> = (0..nodes as u32).map(|node| vec![node]).collect();
+        let mut rows = vec![Vec::new(); nodes];
         for clique in cliques {
             let clique = clique.as_ref();
             for (k, &i) in clique.iter().enumerate() {
@@ -28,10 +28,16 @@ impl Pattern {
                 }
             }
         }
-        let mut starts = Vec::with_capacity(nodes + 1);
+        Self::from_rows(rows)
+    }
+
+    /// The pattern with these columns, in any order and number; the diagonal is added.
+    pub(crate) fn from_rows(mut rows: Vec<Vec<u32>>) -> Self {
+        let mut starts = Vec::with_capacity(rows.len() + 1);
         starts.push(0);
         let mut columns = Vec::new();
-        for row in &mut rows {
+        for (node, row) in rows.iter_mut().enumerate() {
+            row.push(node as u32);
             row.sort_unstable();
             row.dedup();
             columns.extend_from_slice(row);

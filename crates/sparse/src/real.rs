@@ -1,7 +1,7 @@
 //! The two kinds of numbers that a factor can be made of.
 //!
 //! `f32` takes half the memory and about half the time; its factor is a preconditioner for
-//! [`conjugate_gradients`](crate::conjugate_gradients), which needs two or three iterations then.
+//! [`ConjugateGradients`](crate::ConjugateGradients), which needs two or three iterations then.
 
 use crate::kernels::{Octet, Tile, WIDTH, columns_of_product};
 use std::fmt::Debug;

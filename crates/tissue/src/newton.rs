@@ -46,8 +46,8 @@ const CURVED: f64 = 0.02;
 
 /// The residual at which linear systems are solved, as a share of the tolerance of Newton's method, and the least and the largest
 /// one, as shares of the right-hand side; for the curvature of the way two digits are enough.
-const LINEAR: f64 = 0.01;
-const LINEAR_TOLERANCES: [f64; 2] = [1e-8, 1e-5];
+const LINEAR: f64 = 0.1;
+const LINEAR_TOLERANCES: [f64; 2] = [1e-8, 1e-3];
 const ROUGH: f64 = 1e-2;
 
 use crate::elements::Tangent;
@@ -59,12 +59,6 @@ use crate::state::{Control, State};
 use crate::system::{Shares, System};
 use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
-
-fn singular(failure: NotPositive) -> StepFailure {
-    StepFailure::Singular {
-        node: failure.node as u32,
-    }
-}
 
 /// How far Newton's method goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,6 +115,17 @@ pub(crate) struct NewtonSolver {
     scratch: Vec<Vector3<f64>>,
     /// The residual at the start of an iteration, while others are computed [N].
     kept: Vec<Vector3<f64>>,
+}
+
+/// What an iteration did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    /// Prescribed nodes have jumped to their ends, the others along.
+    Jump,
+    /// This share of the step was taken.
+    Share(f64),
+    /// No way down.
+    None,
 }
 
 /// What stays the same while one equation is solved.
@@ -209,8 +214,6 @@ impl NewtonSolver {
         {
             return Ok(report);
         }
-        let linear_tolerance =
-            (LINEAR * options.tolerance).clamp(LINEAR_TOLERANCES[0], LINEAR_TOLERANCES[1]);
         let mut tangent = Tangent::Exact;
         while report.iterations < options.iterations {
             report.iterations += 1;
@@ -219,29 +222,16 @@ impl NewtonSolver {
             }
             self.from.copy_from_slice(&self.trial.positions);
             self.set_loads(&problem);
-            tangent = self.factorise(&problem, tangent)?;
-            let jumps = self.set_direction(fixed, ends, linear_tolerance)?;
-            let taken = if jumps {
-                self.lift(&problem, ends);
-                0.0
-            } else {
-                let far = tangent == Tangent::Exact && report.residual >= FAR;
-                self.set_bend(&problem, far)?;
-                self.search(&problem)
-            };
             let before = report.residual;
+            let way = self.go(&problem, ends, &mut tangent, before, options.tolerance)?;
             report.residual = self.evaluate(&problem, self.noise(fixed));
             if report.residual <= options.tolerance && report.residual.is_finite() {
                 return Ok(report);
             }
-            if taken == 0.0 && !jumps {
-                // No way down with this matrix: another one may show one.
-                if tangent == Tangent::Positive {
-                    break;
-                }
-                tangent = Tangent::Positive;
-            } else if taken == 1.0 && report.residual < 0.5 * before {
-                tangent = Tangent::Exact;
+            match way {
+                Way::None => break,
+                Way::Share(1.0) if report.residual < 0.5 * before => tangent = Tangent::Exact,
+                Way::Share(_) | Way::Jump => {}
             }
         }
         if !report.residual.is_finite() {
@@ -254,6 +244,46 @@ impl NewtonSolver {
             });
         }
         Ok(report)
+    }
+
+    /// Goes the way of one iteration from `trial`, whose residual is the share `residual` of the forces: with the matrix asked for in
+    /// `tangent`, or with the positive one where that is indefinite or shows no way down. `tangent` becomes the one that was used.
+    fn go(
+        &mut self,
+        problem: &Problem<'_>,
+        ends: &[Vector3<f64>],
+        tangent: &mut Tangent,
+        residual: f64,
+        tolerance: f64,
+    ) -> Result<Way, StepFailure> {
+        let linear_tolerance =
+            (LINEAR * tolerance / residual).clamp(LINEAR_TOLERANCES[0], LINEAR_TOLERANCES[1]);
+        loop {
+            let exact = *tangent == Tangent::Exact;
+            let direction = self
+                .factorise(problem, *tangent)
+                .and_then(|()| self.set_direction(problem.fixed, ends, linear_tolerance));
+            match direction {
+                Ok(true) => {
+                    self.lift(problem, ends);
+                    return Ok(Way::Jump);
+                }
+                Ok(false) => {
+                    let far = exact && residual >= FAR;
+                    self.set_bend(problem, far);
+                    let share = self.search(problem);
+                    if share > 0.0 {
+                        return Ok(Way::Share(share));
+                    } else if !exact {
+                        return Ok(Way::None);
+                    }
+                    self.evaluate(problem, 0.0);
+                }
+                Err(_) if exact => {}
+                Err(failure) => return Err(self.why_not_positive(failure)),
+            }
+            *tangent = Tangent::Positive;
+        }
     }
 
     /// Sets `trial` to the guess with the lowest potential.
@@ -395,28 +425,20 @@ impl NewtonSolver {
         }
     }
 
-    /// Assembles and factors the matrix at `trial`, the positive one where the one asked for is not; returns which it is.
-    fn factorise(&mut self, problem: &Problem<'_>, first: Tangent) -> Result<Tangent, StepFailure> {
+    /// Assembles and factors the matrix at `trial`.
+    fn factorise(&mut self, problem: &Problem<'_>, tangent: Tangent) -> Result<(), NotPositive> {
         let rate = problem.equation.rate;
         let shares = Shares {
             damping: rate,
             mass: rate * (rate + problem.model.drag()),
         };
-        if first == Tangent::Exact {
-            self.system
-                .assemble(problem.model, &self.trial, shares, Tangent::Exact);
+        self.system
+            .assemble(problem.model, &self.trial, shares, tangent);
+        if tangent == Tangent::Exact {
             self.system
                 .add_pressures(&problem.control.pressures, &self.trial.positions);
-            if self.system.factorise(problem.fixed).is_ok() {
-                return Ok(Tangent::Exact);
-            }
         }
-        self.system
-            .assemble(problem.model, &self.trial, shares, Tangent::Positive);
-        match self.system.factorise(problem.fixed) {
-            Ok(()) => Ok(Tangent::Positive),
-            Err(failure) => Err(self.why_not_positive(failure)),
-        }
+        self.system.factorise(problem.fixed)
     }
 
     /// No element and no mass makes the positive matrix indefinite: it is singular to rounding, or has numbers that are not finite.
@@ -437,7 +459,7 @@ impl NewtonSolver {
         fixed: &[bool],
         ends: &[Vector3<f64>],
         tolerance: f64,
-    ) -> Result<bool, StepFailure> {
+    ) -> Result<bool, NotPositive> {
         let mut jumps = false;
         for (node, d) in self.direction.iter_mut().enumerate() {
             *d = Vector3::zeros();
@@ -450,27 +472,25 @@ impl NewtonSolver {
             self.system
                 .matrix()
                 .multiply(&self.direction, &mut self.scratch);
-            for (residual, pull) in self.residual.iter_mut().zip(&self.scratch) {
-                *residual -= pull;
-            }
         }
         for (node, d) in self.direction.iter_mut().enumerate() {
             if !fixed[node] {
                 *d = self.residual[node];
+                if jumps {
+                    *d -= self.scratch[node];
+                }
             }
         }
-        self.system
-            .solve(&mut self.direction, tolerance)
-            .map_err(singular)?;
+        self.system.solve(&mut self.direction, tolerance)?;
         Ok(jumps)
     }
 
     /// Sets c such that the forces left on the way x + s d + s² c, beyond their linear decrease, are of third order in s:
     /// K c = ½ ∂²r/∂s² along d, from a difference. The residual at the start is kept.
-    fn set_bend(&mut self, problem: &Problem<'_>, far: bool) -> Result<(), StepFailure> {
+    fn set_bend(&mut self, problem: &Problem<'_>, far: bool) {
         if !far {
             self.bend.fill(Vector3::zeros());
-            return Ok(());
+            return;
         }
         self.kept.copy_from_slice(&self.residual);
         for (c, r) in self.bend.iter_mut().zip(&self.residual) {
@@ -500,12 +520,12 @@ impl NewtonSolver {
         let curvature = size(&self.bend);
         let mut bent = curvature > CURVED * CURVED * size(&self.residual) && curvature.is_finite();
         if bent {
-            self.system.solve(&mut self.bend, ROUGH).map_err(singular)?;
-            bent = size(&self.bend) < size(&self.direction);
+            let solved = self.system.solve(&mut self.bend, ROUGH).is_ok();
+            bent = solved && size(&self.bend) < size(&self.direction);
         }
         if !bent {
             self.bend.fill(Vector3::zeros());
         }
-        Ok(())
+        self.advance(problem, 0.0);
     }
 }

@@ -1,23 +1,14 @@
 //! The linear systems of implicit methods: K + b·D + c·M of a model, assembled, factored, solved.
 //!
-//! Where the blocks of each element go is found once per model, and so is the order of elimination (nested dissection of the
-//! rest shape); a step only adds numbers, in a fixed order. Prescribed nodes are marked when the matrix is factored.
-//!
-//! The factor is one of single numbers (half the time and memory), and conjugate gradients with it as preconditioner bring the
-//! solution to the accuracy wanted; where that takes more than [`ITERATIONS`], as for a very slender body without inertia, or single
-//! numbers show no positive pivot, a factor of double numbers solves the system. Nothing is kept from one system to the next.
+//! Where the blocks of each element go is found once per model; a step only adds numbers, in a fixed order, and tells
+//! [`LinearSolver`] which nodes are prescribed. Nothing is kept from one system to the next.
 
 use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
-use microsim_sparse::{
-    BlockMatrix, Factor, NotPositive, Ordering, Pattern, Symbolic, conjugate_gradients,
-};
+use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive, Pattern};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
-
-/// Most iterations with the factor of single numbers: by then one of double numbers costs less.
-const ITERATIONS: usize = 12;
 
 /// The shares of a matrix K + b·D + c·M.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,21 +20,12 @@ pub(crate) struct Shares {
 }
 
 /// A linear system with the pattern of one model.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct System {
     /// Of each set.
     slots: Arc<[Slots]>,
-    symbolic: Arc<Symbolic>,
     matrix: BlockMatrix,
-    factor: Factor<f32>,
-    /// Made when it is needed first.
-    exact: Option<Box<Factor<f64>>>,
-    /// Whether the last factor is the one of double numbers.
-    in_double: bool,
-    /// Marks of the prescribed nodes of the last factorisation.
-    fixed: Vec<bool>,
-    right_side: Vec<Vector3<f64>>,
-    solution: Vec<Vector3<f64>>,
+    solver: LinearSolver,
     /// Working memory for one element.
     element: ElementMatrix,
 }
@@ -64,17 +46,9 @@ impl System {
                     .expect("the nodes of an element are coupled")
             })
         });
-        let ordering = Ordering::nested_dissection(&pattern, Some(model.rest_positions()));
-        let symbolic = Arc::new(Symbolic::analyse(&pattern, &ordering));
         Self {
             slots: slots.collect(),
-            factor: Factor::new(symbolic.clone()),
-            exact: None,
-            in_double: false,
-            fixed: vec![false; model.node_count()],
-            right_side: vec![Vector3::zeros(); model.node_count()],
-            solution: vec![Vector3::zeros(); model.node_count()],
-            symbolic,
+            solver: LinearSolver::new(&pattern, model.rest_positions()),
             matrix: BlockMatrix::zeros(pattern),
             element: ElementMatrix::new(),
         }
@@ -139,75 +113,15 @@ impl System {
         &self.matrix
     }
 
-    /// Factors the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
+    /// Prepares solutions with the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
     pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
-        self.fixed.copy_from_slice(fixed);
-        self.in_double = false;
-        if self.factor.factorise(&self.matrix, Some(fixed)).is_err() {
-            self.factorise_in_double()?;
-        }
-        Ok(())
+        self.solver.factorise(&self.matrix, fixed)
     }
 
-    fn factorise_in_double(&mut self) -> Result<(), NotPositive> {
-        self.exact
-            .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())))
-            .factorise(&self.matrix, Some(&self.fixed))?;
-        self.in_double = true;
-        Ok(())
-    }
-
-    /// Solves with the last factor, in place, until what is left is at most `tolerance` of the right-hand side. Prescribed nodes
-    /// keep their entry, which has no effect on the others.
+    /// Solves in place until what is left is at most `tolerance` of the right-hand side. Prescribed nodes keep their entry, which
+    /// has no effect on the others.
     pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
-        for ((b, x), fixed) in self.right_side.iter_mut().zip(&*x).zip(&self.fixed) {
-            *b = if *fixed { Vector3::zeros() } else { *x };
-        }
-        if self.in_double || !self.iterate(tolerance) {
-            if !self.in_double {
-                self.factorise_in_double()?;
-            }
-            self.solution.copy_from_slice(&self.right_side);
-            if let Some(factor) = &mut self.exact {
-                factor.solve(&mut self.solution);
-            }
-        }
-        for ((x, solution), fixed) in x.iter_mut().zip(&self.solution).zip(&self.fixed) {
-            if !fixed {
-                *x = *solution;
-            }
-        }
-        Ok(())
-    }
-
-    /// Solves by conjugate gradients with the factor of single numbers; returns whether it came to `tolerance`.
-    fn iterate(&mut self, tolerance: f64) -> bool {
-        let Self {
-            matrix,
-            factor,
-            fixed,
-            ..
-        } = self;
-        self.solution.fill(Vector3::zeros());
-        conjugate_gradients(
-            |p, q| {
-                matrix.multiply(p, q);
-                for (q, fixed) in q.iter_mut().zip(&*fixed) {
-                    if *fixed {
-                        *q = Vector3::zeros();
-                    }
-                }
-            },
-            |r, z| {
-                z.copy_from_slice(r);
-                factor.solve(z);
-            },
-            &self.right_side,
-            &mut self.solution,
-            tolerance,
-            ITERATIONS,
-        )
-        .converged
+        self.solver.solve(&self.matrix, x, tolerance)
     }
 
     /// For each node the lowest node that it is coupled to, directly or through others.
@@ -232,23 +146,5 @@ impl System {
             lowest[node as usize] = root(&mut lowest, node);
         }
         lowest
-    }
-}
-
-impl Clone for System {
-    /// The numbers of a factor are made anew in each iteration, so they are not copied.
-    fn clone(&self) -> Self {
-        Self {
-            slots: self.slots.clone(),
-            symbolic: self.symbolic.clone(),
-            matrix: self.matrix.clone(),
-            factor: Factor::new(self.symbolic.clone()),
-            exact: None,
-            in_double: false,
-            fixed: self.fixed.clone(),
-            right_side: self.right_side.clone(),
-            solution: self.solution.clone(),
-            element: ElementMatrix::new(),
-        }
     }
 }

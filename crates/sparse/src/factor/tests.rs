@@ -275,7 +275,7 @@ fn a_factor_of_single_numbers_is_a_good_preconditioner() {
     let share = 8.0 * condition * f64::from(f32::EPSILON);
     assert!(share < 0.05, "the test says something: {share}");
     assert!((residual / size).sqrt() < share);
-    let outcome = crate::conjugate_gradients(
+    let outcome = crate::ConjugateGradients::new(b.len()).solve(
         |x, y| matrix.multiply(x, y),
         |r, z| {
             z.copy_from_slice(r);

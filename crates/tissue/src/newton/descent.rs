@@ -48,7 +48,7 @@ impl NewtonSolver {
     }
 
     /// Sets `trial` to `share` of the direction from the start of the iteration.
-    fn advance(&mut self, problem: &Problem<'_>, share: f64) {
+    pub(super) fn advance(&mut self, problem: &Problem<'_>, share: f64) {
         for (((x, from), d), c) in self
             .trial
             .positions

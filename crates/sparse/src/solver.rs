@@ -1,0 +1,230 @@
+//! Solutions of systems with one pattern and many matrices: the way is chosen by the pattern, with a surer one behind it.
+//!
+//! 1. Conjugate gradients with a [`TwoLevel`] preconditioner: large solid bodies.
+//! 2. Conjugate gradients with a factor of single numbers: small and slender bodies. Half the time and memory of one of double
+//!    numbers; two or three iterations.
+//! 3. A factor of double numbers.
+//!
+//! Where a way does not come to the tolerance the next one is taken, for this matrix alone: nearly incompressible bodies and very
+//! slender ones without inertia may need that. The solution is the same up to the tolerance, and the choice depends on the numbers
+//! only, never on time.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::{
+    BlockMatrix, ConjugateGradients, Factor, Lattice, NotPositive, Ordering, Pattern, Symbolic, TwoLevel,
+};
+
+/// Operations of a factor per block of the matrix from which on two levels cost less (`cargo xtask bench solvers`).
+const OPERATIONS: f64 = 2500.0;
+
+/// Cells of the lattice along the mean distance of nodes.
+const SPACING: f64 = 3.5;
+
+/// Most iterations with two levels, and with a factor of single numbers: by then the next way costs less.
+const ITERATIONS_TWO_LEVEL: usize = 80;
+const ITERATIONS_SINGLE: usize = 12;
+
+/// The ways, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Way {
+    TwoLevel,
+    Single,
+    Double,
+}
+
+/// A solver for matrices of one pattern.
+#[derive(Debug)]
+pub struct LinearSolver {
+    symbolic: Arc<Symbolic>,
+    positions: Arc<[Vector3<f64>]>,
+    first: Way,
+    /// The way whose numbers are those of the matrix.
+    way: Way,
+    /// Each is made when it is needed first.
+    two_level: Option<Box<TwoLevel>>,
+    single: Option<Box<Factor<f32>>>,
+    double: Option<Box<Factor<f64>>>,
+    gradients: ConjugateGradients,
+    /// Marks of the nodes with rows and columns of the identity.
+    fixed: Vec<bool>,
+    right_side: Vec<Vector3<f64>>,
+    solution: Vec<Vector3<f64>>,
+}
+
+impl LinearSolver {
+    /// Analyses the pattern; `positions` [m] are those of its nodes.
+    pub fn new(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Self {
+        let ordering = Ordering::nested_dissection(pattern, Some(positions));
+        let symbolic = Arc::new(Symbolic::analyse(pattern, &ordering));
+        let first = if symbolic.flops() > OPERATIONS * pattern.blocks() as f64 {
+            Way::TwoLevel
+        } else {
+            Way::Single
+        };
+        Self::with_analysis(symbolic, positions.into(), first)
+    }
+
+    fn with_analysis(symbolic: Arc<Symbolic>, positions: Arc<[Vector3<f64>]>, first: Way) -> Self {
+        let zeros = vec![Vector3::zeros(); positions.len()];
+        Self {
+            symbolic,
+            first,
+            way: first,
+            two_level: None,
+            single: None,
+            double: None,
+            gradients: ConjugateGradients::new(positions.len()),
+            fixed: vec![false; positions.len()],
+            right_side: zeros.clone(),
+            solution: zeros,
+            positions,
+        }
+    }
+
+    /// Takes over the numbers of `matrix`, with rows and columns of the nodes marked in `fixed` those of the identity.
+    ///
+    /// # Errors
+    /// When the matrix shows not to be positive definite. With two levels it may show in [`solve`](Self::solve) only.
+    pub fn factorise(&mut self, matrix: &BlockMatrix, fixed: &[bool]) -> Result<(), NotPositive> {
+        self.fixed.copy_from_slice(fixed);
+        self.prepare(matrix, self.first)
+    }
+
+    /// Takes over the numbers of `matrix` for `way`, or for the first one behind it that can.
+    fn prepare(&mut self, matrix: &BlockMatrix, way: Way) -> Result<(), NotPositive> {
+        self.way = way;
+        let fixed = &*self.fixed;
+        match way {
+            Way::TwoLevel => self
+                .two_level
+                .get_or_insert_with(|| {
+                    let spacing = SPACING * distance(matrix.pattern(), &self.positions);
+                    let lattice = Lattice::new(&self.positions, spacing);
+                    Box::new(TwoLevel::new(matrix.pattern(), lattice))
+                })
+                .refresh(matrix, fixed),
+            Way::Single => {
+                let single = self
+                    .single
+                    .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())));
+                if single.factorise(matrix, Some(fixed)).is_ok() {
+                    return Ok(());
+                }
+                // Single numbers may be too few.
+                self.prepare(matrix, Way::Double)
+            }
+            Way::Double => self
+                .double
+                .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())))
+                .factorise(matrix, Some(fixed)),
+        }
+    }
+
+    /// Solves with `matrix`, that of the last [`factorise`](Self::factorise), in place, until what is left is at most `tolerance` of
+    /// the right-hand side. Fixed nodes keep their entry, which has no effect on the others.
+    ///
+    /// # Errors
+    /// When the matrix shows not to be positive definite; `x` is as before.
+    pub fn solve(
+        &mut self,
+        matrix: &BlockMatrix,
+        x: &mut [Vector3<f64>],
+        tolerance: f64,
+    ) -> Result<(), NotPositive> {
+        for ((b, x), fixed) in self.right_side.iter_mut().zip(&*x).zip(&self.fixed) {
+            *b = if *fixed { Vector3::zeros() } else { *x };
+        }
+        while !self.attempt(matrix, tolerance)? {
+            let next = if self.way == Way::TwoLevel {
+                Way::Single
+            } else {
+                Way::Double
+            };
+            self.prepare(matrix, next)?;
+        }
+        for ((x, solution), fixed) in x.iter_mut().zip(&self.solution).zip(&self.fixed) {
+            if !fixed {
+                *x = *solution;
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves in the present way; returns whether it came to the tolerance.
+    fn attempt(&mut self, matrix: &BlockMatrix, tolerance: f64) -> Result<bool, NotPositive> {
+        let Self {
+            two_level,
+            single,
+            double,
+            gradients,
+            fixed,
+            right_side,
+            solution,
+            ..
+        } = self;
+        let apply = |p: &[Vector3<f64>], q: &mut [Vector3<f64>]| {
+            matrix.multiply(p, q);
+            for (q, fixed) in q.iter_mut().zip(&*fixed) {
+                if *fixed {
+                    *q = Vector3::zeros();
+                }
+            }
+        };
+        solution.fill(Vector3::zeros());
+        let outcome = match (self.way, two_level, single, double) {
+            (Way::TwoLevel, Some(two_level), _, _) => gradients.solve(
+                apply,
+                |r, z| two_level.apply(r, z),
+                right_side,
+                solution,
+                tolerance,
+                ITERATIONS_TWO_LEVEL,
+            ),
+            (Way::Single, _, Some(single), _) => gradients.solve(
+                apply,
+                |r, z| {
+                    z.copy_from_slice(r);
+                    single.solve(z);
+                },
+                right_side,
+                solution,
+                tolerance,
+                ITERATIONS_SINGLE,
+            ),
+            (_, _, _, Some(double)) => {
+                solution.copy_from_slice(right_side);
+                double.solve(solution);
+                return Ok(true);
+            }
+            _ => unreachable!("`prepare` makes what its way needs"),
+        };
+        match outcome.negative_curvature {
+            Some(node) => Err(NotPositive { node }),
+            None => Ok(outcome.converged),
+        }
+    }
+}
+
+impl Clone for LinearSolver {
+    /// Numbers belong to one matrix, so they are not copied.
+    fn clone(&self) -> Self {
+        Self::with_analysis(self.symbolic.clone(), self.positions.clone(), self.first)
+    }
+}
+
+/// The mean distance of nodes [m]: the edge of the cubes that fill as much as the nodes do, were they the corners of cells of six
+/// tetrahedra. Distances of coupled nodes are those of 3 edges, 3 diagonals of faces and 1 of the cube.
+fn distance(pattern: &Pattern, positions: &[Vector3<f64>]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for i in 0..pattern.nodes() {
+        for &j in pattern.row(i).split_last().map_or(&[][..], |(_, others)| others) {
+            sum += (positions[i] - positions[j as usize]).norm();
+            count += 1.0;
+        }
+    }
+    let of_a_cube = (3.0 + 3.0 * 2f64.sqrt() + 3f64.sqrt()) / 7.0;
+    sum / (count * of_a_cube)
+}
