@@ -58,7 +58,11 @@ impl ConjugateGradients {
         max_iterations: usize,
     ) -> CgOutcome {
         let Self { r, z, p, q } = self;
-        assert_eq!((b.len(), x.len()), (r.len(), r.len()), "one vector per node");
+        assert_eq!(
+            (b.len(), x.len()),
+            (r.len(), r.len()),
+            "one vector per node"
+        );
         let scale = dot(b, b).sqrt();
         let mut outcome = CgOutcome {
             iterations: 0,
@@ -180,15 +184,12 @@ mod tests {
         let tolerance = 1e-11;
         let mut x = vec![Vector3::zeros(); b.len()];
         let apply = |x: &[Vector3<f64>], y: &mut [Vector3<f64>]| matrix.multiply(x, y);
-        let outcome = conjugate_gradients(
-            apply,
-            &jacobi,
-            &b,
-            &mut x,
-            tolerance,
-            3000,
+        let outcome = conjugate_gradients(apply, &jacobi, &b, &mut x, tolerance, 3000);
+        assert!(
+            outcome.converged
+                && outcome.negative_curvature.is_none()
+                && outcome.residual <= tolerance
         );
-        assert!(outcome.converged && outcome.negative_curvature.is_none() && outcome.residual <= tolerance);
         // |x − x*| = |A⁻¹ r| ≤ tolerance |b| / λ_min; twice for the rounding of both.
         let smallest = crate::testing::dense(&matrix).symmetric_eigenvalues().min();
         let difference: Vec<_> = x.iter().zip(&expected).map(|(x, e)| x - e).collect();
@@ -216,14 +217,7 @@ mod tests {
             0
         );
         let mut again = vec![Vector3::zeros(); b.len()];
-        conjugate_gradients(
-            apply,
-            &jacobi,
-            &b,
-            &mut again,
-            tolerance,
-            3000,
-        );
+        conjugate_gradients(apply, &jacobi, &b, &mut again, tolerance, 3000);
         assert_eq!(bits(&again), bits(&x));
     }
 

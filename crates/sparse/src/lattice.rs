@@ -59,8 +59,7 @@ impl Lattice {
                 if weight <= LEAST_WEIGHT {
                     continue;
                 }
-                let point: [u32; 3] =
-                    std::array::from_fn(|axis| cell[axis] as u32 + corner[axis]);
+                let point: [u32; 3] = std::array::from_fn(|axis| cell[axis] as u32 + corner[axis]);
                 let next = numbers.len() as u32;
                 let number = *numbers.entry(point).or_insert(next);
                 if number == next {
@@ -140,9 +139,14 @@ mod tests {
     /// 3 × 1 × 1 cells of the side 0.5; the nodes at corners of cells have one point each.
     #[test]
     fn cells_fit_the_box() {
-        let positions: Vec<_> = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [1.5, 0.5, 0.5], [0.75, 0.0, 0.0]]
-            .map(Vector3::from)
-            .into();
+        let positions: Vec<_> = [
+            [0.0, 0.0, 0.0],
+            [0.5, 0.0, 0.0],
+            [1.5, 0.5, 0.5],
+            [0.75, 0.0, 0.0],
+        ]
+        .map(Vector3::from)
+        .into();
         let lattice = Lattice::new(&positions, 0.45);
         let of = |node| lattice.weights(node).collect::<Vec<_>>();
         assert_eq!(of(0), [(0, 1.0)]);

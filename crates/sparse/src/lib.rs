@@ -41,8 +41,8 @@ mod minimum_degree;
 mod ordering;
 mod pattern;
 mod real;
-mod solver;
 mod separator;
+mod solver;
 mod symbolic;
 mod two_level;
 

@@ -14,11 +14,12 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::{
-    BlockMatrix, ConjugateGradients, Factor, Lattice, NotPositive, Ordering, Pattern, Symbolic, TwoLevel,
+    BlockMatrix, ConjugateGradients, Factor, Lattice, NotPositive, Ordering, Pattern, Symbolic,
+    TwoLevel,
 };
 
 /// Operations of a factor per block of the matrix from which on two levels cost less (`cargo xtask bench solvers`).
-const OPERATIONS: f64 = 2500.0;
+const OPERATIONS: f64 = 12_000.0;
 
 /// Cells of the lattice along the mean distance of nodes.
 const SPACING: f64 = 3.5;
@@ -220,7 +221,11 @@ impl Clone for LinearSolver {
 fn distance(pattern: &Pattern, positions: &[Vector3<f64>]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for i in 0..pattern.nodes() {
-        for &j in pattern.row(i).split_last().map_or(&[][..], |(_, others)| others) {
+        for &j in pattern
+            .row(i)
+            .split_last()
+            .map_or(&[][..], |(_, others)| others)
+        {
             sum += (positions[i] - positions[j as usize]).norm();
             count += 1.0;
         }
@@ -228,3 +233,6 @@ fn distance(pattern: &Pattern, positions: &[Vector3<f64>]) -> f64 {
     let of_a_cube = (3.0 + 3.0 * 2f64.sqrt() + 3f64.sqrt()) / 7.0;
     sum / (count * of_a_cube)
 }
+
+#[cfg(test)]
+mod tests;

@@ -192,7 +192,9 @@ impl TwoLevel {
         for i in 0..x.len() {
             let row = pattern.row(i);
             let first = pattern.first_slot(i);
-            let (inverse, others) = blocks[first..][..row.len()].split_last().expect("a diagonal");
+            let (inverse, others) = blocks[first..][..row.len()]
+                .split_last()
+                .expect("a diagonal");
             let mut sum: Triple = r[i].map(|value| value as f32).into();
             for (block, &j) in others.iter().zip(row) {
                 subtract_product(&mut sum, block, &x[j as usize]);
@@ -245,7 +247,9 @@ impl TwoLevel {
         for i in (0..x.len()).rev() {
             let row = pattern.row(i);
             let first = pattern.first_slot(i);
-            let (inverse, others) = blocks[first..][..row.len()].split_last().expect("a diagonal");
+            let (inverse, others) = blocks[first..][..row.len()]
+                .split_last()
+                .expect("a diagonal");
             let mut sum: Triple = std::array::from_fn(|k| r[i][k] as f32 + left[i][k]);
             for (block, &j) in others.iter().zip(row) {
                 subtract_product(&mut sum, block, &x[j as usize]);
@@ -257,11 +261,6 @@ impl TwoLevel {
                 subtract_transposed_product(&mut left[j as usize], block, &solved);
             }
         }
-    }
-
-    /// Entries of the coarse factor.
-    pub fn coarse_entries(&self) -> usize {
-        self.factor.symbolic().factor_entries()
     }
 
     /// Bytes of all that is kept.
@@ -290,7 +289,10 @@ fn subtract_transposed_product(sum: &mut Triple, block: &[Triple; 3], x: &Triple
 
 fn inverse(block: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let inverse = block.cholesky()?.inverse();
-    inverse.iter().all(|value| value.is_finite()).then_some(inverse)
+    inverse
+        .iter()
+        .all(|value| value.is_finite())
+        .then_some(inverse)
 }
 
 /// All pairs of a point of node `i` and a point of node `j` ≤ `i`, with the product of their weights; for a node and itself each
@@ -321,3 +323,6 @@ fn coarse_pattern(pattern: &Pattern, lattice: &Lattice) -> Pattern {
     }
     Pattern::from_rows(rows)
 }
+
+#[cfg(test)]
+mod tests;
