@@ -94,6 +94,23 @@ impl LinearSolver {
         self.prepare(matrix, self.first)
     }
 
+    /// The first way in a word, for reports.
+    pub fn way(&self) -> &'static str {
+        match self.first {
+            Way::TwoLevel => "two levels",
+            Way::Single | Way::Double => "factor",
+        }
+    }
+
+    /// Bytes of the numbers and places of the ways that were needed so far.
+    pub fn bytes(&self) -> usize {
+        let entries = self.symbolic.factor_entries() + self.symbolic.workspace_entries();
+        let two_level = self.two_level.as_ref().map_or(0, |way| way.bytes());
+        let single = self.single.as_ref().map_or(0, |_| 4 * entries);
+        let double = self.double.as_ref().map_or(0, |_| 8 * entries);
+        two_level + single + double + 8 * size_of_val(&*self.solution)
+    }
+
     /// Takes over the numbers of `matrix` for `way`, or for the first one behind it that can.
     fn prepare(&mut self, matrix: &BlockMatrix, way: Way) -> Result<(), NotPositive> {
         self.way = way;
