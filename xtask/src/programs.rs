@@ -29,6 +29,11 @@ pub const BENCHES: &[Program] = &[
         example: "bench_kernels",
         shows: "cost of forces and of an explicit step per tetrahedron, every material",
     },
+    Program {
+        name: "solvers",
+        example: "bench_solvers",
+        shows: "cost of implicit methods: phases, first peak, rest, larger beams",
+    },
 ];
 
 /// What `soak` runs.
