@@ -27,7 +27,7 @@ pub const BENCHES: &[Program] = &[
     Program {
         name: "kernels",
         example: "bench_kernels",
-        shows: "cost of forces and of an explicit step per tetrahedron, every material",
+        shows: "cost of forces and of an explicit step per tetrahedron, cache, memory",
     },
     Program {
         name: "solvers",
