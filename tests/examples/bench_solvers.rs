@@ -7,9 +7,10 @@
 //! of the repetitions counts. Nothing is asserted about time.
 
 use microsim_mesh::{Block, CellSplit};
-use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Symbolic};
+use microsim_sparse::Factor;
 use microsim_tests::repository;
-use microsim_tissue::elements::{MatrixWindow, Slots, Tangent};
+use microsim_tests::system::System;
+use microsim_tissue::elements::Tangent;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
     Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Forces, Material, Method,
@@ -17,7 +18,6 @@ use microsim_tissue::{
 };
 use nalgebra::Vector3;
 use std::fmt::Write as _;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Cells of the meshes of the reference.
@@ -102,61 +102,6 @@ fn fastest(repetitions: usize, mut run: impl FnMut()) -> f64 {
         start.elapsed().as_secs_f64()
     };
     (0..repetitions).map(timed).fold(f64::INFINITY, f64::min)
-}
-
-/// The system of a model: its matrix with the mass of a step, and its analysis.
-struct System {
-    matrix: BlockMatrix,
-    slots: Vec<Slots>,
-    symbolic: Arc<Symbolic>,
-}
-
-impl System {
-    fn new(model: &TissueModel) -> Self {
-        let nodes = |set: usize, element: usize| model.sets()[set].nodes(element);
-        let cliques = (0..model.sets().len())
-            .flat_map(|set| (0..model.sets()[set].count()).map(move |element| nodes(set, element)));
-        let pattern = Arc::new(Pattern::from_cliques(model.node_count(), cliques));
-        let slots = model.sets().iter().map(|set| {
-            let elements = (0..set.count()).map(|element| set.nodes(element));
-            Slots::new(elements, |row, column| {
-                pattern
-                    .slot(row as usize, column as usize)
-                    .expect("the nodes of an element are coupled")
-            })
-        });
-        let slots = slots.collect();
-        let ordering = Ordering::nested_dissection(&pattern, Some(model.rest_positions()));
-        Self {
-            symbolic: Arc::new(Symbolic::analyse(&pattern, &ordering)),
-            matrix: BlockMatrix::zeros(pattern),
-            slots,
-        }
-    }
-
-    fn assemble(&mut self, model: &TissueModel, state: &State, tangent: Tangent) {
-        self.matrix.clear();
-        for (index, (set, slots)) in model.sets().iter().zip(&self.slots).enumerate() {
-            let mut window = MatrixWindow {
-                slots,
-                values: self.matrix.values_mut(),
-            };
-            set.add_stiffness(&state.configuration(model, index), tangent, &mut window);
-        }
-    }
-
-    /// Bytes of the factor, the waiting updates, the matrix and the places of its blocks.
-    fn bytes(&self, model: &TissueModel) -> usize {
-        let places: usize = model
-            .sets()
-            .iter()
-            .flat_map(|set| (0..set.count()).map(|element| set.nodes(element).len()))
-            .map(|nodes| 4 * (nodes * (nodes + 1) / 2 + 1))
-            .sum();
-        4 * (self.symbolic.factor_entries() + self.symbolic.workspace_entries())
-            + 72 * self.matrix.values().len()
-            + places
-    }
 }
 
 fn phases(text: &mut String, csv: &mut String) {

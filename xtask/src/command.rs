@@ -211,7 +211,7 @@ mod tests {
             ),
             (
                 "bench",
-                r#"["bench_host", "bench_kernels", "bench_solvers"] []"#,
+                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts"] []"#,
             ),
             ("bench kernels", r#"["bench_kernels"] []"#),
             (
@@ -245,7 +245,7 @@ mod tests {
             ("new module demo more", "`new` does not take \"more\""),
             (
                 "bench hosts",
-                "there is no \"hosts\"; there are: host, kernels, solvers",
+                "there is no \"hosts\"; there are: host, kernels, solvers, counts",
             ),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {

@@ -34,6 +34,11 @@ pub const BENCHES: &[Program] = &[
         example: "bench_solvers",
         shows: "cost of implicit methods: phases, first peak, rest, larger beams",
     },
+    Program {
+        name: "counts",
+        example: "bench_counts",
+        shows: "instructions of kernels under callgrind, compared with the recorded ones",
+    },
 ];
 
 /// What `soak` runs.
