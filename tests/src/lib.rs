@@ -4,16 +4,20 @@
 //!
 //! - here: running the program and hearing what it says;
 //! - [`alter`]: sessions written anew with one thing changed;
+//! - [`counts`]: instruction counts of kernels, recorded and compared;
 //! - [`in_process`]: a run in the test's own process;
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
 //! - [`live`]: a tree with a source that has a timer of its own;
-//! - [`statistics`]: percentiles of measurements.
+//! - [`statistics`]: percentiles of measurements;
+//! - [`system`]: the linear system of a body, phase by phase.
 
 pub mod alter;
+pub mod counts;
 pub mod in_process;
 pub mod kill;
 pub mod live;
 pub mod statistics;
+pub mod system;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

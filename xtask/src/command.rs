@@ -209,7 +209,10 @@ mod tests {
                 "new module demo --dir x",
                 r#"NewModule { name: "demo", folder: Some("x") }"#,
             ),
-            ("bench", r#"["bench_host", "bench_kernels"] []"#),
+            (
+                "bench",
+                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts"] []"#,
+            ),
             ("bench kernels", r#"["bench_kernels"] []"#),
             (
                 "soak kills -- --runs 8",
@@ -242,7 +245,7 @@ mod tests {
             ("new module demo more", "`new` does not take \"more\""),
             (
                 "bench hosts",
-                "there is no \"hosts\"; there are: host, kernels",
+                "there is no \"hosts\"; there are: host, kernels, solvers, counts",
             ),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {

@@ -27,7 +27,17 @@ pub const BENCHES: &[Program] = &[
     Program {
         name: "kernels",
         example: "bench_kernels",
-        shows: "cost of forces and of an explicit step per tetrahedron, every material",
+        shows: "cost of forces and of an explicit step per tetrahedron, cache, memory",
+    },
+    Program {
+        name: "solvers",
+        example: "bench_solvers",
+        shows: "cost of implicit methods: phases, first peak, rest, larger beams",
+    },
+    Program {
+        name: "counts",
+        example: "bench_counts",
+        shows: "instructions of kernels under callgrind, compared with the recorded ones",
     },
 ];
 

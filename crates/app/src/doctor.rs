@@ -2,6 +2,7 @@
 
 use crate::cli::Place;
 use crate::output::{Exit, Problem, say};
+use crate::processor;
 use crate::session_file::installation;
 use microsim_host::assemble::probe_renderer;
 
@@ -24,6 +25,11 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
     }
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     say(format!("processors     {cores}"))?;
+    // Had it lacked one, the program would have ended before.
+    match processor::used_names().as_str() {
+        "" => say("instructions   those of every such processor; without FMA solvers are slow")?,
+        names => say(format!("instructions   {names}: the processor has them"))?,
+    }
     let folder = crate::run::session_folder(&installation);
     let writable = std::fs::create_dir_all(&folder).and_then(|()| {
         let probe = folder.join(format!(".doctor-{}", std::process::id()));

@@ -13,6 +13,7 @@ mod doctor;
 mod list;
 mod mesh_file;
 mod output;
+mod processor;
 mod replay;
 mod report;
 mod run;
@@ -28,6 +29,10 @@ use output::{Exit, Problem};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    if let Some(complaint) = processor::complaint() {
+        eprintln!("microsim: {complaint}");
+        return Exit::CouldNotRun.into();
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {

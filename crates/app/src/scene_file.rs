@@ -197,7 +197,7 @@ fn check_bodies(
             if locks {
                 let key = key.key("material").at(m).key("poisson_ratio");
                 warnings.push(format!(
-                    "{}: these tetrahedra lock at a Poisson's ratio of {poisson}, the body is too stiff: use discretisation = \"selective\" or \"nodal-pressure\"",
+                    "{}: these tetrahedra lock at a Poisson's ratio of {poisson}, the body is too stiff: use discretisation = \"selective\" or \"patch-pressure\"",
                     document.place(&key)
                 ));
             }

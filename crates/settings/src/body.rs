@@ -323,16 +323,19 @@ pub enum Discretisation {
     Selective,
     /// Shear in tetrahedra, pressure around nodes.
     NodalPressure,
+    /// Shear in tetrahedra, pressure in patches of about five.
+    PatchPressure,
 }
 
 impl Discretisation {
     /// As files write them.
-    pub const NAMES: [&str; 5] = [
+    pub const NAMES: [&str; 6] = [
         "tetrahedra",
         "edge-smoothed",
         "node-smoothed",
         "selective",
         "nodal-pressure",
+        "patch-pressure",
     ];
 }
 

@@ -232,7 +232,7 @@ fn needs(reading: &mut Reading, table: &KeyPath, one: &str, other: &str) {
 fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
     reading.advise(
         &key.key("poisson_ratio"),
-        "0.5 is incompressible, so take 0.49 with discretisation = \"selective\" or \"nodal-pressure\"",
+        "0.5 is incompressible, so take 0.49 with discretisation = \"selective\" or \"patch-pressure\"",
     );
     reading.advise(
         &key.key("youngs_modulus"),

@@ -387,7 +387,7 @@ fn material_keys() -> Vec<Key> {
         Key::optional(
             "discretisation",
             Kind::choice(&Discretisation::NAMES),
-            "How the mesh carries a continuum; `tetrahedra` if left out. From a Poisson's ratio of 0.4 on, `selective` or `nodal-pressure` keep it from locking.",
+            "How the mesh carries a continuum; `tetrahedra` if left out. From a Poisson's ratio of 0.4 on, `selective`, `patch-pressure` or `nodal-pressure` keep it from locking.",
         ),
         Key::optional(
             "form",

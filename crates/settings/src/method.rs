@@ -41,6 +41,8 @@ pub enum MethodName {
     ImplicitEuler,
     /// Implicit midpoint.
     ImplicitMidpoint,
+    /// Implicit midpoint that drops speed where a tetrahedron is distorted.
+    GuardedMidpoint,
     /// L-stable Runge–Kutta method of two implicit stages.
     Sdirk2,
     /// Static equilibrium at the end of each step.
@@ -51,7 +53,7 @@ pub enum MethodName {
 
 impl MethodName {
     /// As files write them.
-    pub const NAMES: [&str; 10] = [
+    pub const NAMES: [&str; 11] = [
         "stoermer-verlet",
         "explicit-euler",
         "symplectic-euler",
@@ -59,6 +61,7 @@ impl MethodName {
         "velocity-verlet-lagged",
         "implicit-euler",
         "implicit-midpoint",
+        "guarded-midpoint",
         "sdirk2",
         "quasi-static",
         "xpbd",
@@ -72,9 +75,8 @@ impl MethodName {
     /// The parameters that it has.
     fn parameters(name: &str) -> &'static [&'static str] {
         match name {
-            "implicit-euler" | "implicit-midpoint" | "sdirk2" | "quasi-static" => {
-                &["iterations", "tolerance", "must_converge"]
-            }
+            "implicit-euler" | "implicit-midpoint" | "guarded-midpoint" | "sdirk2"
+            | "quasi-static" => &["iterations", "tolerance", "must_converge"],
             "xpbd" => &["iterations", "substeps"],
             _ => &[],
         }

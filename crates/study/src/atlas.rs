@@ -142,6 +142,7 @@ pub fn method_name(method: &Method) -> String {
     match method {
         Method::ImplicitEuler(newton)
         | Method::ImplicitMidpoint(newton)
+        | Method::GuardedMidpoint(newton)
         | Method::Sdirk2(newton)
         | Method::QuasiStatic(newton) => match newton.iterations {
             1 => format!("{}, 1 iteration", method.name()),

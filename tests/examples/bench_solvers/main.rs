@@ -9,9 +9,10 @@
 mod vessel;
 
 use microsim_mesh::{Block, CellSplit};
-use microsim_sparse::{BlockMatrix, Factor, LinearSolver, Ordering, Pattern, Symbolic};
+use microsim_sparse::Factor;
 use microsim_tests::repository;
-use microsim_tissue::elements::{MatrixWindow, Slots, Tangent};
+use microsim_tests::system::{System, analyse};
+use microsim_tissue::elements::Tangent;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
     Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Forces, Material, Method,
@@ -19,7 +20,6 @@ use microsim_tissue::{
 };
 use nalgebra::Vector3;
 use std::fmt::Write as _;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Cells of the meshes of the reference.
@@ -107,57 +107,6 @@ fn fastest(repetitions: usize, mut run: impl FnMut()) -> f64 {
     (0..repetitions).map(timed).fold(f64::INFINITY, f64::min)
 }
 
-/// The system of a model: its matrix and the solver of it.
-struct System {
-    matrix: BlockMatrix,
-    slots: Vec<Slots>,
-    solver: LinearSolver,
-}
-
-impl System {
-    fn new(model: &TissueModel) -> Self {
-        let nodes = |set: usize, element: usize| model.sets()[set].nodes(element);
-        let cliques = (0..model.sets().len())
-            .flat_map(|set| (0..model.sets()[set].count()).map(move |element| nodes(set, element)));
-        let pattern = Arc::new(Pattern::from_cliques(model.node_count(), cliques));
-        let slots = model.sets().iter().map(|set| {
-            let elements = (0..set.count()).map(|element| set.nodes(element));
-            Slots::new(elements, |row, column| {
-                pattern
-                    .slot(row as usize, column as usize)
-                    .expect("the nodes of an element are coupled")
-            })
-        });
-        Self {
-            slots: slots.collect(),
-            solver: LinearSolver::new(&pattern, model.rest_positions()),
-            matrix: BlockMatrix::zeros(pattern),
-        }
-    }
-
-    fn assemble(&mut self, model: &TissueModel, state: &State, tangent: Tangent) {
-        self.matrix.clear();
-        for (index, (set, slots)) in model.sets().iter().zip(&self.slots).enumerate() {
-            let mut window = MatrixWindow {
-                slots,
-                values: self.matrix.values_mut(),
-            };
-            set.add_stiffness(&state.configuration(model, index), tangent, &mut window);
-        }
-    }
-
-    /// Bytes of what solves, of the matrix and of the places of its blocks.
-    fn bytes(&self, model: &TissueModel) -> usize {
-        let places: usize = model
-            .sets()
-            .iter()
-            .flat_map(|set| (0..set.count()).map(|element| set.nodes(element).len()))
-            .map(|nodes| 4 * (nodes * (nodes + 1) / 2 + 1))
-            .sum();
-        self.solver.bytes() + size_of_val(self.matrix.values()) + places
-    }
-}
-
 /// Columns of the table of phases.
 const PHASES: [&str; 8] = [
     "analysis", "exact", "positive", "prepare", "solve", "factor", "solution", "update",
@@ -221,9 +170,7 @@ fn phases_of(model: &TissueModel, large: bool) -> (&'static str, [f64; 8], f64) 
             .solve(matrix, &mut x, 1e-3)
             .expect("a positive matrix");
     });
-    let ordering = Ordering::nested_dissection(matrix.pattern(), Some(model.rest_positions()));
-    let symbolic = Arc::new(Symbolic::analyse(matrix.pattern(), &ordering));
-    let mut direct = Factor::<f32>::new(symbolic);
+    let mut direct = Factor::<f32>::new(analyse(model, matrix.pattern()));
     let factor = fastest(repetitions, || {
         direct
             .factorise(matrix, Some(&fixed))

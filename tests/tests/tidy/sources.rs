@@ -113,14 +113,23 @@ fn has_word(code: &str, word: &str) -> bool {
     })
 }
 
+/// `libm::exp(x)` is right, `x.exp()` and `f64::exp(x)` are not.
+fn calls(code: &str, name: &str) -> bool {
+    code.contains(&format!(".{name}("))
+        || ["f64", "f32", "$number"]
+            .into_iter()
+            .any(|number| code.contains(&format!("{number}::{name}")))
+}
+
 fn transcendental(code: &str) -> Option<&'static str> {
-    // `libm::exp(x)` is right, `x.exp()` and `f64::exp(x)` are not. A fused `mul_add` is exact everywhere, but slow where
-    // the machine has none, and not what a plain product and sum give.
-    TRANSCENDENTAL.into_iter().chain(["mul_add"]).find(|name| {
-        code.contains(&format!(".{name}("))
-            || code.contains(&format!("f64::{name}"))
-            || code.contains(&format!("f32::{name}"))
-    })
+    TRANSCENDENTAL.into_iter().find(|name| calls(code, name))
+}
+
+/// Whether fused products may stand in a source: those of `sparse` round once, in a fixed order, by an instruction that the
+/// build's target has, so their bits are those of every machine. Elsewhere they would be what a plain product and sum are
+/// not, and which of both stands where is for one crate to know.
+fn may_fuse(path: &Path) -> bool {
+    path.starts_with(repository().join("crates/sparse/src"))
 }
 
 #[test]
@@ -128,6 +137,23 @@ fn no_function_of_the_systems_library_decides_a_bit() {
     assert_none(&complaints(|_, code| {
         transcendental(code).map(|name| format!("`{name}` of std: use the crate libm"))
     }));
+}
+
+#[test]
+fn products_are_fused_in_one_crate_alone() {
+    assert_none(&complaints(|path, code| {
+        let fused = !may_fuse(path) && calls(code, "mul_add");
+        fused.then(|| "`mul_add`: only crates/sparse fuses products".into())
+    }));
+    // What the exception is for is there; and its instruction is in the build.
+    let sparse = files_below(&repository().join("crates/sparse/src"), ".rs");
+    assert!(sparse.iter().any(|path| {
+        let source = text(path);
+        lines(&source)
+            .iter()
+            .any(|line| calls(&line.code, "mul_add"))
+    }));
+    assert!(text(&repository().join(".cargo/config.toml")).contains("target-cpu=x86-64-v3"));
 }
 
 #[test]
@@ -166,6 +192,13 @@ fn the_checks_can_fail() {
         transcendental("let y = libm::exp(x).sqrt().max(x.expect(\"a number\"));"),
         None
     );
+    assert!(calls("let y = a.mul_add(b, c);", "mul_add"));
+    assert!(calls("a.map(f32::mul_add)", "mul_add"));
+    assert!(!calls("fn mul_add(self, a: Self) -> Self;", "mul_add"));
+    let root = repository();
+    assert!(may_fuse(&root.join("crates/sparse/src/kernels.rs")));
+    assert!(!may_fuse(&root.join("crates/tissue/src/forces.rs")));
+    assert!(!may_fuse(&root.join("crates/sparse-more/src/lib.rs")));
     assert!(has_word("use std::time::{Duration, Instant};", "Instant"));
     assert!(!has_word("let instant = Instantaneous;", "Instant"));
 

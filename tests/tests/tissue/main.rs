@@ -9,3 +9,4 @@ mod locking;
 mod refinement;
 mod released;
 mod still;
+mod threads;

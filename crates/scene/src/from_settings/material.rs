@@ -68,6 +68,7 @@ fn behaviour(
             Some(settings::Discretisation::NodeSmoothed) => Discretisation::NodeSmoothed,
             Some(settings::Discretisation::Selective) => Discretisation::Selective,
             Some(settings::Discretisation::NodalPressure) => Discretisation::NodalPressure,
+            Some(settings::Discretisation::PatchPressure) => Discretisation::PatchPressure,
         },
     };
     Ok((Behaviour::Continuum(constants), Some(young)))

@@ -25,6 +25,7 @@ pub(super) fn method(method: &settings::Method) -> Method {
         MethodName::VelocityVerletLagged => Method::VelocityVerletLagged,
         MethodName::ImplicitEuler => Method::ImplicitEuler(newton),
         MethodName::ImplicitMidpoint => Method::ImplicitMidpoint(newton),
+        MethodName::GuardedMidpoint => Method::GuardedMidpoint(newton),
         MethodName::Sdirk2 => Method::Sdirk2(newton),
         MethodName::QuasiStatic => Method::QuasiStatic(newton),
         MethodName::Xpbd => Method::Xpbd {

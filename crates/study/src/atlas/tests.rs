@@ -214,6 +214,7 @@ fn implicit_midpoint_makes_energy_at_large_steps_where_dissipative_methods_do_no
         of(Method::ImplicitMidpoint(newton(20)), 0.1 * h) < 1.01,
         "a small step helps"
     );
+    assert!(of(Method::GuardedMidpoint(newton(20)), h) < 1.0);
     assert!(of(Method::Sdirk2(newton(20)), h) < 1.0);
     assert!(of(Method::ImplicitEuler(newton(20)), h) < 1.0);
 }
@@ -269,6 +270,7 @@ fn a_number_that_is_none_stops_the_step_and_nothing_else() {
     let methods = limits::METHODS.into_iter().chain([
         Method::ImplicitEuler(newton(5)),
         Method::ImplicitMidpoint(newton(5)),
+        Method::GuardedMidpoint(newton(5)),
         Method::Sdirk2(newton(5)),
         Method::QuasiStatic(newton(5)),
         Method::Xpbd {

@@ -26,11 +26,13 @@ const SELECTIVE: Substance =
     Substance::Continuum(LawName::StableNeoHookean, Discretisation::Selective);
 const NODAL_PRESSURE: Substance =
     Substance::Continuum(LawName::StableNeoHookean, Discretisation::NodalPressure);
+const PATCH_PRESSURE: Substance =
+    Substance::Continuum(LawName::StableNeoHookean, Discretisation::PatchPressure);
 const COROTATIONAL_SELECTIVE: Substance =
     Substance::Continuum(LawName::Corotational, Discretisation::Selective);
 
 /// All substances of the beam.
-const SUBSTANCES: [Substance; 9] = [
+const SUBSTANCES: [Substance; 10] = [
     SPRINGS,
     ST_VENANT,
     LOGARITHMIC,
@@ -39,6 +41,7 @@ const SUBSTANCES: [Substance; 9] = [
     POLYNOMIAL,
     SELECTIVE,
     NODAL_PRESSURE,
+    PATCH_PRESSURE,
     COROTATIONAL_SELECTIVE,
 ];
 
@@ -123,6 +126,11 @@ pub fn all() -> Vec<Way> {
                 substance,
                 milliseconds(ms),
             ));
+            ways.push(way(
+                Method::GuardedMidpoint(newton(1)),
+                substance,
+                milliseconds(ms),
+            ));
             ways.push(way(Method::Sdirk2(newton(20)), substance, milliseconds(ms)));
         }
         ways.push(way(
@@ -177,6 +185,11 @@ pub fn few() -> Vec<Way> {
         ),
         way(
             Method::ImplicitEuler(newton(20)),
+            STABLE,
+            milliseconds(20.0),
+        ),
+        way(
+            Method::GuardedMidpoint(newton(1)),
             STABLE,
             milliseconds(20.0),
         ),

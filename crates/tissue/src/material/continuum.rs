@@ -116,7 +116,7 @@ impl ContinuumConstants {
         Err(MaterialError {
             value_name: "poisson",
             value: self.poisson,
-            allowed: "> -1 and < 0.5; for incompressible tissue take 0.49 with the discretisation selective or nodal-pressure",
+            allowed: "> -1 and < 0.5; for incompressible tissue take 0.49 with the discretisation selective or patch-pressure",
         })
     }
 
