@@ -5,29 +5,35 @@ use microsim_settings::{Expect, Feature};
 /// A crossing counts when the curve has been below the middle by this share of its range: ripples of higher modes do not.
 const HYSTERESIS: f64 = 0.1;
 
+/// A curve has had a peak when it has fallen by this share of its range: what an iteration leaves of the forces, and corrects in
+/// the next step, is none.
+const FALL: f64 = 1e-3;
+
 /// What an expectation is about, from a series; `None` if the series does not hold it.
 pub(super) fn find(expect: &Expect, time: &[f64], values: &[f64]) -> Option<f64> {
     let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let fall = FALL * (largest - smallest);
     let found = match expect.what {
         Feature::AtEnd => *values.last()?,
         Feature::Largest => largest,
         Feature::Spread => largest - smallest,
-        Feature::FirstPeak => first_peak(time, values, expect.settle)?.1,
-        Feature::FirstPeakTime => first_peak(time, values, expect.settle)?.0,
+        Feature::FirstPeak => first_peak(time, values, expect.settle, fall)?.1,
+        Feature::FirstPeakTime => first_peak(time, values, expect.settle, fall)?.0,
         Feature::Frequency => frequency(time, values, smallest, largest)?,
     };
     found.is_finite().then_some(found)
 }
 
-/// Time and value of the largest value before the curve has stayed below it for `settle`; between samples by the parabola
-/// through the three around it.
-fn first_peak(time: &[f64], values: &[f64], settle: f64) -> Option<(f64, f64)> {
-    let mut peak = 0;
+/// Time and value of the largest value before the curve has stayed below it for `settle` and has fallen by more than `least`;
+/// between samples by the parabola through the three around it.
+fn first_peak(time: &[f64], values: &[f64], settle: f64, least: f64) -> Option<(f64, f64)> {
+    let (mut peak, mut lowest) = (0, f64::INFINITY);
     for now in 1..values.len() {
+        lowest = lowest.min(values[now]);
         if values[now] > values[peak] {
-            peak = now;
-        } else if time[now] - time[peak] >= settle && peak > 0 {
+            (peak, lowest) = (now, f64::INFINITY);
+        } else if time[now] - time[peak] >= settle && peak > 0 && values[peak] - lowest > least {
             return Some(vertex(time, values, peak));
         }
     }
@@ -123,6 +129,12 @@ mod tests {
         ] {
             assert_eq!(find(&expect(what), &time, &rising), None, "{what:?}");
             assert_eq!(find(&expect(what), &[0.0], &[0.0]), None, "{what:?}");
+        }
+        // What comes to rest with the last digits of an iteration has no peak; what overshoots by 1 % has one.
+        for (rest, peak) in [(1.0 - 1e-6, None), (0.99, Some(1.0))] {
+            let resting: Vec<f64> = [0.0, 1.0].into_iter().chain([rest; 98]).collect();
+            let found = find(&expect(Feature::FirstPeakTime), &time, &resting);
+            assert_eq!(found.map(f64::round), peak, "{rest}");
         }
         assert_eq!(find(&expect(Feature::AtEnd), &time, &rising), Some(99.0));
         assert_eq!(find(&expect(Feature::Spread), &time, &rising), Some(99.0));
