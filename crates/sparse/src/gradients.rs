@@ -74,9 +74,10 @@ impl ConjugateGradients {
             x.fill(Vector3::zeros());
             return outcome;
         }
-        apply(x, q);
-        for ((r, b), q) in r.iter_mut().zip(b).zip(&*q) {
-            *r = b - q;
+        r.copy_from_slice(b);
+        if x.iter().any(|x| *x != Vector3::zeros()) {
+            apply(x, q);
+            r.iter_mut().zip(&*q).for_each(|(r, q)| *r -= q);
         }
         let mut rz = 0.0;
         loop {
