@@ -21,7 +21,12 @@ QUADRATIC = "{} quadratic cells along the beam ({} nodes) instead of tetrahedra,
 def tetrahedra(method, mesh, steps, measures, iterations=100, tolerance=1e-8, **more):
     """Runs of the flex of tetrahedra."""
     describe = {"explicit": EXPLICIT, "rk4": RK4, "implicit": DISCRETE, "midpoint": MIDPOINT}[method]
-    names = {"explicit": "explicit", "rk4": "RK4", "implicit": "implicit", "midpoint": "implicit, reflected"}
+    names = {
+        "explicit": "explicit",
+        "rk4": "RK4",
+        "implicit": f"implicit ({iterations} iterations, {tolerance:g})",
+        "midpoint": f"implicit, reflected ({iterations} iterations, {tolerance:g})",
+    }
     return beam.plan(
         names[method], mesh, steps, measures, describe.format(iterations, tolerance), STVK,
         method=method, iterations=iterations, tolerance=tolerance, **more,
@@ -32,7 +37,7 @@ def cells(method, count, steps, measures, describe):
     """Runs of the interpolated flex."""
     describe = QUADRATIC.format(count, 9 * (2 * count + 1), describe)
     return beam.plan(
-        f"quadratic cells, {method}", "own", steps, measures, describe, "beam",
+        f"{count} quadratic cells, {method}", "own", steps, measures, describe, "beam",
         method=method, cells=count, iterations=100, tolerance=1e-8,
     )
 

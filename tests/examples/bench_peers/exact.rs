@@ -42,7 +42,7 @@ pub fn read(law: &str, mesh: &str) -> Exact {
     }
 }
 
-/// How far the meshes rest from the exact beam, as shares of its sag.
+/// How much less the meshes sag at rest than the exact beam, as shares of its sag.
 pub fn of_meshes() -> [f64; 3] {
     let beam = read(BEAM.0, BEAM.1).rest;
     MESHES.map(|mesh| 1.0 - read(LawName::StVenantKirchhoff.name(), mesh).rest / beam)

@@ -12,6 +12,7 @@ mod beam;
 mod curve;
 mod exact;
 mod install;
+mod labels;
 mod measure;
 mod ours;
 mod peers;

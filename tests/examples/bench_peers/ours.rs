@@ -89,7 +89,7 @@ const ENTRIES: &[Entry] = &[
     Entry::new("implicit-midpoint", ONE, Method::ImplicitMidpoint(newton(1)), Peak, "SM", SHORT),
     Entry::new("implicit-midpoint", ONE, Method::ImplicitMidpoint(newton(1)), Peak, "SML", LONG),
     Entry::new("guarded-midpoint", ONE, Method::GuardedMidpoint(newton(1)), Peak, "SML", LONG),
-    Entry::new("implicit-midpoint, St Venant–Kirchhoff", ONE, Method::ImplicitMidpoint(newton(1)), Peak, "SML", LONG)
+    Entry::new("implicit-midpoint (St Venant–Kirchhoff)", ONE, Method::ImplicitMidpoint(newton(1)), Peak, "SML", LONG)
         .law(LawName::StVenantKirchhoff),
     Entry::new("sdirk2", ONE, Method::Sdirk2(newton(1)), Peak, "SM", LONG),
     Entry::new("implicit-euler", ONE, Method::ImplicitEuler(newton(1)), Peak, "SML", LONG),

@@ -1,5 +1,6 @@
 //! A panel of the picture: a logarithmic frame, lines with markers, and labels where they cover least. SVG by hand.
 
+use crate::labels::{LETTER, Labels};
 use crate::ours::ENGINE as OURS;
 use crate::report::RIGHT;
 use std::fmt::Write as _;
@@ -22,10 +23,6 @@ pub enum Form {
 
 /// A panel with its room for words around it.
 const PANEL: [f64; 2] = [480.0, 370.0];
-/// Size of letters of labels, and width of one as a share of it.
-pub const LETTER: f64 = 12.0;
-const LETTER_WIDTH: f64 = 0.56;
-
 /// A line of points.
 pub struct Line<'a> {
     /// Engine, method and settings; the first two make the label.
@@ -35,10 +32,15 @@ pub struct Line<'a> {
 }
 
 impl Line<'_> {
+    /// The method; what its name has in brackets is told in the table.
+    fn name(&self) -> &str {
+        self.key[1].split(" (").next().unwrap_or_default()
+    }
+
     fn label(&self) -> String {
-        match self.key {
-            [engine, "", _] => engine.into(),
-            [engine, method, _] => format!("{engine}: {method}"),
+        match self.name() {
+            "" => self.key[0].into(),
+            name => format!("{}: {name}", self.key[0]),
         }
     }
 }
@@ -142,7 +144,7 @@ impl Frame {
                     out,
                     "<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"#222\" stroke-dasharray=\"6 4\"/><text x=\"{:.1}\" y=\"{:.1}\">real time</text>",
                     x + 4.0,
-                    bottom - 6.0
+                    top + LETTER + 2.0
                 );
             }
         }
@@ -150,55 +152,63 @@ impl Frame {
 
     fn draw_lines(&self, out: &mut String, lines: &[Line<'_>]) {
         let [left, top] = self.corner;
-        let [right, bottom] = [left + PANEL[0], top + PANEL[1]];
-        // Markers first: labels then keep clear of all of them.
-        let mut taken: Vec<Taken> = Vec::new();
+        let mut labels = Labels::new([left, top, left + PANEL[0], top + PANEL[1]]);
+        // The words on real time.
+        let [x, _] = self.at([1.0, self.y[0]]);
+        labels.keep_clear(&[[x, top + 8.0], [x + 54.0, top + 8.0]]);
+        // Lines and markers first: labels then keep clear of all of them.
+        let mut told = Vec::new();
+        let mut drawn: Vec<(String, [&str; 2], Vec<[f64; 2]>)> = Vec::new();
         for line in lines {
             let (_, colour, form) = look(line.key[0]);
             let points: Vec<[f64; 2]> = line.points.iter().map(|&point| self.at(point)).collect();
-            let path: String = points
+            let path: Vec<String> = points
                 .iter()
-                .map(|[x, y]| format!(" {x:.1},{y:.1}"))
+                .map(|[x, y]| format!("{x:.1},{y:.1}"))
                 .collect();
             let width = if line.key[0] == OURS { 2.4 } else { 1.4 };
+            let misses = self.peaks && line.points.iter().all(|point| point[1] > RIGHT);
+            let faint = if misses { " opacity=\"0.35\"" } else { "" };
             let _ = writeln!(
                 out,
-                "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"/>",
-                path.trim()
+                "<g{faint}><polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"/>",
+                path.join(" ")
             );
-            for [x, y] in points {
-                marker(out, form, colour, [x, y]);
-                taken.push([x - 6.0, y - 6.0, x + 6.0, y + 6.0]);
+            for &point in &points {
+                marker(out, form, colour, point);
             }
-        }
-        // Lines of one method with other settings share a label.
-        let mut told = Vec::new();
-        for line in lines {
-            let label = line.label();
-            if told.contains(&label) {
+            let _ = writeln!(out, "</g>");
+            labels.keep_clear(&points);
+            let weight = if line.key[0] == OURS {
+                "bold"
+            } else {
+                "normal"
+            };
+            if misses || told.contains(&line.label()) {
                 continue;
             }
-            let (_, colour, _) = look(line.key[0]);
-            let points: Vec<[f64; 2]> = line.points.iter().map(|&point| self.at(point)).collect();
-            let [x, y] = place(&points, &label, [left, top, right, bottom], &taken);
-            let wide = width_of(&label);
-            taken.push([x, y - LETTER, x + wide, y + 3.0]);
-            let weight = if line.key[0] == OURS {
-                " font-weight=\"bold\""
-            } else {
-                ""
-            };
+            told.push(line.label());
+            match drawn.iter_mut().find(|other| near(&other.2, &points)) {
+                // The same to the eye: one label for both.
+                Some((label, ..)) => *label += &format!(", {}", line.name()),
+                None => drawn.push((line.label(), [colour, weight], points)),
+            }
+        }
+        for (label, [colour, weight], points) in drawn {
+            let [x, y] = labels.place(&points, &label);
             let _ = writeln!(
                 out,
-                "<text x=\"{x:.1}\" y=\"{y:.1}\" fill=\"{colour}\"{weight} stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\">{label}</text>"
+                "<text x=\"{x:.1}\" y=\"{y:.1}\" fill=\"{colour}\" font-weight=\"{weight}\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\">{label}</text>"
             );
-            told.push(label);
         }
     }
 }
 
-/// A box that a label or a marker takes: left, top, right, bottom.
-type Taken = [f64; 4];
+/// Whether a line lies on another one.
+fn near(other: &[[f64; 2]], line: &[[f64; 2]]) -> bool {
+    let close = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) < 8.0;
+    line.iter().all(|a| other.iter().any(|b| close(a, b)))
+}
 
 /// Whole decades around the values of lines along one axis.
 pub fn decades(lines: &[Line<'_>], axis: usize) -> [f64; 2] {
@@ -217,51 +227,6 @@ pub fn decades(lines: &[Line<'_>], axis: usize) -> [f64; 2] {
 fn look(engine: &str) -> (&'static str, &'static str, Form) {
     let found = LOOKS.into_iter().find(|look| look.0 == engine);
     found.unwrap_or(("", "#222", Form::Circle))
-}
-
-/// A little more than letters take, so that labels do not touch.
-fn width_of(label: &str) -> f64 {
-    LETTER * LETTER_WIDTH * label.chars().count() as f64 + 4.0
-}
-
-/// Where a label starts: beside one of its points, in the frame, where it covers the least of what is there.
-fn place(points: &[[f64; 2]], label: &str, frame: Taken, taken: &[Taken]) -> [f64; 2] {
-    let wide = width_of(label);
-    let mut best = ([frame[0], frame[1]], f64::INFINITY);
-    for (rank, &[x, y]) in points.iter().enumerate() {
-        for (turn, [dx, dy]) in [
-            [9.0, 4.0],
-            [-9.0 - wide, 4.0],
-            [-wide / 2.0, -11.0],
-            [-wide / 2.0, 21.0],
-            [5.0, -9.0],
-            [5.0, 19.0],
-            [-wide - 3.0, -9.0],
-            [-wide - 3.0, 19.0],
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            let at = [
-                (x + dx).clamp(frame[0] + 4.0, (frame[2] - wide).max(frame[0] + 4.0)),
-                (y + dy).clamp(frame[1] + LETTER + 2.0, frame[3] - 6.0),
-            ];
-            let own = [at[0], at[1] - LETTER, at[0] + wide, at[1] + 3.0];
-            let covered: f64 = taken.iter().map(|other| overlap(&own, other)).sum();
-            // Among clear places the first.
-            let cost = covered + 0.01 * (rank + turn) as f64;
-            if cost < best.1 {
-                best = (at, cost);
-            }
-        }
-    }
-    best.0
-}
-
-fn overlap(a: &Taken, b: &Taken) -> f64 {
-    let wide = a[2].min(b[2]) - a[0].max(b[0]);
-    let high = a[3].min(b[3]) - a[1].max(b[1]);
-    wide.max(0.0) * high.max(0.0)
 }
 
 fn marker(out: &mut String, form: Form, colour: &str, [x, y]: [f64; 2]) {

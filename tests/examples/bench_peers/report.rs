@@ -34,7 +34,7 @@ pub fn markdown(rows: &[Row], missing: &[(&str, String)], cores: usize, minutes:
 Command: `cargo xtask bench peers`, on a Linux machine with {cores} processor cores; one thread, kept on one core, one run after
 another; {minutes:.0} minutes. CPU time is that of the steps alone, the fastest of up to seven repetitions; building a model is not
 counted. Times are this machine's and this run's; what carries over are the ratios. Errors are against the exact solution of the same
-mesh, law and masses, so they are what a method adds; the meshes themselves rest {s} (S), {m} (M) and {l} (L) above the exact beam.
+mesh, law and masses, so they are what a method adds; the meshes themselves sag {s} (S), {m} (M) and {l} (L) less than the exact beam.
 Definitions, sources and what is unfair to whom: `tests/peers/README.md`. All runs: `peers.csv`.
 
 ![CPU time against error](peers.svg)
