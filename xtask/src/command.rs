@@ -211,9 +211,10 @@ mod tests {
             ),
             (
                 "bench",
-                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts"] []"#,
+                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts", "bench_peers"] []"#,
             ),
             ("bench kernels", r#"["bench_kernels"] []"#),
+            ("bench peers -- --all", r#"["bench_peers"] ["--all"]"#),
             (
                 "soak kills -- --runs 8",
                 r#"["soak_kills"] ["--runs", "8"]"#,
@@ -245,7 +246,7 @@ mod tests {
             ("new module demo more", "`new` does not take \"more\""),
             (
                 "bench hosts",
-                "there is no \"hosts\"; there are: host, kernels, solvers, counts",
+                "there is no \"hosts\"; there are: host, kernels, solvers, counts, peers",
             ),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {

@@ -39,6 +39,11 @@ pub const BENCHES: &[Program] = &[
         example: "bench_counts",
         shows: "instructions of kernels under callgrind, compared with the recorded ones",
     },
+    Program {
+        name: "peers",
+        example: "bench_peers",
+        shows: "the reference beam in MuJoCo, Drake and pyPBD (from PyPI) and in ours",
+    },
 ];
 
 /// What `soak` runs.
