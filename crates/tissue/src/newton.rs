@@ -35,6 +35,7 @@
 //! is taken, which is all of it for a closed surface or one with a prescribed rim.
 
 mod descent;
+mod known;
 
 /// The share of a step at which the curvature of the forces along it is measured.
 const PROBE: f64 = 1.0 / 64.0;
@@ -52,11 +53,11 @@ const ROUGH: f64 = 1e-2;
 
 use crate::elements::Tangent;
 use crate::executor::Executor;
-use crate::forces::Forces;
 use crate::model::TissueModel;
 use crate::solver::{StepFailure, StepReport};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
+use known::KnownForces;
 use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
 
@@ -99,7 +100,7 @@ pub(crate) struct Equation {
 #[derive(Clone, Debug)]
 pub(crate) struct NewtonSolver {
     system: System,
-    forces: Forces,
+    forces: KnownForces,
     viscous: bool,
     /// Where the equation is being evaluated; its positions are the solution in the end.
     pub trial: State,
@@ -144,7 +145,7 @@ impl NewtonSolver {
         let zeros = vec![Vector3::zeros(); model.node_count()];
         Self {
             system: System::new(model),
-            forces: Forces::new(model),
+            forces: KnownForces::new(model),
             viscous: model.sets().iter().any(|set| set.is_viscous()),
             trial: State::at_rest(model),
             residual: zeros.clone(),
