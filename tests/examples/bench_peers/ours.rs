@@ -81,7 +81,7 @@ const DIRECT: &str =
 const POLYNOMIAL: &str = "law neo-hookean-polynomial, of which its constraints are made";
 
 const SHORT: Steps = Milliseconds(&[5.0]);
-const LONG: Steps = Milliseconds(&[10.0, 20.0, 22.0]);
+const LONG: Steps = Milliseconds(&[10.0, 15.0, 20.0, 22.0]);
 const REST: Steps = Milliseconds(&[100.0, 200.0, 500.0, 1000.0]);
 
 #[rustfmt::skip]
