@@ -85,6 +85,14 @@ impl Lattice {
         &self.positions
     }
 
+    /// Bytes of the weights and points.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.starts)
+            + size_of_val(&*self.points)
+            + size_of_val(&*self.weights)
+            + size_of_val(&*self.positions)
+    }
+
     /// The points in which node `node` has a part, with its weights; these sum to 1.
     pub fn weights(&self, node: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
         let range = self.starts[node] as usize..self.starts[node + 1] as usize;

@@ -3,7 +3,7 @@
 //! 1. Conjugate gradients with a [`TwoLevel`] preconditioner: large solid bodies.
 //! 2. Conjugate gradients with a factor of single numbers: small and slender bodies. Half the time and memory of one of double
 //!    numbers; two or three iterations.
-//! 3. A factor of double numbers.
+//! 3. A factor of double numbers, whose solution is as exact as they are.
 //!
 //! Where a way does not come to the tolerance the next one is taken, for this matrix alone: nearly incompressible bodies and very
 //! slender ones without inertia may need that. The solution is the same up to the tolerance, and the choice depends on the numbers
@@ -21,7 +21,7 @@ use crate::{
 /// Operations of a factor per block of the matrix from which on two levels cost less (`cargo xtask bench solvers`).
 const OPERATIONS: f64 = 12_000.0;
 
-/// Cells of the lattice along the mean distance of nodes.
+/// Distances of nodes along a cell of the lattice.
 const SPACING: f64 = 3.5;
 
 /// Most iterations with two levels, and with a factor of single numbers: by then the next way costs less.
@@ -44,7 +44,7 @@ pub struct LinearSolver {
     first: Way,
     /// The way whose numbers are those of the matrix.
     way: Way,
-    /// Each is made when it is needed first.
+    /// The first way; those behind it are made when they are needed first.
     two_level: Option<Box<TwoLevel>>,
     single: Option<Box<Factor<f32>>>,
     double: Option<Box<Factor<f64>>>,
@@ -65,7 +65,11 @@ impl LinearSolver {
         } else {
             Way::Single
         };
-        Self::with_analysis(symbolic, positions.into(), first)
+        let mut solver = Self::with_analysis(symbolic, positions.into(), first);
+        if first == Way::TwoLevel {
+            solver.two_level = Some(Box::new(two_level(pattern, positions)));
+        }
+        solver
     }
 
     fn with_analysis(symbolic: Arc<Symbolic>, positions: Arc<[Vector3<f64>]>, first: Way) -> Self {
@@ -118,11 +122,7 @@ impl LinearSolver {
         match way {
             Way::TwoLevel => self
                 .two_level
-                .get_or_insert_with(|| {
-                    let spacing = SPACING * distance(matrix.pattern(), &self.positions);
-                    let lattice = Lattice::new(&self.positions, spacing);
-                    Box::new(TwoLevel::new(matrix.pattern(), lattice))
-                })
+                .get_or_insert_with(|| Box::new(two_level(matrix.pattern(), &self.positions)))
                 .refresh(matrix, fixed),
             Way::Single => {
                 let single = self
@@ -146,12 +146,16 @@ impl LinearSolver {
     ///
     /// # Errors
     /// When the matrix shows not to be positive definite; `x` is as before.
+    ///
+    /// # Panics
+    /// When `x` does not have one entry per node, or before the first [`factorise`](Self::factorise).
     pub fn solve(
         &mut self,
         matrix: &BlockMatrix,
         x: &mut [Vector3<f64>],
         tolerance: f64,
     ) -> Result<(), NotPositive> {
+        assert_eq!(x.len(), self.fixed.len(), "one vector per node");
         for ((b, x), fixed) in self.right_side.iter_mut().zip(&*x).zip(&self.fixed) {
             *b = if *fixed { Vector3::zeros() } else { *x };
         }
@@ -217,7 +221,7 @@ impl LinearSolver {
                 double.solve(solution);
                 return Ok(true);
             }
-            _ => unreachable!("`prepare` makes what its way needs"),
+            _ => panic!("`factorise` comes before `solve`"),
         };
         match outcome.negative_curvature {
             Some(node) => Err(NotPositive { node }),
@@ -229,8 +233,16 @@ impl LinearSolver {
 impl Clone for LinearSolver {
     /// Numbers belong to one matrix, so they are not copied.
     fn clone(&self) -> Self {
-        Self::with_analysis(self.symbolic.clone(), self.positions.clone(), self.first)
+        Self {
+            two_level: self.two_level.clone(),
+            ..Self::with_analysis(self.symbolic.clone(), self.positions.clone(), self.first)
+        }
     }
+}
+
+fn two_level(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> TwoLevel {
+    let spacing = SPACING * distance(pattern, positions);
+    TwoLevel::new(pattern, Lattice::new(positions, spacing))
 }
 
 /// The mean distance of nodes [m]: the edge of the cubes that fill as much as the nodes do, were they the corners of cells of six

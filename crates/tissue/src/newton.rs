@@ -18,8 +18,8 @@
 //! ```
 //!
 //! with all forces that have no energy (viscous ones, pressures that follow a surface) taken into n as they are at the start
-//! of the iteration. A line search backs off until Φ falls enough (Armijo), or, where it falls by no more than rounding, until
-//! its slope does (the approximate Wolfe condition of Hager & Zhang 2005).
+//! of the iteration. A line search backs off until Φ falls enough (Armijo), or, where it falls by no more than rounding or all forces
+//! fall to a tenth, until its slope does (the approximate Wolfe condition of Hager & Zhang 2005).
 //!
 //! Far from the solution an iteration goes a bent way, x + s d + s² c with the direction d of Newton's method and K c = ½ ∂²f/∂s² along
 //! it, for one more solution with the same factor: the forces along the way then deviate from their linear decrease by s³ only. A
@@ -50,6 +50,10 @@ const CURVED: f64 = 0.02;
 const LINEAR: f64 = 0.1;
 const LINEAR_TOLERANCES: [f64; 2] = [1e-8, 1e-3];
 const ROUGH: f64 = 1e-2;
+
+/// A static body with less than this share of its forces left takes no work, however large the tolerance: forces of clamps are among
+/// them, and may be many times those of a load that is to move it.
+const AT_REST: f64 = 1e-6;
 
 use crate::elements::Tangent;
 use crate::executor::Executor;
@@ -210,7 +214,7 @@ impl NewtonSolver {
         // In statics a body that has come to rest takes no work; a step of time always has its iteration.
         let moved = |node: usize| ends[node] != self.trial.positions[node];
         if equation.rate == 0.0
-            && report.residual <= options.tolerance
+            && report.residual <= options.tolerance.min(AT_REST)
             && !(0..fixed.len()).any(|node| fixed[node] && moved(node))
         {
             return Ok(report);

@@ -7,6 +7,8 @@ use nalgebra::Vector3;
 const ENOUGH: f64 = 1e-4;
 /// Differences of Φ below this share of its terms are rounding.
 const ROUNDING: f64 = 1e-12;
+/// The share of its square to which the residual falls on a full step that is taken for its forces alone.
+const FALL: f64 = 0.01;
 /// The shortest share of a Newton step that is tried.
 const SHORTEST: f64 = 1e-8;
 /// Shares of the common move that are tried when prescribed nodes jump.
@@ -93,6 +95,7 @@ impl NewtonSolver {
         if slope >= 0.0 || slope.is_nan() {
             return 0.0;
         }
+        let before = dot(&self.residual, &self.residual);
         let mut share = 1.0;
         while share > SHORTEST {
             self.advance(problem, share);
@@ -101,11 +104,18 @@ impl NewtonSolver {
             if rise <= ENOUGH * share * slope {
                 return share;
             }
-            if rise <= ROUNDING * (start.size + potential.size) {
-                // Where Φ has no more digits its slope still has.
+            // Where Φ has no more digits its slope still has. Near rest that is so long before the terms of Φ tell: they are
+            // differences themselves. There the forces fall by much.
+            let rounding = rise <= ROUNDING * (start.size + potential.size);
+            if rounding || share == 1.0 {
                 self.evaluate(problem, 0.0);
-                let end = -dot(&self.residual, &self.direction);
-                if end <= (2.0 * ENOUGH - 1.0) * slope {
+                let falls = dot(&self.residual, &self.residual) <= FALL * before;
+                let way = self.direction.iter().zip(&self.bend);
+                let end: f64 = way
+                    .zip(&self.residual)
+                    .map(|((d, c), r)| -r.dot(&(d + c * (2.0 * share))))
+                    .sum();
+                if (rounding || falls) && end <= (2.0 * ENOUGH - 1.0) * slope {
                     return share;
                 }
             }

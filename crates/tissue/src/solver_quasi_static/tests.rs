@@ -266,3 +266,51 @@ fn failures_leave_the_state_as_it_was() {
     );
     assert_eq!(result, Err(StepFailure::NotFinite));
 }
+
+/// A tenth more weight bends a beam by a tenth more, whatever the tolerance of an iteration.
+#[test]
+fn a_change_of_load_moves_the_body_whatever_the_tolerance() {
+    use crate::law::LawName;
+    use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
+    let mesh = crate::testing::block_mesh([0.1, 0.02, 0.02], [15, 3, 3]);
+    let material = Material {
+        density: 1000.0,
+        relaxation_time: 0.0,
+        behaviour: Behaviour::Continuum(ContinuumConstants {
+            law: LawName::StableNeoHookean,
+            young: 1e5,
+            poisson: 0.3,
+            discretisation: Discretisation::Tetrahedra,
+        }),
+    };
+    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();
+    let model = build_model(&mesh, &[(0, material)], &clamped, 0.0, Vec::new()).unwrap();
+    let newton = Newton {
+        iterations: 1,
+        tolerance: 1e-2,
+        must_converge: false,
+    };
+    let mut solver = SolverQuasiStatic::new(&model, newton);
+    let mut state = State::at_rest(&model);
+    let mut sags = Vec::new();
+    for weight in [1.0, 1.1] {
+        let control = Control {
+            gravity: Vector3::new(0.0, 0.0, -9.81 * weight),
+            ..Control::default()
+        };
+        for _ in 0..10 {
+            solver
+                .step(
+                    &model,
+                    &mut state,
+                    &control,
+                    &Contacts::default(),
+                    0.02,
+                    &Serial,
+                )
+                .unwrap();
+        }
+        sags.push(state.positions.iter().map(|p| -p.z).fold(0.0, f64::max));
+    }
+    assert!(sags[1] > 1.05 * sags[0], "{sags:?}");
+}
