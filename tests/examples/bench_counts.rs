@@ -264,13 +264,14 @@ fn run(kernel: &str, repetitions: u32) {
                 two_level.apply(&x, &mut z);
             }
         }
-        _ => {
+        "solution, single numbers" => {
             factorise(&system);
             let mut x = vec![Vector3::z(); model.node_count()];
             for _ in 0..repetitions {
                 factor.solve(&mut x);
             }
         }
+        _ => panic!("there is no kernel {kernel:?}"),
     }
 }
 

@@ -1,19 +1,20 @@
-//! Sparse symmetric positive definite matrices of 3×3 blocks: assembly, ordering, Cholesky factor, conjugate gradients.
+//! Sparse symmetric positive definite matrices of 3×3 blocks: assembly, ordering, Cholesky factor, a preconditioner of two levels,
+//! conjugate gradients, and the choice among them.
 //!
 //! One block row per node of a mesh, one block per pair of coupled nodes. The way of an implicit solver:
 //!
 //! ```
 //! use std::sync::Arc;
-//! use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Symbolic};
+//! use microsim_sparse::{BlockMatrix, LinearSolver, Pattern};
 //! use nalgebra::{Matrix3, Vector3};
 //!
-//! // Once per mesh: where the blocks are, and how to eliminate. `positions` make a better ordering; None will do.
+//! // Once per mesh: where the blocks are, and how to solve.
 //! let pattern = Arc::new(Pattern::from_cliques(3, [[0, 1], [1, 2]]));
-//! let ordering = Ordering::nested_dissection(&pattern, None);
-//! let mut factor = Factor::<f64>::new(Arc::new(Symbolic::analyse(&pattern, &ordering)));
+//! let positions = [0.0, 1.0, 2.0].map(|x| Vector3::new(x, 0.0, 0.0));
+//! let mut solver = LinearSolver::new(&pattern, &positions);
 //! let mut matrix = BlockMatrix::zeros(pattern);
 //!
-//! // Each step: numbers, factor, solution.
+//! // Each step: numbers, preparation, solution to a share of the right-hand side.
 //! matrix.clear();
 //! for (i, j) in [(0, 1), (1, 2)] {
 //!     matrix.add_diagonal(i, &Matrix3::identity());
@@ -21,9 +22,9 @@
 //!     matrix.add(i, j, &-Matrix3::identity());
 //! }
 //! let mut x = [Vector3::zeros(), Vector3::zeros(), Vector3::x()];
-//! factor.factorise(&matrix, Some(&[true, false, false]))?;
-//! factor.solve(&mut x);
-//! assert!((x[2].x - 2.0).abs() < 1e-15);
+//! solver.factorise(&matrix, &[true, false, false])?;
+//! solver.solve(&matrix, &mut x, 1e-12)?;
+//! assert!((x[2].x - 2.0).abs() < 1e-11);
 //! # Ok::<(), microsim_sparse::NotPositive>(())
 //! ```
 //!

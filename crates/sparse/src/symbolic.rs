@@ -247,12 +247,12 @@ impl Symbolic {
         }
     }
 
-    /// Numbers (f64) that a factor holds, filling included.
+    /// Numbers that a factor holds, filling included.
     pub fn factor_entries(&self) -> usize {
         WIDTH * self.panel_octets
     }
 
-    /// Numbers (f64) of the updates that wait at most during a factorisation.
+    /// Numbers of the updates that wait at most during a factorisation.
     pub fn workspace_entries(&self) -> usize {
         WIDTH * (self.stack_octets[0] + self.stack_octets[1])
     }

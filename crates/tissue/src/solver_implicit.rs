@@ -36,7 +36,7 @@
 //! released body: it is for coming to rest. Implicit midpoint keeps the energy of linear bodies; stiff modes ring on in it, and
 //! large steps of a nonlinear body, above all from a torn or inverted shape, may feed it until it blows up: there SDIRK2 goes
 //! on, and backward Euler comes to rest. Guarded midpoint is implicit midpoint to the bit while nothing is distorted; where something
-//! is, the body creeps out of it without inertia. That costs a second iteration in such steps and, with tissue that is meant to
+//! is, the body creeps out of it and loses its speed. That costs a second equation in such steps and, with tissue that is meant to
 //! stretch so far, its swing.
 //!
 //! All conserve linear momentum up to the tolerance; angular momentum only implicit midpoint does. Backward Euler is of first

@@ -3,8 +3,10 @@
 //! Differences are central with δ = 1e-5 of bodies of size one: truncation δ² f'''/6 and rounding ε/δ both stay below 1e-9 of
 //! the scale of what is differentiated.
 
-use super::{Configuration, ElementMatrix, Elements, NodeWindow, Tangent};
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use super::{Configuration, ElementMatrix, Elements, MatrixWindow, NodeWindow, Slots, Tangent};
+use microsim_sparse::{BlockMatrix, Pattern};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+use std::sync::Arc;
 
 const DELTA: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-8;
@@ -36,6 +38,48 @@ pub(crate) fn check_factors(set: &dyn Elements, at: &Configuration<'_>) {
         set.damping(element, at, &mut plain);
         scaled.damping(element, at, &mut other);
         assert_eq!(dense(&other), dense(&plain) * *factor);
+    }
+}
+
+/// Checks that the matrix of all elements is the sum of those of single ones, which may be formed in another way.
+pub(crate) fn check_assembly(set: &dyn Elements, at: &Configuration<'_>) {
+    let nodes = at.positions.len();
+    let elements = || (0..set.count()).map(|element| set.nodes(element));
+    let pattern = Arc::new(Pattern::from_cliques(nodes, elements()));
+    let slots = Slots::new(elements(), |row, column| {
+        pattern.slot(row as usize, column as usize).unwrap()
+    });
+    for tangent in [Tangent::Exact, Tangent::Positive] {
+        let [mut whole, mut sum] = [0; 2].map(|_| BlockMatrix::zeros(pattern.clone()));
+        set.add_stiffness(
+            at,
+            tangent,
+            &mut MatrixWindow {
+                slots: &slots,
+                values: whole.values_mut(),
+            },
+        );
+        let mut element = ElementMatrix::new();
+        let mut window = MatrixWindow {
+            slots: &slots,
+            values: sum.values_mut(),
+        };
+        for index in 0..set.count() {
+            set.stiffness(index, at, tangent, &mut element);
+            window.add(index, &element, 1.0);
+        }
+        let size = |values: &[Matrix3<f64>]| values.iter().map(Matrix3::amax).fold(0.0, f64::max);
+        let difference: Vec<_> = whole
+            .values()
+            .iter()
+            .zip(sum.values())
+            .map(|(a, b)| a - b)
+            .collect();
+        let (difference, scale) = (size(&difference), size(sum.values()));
+        assert!(
+            scale > 0.0 && difference <= ROUNDING * scale,
+            "{difference} of {scale}"
+        );
     }
 }
 
@@ -107,6 +151,15 @@ pub(crate) fn check(
         &Configuration {
             positions,
             velocities,
+            internal,
+        },
+    );
+
+    check_assembly(
+        set,
+        &Configuration {
+            positions,
+            velocities: &still,
             internal,
         },
     );

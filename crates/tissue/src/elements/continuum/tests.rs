@@ -1,6 +1,6 @@
 //! What every law on every discretisation keeps, on a distorted mesh.
 
-use crate::elements::contract::check_factors;
+use crate::elements::contract::{check_assembly, check_factors};
 use crate::elements::{Configuration, ElementMatrix, NodeWindow, Tangent};
 use crate::law::LawName;
 use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
@@ -183,6 +183,16 @@ fn forces_are_minus_the_gradient_of_the_energy() {
                 assert!(error.abs() < 1e-8 * scale, "{name}: {:e}", error / scale);
             },
         );
+    });
+}
+
+#[test]
+fn the_matrix_is_the_sum_of_those_of_elements() {
+    each(0.0, |model, _| {
+        let positions = deformed(model);
+        for set in model.sets() {
+            check_assembly(&**set, &at(&positions, &[]));
+        }
     });
 }
 
