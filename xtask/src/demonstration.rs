@@ -21,7 +21,7 @@ pub fn run_simulator(workspace: &Workspace, arguments: &[OsString]) -> Failure {
 /// The demonstration.
 pub fn demonstrate(workspace: &Workspace) -> Result<(), Failure> {
     let places = Places::new(&workspace.tree().join("sessions"));
-    places.clear()?;
+    places.prepare()?;
     let mut run = Command::new(workspace.program());
     run.current_dir(&workspace.root);
     run.args([
@@ -69,8 +69,11 @@ impl Places {
         }
     }
 
-    /// Removes what an earlier demonstration left: the simulator never writes over a session.
-    fn clear(&self) -> Result<(), Failure> {
+    /// Makes the folder, which a new tree does not have, and removes what an earlier demonstration left: the simulator never
+    /// writes over a session.
+    fn prepare(&self) -> Result<(), Failure> {
+        fs::create_dir_all(&self.folder)
+            .map_err(|e| Failure::Cannot(format!("cannot make {}: {e}", self.folder.display())))?;
         let listing = fs::read_dir(&self.folder).into_iter().flatten().flatten();
         for path in listing.map(|entry| entry.path()) {
             let removed = if path == self.frames {
@@ -105,10 +108,11 @@ mod tests {
 
     #[test]
     fn an_old_demonstration_is_cleared_and_nothing_else() {
-        let folder = tempfile::tempdir().unwrap();
-        let places = Places::new(folder.path());
-        // Nothing there is no error.
-        assert_eq!(places.clear(), Ok(()));
+        let tree = tempfile::tempdir().unwrap();
+        let folder = tree.path().join("sessions");
+        let places = Places::new(&folder);
+        assert_eq!(places.prepare(), Ok(()));
+        assert!(folder.is_dir());
         for file in [
             "demo.session",
             "demo.html",
@@ -117,16 +121,16 @@ mod tests {
             "mine.session",
             "demo-2.json",
         ] {
-            fs::write(folder.path().join(file), "").unwrap();
+            fs::write(folder.join(file), "").unwrap();
         }
         fs::create_dir(&places.frames).unwrap();
         fs::write(places.frames.join("000000.png"), "").unwrap();
         let found: Vec<_> = places.results().iter().map(|(what, _)| *what).collect();
         assert_eq!(found, ["score", "report", "pictures", "session"]);
 
-        assert_eq!(places.clear(), Ok(()));
+        assert_eq!(places.prepare(), Ok(()));
         assert!(places.results().is_empty());
-        let mut left: Vec<_> = fs::read_dir(folder.path())
+        let mut left: Vec<_> = fs::read_dir(&folder)
             .unwrap()
             .map(|e| e.unwrap().file_name())
             .collect();
