@@ -137,7 +137,7 @@ pub(crate) fn method_keys() -> Vec<Key> {
         Key::optional(
             "tolerance",
             Kind::quantity(Unit::Ratio, 1e-15, 1.0),
-            "Of implicit methods: share of the forces at which an iteration ends. The method's own if left out.",
+            "Of implicit methods: share of the forces at which iterations end; linear systems are solved to a tenth of it, so 0.01 is enough for a single iteration. The method's own if left out.",
         ),
         Key::optional(
             "must_converge",

@@ -2,6 +2,22 @@
 
 use std::fmt::Write;
 
+/// Corners of an upright cross.
+const CROSS: [(f64, f64); 12] = [
+    (-0.45, -1.3),
+    (0.45, -1.3),
+    (0.45, -0.45),
+    (1.3, -0.45),
+    (1.3, 0.45),
+    (0.45, 0.45),
+    (0.45, 1.3),
+    (-0.45, 1.3),
+    (-0.45, 0.45),
+    (-1.3, 0.45),
+    (-1.3, -0.45),
+    (-0.45, -0.45),
+];
+
 /// A marker of series `index` at a place; `radius` is that of a disc of about the same area.
 pub fn marker(
     out: &mut String,
@@ -45,23 +61,15 @@ pub fn marker(
         3 => regular(4, 1.35, 0.0, 1.0),
         4 => regular(3, 1.45, pi, 1.0),
         5 => regular(10, 1.6, 0.0, 0.45),
-        6 => polygon(&[
-            (-0.45, -1.3),
-            (0.45, -1.3),
-            (0.45, -0.45),
-            (1.3, -0.45),
-            (1.3, 0.45),
-            (0.45, 0.45),
-            (0.45, 1.3),
-            (-0.45, 1.3),
-            (-0.45, 0.45),
-            (-1.3, 0.45),
-            (-1.3, -0.45),
-            (-0.45, -0.45),
-        ]),
+        6 => polygon(&CROSS),
         7 => regular(6, 1.2, 0.0, 1.0),
         8 => regular(3, 1.45, pi / 2.0, 1.0),
-        _ => regular(8, 1.7, 0.0, 0.4),
+        9 => regular(8, 1.7, 0.0, 0.4),
+        _ => polygon(&CROSS.map(|(x, y)| {
+            // Turned by an eighth.
+            let half = std::f64::consts::FRAC_1_SQRT_2;
+            ((x - y) * half, (x + y) * half)
+        })),
     };
     let tip = if tip.is_empty() {
         String::new()

@@ -122,3 +122,19 @@ fn the_sentences_give_the_answers_of_the_table() {
         "{page}"
     );
 }
+
+/// In one drawing two methods of the plan that ships are never drawn alike.
+#[test]
+fn every_method_of_the_plan_has_a_marker_of_its_own() {
+    let text = include_str!("../../../../config/chart.toml");
+    let plan = microsim_settings::read_chart(text, "chart.toml").expect("the plan that ships");
+    let drawn = |index: usize| {
+        let mut out = String::new();
+        crate::drawing::marker(&mut out, index, (0.0, 0.0), 5.0, "", "");
+        out
+    };
+    let mut markers: Vec<String> = (0..plan.settings.method.len()).map(drawn).collect();
+    markers.sort();
+    markers.dedup();
+    assert_eq!(markers.len(), plan.settings.method.len());
+}
