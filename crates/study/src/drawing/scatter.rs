@@ -127,7 +127,19 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
         let y = up.at(value);
         let _ = write!(out, "<path class=\"rule\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/>");
         if named {
-            text(out, (LEFT - 7.0, y + 4.0), "tick", "end", &tick_text(value));
+            // Not into the name of a row.
+            let below = if rows.is_empty() {
+                4.0
+            } else {
+                4.0f64.max(top + 12.0 - y)
+            };
+            text(
+                out,
+                (LEFT - 7.0, y + below),
+                "tick",
+                "end",
+                &tick_text(value),
+            );
         }
     }
     let _ = write!(
@@ -274,5 +286,21 @@ mod tests {
         }
         assert!(svg.contains(">diverged<") && svg.contains(">over budget<"));
         assert!(!svg.contains("NaN"), "{svg}");
+    }
+
+    /// An error of 95 % makes 100 the highest number of the scale, right below the row of what diverged.
+    #[test]
+    fn numbers_of_the_scale_keep_clear_of_the_rows() {
+        let mut out = String::new();
+        let top = TOP + ROW;
+        let up = LogAxis::around([1.0, 95.0], 2.0, (BOTTOM, top));
+        let across = LogAxis::around([0.1, 1.0], 1.0, (LEFT, RIGHT));
+        frame(&mut out, &across, &up, top, &[(Zone::Diverged, "diverged")]);
+        let baseline = |label: &str| -> f64 {
+            let (before, _) = out.split_once(&format!(">{label}<")).expect("a label");
+            let (_, y) = before.rsplit_once(" y=\"").expect("a place");
+            y.split('"').next().unwrap().parse().unwrap()
+        };
+        assert!(baseline("100") >= baseline("diverged") + 11.0, "{out}");
     }
 }
