@@ -22,20 +22,10 @@ impl System {
     /// # Panics
     /// Never for a model that was built: the nodes of its elements are coupled.
     pub fn new(model: &TissueModel) -> Self {
-        let nodes = |set: usize, element: usize| model.sets()[set].nodes(element);
-        let cliques = (0..model.sets().len())
-            .flat_map(|set| (0..model.sets()[set].count()).map(move |element| nodes(set, element)));
-        let pattern = Arc::new(Pattern::from_cliques(model.node_count(), cliques));
-        let slots = model.sets().iter().map(|set| {
-            let elements = (0..set.count()).map(|element| set.nodes(element));
-            Slots::new(elements, |row, column| {
-                pattern
-                    .slot(row as usize, column as usize)
-                    .expect("the nodes of an element are coupled")
-            })
-        });
+        let sets = model.sets().iter().map(|set| &**set);
+        let (pattern, slots) = Slots::of_sets(model.node_count(), sets);
         Self {
-            slots: slots.collect(),
+            slots,
             solver: LinearSolver::new(&pattern, model.rest_positions()),
             matrix: BlockMatrix::zeros(pattern),
         }

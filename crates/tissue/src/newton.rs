@@ -37,6 +37,16 @@
 mod descent;
 mod known;
 
+use crate::elements::Tangent;
+use crate::executor::Executor;
+use crate::model::TissueModel;
+use crate::solver::{StepFailure, StepReport};
+use crate::state::{Control, State};
+use crate::system::{Shares, System};
+use known::KnownForces;
+use microsim_sparse::NotPositive;
+use nalgebra::Vector3;
+
 /// The share of a step at which the curvature of the forces along it is measured.
 const PROBE: f64 = 1.0 / 64.0;
 
@@ -54,16 +64,6 @@ const ROUGH: f64 = 1e-2;
 /// A static body with less than this share of its forces left takes no work, however large the tolerance: forces of clamps are among
 /// them, and may be many times those of a load that is to move it.
 const AT_REST: f64 = 1e-6;
-
-use crate::elements::Tangent;
-use crate::executor::Executor;
-use crate::model::TissueModel;
-use crate::solver::{StepFailure, StepReport};
-use crate::state::{Control, State};
-use crate::system::{Shares, System};
-use known::KnownForces;
-use microsim_sparse::NotPositive;
-use nalgebra::Vector3;
 
 /// How far Newton's method goes.
 #[derive(Clone, Copy, Debug, PartialEq)]

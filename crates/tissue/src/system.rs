@@ -6,7 +6,7 @@
 use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
-use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive, Pattern};
+use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -33,21 +33,10 @@ pub(crate) struct System {
 impl System {
     /// The system of `model`.
     pub fn new(model: &TissueModel) -> Self {
-        let cliques = model
-            .sets()
-            .iter()
-            .flat_map(|set| (0..set.count()).map(|element| set.nodes(element)));
-        let pattern = Arc::new(Pattern::from_cliques(model.node_count(), cliques));
-        let slots = model.sets().iter().map(|set| {
-            let elements = (0..set.count()).map(|element| set.nodes(element));
-            Slots::new(elements, |row, column| {
-                pattern
-                    .slot(row as usize, column as usize)
-                    .expect("the nodes of an element are coupled")
-            })
-        });
+        let sets = model.sets().iter().map(|set| &**set);
+        let (pattern, slots) = Slots::of_sets(model.node_count(), sets);
         Self {
-            slots: slots.collect(),
+            slots: slots.into(),
             solver: LinearSolver::new(&pattern, model.rest_positions()),
             matrix: BlockMatrix::zeros(pattern),
             element: ElementMatrix::new(),

@@ -1,6 +1,9 @@
 //! Bodies and numbers that the tests of this crate share.
 
-use crate::material::{Behaviour, Material, SpringConstants, build_model};
+use crate::law::LawName;
+use crate::material::{
+    Behaviour, ContinuumConstants, Discretisation, Material, SpringConstants, build_model,
+};
 use crate::model::TissueModel;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use nalgebra::Vector3;
@@ -23,6 +26,23 @@ pub fn block_mesh(size: [f64; 3], cells: [usize; 3]) -> TetMesh {
         split: CellSplit::Kuhn,
     };
     block.mesh().unwrap()
+}
+
+/// The beam S of the reference (`tests/data/reference`) around the origin, stable neo-Hookean, clamped at its low end.
+pub fn beam(poisson: f64) -> TissueModel {
+    let mesh = block_mesh([0.1, 0.02, 0.02], [15, 3, 3]);
+    let material = Material {
+        density: 1000.0,
+        relaxation_time: 0.0,
+        behaviour: Behaviour::Continuum(ContinuumConstants {
+            law: LawName::StableNeoHookean,
+            young: 1e5,
+            poisson,
+            discretisation: Discretisation::Tetrahedra,
+        }),
+    };
+    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();
+    build_model(&mesh, &[(0, material)], &clamped, 0.0, Vec::new()).unwrap()
 }
 
 /// A block of 2 × 2 × 1 mm around the origin.

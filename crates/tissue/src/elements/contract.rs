@@ -4,9 +4,8 @@
 //! the scale of what is differentiated.
 
 use super::{Configuration, ElementMatrix, Elements, MatrixWindow, NodeWindow, Slots, Tangent};
-use microsim_sparse::{BlockMatrix, Pattern};
+use microsim_sparse::BlockMatrix;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
-use std::sync::Arc;
 
 const DELTA: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-8;
@@ -44,24 +43,20 @@ pub(crate) fn check_factors(set: &dyn Elements, at: &Configuration<'_>) {
 /// Checks that the matrix of all elements is the sum of those of single ones, which may be formed in another way.
 pub(crate) fn check_assembly(set: &dyn Elements, at: &Configuration<'_>) {
     let nodes = at.positions.len();
-    let elements = || (0..set.count()).map(|element| set.nodes(element));
-    let pattern = Arc::new(Pattern::from_cliques(nodes, elements()));
-    let slots = Slots::new(elements(), |row, column| {
-        pattern.slot(row as usize, column as usize).unwrap()
-    });
+    let (pattern, slots) = Slots::of_sets(nodes, [set]);
     for tangent in [Tangent::Exact, Tangent::Positive] {
         let [mut whole, mut sum] = [0; 2].map(|_| BlockMatrix::zeros(pattern.clone()));
         set.add_stiffness(
             at,
             tangent,
             &mut MatrixWindow {
-                slots: &slots,
+                slots: &slots[0],
                 values: whole.values_mut(),
             },
         );
         let mut element = ElementMatrix::new();
         let mut window = MatrixWindow {
-            slots: &slots,
+            slots: &slots[0],
             values: sum.values_mut(),
         };
         for index in 0..set.count() {

@@ -1,6 +1,9 @@
 //! Matrices of single elements, and their way into the matrix of a body.
 
+use super::Elements;
+use microsim_sparse::Pattern;
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// A dense matrix of 3×3 blocks over the nodes of one element.
 #[derive(Clone, Debug, Default)]
@@ -63,7 +66,7 @@ pub struct Slots {
 impl Slots {
     /// The slots of elements with these nodes; `slot` is that of the block in row `i`, column `j` ≤ `i` of a matrix of which
     /// the lower triangle is stored.
-    pub fn new<'a>(
+    fn new<'a>(
         elements: impl IntoIterator<Item = &'a [u32]>,
         slot: impl Fn(u32, u32) -> usize,
     ) -> Self {
@@ -83,6 +86,26 @@ impl Slots {
             slots.starts.push(slots.places.len() as u32);
         }
         slots
+    }
+
+    /// The pattern of a body of so many nodes, and of each of its sets the slots.
+    pub fn of_sets<'a>(
+        nodes: usize,
+        sets: impl IntoIterator<Item = &'a dyn Elements> + Clone,
+    ) -> (Arc<Pattern>, Vec<Self>) {
+        let elements = |set: &'a dyn Elements| (0..set.count()).map(|element| set.nodes(element));
+        let cliques = sets.clone().into_iter().flat_map(elements);
+        let pattern = Arc::new(Pattern::from_cliques(nodes, cliques));
+        let slot = |row: u32, column: u32| {
+            pattern
+                .slot(row as usize, column as usize)
+                .expect("the nodes of an element are coupled")
+        };
+        let slots = sets
+            .into_iter()
+            .map(|set| Self::new(elements(set), slot))
+            .collect();
+        (pattern.clone(), slots)
     }
 
     /// Those of one element.

@@ -36,9 +36,9 @@ pub struct ContinuumConstants {
 /// | patch-pressure | 81 / 80 / 79 % | 96 / 95 / 95 % | |
 ///
 /// The other laws differ by less than 1 % (the last row is that of the stable neo-Hookean law). Take selective where it can be paid
-/// for, and patch-pressure with implicit methods in real time: its matrices couple hardly more nodes than those of tetrahedra, so a
-/// static solution of M takes half more time than with tetrahedra, with nodal-pressure four times as long. `examples/bench_kernels`
-/// and `examples/bench_solvers` have the times.
+/// for, and patch-pressure with implicit methods in real time: its matrices couple hardly more nodes than those of tetrahedra. A
+/// static solution of M takes 1.5 (ν = 0.3) to 2.5 times (0.49) as long as with tetrahedra, with nodal-pressure 3.5 to 5 times, with
+/// selective 4 to 7 times (`microsim chart --quick`; `cargo xtask bench kernels` and `bench solvers` have the parts).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Discretisation {
     /// The tetrahedra themselves.

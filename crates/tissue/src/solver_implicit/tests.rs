@@ -410,21 +410,7 @@ fn same_bits_on_any_executor_and_from_any_copy() {
 /// Weight of a hundredth of the earth's: strains of 1e-5. Rounding of the energy near rest is no reason to refuse a step.
 #[test]
 fn small_loads_converge() {
-    use crate::law::LawName;
-    use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
-    let mesh = crate::testing::block_mesh([0.1, 0.02, 0.02], [15, 3, 3]);
-    let material = Material {
-        density: 1000.0,
-        relaxation_time: 0.0,
-        behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
-            young: 1e5,
-            poisson: 0.49,
-            discretisation: Discretisation::Tetrahedra,
-        }),
-    };
-    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();
-    let model = build_model(&mesh, &[(0, material)], &clamped, 0.0, Vec::new()).unwrap();
+    let model = crate::testing::beam(0.49);
     let control = Control {
         gravity: Vector3::new(0.0, 0.0, -0.1),
         ..Control::default()

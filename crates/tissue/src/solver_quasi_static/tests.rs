@@ -270,21 +270,7 @@ fn failures_leave_the_state_as_it_was() {
 /// A tenth more weight bends a beam by a tenth more, whatever the tolerance of an iteration.
 #[test]
 fn a_change_of_load_moves_the_body_whatever_the_tolerance() {
-    use crate::law::LawName;
-    use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
-    let mesh = crate::testing::block_mesh([0.1, 0.02, 0.02], [15, 3, 3]);
-    let material = Material {
-        density: 1000.0,
-        relaxation_time: 0.0,
-        behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
-            young: 1e5,
-            poisson: 0.3,
-            discretisation: Discretisation::Tetrahedra,
-        }),
-    };
-    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();
-    let model = build_model(&mesh, &[(0, material)], &clamped, 0.0, Vec::new()).unwrap();
+    let model = crate::testing::beam(0.3);
     let newton = Newton {
         iterations: 1,
         tolerance: 1e-2,
