@@ -5,15 +5,23 @@
 //! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input.
 
 mod aabb;
+mod broad_phase;
+mod bvh;
 mod capsule;
 mod pose;
 mod segment;
+mod spatial_hash;
+#[cfg(test)]
+mod testing;
 mod triangle;
 
 pub use aabb::Aabb;
+pub use broad_phase::BroadPhase;
+pub use bvh::Bvh;
 pub use capsule::Capsule;
 pub use pose::Pose;
 pub use segment::{SegmentPoint, SegmentsClosest, closest_on_segment, closest_segments};
+pub use spatial_hash::SpatialHash;
 pub use triangle::{
     SegmentTriangle, TrianglePoint, closest_on_triangle, closest_segment_triangle, triangle_normal,
 };
