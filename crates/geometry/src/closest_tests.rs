@@ -1,4 +1,4 @@
-//! Distances of all pairs of features against rational numbers.
+//! Distances of all pairs of features against whole numbers of any length.
 
 use crate::testing::{Random, exact, extent, rounding};
 use crate::{
@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 /// off where that moves it along what it is closest to, which changes the distance in second order.
 const ROUNDINGS: f64 = 16.0;
 
-fn check(kind: &str, found: f64, squared: &exact::Number, points: &[Vector3<f64>]) {
-    let expected = exact::rounded(squared).sqrt();
+fn check(kind: &str, found: f64, squared: &exact::Ratio, unit: i32, points: &[Vector3<f64>]) {
+    let expected = libm::ldexp(squared.rounded().sqrt(), unit);
     let allowed = ROUNDINGS * rounding(points);
     assert!(
         (found - expected).abs() <= allowed,
@@ -36,20 +36,20 @@ fn on_triangle(p: &TrianglePoint, triangle: &[Vector3<f64>; 3], allowed: f64) {
 }
 
 #[test]
-fn distances_equal_those_of_rational_numbers() {
+fn distances_equal_those_without_rounding() {
     let mut random = Random(2);
     let mut zeros = 0;
     for _ in 0..10_000 {
         let points: [_; 5] = random.points();
         let [p, q, a, b, c] = points;
         let triangle = [a, b, c];
-        let [ep, eq, ea, eb, ec] = points.each_ref().map(exact::point);
+        let ([ep, eq, ea, eb, ec], unit) = exact::points(&points);
         let allowed = ROUNDINGS * rounding(&points);
 
         let found = closest_on_segment(&p, &a, &b);
         on_segment(&found, &a, &b, allowed);
         let expected = exact::point_segment(&ep, &ea, &eb);
-        check("point, segment", (found.point - p).norm(), &expected, &points);
+        check("point, segment", (found.point - p).norm(), &expected, unit, &points);
 
         let found = closest_segments(&p, &q, &a, &b);
         on_segment(&found.first, &p, &q, allowed);
@@ -57,19 +57,19 @@ fn distances_equal_those_of_rational_numbers() {
         let edge = [ep.clone(), eq];
         let expected = exact::segments(&edge, &[ea.clone(), eb.clone()]);
         let distance = found.distance_squared().sqrt();
-        check("segments", distance, &expected, &points);
+        check("segments", distance, &expected, unit, &points);
 
         let triangle_exact = [ea, eb, ec];
         let found = closest_on_triangle(&p, &triangle);
         on_triangle(&found, &triangle, allowed);
         let expected = exact::point_triangle(&ep, &triangle_exact);
-        check("point, triangle", (found.point - p).norm(), &expected, &points);
+        check("point, triangle", (found.point - p).norm(), &expected, unit, &points);
 
         let found = closest_segment_triangle(&p, &q, &triangle);
         on_segment(&found.on_segment, &p, &q, allowed);
         let expected = exact::segment_triangle(&edge, &triangle_exact);
-        check("segment, triangle", found.distance(), &expected, &points);
-        zeros += u32::from(expected == exact::zero());
+        check("segment, triangle", found.distance(), &expected, unit, &points);
+        zeros += u32::from(expected.is_zero());
         // The point of a crossing lies on the edge; the triangle is at most ILL_VOLUME away from it.
         on_triangle(&found.on_triangle, &triangle, allowed + 1e-7 * extent(&points));
     }

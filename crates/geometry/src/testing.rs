@@ -73,118 +73,137 @@ pub fn extent(points: &[Vector3<f64>]) -> f64 {
     (bounds.max - bounds.min).amax()
 }
 
-/// The same questions as in this crate, answered with rational numbers: nothing is rounded, and nothing is quick.
+/// The same questions as in this crate, answered with whole numbers of any length: nothing is rounded, and nothing is quick.
 pub mod exact {
     use nalgebra::Vector3;
-    use num_rational::BigRational;
+    use num_bigint::BigInt;
+    use std::cmp::Ordering;
 
-    pub type Number = BigRational;
-    pub type Point = [Number; 3];
+    pub type Point = [BigInt; 3];
 
-    pub fn number(value: f64) -> Number {
-        Number::from_float(value).expect("a finite number")
+    /// A quotient that is not reduced; the denominator is positive.
+    #[derive(Clone)]
+    pub struct Ratio(pub BigInt, pub BigInt);
+
+    impl Ratio {
+        fn order(&self, other: &Self) -> Ordering {
+            (&self.0 * &other.1).cmp(&(&other.0 * &self.1))
+        }
+
+        pub fn is_zero(&self) -> bool {
+            self.0 == zero()
+        }
+
+        /// The nearest number of 64 bits, or one beside it.
+        pub fn rounded(&self) -> f64 {
+            // Both may be too long for a number of their own: they lose the same tail of bits.
+            let bits = self.0.bits().max(self.1.bits());
+            let shift = bits.saturating_sub(1000);
+            let [n, d] = [&self.0, &self.1].map(|v| {
+                let text = (v >> shift).to_string();
+                text.parse::<f64>().expect("a number")
+            });
+            n / d
+        }
     }
 
-    pub fn point(p: &Vector3<f64>) -> Point {
-        std::array::from_fn(|k| number(p[k]))
+    /// The points in units of 2 to the returned power, in which all coordinates are whole numbers.
+    pub fn points<const N: usize>(points: &[Vector3<f64>; N]) -> ([Point; N], i32) {
+        let decode = |x: f64| -> (i64, i32) {
+            let bits = x.to_bits();
+            let exponent = (bits >> 52 & 0x7ff) as i32;
+            let fraction = (bits & ((1 << 52) - 1)) as i64;
+            // Numbers below 2^-1022 are 0 here.
+            let mantissa = if exponent == 0 { 0 } else { fraction | 1 << 52 };
+            (if x < 0.0 { -mantissa } else { mantissa }, exponent - 1075)
+        };
+        let unit = points
+            .iter()
+            .flat_map(|p| p.iter().map(|&x| decode(x)))
+            .filter_map(|(mantissa, exponent)| (mantissa != 0).then_some(exponent))
+            .min()
+            .unwrap_or(0);
+        let whole = |x: f64| {
+            let (mantissa, exponent) = decode(x);
+            BigInt::from(mantissa) << (exponent - unit).max(0)
+        };
+        let whole_points = points.each_ref().map(|p| [whole(p.x), whole(p.y), whole(p.z)]);
+        (whole_points, unit)
     }
 
-    pub fn zero() -> Number {
-        number(0.0)
+    pub fn zero() -> BigInt {
+        BigInt::from(0)
     }
 
-    pub fn one() -> Number {
-        number(1.0)
-    }
-
-    /// The nearest number of 64 bits, or one beside it.
-    pub fn rounded(value: &Number) -> f64 {
-        // Numerator and denominator may be too long for a number of their own: both lose the same tail of bits.
-        let bits = value.numer().bits().max(value.denom().bits());
-        let shift = bits.saturating_sub(1000);
-        let [n, d] = [value.numer(), value.denom()].map(|v| {
-            let text = (v >> shift).to_string();
-            text.parse::<f64>().expect("a number")
-        });
-        n / d
-    }
-
-    pub fn minus(a: &Point, b: &Point) -> Point {
+    fn minus(a: &Point, b: &Point) -> Point {
         std::array::from_fn(|k| &a[k] - &b[k])
     }
 
-    pub fn along(a: &Point, b: &Point, t: &Number) -> Point {
-        std::array::from_fn(|k| &a[k] + (&b[k] - &a[k]) * t)
-    }
-
-    pub fn dot(a: &Point, b: &Point) -> Number {
+    fn dot(a: &Point, b: &Point) -> BigInt {
         &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
     }
 
-    pub fn cross(a: &Point, b: &Point) -> Point {
+    fn cross(a: &Point, b: &Point) -> Point {
         std::array::from_fn(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             &a[i] * &b[j] - &a[j] * &b[i]
         })
     }
 
+    fn smallest<const N: usize>(ratios: [Ratio; N]) -> Ratio {
+        ratios.into_iter().min_by(Ratio::order).expect("some")
+    }
+
     /// Six times the signed volume.
-    pub fn volume(a: &Point, b: &Point, c: &Point, d: &Point) -> Number {
+    pub fn volume(a: &Point, b: &Point, c: &Point, d: &Point) -> BigInt {
         dot(&minus(b, a), &cross(&minus(c, a), &minus(d, a)))
     }
 
-    fn squared(a: &Point, b: &Point) -> Number {
-        let d = minus(a, b);
-        dot(&d, &d)
-    }
-
-    pub fn point_segment(p: &Point, a: &Point, b: &Point) -> Number {
-        let length = squared(a, b);
-        if length == zero() {
-            return squared(p, a);
+    /// Squared distances.
+    pub fn point_segment(p: &Point, a: &Point, b: &Point) -> Ratio {
+        let (ap, ab, bp) = (minus(p, a), minus(b, a), minus(p, b));
+        let (along, length) = (dot(&ap, &ab), dot(&ab, &ab));
+        if along <= zero() {
+            Ratio(dot(&ap, &ap), BigInt::from(1))
+        } else if along >= length {
+            Ratio(dot(&bp, &bp), BigInt::from(1))
+        } else {
+            Ratio(dot(&ap, &ap) * &length - &along * &along, length)
         }
-        let t = dot(&minus(p, a), &minus(b, a)) / length;
-        squared(p, &along(a, b, &t.clamp(zero(), one())))
     }
 
-    pub fn segments(a: &[Point; 2], b: &[Point; 2]) -> Number {
+    pub fn segments(a: &[Point; 2], b: &[Point; 2]) -> Ratio {
         let (u, v, w) = (minus(&a[1], &a[0]), minus(&b[1], &b[0]), minus(&b[0], &a[0]));
         let n = cross(&u, &v);
         let nn = dot(&n, &n);
         if nn != zero() {
-            let s = dot(&cross(&w, &v), &n) / &nn;
-            let t = dot(&cross(&w, &u), &n) / &nn;
-            let inside = zero()..=one();
+            let (s, t) = (dot(&cross(&w, &v), &n), dot(&cross(&w, &u), &n));
+            let inside = zero()..=nn.clone();
             if inside.contains(&s) && inside.contains(&t) {
-                return squared(&along(&a[0], &a[1], &s), &along(&b[0], &b[1], &t));
+                let apart = dot(&w, &n);
+                return Ratio(&apart * &apart, nn);
             }
         }
-        let ends = [
+        smallest([
             point_segment(&a[0], &b[0], &b[1]),
             point_segment(&a[1], &b[0], &b[1]),
             point_segment(&b[0], &a[0], &a[1]),
             point_segment(&b[1], &a[0], &a[1]),
-        ];
-        ends.into_iter().min().expect("four")
+        ])
     }
 
-    pub fn point_triangle(p: &Point, t: &[Point; 3]) -> Number {
+    pub fn point_triangle(p: &Point, t: &[Point; 3]) -> Ratio {
         let n = cross(&minus(&t[1], &t[0]), &minus(&t[2], &t[0]));
         let nn = dot(&n, &n);
-        if nn != zero() {
-            let inside = (0..3).all(|k| {
-                let (a, b) = (&t[k], &t[(k + 1) % 3]);
-                dot(&cross(&minus(b, a), &minus(p, a)), &n) >= zero()
-            });
-            if inside {
-                let height = dot(&minus(p, &t[0]), &n);
-                return &height * &height / nn;
-            }
+        let inside = (0..3).all(|k| {
+            let (a, b) = (&t[k], &t[(k + 1) % 3]);
+            dot(&cross(&minus(b, a), &minus(p, a)), &n) >= zero()
+        });
+        if nn != zero() && inside {
+            let height = dot(&minus(p, &t[0]), &n);
+            return Ratio(&height * &height, nn);
         }
-        (0..3)
-            .map(|k| point_segment(p, &t[k], &t[(k + 1) % 3]))
-            .min()
-            .expect("three")
+        smallest([0, 1, 2].map(|k| point_segment(p, &t[k], &t[(k + 1) % 3])))
     }
 
     /// Whether the closed edge meets the closed triangle without lying in its plane.
@@ -197,12 +216,17 @@ pub mod exact {
         parts.iter().all(|v| *v >= zero()) || parts.iter().all(|v| *v <= zero())
     }
 
-    pub fn segment_triangle(e: &[Point; 2], t: &[Point; 3]) -> Number {
+    pub fn segment_triangle(e: &[Point; 2], t: &[Point; 3]) -> Ratio {
         if goes_through(e, t) {
-            return zero();
+            return Ratio(zero(), BigInt::from(1));
         }
-        let ends = [0, 1].map(|k| point_triangle(&e[k], t));
-        let edges = [0, 1, 2].map(|k| segments(e, &[t[k].clone(), t[(k + 1) % 3].clone()]));
-        ends.into_iter().chain(edges).min().expect("five")
+        let edge = |k: usize| segments(e, &[t[k].clone(), t[(k + 1) % 3].clone()]);
+        smallest([
+            point_triangle(&e[0], t),
+            point_triangle(&e[1], t),
+            edge(0),
+            edge(1),
+            edge(2),
+        ])
     }
 }
