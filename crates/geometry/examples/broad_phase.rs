@@ -6,6 +6,8 @@
 //! 2. Two waving sheets of 1,000 to 100,000 triangles that lie on one another, triangles against triangles.
 //! 3. One such sheet against the eight capsules of two tools.
 //! 4. A sheet whose triangles differ in size by a factor of 50, against itself.
+//! 5. A sheet of 10,000 triangles that is rolled up, its layers 1 mm apart, against itself; the trees that are refitted were built when
+//!    it was flat.
 //!
 //! `cargo run --release -p microsim-geometry [--features parry] --example broad_phase`
 
@@ -26,19 +28,40 @@ fn main() {
         let lower = below.boxes(0.0, margin);
         let upper = above.boxes(0.5 * below.mean_edge, margin);
         let name = format!("two sheets of {} triangles", below.triangles.len());
-        compare(&name, below.mean_edge, &lower, &upper, lower.len() <= 30_000);
+        compare(
+            &name,
+            below.mean_edge,
+            &lower,
+            &lower,
+            &upper,
+            lower.len() <= 30_000,
+        );
         let tools = tools(cells as f64 * 1e-3);
         let name = format!("a sheet of {} triangles, two tools", below.triangles.len());
-        compare(&name, below.mean_edge, &lower, &tools, true);
+        compare(&name, below.mean_edge, &lower, &lower, &tools, true);
     }
     let uneven = Sheet::new(70, 50.0);
     let boxes = uneven.boxes(0.0, 0.1 * uneven.mean_edge);
     let name = format!("uneven sheet of {} triangles with itself", boxes.len());
-    compare(&name, uneven.mean_edge, &boxes, &boxes, true);
+    compare(&name, uneven.mean_edge, &boxes, &boxes, &boxes, true);
+    let mut sheet = Sheet::new(71, 1.0);
+    let margin = 0.1 * sheet.mean_edge;
+    let flat = sheet.boxes(0.0, margin);
+    sheet.roll();
+    let rolled = sheet.boxes(0.0, margin);
+    let name = format!("rolled sheet of {} triangles with itself", rolled.len());
+    compare(&name, sheet.mean_edge, &flat, &rolled, &rolled, true);
 }
 
-/// Times all broad phases on the same work and prints a row for each.
-fn compare(name: &str, mean_edge: f64, boxes: &[Aabb], queries: &[Aabb], brute: bool) {
+/// Times all broad phases on the same work and prints a row for each. Trees that are refitted were built around `before`.
+fn compare(
+    name: &str,
+    mean_edge: f64,
+    before: &[Aabb],
+    boxes: &[Aabb],
+    queries: &[Aabb],
+    brute: bool,
+) {
     let mut expected = Vec::new();
     let mut hash = SpatialHash::new();
     hash.rebuild(mean_edge, boxes);
@@ -67,10 +90,23 @@ fn compare(name: &str, mean_edge: f64, boxes: &[Aabb], queries: &[Aabb], brute: 
         time(&name, &mut hash, build, queries, &expected);
     }
     let mut bvh = Bvh::new();
-    time("bvh, rebuilt", &mut bvh, |set| set.rebuild(boxes), queries, &expected);
-    time("bvh, refitted", &mut bvh, |set| set.refit(boxes), queries, &expected);
+    time(
+        "bvh, rebuilt",
+        &mut bvh,
+        |set| set.rebuild(boxes),
+        queries,
+        &expected,
+    );
+    bvh.rebuild(before);
+    time(
+        "bvh, refitted",
+        &mut bvh,
+        |set| set.refit(boxes),
+        queries,
+        &expected,
+    );
     #[cfg(feature = "parry")]
-    parry::compare(boxes, queries, &expected);
+    parry::compare(before, boxes, queries, &expected);
 }
 
 fn time<T: BroadPhase>(
@@ -88,7 +124,10 @@ fn time<T: BroadPhase>(
 }
 
 fn row(name: &str, build: f64, query: f64) {
-    println!("  {name:<34}{build:>12.1}{query:>12.1}{:>12.1}", build + query);
+    println!(
+        "  {name:<34}{build:>12.1}{query:>12.1}{:>12.1}",
+        build + query
+    );
 }
 
 /// CPU time of this thread [µs].
@@ -126,7 +165,14 @@ fn tube() -> (Vec<Point>, Vec<[usize; 4]>) {
     }
     let mut tetrahedra = Vec::new();
     for cell in 0..AROUND * 13 {
-        for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        for order in [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ] {
             let mut corner = [cell % AROUND, cell / AROUND, 0];
             let mut tetrahedron = [node(corner); 4];
             for (step, axis) in order.into_iter().enumerate() {
@@ -146,7 +192,9 @@ fn tube() -> (Vec<Point>, Vec<[usize; 4]>) {
 /// All nodes of each tube against all tetrahedra of the other, from apart to half of the way through.
 fn tubes() {
     let (first, tetrahedra) = tube();
-    let edges = tetrahedra.iter().flat_map(|t| (0..4).flat_map(move |i| (0..i).map(move |j| [t[i], t[j]])));
+    let edges = tetrahedra
+        .iter()
+        .flat_map(|t| (0..4).flat_map(move |i| (0..i).map(move |j| [t[i], t[j]])));
     let lengths: Vec<f64> = edges.map(|[i, j]| (first[i] - first[j]).norm()).collect();
     let mean_edge = lengths.iter().sum::<f64>() / lengths.len() as f64;
     for overlap in [-2e-3, 5e-3, 30e-3] {
@@ -163,7 +211,10 @@ fn tubes() {
         assert_eq!(tests, 353_808);
         let corners = |nodes: &[Point], t: &[usize; 4]| t.map(|k| nodes[k]);
         let boxes = |nodes: &[Point]| -> Vec<Aabb> {
-            tetrahedra.iter().map(|t| Aabb::of(&corners(nodes, t))).collect()
+            tetrahedra
+                .iter()
+                .map(|t| Aabb::of(&corners(nodes, t)))
+                .collect()
         };
         let points = |nodes: &[Point]| nodes.iter().map(|p| Aabb::of([p])).collect::<Vec<_>>();
         let sides = [(&first, &second), (&second, &first)];
@@ -174,37 +225,49 @@ fn tubes() {
             for (nodes, other) in sides {
                 for t in &tetrahedra {
                     let corners = corners(other, t);
-                    inside += nodes.iter().filter(|p| point_in_tetrahedron(p, &corners).is_some()).count();
+                    inside += nodes
+                        .iter()
+                        .filter(|p| point_in_tetrahedron(p, &corners).is_some())
+                        .count();
                 }
             }
         });
-        println!("\ntubes overlapping by {} mm: {inside} of {tests} tests inside", overlap * 1e3);
+        println!(
+            "\ntubes overlapping by {} mm: {inside} of {tests} tests inside",
+            overlap * 1e3
+        );
         println!("  {:<34}{all:>12.1}", "every test");
         let mut hash = SpatialHash::new();
         let mut bvh = Bvh::new();
         let mut pairs = Vec::new();
-        let mut step = |name: &str, build: &mut dyn FnMut(&[Point], &[Point], &mut Vec<[u32; 2]>)| {
-            let mut found = 0;
-            let mut candidates = 0;
-            let time = fastest(|| {
-                (found, candidates) = (0, 0);
-                for (nodes, other) in sides {
-                    build(nodes, other, &mut pairs);
-                    candidates += pairs.len();
-                    for &[t, p] in &pairs {
-                        let corners = corners(other, &tetrahedra[t as usize]);
-                        found += usize::from(point_in_tetrahedron(&nodes[p as usize], &corners).is_some());
+        let mut step =
+            |name: &str, build: &mut dyn FnMut(&[Point], &[Point], &mut Vec<[u32; 2]>)| {
+                let mut found = 0;
+                let mut candidates = 0;
+                let time = fastest(|| {
+                    (found, candidates) = (0, 0);
+                    for (nodes, other) in sides {
+                        build(nodes, other, &mut pairs);
+                        candidates += pairs.len();
+                        for &[t, p] in &pairs {
+                            let corners = corners(other, &tetrahedra[t as usize]);
+                            found += usize::from(
+                                point_in_tetrahedron(&nodes[p as usize], &corners).is_some(),
+                            );
+                        }
                     }
-                }
-            });
-            assert_eq!(found, inside, "{name}");
-            println!("  {name:<34}{time:>12.1}  {candidates} candidates");
-        };
+                });
+                assert_eq!(found, inside, "{name}");
+                println!("  {name:<34}{time:>12.1}  {candidates} candidates");
+            };
         for factor in [0.5, 1.0, 2.0] {
-            step(&format!("hash of nodes, cell {factor} mean edges"), &mut |nodes, other, pairs| {
-                hash.rebuild(factor * mean_edge, &points(nodes));
-                hash.pairs(&boxes(other), pairs);
-            });
+            step(
+                &format!("hash of nodes, cell {factor} mean edges"),
+                &mut |nodes, other, pairs| {
+                    hash.rebuild(factor * mean_edge, &points(nodes));
+                    hash.pairs(&boxes(other), pairs);
+                },
+            );
         }
         step("bvh of nodes, rebuilt", &mut |nodes, other, pairs| {
             bvh.rebuild(&points(nodes));
@@ -220,16 +283,22 @@ fn tubes() {
         });
         #[cfg(feature = "parry")]
         {
-            step("parry's bvh of nodes, rebuilt", &mut |nodes, other, pairs| {
-                parry::Tree::new(&points(nodes)).pairs(&boxes(other), pairs);
-            });
+            step(
+                "parry's bvh of nodes, rebuilt",
+                &mut |nodes, other, pairs| {
+                    parry::Tree::new(&points(nodes)).pairs(&boxes(other), pairs);
+                },
+            );
             let mut trees = [&first, &second].map(|nodes| parry::Tree::new(&points(nodes)));
             let mut side = 0;
-            step("parry's bvh of nodes, refitted", &mut |nodes, other, pairs| {
-                trees[side].refit(&points(nodes));
-                trees[side].pairs(&boxes(other), pairs);
-                side = 1 - side;
-            });
+            step(
+                "parry's bvh of nodes, refitted",
+                &mut |nodes, other, pairs| {
+                    trees[side].refit(&points(nodes));
+                    trees[side].pairs(&boxes(other), pairs);
+                    side = 1 - side;
+                },
+            );
         }
     }
 }
@@ -255,7 +324,11 @@ impl Sheet {
         for &x in &along {
             for j in 0..=cells {
                 let y = j as f64 * 1e-3;
-                nodes.push(Point::new(x, y, 2e-3 * libm::sin(300.0 * x) * libm::cos(200.0 * y)));
+                nodes.push(Point::new(
+                    x,
+                    y,
+                    2e-3 * libm::sin(300.0 * x) * libm::cos(200.0 * y),
+                ));
             }
         }
         let mut triangles = Vec::new();
@@ -266,9 +339,26 @@ impl Sheet {
                 triangles.push([node(i, j), node(i + 1, j + 1), node(i, j + 1)]);
             }
         }
-        let edges = triangles.iter().flat_map(|t| (0..3).map(|k| (nodes[t[k]] - nodes[t[(k + 1) % 3]]).norm()));
+        let edges = triangles
+            .iter()
+            .flat_map(|t| (0..3).map(|k| (nodes[t[k]] - nodes[t[(k + 1) % 3]]).norm()));
         let mean_edge = edges.sum::<f64>() / (3 * triangles.len()) as f64;
-        Self { nodes, triangles, mean_edge }
+        Self {
+            nodes,
+            triangles,
+            mean_edge,
+        }
+    }
+
+    /// Rolls the sheet up about the y axis: a spiral whose layers are 1 mm apart, with 1 mm within.
+    fn roll(&mut self) {
+        for p in &mut self.nodes {
+            // Length of the spiral r = r0 + c·angle: r0·angle + c·angle²/2.
+            let (inner, per_radian) = (1e-3, 1e-3 / (2.0 * PI));
+            let angle = ((inner * inner + 2.0 * per_radian * p.x).sqrt() - inner) / per_radian;
+            let radius = inner + per_radian * angle + 0.1 * p.z;
+            (p.x, p.z) = (radius * libm::cos(angle), radius * libm::sin(angle));
+        }
     }
 
     /// The boxes of its triangles at a height, grown by `margin`.
@@ -326,7 +416,8 @@ mod parry {
 
         pub fn refit(&mut self, boxes: &[Aabb]) {
             for (index, aabb) in boxes.iter().enumerate() {
-                self.bvh.insert_or_update_partially(bounds(aabb), index as u32, 0.0);
+                self.bvh
+                    .insert_or_update_partially(bounds(aabb), index as u32, 0.0);
             }
             self.bvh.refit(&mut self.workspace);
             self.boxes.copy_from_slice(boxes);
@@ -347,13 +438,20 @@ mod parry {
         }
     }
 
-    pub fn compare(boxes: &[Aabb], queries: &[Aabb], expected: &[[u32; 2]]) {
+    pub fn compare(before: &[Aabb], boxes: &[Aabb], queries: &[Aabb], expected: &[[u32; 2]]) {
         let mut pairs = Vec::new();
         let mut tree = Tree::new(boxes);
         let built = fastest(|| tree = Tree::new(boxes));
         let query = fastest(|| tree.pairs(queries, &mut pairs));
         assert_eq!(pairs, expected);
         row("parry's bvh, rebuilt", built, query);
-        time("parry's bvh, refitted", &mut tree, |tree| tree.refit(boxes), queries, expected);
+        tree = Tree::new(before);
+        time(
+            "parry's bvh, refitted",
+            &mut tree,
+            |tree| tree.refit(boxes),
+            queries,
+            expected,
+        );
     }
 }

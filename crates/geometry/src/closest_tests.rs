@@ -30,7 +30,10 @@ fn on_segment(p: &SegmentPoint, a: &Vector3<f64>, b: &Vector3<f64>, allowed: f64
 fn on_triangle(p: &TrianglePoint, triangle: &[Vector3<f64>; 3], allowed: f64) {
     let b = p.barycentric;
     // 1 − s − t, where s + t ≤ 1 after rounding.
-    assert!(b.iter().all(|&b| (-f64::EPSILON..=1.0).contains(&b)), "{b:?}");
+    assert!(
+        b.iter().all(|&b| (-f64::EPSILON..=1.0).contains(&b)),
+        "{b:?}"
+    );
     let point = triangle[0] * b[0] + triangle[1] * b[1] + triangle[2] * b[2];
     assert!((point - p.point).amax() <= allowed, "{p:?} {triangle:?}");
 }
@@ -49,7 +52,13 @@ fn distances_equal_those_without_rounding() {
         let found = closest_on_segment(&p, &a, &b);
         on_segment(&found, &a, &b, allowed);
         let expected = exact::point_segment(&ep, &ea, &eb);
-        check("point, segment", (found.point - p).norm(), &expected, unit, &points);
+        check(
+            "point, segment",
+            (found.point - p).norm(),
+            &expected,
+            unit,
+            &points,
+        );
 
         let found = closest_segments(&p, &q, &a, &b);
         on_segment(&found.first, &p, &q, allowed);
@@ -63,15 +72,31 @@ fn distances_equal_those_without_rounding() {
         let found = closest_on_triangle(&p, &triangle);
         on_triangle(&found, &triangle, allowed);
         let expected = exact::point_triangle(&ep, &triangle_exact);
-        check("point, triangle", (found.point - p).norm(), &expected, unit, &points);
+        check(
+            "point, triangle",
+            (found.point - p).norm(),
+            &expected,
+            unit,
+            &points,
+        );
 
         let found = closest_segment_triangle(&p, &q, &triangle);
         on_segment(&found.on_segment, &p, &q, allowed);
         let expected = exact::segment_triangle(&edge, &triangle_exact);
-        check("segment, triangle", found.distance(), &expected, unit, &points);
+        check(
+            "segment, triangle",
+            found.distance(),
+            &expected,
+            unit,
+            &points,
+        );
         zeros += u32::from(expected.is_zero());
         // The point of a crossing lies on the edge; the triangle is at most ILL_VOLUME away from it.
-        on_triangle(&found.on_triangle, &triangle, allowed + 1e-7 * extent(&points));
+        on_triangle(
+            &found.on_triangle,
+            &triangle,
+            allowed + 1e-7 * extent(&points),
+        );
     }
     assert!(zeros > 1_500, "{zeros}");
 }
@@ -87,7 +112,11 @@ fn answers_scale_with_the_input() {
             let found = closest_segments(&p, &q, &a, &b);
             let both = closest_segment_triangle(&p, &q, &[a, b, c]);
             (
-                [closest_on_segment(&p, &a, &b).t, found.first.t, found.second.t],
+                [
+                    closest_on_segment(&p, &a, &b).t,
+                    found.first.t,
+                    found.second.t,
+                ],
                 closest_on_triangle(&p, &[a, b, c]).barycentric,
                 both.on_segment.t,
                 both.on_triangle.barycentric,

@@ -36,7 +36,8 @@ pub use segment::{SegmentPoint, SegmentsClosest, closest_on_segment, closest_seg
 pub use spatial_hash::SpatialHash;
 pub use tetrahedron::{INSIDE_TOLERANCE, point_in_tetrahedron};
 pub use triangle::{
-    SegmentTriangle, TriangleFeature, TrianglePoint, closest_on_triangle, closest_segment_triangle, triangle_normal,
+    SegmentTriangle, TriangleFeature, TrianglePoint, closest_on_triangle, closest_segment_triangle,
+    triangle_normal,
 };
 
 use nalgebra::Vector3;

@@ -51,8 +51,7 @@ impl Random {
                 let (j, k) = (self.below(i as u64) as usize, self.below(i as u64) as usize);
                 let share = [0.0, 0.25, 0.5, 1.0, 2.0, self.number()][self.below(6) as usize];
                 let beside = [0.0, 1e-16, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3][self.below(7) as usize];
-                points[i] =
-                    points[j] + (points[k] - points[j]) * share + self.vector() * beside;
+                points[i] = points[j] + (points[k] - points[j]) * share + self.vector() * beside;
             }
         }
         let scale = [1.0, 1.0, 1e-3, 1e4, 1.0 / 1024.0][self.below(5) as usize];
@@ -127,7 +126,9 @@ pub mod exact {
             let (mantissa, exponent) = decode(x);
             BigInt::from(mantissa) << (exponent - unit).max(0)
         };
-        let whole_points = points.each_ref().map(|p| [whole(p.x), whole(p.y), whole(p.z)]);
+        let whole_points = points
+            .each_ref()
+            .map(|p| [whole(p.x), whole(p.y), whole(p.z)]);
         (whole_points, unit)
     }
 
@@ -173,7 +174,11 @@ pub mod exact {
     }
 
     pub fn segments(a: &[Point; 2], b: &[Point; 2]) -> Ratio {
-        let (u, v, w) = (minus(&a[1], &a[0]), minus(&b[1], &b[0]), minus(&b[0], &a[0]));
+        let (u, v, w) = (
+            minus(&a[1], &a[0]),
+            minus(&b[1], &b[0]),
+            minus(&b[0], &a[0]),
+        );
         let n = cross(&u, &v);
         let nn = dot(&n, &n);
         if nn != zero() {

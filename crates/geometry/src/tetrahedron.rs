@@ -35,7 +35,11 @@ pub fn point_in_tetrahedron(p: &Vector3<f64>, corners: &[Vector3<f64>; 4]) -> Op
         return None;
     }
     let across = ab.cross(&ap);
-    let (b1, b2, b3) = (along_b / volume, across.dot(&ad) / volume, -across.dot(&ac) / volume);
+    let (b1, b2, b3) = (
+        along_b / volume,
+        across.dot(&ad) / volume,
+        -across.dot(&ac) / volume,
+    );
     let coordinates = [1.0 - b1 - b2 - b3, b1, b2, b3];
     coordinates
         .iter()

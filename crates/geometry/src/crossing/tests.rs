@@ -54,7 +54,11 @@ fn no_edge_slips_between_two_triangles() {
     for _ in 0..10_000 {
         let outside = random.lattice() * 4.0;
         let inside = random.vector() * 0.3;
-        let inside = if random.below(2) == 0 { inside } else { inside * 0.0 };
+        let inside = if random.below(2) == 0 {
+            inside
+        } else {
+            inside * 0.0
+        };
         if outside.abs().sum() <= 1.0 {
             continue;
         }

@@ -28,8 +28,14 @@ fn slow<const A: usize, const B: usize>(
 ) -> Result<Option<f64>, ()> {
     let origins = [second.start[0], second.end[0]];
     let (first, second) = (first.seen_from(&origins), second.seen_from(&origins));
-    let speed = |m: &Motion<A>| (0..A).map(|k| (m.end[k] - m.start[k]).norm()).fold(0.0, f64::max);
-    let other = (0..B).map(|k| (second.end[k] - second.start[k]).norm()).fold(0.0, f64::max);
+    let speed = |m: &Motion<A>| {
+        (0..A)
+            .map(|k| (m.end[k] - m.start[k]).norm())
+            .fold(0.0, f64::max)
+    };
+    let other = (0..B)
+        .map(|k| (second.end[k] - second.start[k]).norm())
+        .fold(0.0, f64::max);
     let speed = speed(&first) + other;
     let mut parts = vec![(0.0, 1.0)];
     for _ in 0..3_000 {
@@ -71,7 +77,10 @@ fn agree<const A: usize, const B: usize>(
             assert!((0.0..1.0).contains(&found.time));
             let gap = closest(&a.at(found.time), &b.at(found.time)).apart.norm();
             let tolerance = CONTACT_TOLERANCE * extent;
-            assert!(gap <= least + tolerance || steps == STEPS, "{found:?} {first:?} {second:?}");
+            assert!(
+                gap <= least + tolerance || steps == STEPS,
+                "{found:?} {first:?} {second:?}"
+            );
             assert_eq!(gap, found.gap);
             // The shares give the points whose distance it is.
             let p: Vector3<f64> = (0..A).map(|k| a.at(found.time)[k] * found.first[k]).sum();
@@ -84,13 +93,20 @@ fn agree<const A: usize, const B: usize>(
         match slow(&first, &second, least, &closest) {
             Ok(Some(by)) => {
                 let found = found.unwrap_or_else(|| panic!("missed: {first:?} {second:?} {by}"));
-                assert!(found.time <= by, "{} > {by}: {first:?} {second:?}", found.time);
+                assert!(
+                    found.time <= by,
+                    "{} > {by}: {first:?} {second:?}",
+                    found.time
+                );
             }
             Ok(None) => {}
             Err(()) => undecided += 1,
         }
     }
-    assert!(contacts > 1_500 && undecided < 200, "{contacts} {undecided}");
+    assert!(
+        contacts > 1_500 && undecided < 200,
+        "{contacts} {undecided}"
+    );
     // On average few steps, and an end without a contact for less than one in a thousand.
     assert!(given_up < 10 && total < 100_000, "{given_up} {total}");
 }
@@ -138,10 +154,19 @@ fn meeting<const A: usize, const B: usize>(random: &mut Random) -> (Motion<A>, M
     let met_second = [0; B].map(|_| coarse(random));
     if random.below(4) == 0 {
         // All in one plane, at all times.
-        start_first.iter_mut().chain(&mut met_first).for_each(|p| p.z = 0.0);
+        start_first
+            .iter_mut()
+            .chain(&mut met_first)
+            .for_each(|p| p.z = 0.0);
     }
     let flatten = start_first.iter().all(|p| p.z == 0.0);
-    let flat = |p: Vector3<f64>| if flatten { Vector3::new(p.x, p.y, 0.0) } else { p };
+    let flat = |p: Vector3<f64>| {
+        if flatten {
+            Vector3::new(p.x, p.y, 0.0)
+        } else {
+            p
+        }
+    };
     let (start_second, met_second) = (start_second.map(flat), met_second.map(flat));
     let point = |corners: &[Vector3<f64>], shares: &[f64]| -> Vector3<f64> {
         corners.iter().zip(shares).map(|(p, s)| p * *s).sum()
@@ -170,7 +195,11 @@ fn finds_meetings<const A: usize, const B: usize>(
         let (first, second, time) = meeting::<A, B>(&mut random);
         let found = search(&first, &second, 0.0, &closest).0;
         let found = found.unwrap_or_else(|| panic!("missed: {first:?} {second:?} at {time}"));
-        assert!(found.time <= time, "late: {first:?} {second:?}, {} > {time}", found.time);
+        assert!(
+            found.time <= time,
+            "late: {first:?} {second:?}, {} > {time}",
+            found.time
+        );
     }
 }
 
@@ -200,7 +229,10 @@ fn times_of_known_contacts() {
     let early = 4.0 * CONTACT_TOLERANCE;
     let check = |found: Option<f64>, expected: Option<f64>| match (found, expected) {
         (Some(found), Some(expected)) => {
-            assert!(found <= expected && found > expected - early, "{found} {expected}");
+            assert!(
+                found <= expected && found > expected - early,
+                "{found} {expected}"
+            );
         }
         (found, expected) => assert_eq!(found, expected),
     };
@@ -217,7 +249,11 @@ fn times_of_known_contacts() {
     ] {
         let found = first_contact_point_triangle(&moved([start], way), &still(triangle), distance);
         check(found.map(|contact| contact.time), expected);
-        if let Some(FirstContact { normal: Some(normal), .. }) = found {
+        if let Some(FirstContact {
+            normal: Some(normal),
+            ..
+        }) = found
+        {
             // Towards the side from which the point came.
             assert!(normal.dot(&Vector3::from(way)) < 0.0);
         }
@@ -226,14 +262,19 @@ fn times_of_known_contacts() {
     let bar = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
     let crossed = moved([[0.0, -1.0, 1.0], [0.0, 1.0, 1.0]], [0.0, 0.0, -2.0]);
     let parallel = moved([[-0.5, 0.0, 1.0], [2.0, 0.0, 1.0]], [0.0, 0.0, -4.0]);
-    let edges = |a: &Motion<2>, b: &Motion<2>, distance| first_contact_edges(a, b, distance).map(|c| c.time);
+    let edges = |a: &Motion<2>, b: &Motion<2>, distance| {
+        first_contact_edges(a, b, distance).map(|c| c.time)
+    };
     check(edges(&crossed, &still(bar), 0.0), Some(0.5));
     check(edges(&parallel, &still(bar), 0.5), Some(0.125));
     let turning = Motion {
         start: [Vector3::x(), -Vector3::x()],
         end: [Vector3::new(1.0, 2.0, 0.0), Vector3::new(-1.0, -2.0, 0.0)],
     };
-    check(edges(&still([[1.0, 1.0, 0.0], [3.0, 1.0, 0.0]]), &turning, 0.0), Some(0.5));
+    check(
+        edges(&still([[1.0, 1.0, 0.0], [3.0, 1.0, 0.0]]), &turning, 0.0),
+        Some(0.5),
+    );
     // An axis of radius 0.25 comes down flat, and with an end first; a fast one passes a wall 10,000 times thinner than its way.
     let flat = moved([[-1.0, 0.25, 1.0], [1.0, 0.25, 1.0]], [0.0, 0.0, -2.0]);
     let upright = moved([[0.25, 0.25, 1.0], [0.25, 0.25, 2.0]], [0.0, 0.0, -2.0]);
@@ -255,29 +296,53 @@ fn times_depend_on_neither_scale_nor_place_nor_common_motion() {
     for _ in 0..10_000 {
         let mut motion = || {
             let start = [0; 3].map(|_| coarse(&mut random));
-            Motion { start, end: start.map(|p| p + coarse(&mut random)) }
+            Motion {
+                start,
+                end: start.map(|p| p + coarse(&mut random)),
+            }
         };
         let (first, second) = (motion(), motion());
-        let edge = Motion { start: [first.start[0], first.start[1]], end: [first.end[0], first.end[1]] };
+        let edge = Motion {
+            start: [first.start[0], first.start[1]],
+            end: [first.end[0], first.end[1]],
+        };
         let expected = first_contact_segment_triangle(&edge, &second, 0.125);
         contacts += u32::from(expected.is_some());
-        let (place, way) = (coarse(&mut random) * 1e6f64.round(), coarse(&mut random) * 1024.0);
+        let (place, way) = (
+            coarse(&mut random) * 1e6f64.round(),
+            coarse(&mut random) * 1024.0,
+        );
         let carried = |p: Vector3<f64>| p + place;
         let gone = |p: Vector3<f64>| p + place + way;
         let found = first_contact_segment_triangle(
-            &Motion { start: edge.start.map(carried), end: edge.end.map(gone) },
-            &Motion { start: second.start.map(carried), end: second.end.map(gone) },
+            &Motion {
+                start: edge.start.map(carried),
+                end: edge.end.map(gone),
+            },
+            &Motion {
+                start: second.start.map(carried),
+                end: second.end.map(gone),
+            },
             0.125,
         );
         assert_eq!(found, expected);
         let scale = 2f64.powi(-20);
         let scaled = |p: Vector3<f64>| p * scale;
         let found = first_contact_segment_triangle(
-            &Motion { start: edge.start.map(scaled), end: edge.end.map(scaled) },
-            &Motion { start: second.start.map(scaled), end: second.end.map(scaled) },
+            &Motion {
+                start: edge.start.map(scaled),
+                end: edge.end.map(scaled),
+            },
+            &Motion {
+                start: second.start.map(scaled),
+                end: second.end.map(scaled),
+            },
             0.125 * scale,
         );
-        assert_eq!(found.map(|c| (c.time, c.first, c.second)), expected.map(|c| (c.time, c.first, c.second)));
+        assert_eq!(
+            found.map(|c| (c.time, c.first, c.second)),
+            expected.map(|c| (c.time, c.first, c.second))
+        );
     }
     assert!(contacts > 1_000, "{contacts}");
 }

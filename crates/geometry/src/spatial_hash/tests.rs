@@ -10,10 +10,7 @@ fn unit_box(corner: [f64; 3]) -> Aabb {
 #[test]
 fn cells_are_rounded_down() {
     let range = CellRange::of(
-        &Aabb::of(&[
-            Vector3::new(-0.4, -1.0, 0.4),
-            Vector3::new(0.4, -0.5, 1.0),
-        ]),
+        &Aabb::of(&[Vector3::new(-0.4, -1.0, 0.4), Vector3::new(0.4, -0.5, 1.0)]),
         1.0,
     );
     assert_eq!((range.first, range.last), ([-1, -1, 0], [0, -1, 1]));
@@ -43,7 +40,10 @@ fn two_cells_with_one_hash_are_told_apart() {
     // Only the cells' own boxes are looked at.
     for (cell, index) in [(a, 0), (b, 1)] {
         let slot = set.slots[probe(&set.slots, set.stamp, &cell)];
-        assert_eq!(set.members[slot.first as usize..][..slot.count as usize], [index]);
+        assert_eq!(
+            set.members[slot.first as usize..][..slot.count as usize],
+            [index]
+        );
     }
 }
 

@@ -49,7 +49,10 @@ fn points_are_inside_as_whole_numbers_say() {
             inside += 1;
             for (found, expected) in found.iter().zip(expected) {
                 let allowed = 6e-15 / share;
-                assert!((found - expected).abs() <= allowed, "{found} {expected} {share}");
+                assert!(
+                    (found - expected).abs() <= allowed,
+                    "{found} {expected} {share}"
+                );
             }
             let sum: f64 = found.iter().sum();
             assert!((sum - 1.0).abs() < 1e-14);
@@ -87,13 +90,25 @@ fn flat_inverted_and_moved_tetrahedra() {
     let [a, b, c, d] = corners;
     assert_eq!(point_in_tetrahedron(&centre, &[a, c, b, d]), None);
     let flat = [a, b, c, Vector3::new(0.3, 0.3, 0.9 * FLAT)];
-    assert_eq!(point_in_tetrahedron(&Vector3::new(0.3, 0.3, 0.0), &flat), None);
+    assert_eq!(
+        point_in_tetrahedron(&Vector3::new(0.3, 0.3, 0.0), &flat),
+        None
+    );
     assert_eq!(point_in_tetrahedron(&a, &[a; 4]), None);
-    assert_eq!(point_in_tetrahedron(&Vector3::repeat(f64::NAN), &corners), None);
+    assert_eq!(
+        point_in_tetrahedron(&Vector3::repeat(f64::NAN), &corners),
+        None
+    );
     // A power of two and a move that rounds nothing change no bit.
     let scale = |p: Vector3<f64>| p * 2f64.powi(-40);
-    assert_eq!(point_in_tetrahedron(&scale(centre), &corners.map(scale)), Some([0.25; 4]));
+    assert_eq!(
+        point_in_tetrahedron(&scale(centre), &corners.map(scale)),
+        Some([0.25; 4])
+    );
     let moved = |p: Vector3<f64>| p + Vector3::repeat(1e9);
-    assert_eq!(point_in_tetrahedron(&moved(centre), &corners.map(moved)), Some([0.25; 4]));
+    assert_eq!(
+        point_in_tetrahedron(&moved(centre), &corners.map(moved)),
+        Some([0.25; 4])
+    );
     assert!(extent(&corners) == 1.0);
 }
