@@ -18,6 +18,9 @@ use std::f64::consts::PI;
 
 type Point = Vector3<f64>;
 
+/// Finds the pairs `[tetrahedron, node]` for the nodes of one tube and those of the other.
+type Finder<'a> = dyn FnMut(&[Point], &[Point], &mut Vec<[u32; 2]>) + 'a;
+
 fn main() {
     println!("CPU time of a step in microseconds; the fastest of several.");
     tubes();
@@ -240,26 +243,25 @@ fn tubes() {
         let mut hash = SpatialHash::new();
         let mut bvh = Bvh::new();
         let mut pairs = Vec::new();
-        let mut step =
-            |name: &str, build: &mut dyn FnMut(&[Point], &[Point], &mut Vec<[u32; 2]>)| {
-                let mut found = 0;
-                let mut candidates = 0;
-                let time = fastest(|| {
-                    (found, candidates) = (0, 0);
-                    for (nodes, other) in sides {
-                        build(nodes, other, &mut pairs);
-                        candidates += pairs.len();
-                        for &[t, p] in &pairs {
-                            let corners = corners(other, &tetrahedra[t as usize]);
-                            found += usize::from(
-                                point_in_tetrahedron(&nodes[p as usize], &corners).is_some(),
-                            );
-                        }
+        let mut step = |name: &str, find: &mut Finder<'_>| {
+            let mut found = 0;
+            let mut candidates = 0;
+            let time = fastest(|| {
+                (found, candidates) = (0, 0);
+                for (nodes, other) in sides {
+                    find(nodes, other, &mut pairs);
+                    candidates += pairs.len();
+                    for &[t, p] in &pairs {
+                        let corners = corners(other, &tetrahedra[t as usize]);
+                        found += usize::from(
+                            point_in_tetrahedron(&nodes[p as usize], &corners).is_some(),
+                        );
                     }
-                });
-                assert_eq!(found, inside, "{name}");
-                println!("  {name:<34}{time:>12.1}  {candidates} candidates");
-            };
+                }
+            });
+            assert_eq!(found, inside, "{name}");
+            println!("  {name:<34}{time:>12.1}  {candidates} candidates");
+        };
         for factor in [0.5, 1.0, 2.0] {
             step(
                 &format!("hash of nodes, cell {factor} mean edges"),

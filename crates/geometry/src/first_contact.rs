@@ -24,9 +24,10 @@ use nalgebra::Vector3;
 /// times that: 2e-16 / 1e-6 = 2e-10 of the extent, against a gap of 1e-6 of it.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;
 
-/// A coordinate along a direction is three products of rounded differences and their sum, a gap is the difference of two, and its
-/// value in between is a product and a sum more: below 32 half units of the extent.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Along a direction a corner's coordinate is off by 4 half units of up to √3 extents (a difference, a product and two sums), the gap of
+/// two corners by twice that and its own half unit, 9 units of the extent; the time at which it ends, of a change of up to
+/// 4√3 extents, by 3 half units of that, 10 more.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// Steps of the search, at most. It takes this many only where features turn about one another at a gap of hardly more than the
 /// tolerance: one in a thousand of the degenerate pairs of the tests.

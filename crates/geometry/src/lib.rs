@@ -1,8 +1,10 @@
-//! Pure geometry: closest points between points, segments and triangles, capsules, boxes, poses.
+//! Pure geometry: closest points between points, segments and triangles, capsules, boxes, poses; what contact asks of it, from
+//! pairs of boxes that overlap ([`BroadPhase`]) over the features of these pairs to the first contact of moving ones.
 //!
 //! What is here: free functions and small value types on `f64` coordinates [m]. What is not: meshes, time, physics,
 //! files. Nothing here can fail: degenerate input (a segment of length zero, a triangle without area) gives the closest
-//! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input.
+//! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input. What is decided (which
+//! side, through or not) is decided without rounding ([`orientation`]); what is measured is rounded in its last digits.
 
 mod aabb;
 mod broad_phase;

@@ -139,8 +139,9 @@ fn thin_projection(p: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> Option<Tri
     })
 }
 
-/// The closest points of the segment `a`–`b` and a triangle: the true closest feature among the crossing point, the
-/// end points against the triangle, the corners against the segment, and the segment against the insides of the edges.
+/// The closest points of the segment `a`–`b` and a triangle: the true closest feature among the crossing point
+/// ([`edge_through_triangle`]), the end points against the triangle, the corners against the segment, and the segment against the insides
+/// of the edges. For a capsule, the segment is its axis.
 pub fn closest_segment_triangle(
     a: &Vector3<f64>,
     b: &Vector3<f64>,
