@@ -2,10 +2,6 @@
 
 use nalgebra::Vector3;
 
-/// Two directions whose sin² is below this are so close to parallel that the parameters of the closest points have lost
-/// digits; the points are then compared with those at the ends.
-const ILL_SIN_SQUARED: f64 = 1e-8;
-
 /// A point on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentPoint {
@@ -56,9 +52,8 @@ pub fn closest_segments(
     b0: &Vector3<f64>,
     b1: &Vector3<f64>,
 ) -> SegmentsClosest {
-    let inside = closest_inside(a0, a1, b0, b1);
-    if let Some((pair, true)) = inside {
-        return pair;
+    if let Some(inside) = closest_inside(a0, a1, b0, b1) {
+        return inside;
     }
     let mut best = SegmentsClosest {
         first: SegmentPoint { point: *a0, t: 0.0 },
@@ -78,7 +73,7 @@ pub fn closest_segments(
             second: SegmentPoint { point: *b1, t: 1.0 },
         },
     ];
-    for candidate in candidates.into_iter().chain(inside.map(|(pair, _)| pair)) {
+    for candidate in candidates {
         if candidate.distance_squared() < best.distance_squared() {
             best = candidate;
         }
@@ -86,30 +81,24 @@ pub fn closest_segments(
     best
 }
 
-/// The closest points of two lines where both lie on the segments, and whether it is certain that no end point is closer.
+/// The closest points of two lines where both lie on the segments; then no end point is closer.
 ///
-/// With n = u × v the parameters are triple products, which keep their digits down to an angle of rounding, where the
-/// determinant u²v² − (u·v)² has lost all of them at its square root.
+/// With n = u × v the parameter is a triple product, which keeps its digits down to an angle of rounding, where the determinant
+/// u²v² − (u·v)² has lost all of them at its square root. What it loses between nearly parallel lines, it loses along both
+/// alike: the point of the second closest to that of the first is as close as the lines are there.
 pub(crate) fn closest_inside(
     a0: &Vector3<f64>,
     a1: &Vector3<f64>,
     b0: &Vector3<f64>,
     b1: &Vector3<f64>,
-) -> Option<(SegmentsClosest, bool)> {
+) -> Option<SegmentsClosest> {
     let (u, v, w) = (a1 - a0, b1 - b0, b0 - a0);
     let n = u.cross(&v);
-    let squared = n.norm_squared();
-    if squared == 0.0 {
+    // Not a number for parallel lines, and then inside of nothing.
+    let s = w.cross(&v).dot(&n) / n.norm_squared();
+    if !(0.0..=1.0).contains(&s) {
         return None;
     }
-    let s = w.cross(&v).dot(&n) / squared;
-    let certain = squared > ILL_SIN_SQUARED * u.norm_squared() * v.norm_squared();
-    if certain && !(0.0..=1.0).contains(&s) {
-        return None;
-    }
-    // What is lost of s is lost along both lines alike: the point of the second closest to that of the first is as close as the
-    // lines are.
-    let s = s.clamp(0.0, 1.0);
     let first = SegmentPoint {
         point: a0 + u * s,
         t: s,
@@ -121,7 +110,7 @@ pub(crate) fn closest_inside(
     };
     (0.0..=1.0)
         .contains(&t)
-        .then_some((SegmentsClosest { first, second }, certain))
+        .then_some(SegmentsClosest { first, second })
 }
 
 #[cfg(test)]

@@ -184,7 +184,7 @@ pub(crate) fn closest_features(
                 corner,
             ),
         });
-        if let Some((pair, _)) = closest_inside(a, b, start, end) {
+        if let Some(pair) = closest_inside(a, b, start, end) {
             consider(SegmentTriangle {
                 on_segment: pair.first,
                 on_triangle: edge_point(&pair.second, corner),
