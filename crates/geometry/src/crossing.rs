@@ -2,13 +2,12 @@
 
 use crate::orientation::orientation;
 use crate::segment::SegmentPoint;
-use crate::triangle::{SegmentTriangle, TrianglePoint, closest_features};
+use crate::triangle::{SegmentTriangle, closest_features, closest_on_triangle};
 use nalgebra::Vector3;
 
-/// An edge whose two ends span with the triangle less than this share of the largest product of their lengths runs so close to
-/// its plane (or through so thin a triangle) that the quotients of volumes have lost half of their digits; the point is then
-/// where both come closest, which they do within this share of their length.
-const ILL_VOLUME: f64 = 1e-7;
+/// A crossing point that is further from the triangle than this share of the largest length or coordinate is not the best that can be had: edge and
+/// triangle are then almost coplanar, or the triangle has almost no area.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// An edge through a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,38 +46,53 @@ pub fn edge_through_triangle(
     if parts.iter().any(|&v| v < 0.0) && parts.iter().any(|&v| v > 0.0) {
         return None;
     }
-    let volume = at_p - at_q;
     // What is not a number is neither positive nor negative, and comes to here.
-    if volume.is_nan() || parts.iter().any(|v| v.is_nan()) {
+    if (at_p - at_q).is_nan() || parts.iter().any(|v| v.is_nan()) {
         return None;
     }
-    // The largest product of three lengths that goes into one of the volumes.
-    let length = (p - q).norm_squared();
-    let longest = [b - a, c - b, a - c]
-        .iter()
-        .map(Vector3::norm_squared)
-        .fold(0.0, f64::max);
-    let squared = length * longest * length.max(longest);
-    let points = if volume * volume > ILL_VOLUME * ILL_VOLUME * squared {
-        let t = at_p / volume;
-        let point = p + (q - p) * t;
-        let sum: f64 = parts.iter().sum();
-        SegmentTriangle {
-            on_segment: SegmentPoint { point, t },
-            on_triangle: TrianglePoint {
-                point,
-                barycentric: parts.map(|v| v / sum),
-            },
-        }
-    } else {
-        let mut closest = closest_features(p, q, triangle);
-        closest.on_triangle.point = closest.on_segment.point;
-        closest
-    };
+    let points = crossing_point(p, q, triangle);
     Some(EdgeCrossing {
         points,
-        from_front: volume > 0.0,
+        from_front: at_p > at_q,
     })
+}
+
+/// The point of an edge that goes through a triangle (A.14), on the edge; the coordinates are those of the triangle's closest point. Where
+/// that leaves more than rounding, the closest points without the crossing are a second candidate: the better one is
+/// within 1e-6 of the longest length.
+fn crossing_point(
+    p: &Vector3<f64>,
+    q: &Vector3<f64>,
+    triangle: &[Vector3<f64>; 3],
+) -> SegmentTriangle {
+    let [a, b, c] = triangle;
+    let (along, ap, normal) = (q - p, p - a, (b - a).cross(&(c - a)));
+    let volume = -along.dot(&normal);
+    let share = ap.dot(&normal) / volume;
+    // Once more from the first result: what rounding left of the height there.
+    let share = share + (ap + along * share).dot(&normal) / volume;
+    let t = if share.is_nan() {
+        0.0
+    } else {
+        share.clamp(0.0, 1.0)
+    };
+    let point = p + along * t;
+    let mut points = SegmentTriangle {
+        on_segment: SegmentPoint { point, t },
+        on_triangle: closest_on_triangle(&point, triangle),
+    };
+    let longest = [along, ap, b - a, c - a, point]
+        .iter()
+        .map(Vector3::amax)
+        .fold(0.0, f64::max);
+    if points.distance() > ROUNDING * longest {
+        let others = closest_features(p, q, triangle);
+        if others.distance() < points.distance() {
+            points = others;
+        }
+    }
+    points.on_triangle.point = points.on_segment.point;
+    points
 }
 
 #[cfg(test)]

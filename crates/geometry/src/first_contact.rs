@@ -49,7 +49,8 @@ pub struct FirstContact<const A: usize, const B: usize> {
     /// they are closer than that plus the tolerance ([`CONTACT_TOLERANCE`]), or the search came to its end (see `gap`).
     pub time: f64,
     /// Distance of the features at that time [m]. It is larger than the distance that was asked for plus the tolerance only when the
-    /// search took all its steps: then there may be a contact later, and none was before.
+    /// search took all its steps, or (up to 2e-5 of the extent) when rounding hides which parts are closest: then
+    /// there may be a contact later, and none was before.
     pub gap: f64,
     /// The first feature's point of contact: shares of its corners, sum 1.
     pub first: [f64; A],

@@ -71,14 +71,17 @@ fn agree<const A: usize, const B: usize>(
         let least = [0.0, 0.01, 0.1][random.below(3) as usize] * extent;
         let (found, steps) = search(&first, &second, least, &closest);
         total += steps;
-        given_up += u32::from(steps == STEPS);
         if let Some(found) = &found {
             contacts += 1;
             assert!((0.0..1.0).contains(&found.time));
             let gap = closest(&a.at(found.time), &b.at(found.time)).apart.norm();
-            let tolerance = CONTACT_TOLERANCE * extent;
+            let beyond = gap > least + CONTACT_TOLERANCE * extent;
+            given_up += u32::from(beyond);
+            // Of two parts whose distances are equal to rounding r, about 32 half units of the extent E, the wrong one turns the direction at
+            // a gap g by √(2 r / g), which costs E times that: more than g below g³ = 2 r E².
+            let hidden = gap <= least + 2e-5 * extent;
             assert!(
-                gap <= least + tolerance || steps == STEPS,
+                !beyond || hidden || steps == STEPS,
                 "{found:?} {first:?} {second:?}"
             );
             assert_eq!(gap, found.gap);
