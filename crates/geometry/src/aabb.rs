@@ -24,10 +24,22 @@ impl Aabb {
     pub fn of<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>>) -> Self {
         let mut result = Self::empty();
         for point in points {
-            result.min = result.min.inf(point);
-            result.max = result.max.sup(point);
+            result.include(point);
         }
         result
+    }
+
+    /// Grows the box to hold `point` [m].
+    #[inline]
+    pub fn include(&mut self, point: &Vector3<f64>) {
+        self.min = self.min.inf(point);
+        self.max = self.max.sup(point);
+    }
+
+    /// Whether the box holds a point: it is not empty, and its bounds are numbers.
+    #[inline]
+    pub fn is_valid(&self) -> bool {
+        (0..3).all(|k| self.min[k] <= self.max[k])
     }
 
     /// The smallest box around `self` and `other`.

@@ -34,6 +34,11 @@ impl Capsule {
         Aabb::of(&[self.a, self.b]).inflated(self.radius)
     }
 
+    /// The smallest box around the capsule on its way to `end`, each end of the axis on a straight line.
+    pub fn swept_bounds(&self, end: &Self) -> Aabb {
+        self.bounds().union(&end.bounds())
+    }
+
     /// The capsule of a frame, posed in the world.
     pub fn posed(&self, world_from_frame: &Pose) -> Self {
         Self {

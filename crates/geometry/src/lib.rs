@@ -1,21 +1,45 @@
-//! Pure geometry: closest points between points, segments and triangles, capsules, boxes, poses.
+//! Pure geometry: closest points between points, segments and triangles, capsules, boxes, poses; what contact asks of it, from
+//! pairs of boxes that overlap ([`BroadPhase`]) over the features of these pairs to the first contact of moving ones.
 //!
 //! What is here: free functions and small value types on `f64` coordinates [m]. What is not: meshes, time, physics,
 //! files. Nothing here can fail: degenerate input (a segment of length zero, a triangle without area) gives the closest
-//! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input.
+//! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input. What is decided (which
+//! side, through or not) is decided without rounding ([`orientation`]); what is measured is rounded in its last digits.
 
 mod aabb;
+mod broad_phase;
+mod bvh;
 mod capsule;
+#[cfg(test)]
+mod closest_tests;
+mod crossing;
+mod first_contact;
+mod orientation;
 mod pose;
 mod segment;
+mod spatial_hash;
+#[cfg(test)]
+mod testing;
+mod tetrahedron;
 mod triangle;
 
 pub use aabb::Aabb;
+pub use broad_phase::BroadPhase;
+pub use bvh::Bvh;
 pub use capsule::Capsule;
+pub use crossing::{EdgeCrossing, edge_through_triangle};
+pub use first_contact::{
+    CONTACT_TOLERANCE, FirstContact, Motion, first_contact_edges, first_contact_point_triangle,
+    first_contact_segment_triangle,
+};
+pub use orientation::orientation;
 pub use pose::Pose;
 pub use segment::{SegmentPoint, SegmentsClosest, closest_on_segment, closest_segments};
+pub use spatial_hash::SpatialHash;
+pub use tetrahedron::{INSIDE_TOLERANCE, point_in_tetrahedron};
 pub use triangle::{
-    SegmentTriangle, TrianglePoint, closest_on_triangle, closest_segment_triangle, triangle_normal,
+    SegmentTriangle, TriangleFeature, TrianglePoint, closest_on_triangle, closest_segment_triangle,
+    triangle_normal,
 };
 
 use nalgebra::Vector3;

@@ -2,10 +2,6 @@
 
 use nalgebra::Vector3;
 
-/// Two directions whose sin² is below this count as parallel. Then the closest pair is found at an end point with an
-/// error of second order in the angle, while dividing by sin² would lose all digits.
-const PARALLEL_SIN_SQUARED: f64 = 1e-14;
-
 /// A point on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentPoint {
@@ -59,11 +55,11 @@ pub fn closest_segments(
     if let Some(inside) = closest_inside(a0, a1, b0, b1) {
         return inside;
     }
+    let mut best = SegmentsClosest {
+        first: SegmentPoint { point: *a0, t: 0.0 },
+        second: closest_on_segment(a0, b0, b1),
+    };
     let candidates = [
-        SegmentsClosest {
-            first: SegmentPoint { point: *a0, t: 0.0 },
-            second: closest_on_segment(a0, b0, b1),
-        },
         SegmentsClosest {
             first: SegmentPoint { point: *a1, t: 1.0 },
             second: closest_on_segment(a1, b0, b1),
@@ -77,41 +73,44 @@ pub fn closest_segments(
             second: SegmentPoint { point: *b1, t: 1.0 },
         },
     ];
-    let mut best = candidates[0];
-    for candidate in &candidates[1..] {
+    for candidate in candidates {
         if candidate.distance_squared() < best.distance_squared() {
-            best = *candidate;
+            best = candidate;
         }
     }
     best
 }
 
 /// The closest points of two lines where both lie on the segments; then no end point is closer.
+///
+/// With n = u × v the parameter is a triple product, which keeps its digits down to an angle of rounding, where the determinant
+/// u²v² − (u·v)² has lost all of them at its square root. What it loses between nearly parallel lines, it loses along both
+/// alike: the point of the second closest to that of the first is as close as the lines are there.
 pub(crate) fn closest_inside(
     a0: &Vector3<f64>,
     a1: &Vector3<f64>,
     b0: &Vector3<f64>,
     b1: &Vector3<f64>,
 ) -> Option<SegmentsClosest> {
-    let (u, v, w) = (a1 - a0, b1 - b0, a0 - b0);
-    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
-    let determinant = uu * vv - uv * uv;
-    if determinant <= PARALLEL_SIN_SQUARED * uu * vv {
+    let (u, v, w) = (a1 - a0, b1 - b0, b0 - a0);
+    let n = u.cross(&v);
+    // Not a number for parallel lines, and then inside of nothing.
+    let s = w.cross(&v).dot(&n) / n.norm_squared();
+    if !(0.0..=1.0).contains(&s) {
         return None;
     }
-    let (uw, vw) = (u.dot(&w), v.dot(&w));
-    let s = (uv * vw - vv * uw) / determinant;
-    let t = (uu * vw - uv * uw) / determinant;
-    ((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then(|| SegmentsClosest {
-        first: SegmentPoint {
-            point: a0 + u * s,
-            t: s,
-        },
-        second: SegmentPoint {
-            point: b0 + v * t,
-            t,
-        },
-    })
+    let first = SegmentPoint {
+        point: a0 + u * s,
+        t: s,
+    };
+    let t = (first.point - b0).dot(&v) / v.norm_squared();
+    let second = SegmentPoint {
+        point: b0 + v * t,
+        t,
+    };
+    (0.0..=1.0)
+        .contains(&t)
+        .then_some(SegmentsClosest { first, second })
 }
 
 #[cfg(test)]

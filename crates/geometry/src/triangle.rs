@@ -1,10 +1,15 @@
 //! Closest points of triangles.
 
+use crate::crossing::edge_through_triangle;
 use crate::segment::{SegmentPoint, closest_inside, closest_on_segment};
 use nalgebra::Vector3;
 
-/// A triangle whose sin² between two edges is below this has no usable plane; its edges decide alone.
+/// A triangle whose sin² between two edges is below this has no usable normal.
 const FLAT_SIN_SQUARED: f64 = 1e-14;
+
+/// A triangle whose sin² between two edges is below this (a corner of 6°, or of 174°) is thin: the coordinates along two of its
+/// edges lose digits, those along its longest edge and the height on it do not.
+const THIN_SIN_SQUARED: f64 = 1e-2;
 
 /// A point on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +18,32 @@ pub struct TrianglePoint {
     pub point: Vector3<f64>,
     /// Its barycentric coordinates: not negative, sum 1.
     pub barycentric: [f64; 3],
+}
+
+/// The part of a triangle on which a point lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TriangleFeature {
+    /// Within the triangle.
+    Face,
+    /// On the edge that starts at this corner, between its ends.
+    Edge(u8),
+    /// On this corner.
+    Corner(u8),
+}
+
+impl TrianglePoint {
+    /// The part of the triangle on which the point lies.
+    pub fn feature(&self) -> TriangleFeature {
+        match self.barycentric.map(|b| b == 0.0) {
+            [_, true, true] => TriangleFeature::Corner(0),
+            [true, _, true] => TriangleFeature::Corner(1),
+            [true, true, _] => TriangleFeature::Corner(2),
+            [true, _, _] => TriangleFeature::Edge(1),
+            [_, true, _] => TriangleFeature::Edge(2),
+            [_, _, true] => TriangleFeature::Edge(0),
+            [false, false, false] => TriangleFeature::Face,
+        }
+    }
 }
 
 /// The closest points of a segment and a triangle.
@@ -49,39 +80,85 @@ pub fn triangle_normal(triangle: &[Vector3<f64>; 3]) -> Option<Vector3<f64>> {
 pub fn closest_on_triangle(p: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> TrianglePoint {
     let [a, b, c] = triangle;
     let (v0, v1, v2) = (b - a, c - a, p - a);
-    let (d00, d01, d11) = (v0.norm_squared(), v0.dot(&v1), v1.norm_squared());
-    let determinant = d00 * d11 - d01 * d01;
-    if determinant > FLAT_SIN_SQUARED * d00 * d11 {
-        let (d20, d21) = (v2.dot(&v0), v2.dot(&v1));
-        let s = (d11 * d20 - d01 * d21) / determinant;
-        let t = (d00 * d21 - d01 * d20) / determinant;
-        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
-            return TrianglePoint {
-                point: a + v0 * s + v1 * t,
-                barycentric: [1.0 - s - t, s, t],
-            };
-        }
+    let normal = v0.cross(&v1);
+    let squared = normal.norm_squared();
+    let thin = squared <= THIN_SIN_SQUARED * v0.norm_squared() * v1.norm_squared();
+    let inside = if thin {
+        thin_projection(p, triangle)
+    } else {
+        // A.7 and A.8 as triple products: equal to the quotients of scalar products, which lose twice as many digits.
+        let s = v2.cross(&v1).dot(&normal) / squared;
+        let t = v0.cross(&v2).dot(&normal) / squared;
+        (s >= 0.0 && t >= 0.0 && s + t <= 1.0).then(|| TrianglePoint {
+            point: a + (v0 * s + v1 * t),
+            barycentric: [1.0 - s - t, s, t],
+        })
+    };
+    if let Some(inside) = inside
+        && !thin
+    {
+        return inside;
     }
     let mut best = edge_point(&closest_on_segment(p, a, b), 0);
-    for edge in 1..3 {
+    let edges = (1..3).map(|edge| {
         let on_edge = closest_on_segment(p, &triangle[edge], &triangle[(edge + 1) % 3]);
-        if (on_edge.point - p).norm_squared() < (best.point - p).norm_squared() {
-            best = edge_point(&on_edge, edge);
+        edge_point(&on_edge, edge)
+    });
+    for candidate in edges.chain(inside) {
+        if (candidate.point - p).norm_squared() < (best.point - p).norm_squared() {
+            best = candidate;
         }
     }
     best
 }
 
-/// The closest points of the segment `a`–`b` and a triangle: the true closest feature among the crossing point, the
-/// end points against the triangle, the corners against the segment, and the segment against the insides of the edges.
+/// The projection of `p` onto a thin triangle, when it falls inside.
+///
+/// The height is only known to rounding of the longest edge, and with it the plane: of what is close to the plane the projection
+/// is right all the same, and of what is not, its error changes the distance in second order.
+fn thin_projection(p: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> Option<TrianglePoint> {
+    let length = |k: usize| (triangle[(k + 1) % 3] - triangle[k]).norm_squared();
+    let first = (1..3).fold(0, |best, k| if length(k) > length(best) { k } else { best });
+    let [i, j, k] = [first, (first + 1) % 3, (first + 2) % 3];
+    let (edge, side, v) = (
+        triangle[j] - triangle[i],
+        triangle[k] - triangle[i],
+        p - triangle[i],
+    );
+    let share = |v: &Vector3<f64>, of: &Vector3<f64>| v.dot(of) / of.norm_squared();
+    // What the first subtraction rounds, the second takes off: the height is then normal to the edge.
+    let mut height = side - edge * share(&side, &edge);
+    height -= edge * share(&height, &edge);
+    let s = share(&v, &height);
+    let t = share(&v, &edge) - s * share(&side, &edge);
+    let mut barycentric = [0.0; 3];
+    (barycentric[i], barycentric[j], barycentric[k]) = (1.0 - s - t, t, s);
+    (s >= 0.0 && t >= 0.0 && s + t <= 1.0).then(|| TrianglePoint {
+        point: triangle[i] + (edge * t + side * s),
+        barycentric,
+    })
+}
+
+/// The closest points of the segment `a`–`b` and a triangle: the true closest feature among the crossing point
+/// ([`edge_through_triangle`]), the end points against the triangle, the corners against the segment, and the segment against the insides
+/// of the edges. For a capsule, the segment is its axis.
 pub fn closest_segment_triangle(
     a: &Vector3<f64>,
     b: &Vector3<f64>,
     triangle: &[Vector3<f64>; 3],
 ) -> SegmentTriangle {
-    if let Some(crossing) = crossing(a, b, triangle) {
-        return crossing;
+    if let Some(crossing) = edge_through_triangle(a, b, triangle) {
+        return crossing.points;
     }
+    closest_features(a, b, triangle)
+}
+
+/// The same without the crossing point: the closest points of those parts of which one is an end or an edge.
+pub(crate) fn closest_features(
+    a: &Vector3<f64>,
+    b: &Vector3<f64>,
+    triangle: &[Vector3<f64>; 3],
+) -> SegmentTriangle {
     let mut best = SegmentTriangle {
         on_segment: SegmentPoint { point: *a, t: 0.0 },
         on_triangle: closest_on_triangle(a, triangle),
@@ -115,38 +192,6 @@ pub fn closest_segment_triangle(
         }
     }
     best
-}
-
-/// Where the segment pierces the triangle (A.14–A.19 with the corrected rule: either side counts).
-fn crossing(
-    a: &Vector3<f64>,
-    b: &Vector3<f64>,
-    triangle: &[Vector3<f64>; 3],
-) -> Option<SegmentTriangle> {
-    let (e1, e2) = (triangle[1] - triangle[0], triangle[2] - triangle[0]);
-    let normal = e1.cross(&e2);
-    let denominator = (a - b).dot(&normal);
-    // Parallel: the closest point is then at an end or on an edge.
-    if denominator * denominator
-        <= FLAT_SIN_SQUARED * (a - b).norm_squared() * normal.norm_squared()
-    {
-        return None;
-    }
-    let from_corner = a - triangle[0];
-    let l = from_corner.dot(&normal) / denominator;
-    let e = (a - b).cross(&from_corner);
-    let (s, t) = (e2.dot(&e) / denominator, -e1.dot(&e) / denominator);
-    if !(0.0..=1.0).contains(&l) || s < 0.0 || t < 0.0 || s + t > 1.0 {
-        return None;
-    }
-    let point = a + (b - a) * l;
-    Some(SegmentTriangle {
-        on_segment: SegmentPoint { point, t: l },
-        on_triangle: TrianglePoint {
-            point,
-            barycentric: [1.0 - s - t, s, t],
-        },
-    })
 }
 
 /// A point of the edge that starts at corner `edge`, as a point of the triangle.

@@ -1,0 +1,165 @@
+//! Broad phase by a hierarchy of boxes.
+//!
+//! A binary tree over the boxes, split in the middle along the longest axis; it is built once and refitted while the
+//! boxes move (van den Bergen 1997), which costs a fraction of building. It has no size of its own: boxes of any sizes may
+//! mix, and a query over a wide space costs what it finds.
+//!
+//! Limitations: refitting keeps the tree's shape. When neighbours have gone far apart, answers stay right and become slower:
+//! rebuild then.
+
+use crate::aabb::Aabb;
+use crate::broad_phase::BroadPhase;
+
+/// Boxes in a leaf, at most.
+const LEAF: usize = 4;
+
+/// A set of boxes, found by a tree of boxes around them.
+#[derive(Clone, Debug, Default)]
+pub struct Bvh {
+    /// The nodes, each before its children and the first child's before the second's.
+    nodes: Vec<Node>,
+    /// The boxes of the leaves, in the order of the leaves.
+    leaves: Vec<Leaf>,
+    /// Where each box stands in `leaves`.
+    places: Vec<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Aabb,
+    /// The node that follows when this one is passed over.
+    skip: u32,
+    /// First box and number of boxes of a leaf; 0 of any other node.
+    first: u32,
+    count: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
+    bounds: Aabb,
+    index: u32,
+}
+
+impl Bvh {
+    /// An empty set.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Replaces the set by `boxes` and makes a new tree.
+    pub fn rebuild(&mut self, boxes: &[Aabb]) {
+        self.nodes.clear();
+        self.leaves.clear();
+        for (index, bounds) in boxes.iter().enumerate() {
+            self.leaves.push(Leaf {
+                bounds: usable(bounds),
+                index: index as u32,
+            });
+        }
+        if !boxes.is_empty() {
+            self.build(0, boxes.len());
+        }
+        self.places.clear();
+        self.places.resize(boxes.len(), 0);
+        for (place, leaf) in self.leaves.iter().enumerate() {
+            self.places[leaf.index as usize] = place as u32;
+        }
+        self.fit();
+    }
+
+    /// Replaces the boxes by as many others and keeps the tree; with another number of boxes, rebuilds.
+    pub fn refit(&mut self, boxes: &[Aabb]) {
+        if boxes.len() != self.leaves.len() {
+            return self.rebuild(boxes);
+        }
+        for leaf in &mut self.leaves {
+            leaf.bounds = usable(&boxes[leaf.index as usize]);
+        }
+        self.fit();
+    }
+
+    /// Makes the nodes over the boxes `first..last` of `leaves`.
+    fn build(&mut self, first: usize, last: usize) {
+        let node = self.nodes.len();
+        self.nodes.push(Node {
+            bounds: Aabb::empty(),
+            skip: 0,
+            first: first as u32,
+            count: (last - first) as u32,
+        });
+        if last - first > LEAF {
+            self.nodes[node].count = 0;
+            let part = &mut self.leaves[first..last];
+            let mut centres = Aabb::empty();
+            for leaf in part.iter() {
+                centres.include(&centre(&leaf.bounds));
+            }
+            let axis = (centres.max - centres.min).imax();
+            let middle = part.len() / 2;
+            // Boxes with one centre stand in the order of their indices, so that the tree depends on the boxes alone.
+            part.select_nth_unstable_by(middle, |a, b| {
+                let key = |leaf: &Leaf| centre(&leaf.bounds)[axis];
+                key(a).total_cmp(&key(b)).then(a.index.cmp(&b.index))
+            });
+            self.build(first, first + middle);
+            self.build(first + middle, last);
+        }
+        self.nodes[node].skip = self.nodes.len() as u32;
+    }
+
+    /// The boxes of all nodes, children first.
+    fn fit(&mut self) {
+        for node in (0..self.nodes.len()).rev() {
+            let Node { first, count, .. } = self.nodes[node];
+            self.nodes[node].bounds = if count > 0 {
+                self.leaves[first as usize..][..count as usize]
+                    .iter()
+                    .fold(Aabb::empty(), |all, leaf| all.union(&leaf.bounds))
+            } else {
+                let first_child = &self.nodes[node + 1];
+                let second_child = &self.nodes[first_child.skip as usize];
+                first_child.bounds.union(&second_child.bounds)
+            };
+        }
+    }
+}
+
+impl BroadPhase for Bvh {
+    fn len(&self) -> usize {
+        self.leaves.len()
+    }
+
+    fn bounds(&self, index: u32) -> &Aabb {
+        &self.leaves[self.places[index as usize] as usize].bounds
+    }
+
+    fn visit(&self, bounds: &Aabb, mut found: impl FnMut(u32)) {
+        let mut at = 0;
+        while let Some(node) = self.nodes.get(at) {
+            if !node.bounds.overlaps(bounds) {
+                at = node.skip as usize;
+                continue;
+            }
+            for leaf in &self.leaves[node.first as usize..][..node.count as usize] {
+                if leaf.bounds.overlaps(bounds) {
+                    found(leaf.index);
+                }
+            }
+            at += 1;
+        }
+    }
+}
+
+/// The box, or an empty one in place of one that is not a number, which would spread to its parents.
+fn usable(bounds: &Aabb) -> Aabb {
+    if bounds.is_valid() {
+        *bounds
+    } else {
+        Aabb::empty()
+    }
+}
+
+/// Middle of a box; halves are added, so that it is finite where the box is.
+fn centre(bounds: &Aabb) -> nalgebra::Vector3<f64> {
+    bounds.min * 0.5 + bounds.max * 0.5
+}
