@@ -7,6 +7,7 @@
 //! its own – parallel loops run on an [`Executor`] that the caller brings, and give the same bits on any. SI units, world
 //! frame.
 
+mod contact;
 pub mod elements;
 mod executor;
 mod flow;
@@ -28,6 +29,7 @@ pub mod stability;
 mod state;
 mod system;
 
+pub use contact::{Contact, ContactSource, Touching};
 pub use elements::Elements;
 pub use executor::{Executor, Serial};
 pub use flow::flow;

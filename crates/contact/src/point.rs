@@ -1,0 +1,63 @@
+//! A point of contact: which features, where, how far apart.
+
+use nalgebra::Vector3;
+
+/// What a point of contact is with, seen from its first side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Partner {
+    /// A capsule of a tool.
+    Tool {
+        /// Which tool.
+        tool: u32,
+        /// Which of its capsules.
+        capsule: u32,
+    },
+    /// A rigid thing that stands.
+    Rigid {
+        /// Which.
+        thing: u32,
+    },
+    /// A body, itself included.
+    Body {
+        /// Which.
+        body: u32,
+    },
+}
+
+/// What a point of contact is, from step to step: the partner and the features of the first side and of the other one. Friction
+/// and forces are carried over by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key {
+    /// The body of the first side.
+    pub body: u32,
+    /// What it touches.
+    pub partner: Partner,
+    /// The nodes of the feature of the first side, ascending; unused ones are `u32::MAX`.
+    pub first: [u32; 3],
+    /// The nodes of an edge of the other side. Of a face they are not named, so that a node which slides from triangle to
+    /// triangle stays the same contact. Unused ones are `u32::MAX`.
+    pub second: [u32; 2],
+}
+
+/// A point of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Its name.
+    pub key: Key,
+    /// Its nodes; unused ones have the weight 0 and repeat the first one.
+    pub nodes: [u32; 4],
+    /// Weights: of the first side positive with the sum 1, of another body's negative with the sum −1.
+    pub weights: [f64; 4],
+    /// How many of the nodes are of the first side.
+    pub first: u8,
+    /// Unit normal, from the other side to the first.
+    pub normal: Vector3<f64>,
+    /// Distance between the sides along the normal at the positions it was found for [m]; below 0 inside.
+    pub gap: f64,
+    /// The same before the step, for the same nodes, weights and normal [m].
+    pub start_gap: f64,
+    /// How far the point of a rigid other side moves from the start of the step to where it was found for [m].
+    pub drift: Vector3<f64>,
+    /// Where it is on the first side [m].
+    pub place: Vector3<f64>,
+}

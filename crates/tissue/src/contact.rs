@@ -1,0 +1,76 @@
+//! What a solver knows of contact: linear inequalities for the gaps between surfaces, with Coulomb friction.
+//!
+//! A [`Contact`] is a point of contact, linearised where a [`ContactSource`] found it. With the normal n, weights w_i of its nodes
+//! and the offset o, its gap is g(x) = n·Σ w_i x_i − o. A solver keeps g ≥ [`floor`](Contact::floor) with a force λ ≥ 0 along n that is
+//! zero where g is larger (Signorini), and a force t across n on the first side with |t| ≤ μ λ that is against the sliding
+//! (Coulomb). How it gets there depends on the solver. What is not here: finding contacts (crate `contact`).
+
+use nalgebra::Vector3;
+
+/// A point of contact between a side that is made of nodes and another one, of nodes or rigid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Its nodes; those that are not used have the weight 0 and repeat the first one.
+    pub nodes: [u32; 4],
+    /// Their weights: of the first side positive with the sum 1; of the other side negative with the sum −1, or none where it is
+    /// rigid.
+    pub weights: [f64; 4],
+    /// How many of the nodes are of the first side. Nodes of one side are corners of one surface triangle.
+    pub first: u8,
+    /// Unit normal, from the other side to the first.
+    pub normal: Vector3<f64>,
+    /// o [m].
+    pub offset: f64,
+    /// The gap to be kept [m]: 0, or below it where an old overlap is only to be undone in part in this step.
+    pub floor: f64,
+    /// The gap at the start of the step [m], for the same nodes, weights and normal; below 0 for an old overlap, whose undoing leaves
+    /// no velocity and counts in no force.
+    pub start_gap: f64,
+    /// μ, ≥ 0.
+    pub friction: f64,
+    /// How far a rigid other side moves at the point from the start of the step to the time the contact was found for [m].
+    pub drift: Vector3<f64>,
+    /// λ [N], ≥ 0: on entry a guess (that of the last step), on exit what the solver found.
+    pub pressure: f64,
+    /// t on the first side [N], across the normal: on entry that of the end of the last step, on exit what the solver found.
+    pub traction: Vector3<f64>,
+}
+
+impl Contact {
+    /// The gap at `positions` [m].
+    pub fn gap(&self, positions: &[Vector3<f64>]) -> f64 {
+        self.normal.dot(&self.blend(positions)) - self.offset
+    }
+
+    /// Σ w_i x_i.
+    pub fn blend(&self, values: &[Vector3<f64>]) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for (&node, &weight) in self.nodes.iter().zip(&self.weights) {
+            sum += values[node as usize] * weight;
+        }
+        sum
+    }
+
+    /// The force on the first side [N].
+    pub fn force(&self) -> Vector3<f64> {
+        self.normal * self.pressure + self.traction
+    }
+}
+
+/// Where contacts come from.
+pub trait ContactSource {
+    /// Finds the contacts near `positions` [m], linearised there, with what is rigid at the share `way` (0..1] of the step.
+    ///
+    /// On entry `contacts` holds those found before in this step, with what the solver made of them; on exit the new ones, in an
+    /// order that depends on the geometry alone, with the last [`pressure`](Contact::pressure) of each and its
+    /// [`traction`](Contact::traction) at the start of the step.
+    fn find(&mut self, way: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>);
+}
+
+/// Contact in a step: where it comes from, and what became of it.
+pub struct Touching<'a> {
+    /// Where contacts come from.
+    pub source: &'a mut dyn ContactSource,
+    /// After the step: its contacts, with their forces.
+    pub contacts: Vec<Contact>,
+}
