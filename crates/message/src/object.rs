@@ -28,6 +28,13 @@ pub enum Shape {
         /// Half edge lengths \[m\].
         half_size: [f64; 3],
     },
+    /// A torus around its z axis.
+    Ring {
+        /// To the middle of the tube \[m\].
+        radius: f64,
+        /// Radius of the tube \[m\].
+        tube: f64,
+    },
 }
 
 /// How a surface shines.

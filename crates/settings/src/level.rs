@@ -136,6 +136,13 @@ pub enum Shape {
         /// Half of each side \[m\].
         half_size: [f64; 3],
     },
+    /// A torus around its z axis.
+    Ring {
+        /// To the middle of the tube \[m\].
+        radius: f64,
+        /// Radius of the tube \[m\].
+        tube: f64,
+    },
 }
 
 /// An object as the file has it: the sizes that its shape needs are checked before.
@@ -147,6 +154,7 @@ struct ObjectFile {
     shape: ShapeName,
     radius: Option<f64>,
     length: Option<f64>,
+    tube: Option<f64>,
     half_size: Option<[f64; 3]>,
     position: [f64; 3],
     orientation: [f64; 4],
@@ -162,18 +170,23 @@ enum ShapeName {
     Sphere,
     Capsule,
     Box,
+    Ring,
 }
 
 impl TryFrom<ObjectFile> for Object {
     type Error = String;
 
     fn try_from(file: ObjectFile) -> Result<Self, String> {
-        let shape = match (file.shape, file.radius, file.length, file.half_size) {
-            (ShapeName::Sphere, Some(radius), None, None) => Shape::Sphere { radius },
-            (ShapeName::Capsule, Some(radius), Some(length), None) => {
+        let sizes = (file.radius, file.length, file.tube, file.half_size);
+        let shape = match (file.shape, sizes) {
+            (ShapeName::Sphere, (Some(radius), None, None, None)) => Shape::Sphere { radius },
+            (ShapeName::Capsule, (Some(radius), Some(length), None, None)) => {
                 Shape::Capsule { radius, length }
             }
-            (ShapeName::Box, None, None, Some(half_size)) => Shape::Box { half_size },
+            (ShapeName::Box, (None, None, None, Some(half_size))) => Shape::Box { half_size },
+            (ShapeName::Ring, (Some(radius), None, Some(tube), None)) => {
+                Shape::Ring { radius, tube }
+            }
             _ => {
                 return Err(format!(
                     "sizes of `{}` that do not fit its shape",

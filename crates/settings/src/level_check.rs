@@ -77,9 +77,10 @@ fn check_shapes(reading: &mut Reading) {
         let needed: &[&str] = match shape.as_str() {
             "sphere" => &["radius"],
             "capsule" => &["radius", "length"],
+            "ring" => &["radius", "tube"],
             _ => &["half_size"],
         };
-        for size in ["radius", "length", "half_size"] {
+        for size in ["radius", "length", "tube", "half_size"] {
             let key = object.key(size);
             match (needed.contains(&size), reading.is_written(&key)) {
                 (true, false) => {

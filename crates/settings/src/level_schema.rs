@@ -163,10 +163,19 @@ fn object_keys() -> Vec<Key> {
         ),
         Key::required(
             "shape",
-            Kind::choice(&["sphere", "capsule", "box"]),
+            Kind::choice(&["sphere", "capsule", "box", "ring"]),
             "Its form.",
         ),
-        Key::optional("radius", size(), "Of a sphere or capsule, and only there."),
+        Key::optional(
+            "radius",
+            size(),
+            "Of a sphere, capsule or ring, and only there; of a ring to the middle of its tube.",
+        ),
+        Key::optional(
+            "tube",
+            size(),
+            "Of a ring, and only there: radius of its tube. The ring lies around its z axis.",
+        ),
         Key::optional(
             "length",
             size(),

@@ -130,6 +130,7 @@ impl Plugin for Objects {
                         LevelShape::Sphere { radius } => Shape::Sphere { radius },
                         LevelShape::Capsule { radius, length } => Shape::Capsule { radius, length },
                         LevelShape::Box { half_size } => Shape::Box { half_size },
+                        LevelShape::Ring { radius, tube } => Shape::Ring { radius, tube },
                     },
                     finish: match object.finish {
                         microsim_settings::Finish::Matte => Finish::Matte,

@@ -62,6 +62,11 @@ fn object(object: &ObjectState) -> Item {
             radius,
         },
         message::Shape::Box { half_size } => Shape::Box { half: half_size },
+        message::Shape::Ring { radius, tube } => Shape::Ring {
+            radius,
+            tube,
+            fraction: 1.0,
+        },
     };
     Item {
         shape,

@@ -7,9 +7,10 @@ use std::collections::BTreeSet;
 
 /// Keys that are optional in the schema, but needed by the type where they stand in the examples: one of a few must be
 /// there, which the checks see to.
-const CONDITIONAL: [&str; 5] = [
+const CONDITIONAL: [&str; 6] = [
     "object[].radius",
     "object[].length",
+    "object[].tube",
     "object[].half_size",
     "tool[].key[].direction",
     "tool[].key[].orientation",

@@ -30,6 +30,8 @@ fn a_level_is_read_in_si() {
         length: 0.004,
     };
     assert_eq!(level.object[2].shape, capsule);
+    let (radius, tube) = (0.002, 0.0001);
+    assert_eq!(level.object[3].shape, Shape::Ring { radius, tube });
     assert_eq!(level.body[0].cells, Some([20, 4, 2]));
     assert_eq!(level.body[0].elements(), Some(6 * 20 * 4 * 2));
     assert_eq!(level.body[1].elements(), Some(6 * 12 * 40 * 3));
