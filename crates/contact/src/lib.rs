@@ -1,13 +1,23 @@
-//! Contact between capsule tools and the surface of a body: where each touched node has to be after the step.
+//! Contact between tools, rigid things and the surfaces of bodies: which features touch, where, and how deep.
 //!
-//! What is here: detection of capsules against surface triangles and nodes, depth and normal, distribution of corrections
-//! to nodes, targets that move with the tool. What is not: the force that reaches a target – it depends on the integrator and
-//! stands with it (`tissue`); poses and time steps (`scene`); friction, self-collision, continuous detection (later work).
-//! Pure: the same input gives the same bits.
+//! What is here: the [`Detector`], which finds [`Point`]s. What is not: the force that keeps gaps open, friction included – it depends on
+//! the solver and stands with it (`tissue`); poses and time steps (`scene`). Pure: the same input gives the same bits.
 
+mod capsule_motion;
+mod detector;
 mod memory;
+mod point;
 mod response;
+mod rigid;
+mod sides;
+mod skin;
 mod touch;
 
+pub use capsule_motion::CapsuleMotion;
+pub use detector::{Detector, Frame, Touch, VesselEnd};
 pub use memory::ContactMemory;
-pub use response::{BodySurface, CapsuleMotion, NodeCorrection, Response, respond};
+pub use point::{Key, Partner, Point};
+pub use response::{BodySurface, NodeCorrection, Response, respond};
+pub use rigid::{Rigid, RigidShape};
+pub use sides::Sides;
+pub use skin::Skin;

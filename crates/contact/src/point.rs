@@ -34,8 +34,9 @@ pub struct Key {
     pub partner: Partner,
     /// The nodes of the feature of the first side, ascending; unused ones are `u32::MAX`.
     pub first: [u32; 3],
-    /// The nodes of an edge of the other side. Of a face they are not named, so that a node which slides from triangle to
-    /// triangle stays the same contact. Unused ones are `u32::MAX`.
+    /// The nodes of an edge of another body. Of a face they are not named, so that a node which slides from triangle to
+    /// triangle stays the same contact. Of a rigid other side the first is the number of the end of a capsule's axis (0 or 1) that a
+    /// face touches, or of a box's edge (0..12) or corner (12..20). Unused ones are `u32::MAX`.
     pub second: [u32; 2],
 }
 

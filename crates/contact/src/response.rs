@@ -6,9 +6,10 @@
 //! the triangles that share a node. An average undoes less than the whole depth, so it is repeated. At the end each surface
 //! node inside a capsule is moved out exactly.
 
+use crate::capsule_motion::CapsuleMotion;
 use crate::memory::ContactMemory;
 use crate::touch::{Touch, in_reach, touch_node, touch_triangle};
-use microsim_geometry::{Aabb, Capsule};
+use microsim_geometry::Aabb;
 use microsim_mesh::Surface;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -22,15 +23,6 @@ const CANDIDATE_MARGIN: f64 = 0.5;
 
 /// Passes end when no point is deeper than this share of the radius.
 const PASS_TOLERANCE: f64 = 1e-6;
-
-/// One capsule of a tool over a step, in the world. Its radius is that of `end`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CapsuleMotion {
-    /// Before the step.
-    pub start: Capsule,
-    /// After the step.
-    pub end: Capsule,
-}
 
 /// What contact needs to know of a body.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,8 @@
 //! One capsule against one triangle or node: depth, normal, and how much of the depth is old.
 
+use crate::capsule_motion::CapsuleMotion;
 use crate::memory::ContactMemory;
-use crate::response::{BodySurface, CapsuleMotion};
+use crate::response::BodySurface;
 use microsim_geometry::{Capsule, SegmentPoint, closest_segment_triangle, triangle_normal};
 use nalgebra::Vector3;
 

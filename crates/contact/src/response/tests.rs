@@ -1,6 +1,7 @@
 //! Exactness of landing, distribution of forces, fall-backs.
 
 use super::*;
+use microsim_geometry::Capsule;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 
 /// Edge length of the cells [m].

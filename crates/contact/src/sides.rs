@@ -1,0 +1,68 @@
+//! On which side of things nodes are.
+
+use crate::point::{Partner, Point};
+use nalgebra::Vector3;
+
+/// The last normals at each touched node, per partner.
+///
+/// A point on the axis of a capsule has no direction of its own, and one that has crossed the axis has the wrong one; within a step the
+/// way since its start tells, over steps this memory does. What is no longer touched is forgotten.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sides {
+    /// Sums of weighted normals, ascending by partner and node.
+    entries: Vec<(Partner, u32, Vector3<f64>)>,
+}
+
+impl Sides {
+    /// Nothing touched.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Forgets all and remembers `points`, those that a step ended with.
+    pub fn remember<'a>(&mut self, points: impl IntoIterator<Item = &'a Point>) {
+        self.entries.clear();
+        for point in points {
+            for k in 0..usize::from(point.first) {
+                if point.weights[k] > 0.0 {
+                    let normal = point.normal * point.weights[k];
+                    let partner = point.key.partner;
+                    self.entries.push((partner, point.nodes[k], normal));
+                }
+            }
+        }
+        // Equal ones in the order of the points.
+        self.entries
+            .sort_by_key(|&(partner, node, _)| (partner, node));
+        self.entries.dedup_by(|later, first| {
+            let same = (later.0, later.1) == (first.0, first.1);
+            if same {
+                first.2 += later.2;
+            }
+            same
+        });
+    }
+
+    /// The normal of `node` at `partner`, from it to the node, not of unit length; the zero vector where the node touches nothing.
+    pub fn normal(&self, partner: &Partner, node: u32) -> Vector3<f64> {
+        self.entries
+            .binary_search_by_key(&(*partner, node), |&(partner, node, _)| (partner, node))
+            .map_or_else(|_| Vector3::zeros(), |place| self.entries[place].2)
+    }
+
+    /// Whether nothing is remembered.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// All entries in ascending order: partner, node and normal, for [`Self::from_entries`].
+    pub fn entries(&self) -> &[(Partner, u32, Vector3<f64>)] {
+        &self.entries
+    }
+
+    /// The memory with these entries.
+    pub fn from_entries(mut entries: Vec<(Partner, u32, Vector3<f64>)>) -> Self {
+        entries.sort_by_key(|&(partner, node, _)| (partner, node));
+        Self { entries }
+    }
+}

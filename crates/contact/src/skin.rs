@@ -1,0 +1,140 @@
+//! What contact needs to know of a body.
+
+use microsim_mesh::TetMesh;
+
+/// No triangle.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// An edge of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SkinEdge {
+    /// Its nodes, ascending.
+    pub nodes: [u32; 2],
+    /// The triangles at it, the first two where there are more; [`NONE`] where there are fewer.
+    pub triangles: [u32; 2],
+}
+
+/// Lists of different lengths, one after another.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lists {
+    firsts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Lists {
+    /// From pairs of the number of a list and an item of it, in any order.
+    fn new(count: usize, mut pairs: Vec<(u32, u32)>) -> Self {
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut firsts = vec![0; count + 1];
+        for &(list, _) in &pairs {
+            firsts[list as usize + 1] += 1;
+        }
+        for list in 0..count {
+            firsts[list + 1] += firsts[list];
+        }
+        Self {
+            firsts,
+            items: pairs.into_iter().map(|(_, item)| item).collect(),
+        }
+    }
+
+    /// The items of a list, ascending.
+    #[inline]
+    pub fn of(&self, list: u32) -> &[u32] {
+        let list = list as usize;
+        &self.items[self.firsts[list] as usize..self.firsts[list + 1] as usize]
+    }
+}
+
+/// The surface and the elements of a body, with what is next to what. Nodes have the numbers of the group that the body is in.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    pub(crate) offset: u32,
+    pub(crate) node_count: u32,
+    /// The nodes of the surface, ascending.
+    pub(crate) nodes: Vec<u32>,
+    /// Outward triangles.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The edges of each triangle, the first from its first corner to the second.
+    pub(crate) triangle_edges: Vec<[u32; 3]>,
+    /// The edges of the surface, ascending.
+    pub(crate) edges: Vec<SkinEdge>,
+    pub(crate) tets: Vec<[u32; 4]>,
+    node_triangles: Lists,
+    neighbours: Lists,
+    /// Mean length of the edges at rest [m].
+    pub(crate) mean_edge: f64,
+}
+
+impl Skin {
+    /// Of a body whose first node is node `offset` of its group.
+    pub fn new(mesh: &TetMesh, offset: u32) -> Self {
+        let surface = mesh.surface();
+        let shift = |node: u32| node + offset;
+        let triangles: Vec<[u32; 3]> = surface
+            .triangles
+            .iter()
+            .map(|triangle| triangle.map(shift))
+            .collect();
+
+        let mut sides: Vec<([u32; 2], u32, usize)> = Vec::with_capacity(3 * triangles.len());
+        for (index, triangle) in triangles.iter().enumerate() {
+            for side in 0..3 {
+                let (a, b) = (triangle[side], triangle[(side + 1) % 3]);
+                sides.push(([a.min(b), a.max(b)], index as u32, side));
+            }
+        }
+        sides.sort_unstable();
+        let mut edges: Vec<SkinEdge> = Vec::new();
+        let mut triangle_edges = vec![[NONE; 3]; triangles.len()];
+        for (nodes, triangle, side) in sides {
+            match edges.last_mut().filter(|edge| edge.nodes == nodes) {
+                Some(edge) if edge.triangles[1] == NONE => edge.triangles[1] = triangle,
+                Some(_) => {}
+                None => edges.push(SkinEdge {
+                    nodes,
+                    triangles: [triangle, NONE],
+                }),
+            }
+            triangle_edges[triangle as usize][side] = edges.len() as u32 - 1;
+        }
+
+        let count = mesh.positions.len();
+        let corners = surface.triangles.iter().enumerate();
+        let node_triangles =
+            corners.flat_map(|(index, triangle)| triangle.map(|node| (node, index as u32)));
+        let mesh_edges = mesh.edges();
+        let neighbours = mesh_edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
+        let neighbours = neighbours.map(|(a, b)| (a, b + offset));
+        Self {
+            offset,
+            node_count: count as u32,
+            nodes: surface.nodes.iter().copied().map(shift).collect(),
+            edges,
+            triangle_edges,
+            tets: mesh.tets.iter().map(|tet| tet.map(shift)).collect(),
+            node_triangles: Lists::new(count, node_triangles.collect()),
+            neighbours: Lists::new(count, neighbours.collect()),
+            mean_edge: mesh.mean_edge_length(),
+            triangles,
+        }
+    }
+
+    /// The triangles at a node, ascending.
+    #[inline]
+    pub(crate) fn triangles_at(&self, node: u32) -> &[u32] {
+        self.node_triangles.of(node - self.offset)
+    }
+
+    /// The nodes that share an edge of the mesh with a node, ascending.
+    #[inline]
+    pub(crate) fn neighbours(&self, node: u32) -> &[u32] {
+        self.neighbours.of(node - self.offset)
+    }
+
+    /// The numbers of its nodes.
+    pub(crate) fn range(&self) -> std::ops::Range<usize> {
+        self.offset as usize..(self.offset + self.node_count) as usize
+    }
+}
