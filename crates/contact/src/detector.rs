@@ -1,10 +1,12 @@
 //! Finding points of contact.
 
+use crate::body::{Body, Scratch};
 use crate::capsule_motion::CapsuleMotion;
 use crate::point::Point;
 use crate::rigid::Rigid;
 use crate::sides::Sides;
 use crate::skin::Skin;
+use crate::{standing, tool};
 use nalgebra::Vector3;
 
 /// What may touch what. Bodies and rigid things are named by their places in the lists given to [`Detector::new`], tools by
@@ -70,25 +72,57 @@ pub struct Frame<'a> {
 /// arguments only.
 #[derive(Clone, Debug)]
 pub struct Detector {
-    bodies: Vec<Skin>,
+    bodies: Vec<Body>,
     rigid: Vec<Rigid>,
     pairs: Vec<Touch>,
+    scratch: Scratch,
 }
 
 impl Detector {
-    /// For these bodies, whose nodes are numbered body after body, rigid things and pairs. A pair that names what is not there is
-    /// left out.
-    pub fn new(bodies: Vec<Skin>, rigid: Vec<Rigid>, pairs: Vec<Touch>) -> Self {
+    /// For these bodies, whose nodes are numbered body after body, rigid things and pairs. A pair that names a body or thing that is not there
+    /// is left out.
+    pub fn new(bodies: Vec<Skin>, rigid: Vec<Rigid>, mut pairs: Vec<Touch>) -> Self {
+        let there = |body: &u32| (*body as usize) < bodies.len();
+        pairs.retain(|pair| match pair {
+            Touch::Tool { body, .. } | Touch::Itself { body } => there(body),
+            Touch::Rigid { body, thing } => there(body) && (*thing as usize) < rigid.len(),
+            Touch::Bodies { body, with, .. } => there(body) && there(with) && body != with,
+        });
+        let bodies = bodies.into_iter().enumerate();
         Self {
-            bodies,
+            bodies: bodies
+                .map(|(index, skin)| Body::new(index as u32, skin))
+                .collect(),
             rigid,
             pairs,
+            scratch: Scratch::default(),
         }
     }
 
     /// Replaces `points` by all points with a gap below `frame.reach`, ascending by their keys.
     pub fn find(&mut self, frame: &Frame<'_>, points: &mut Vec<Point>) {
-        let _ = (frame, &self.bodies, &self.rigid, &self.pairs);
         points.clear();
+        for body in &mut self.bodies {
+            body.update(frame);
+        }
+        for pair in &self.pairs {
+            let scratch = &mut self.scratch;
+            match *pair {
+                Touch::Tool { body, tool } => {
+                    if let Some(Some(capsules)) = frame.tools.get(tool as usize) {
+                        let body = &mut self.bodies[body as usize];
+                        tool::find(body, (tool, capsules), frame, scratch, points);
+                    }
+                }
+                Touch::Rigid { body, thing } => {
+                    let rigid = (thing, &self.rigid[thing as usize]);
+                    let body = &self.bodies[body as usize];
+                    standing::find(body, rigid, frame, scratch, points);
+                }
+                Touch::Bodies { .. } | Touch::Itself { .. } => {}
+            }
+        }
+        points.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.gap.total_cmp(&b.gap)));
+        points.dedup_by_key(|point| point.key);
     }
 }

@@ -3,15 +3,21 @@
 //! What is here: the [`Detector`], which finds [`Point`]s. What is not: the force that keeps gaps open, friction included – it depends on
 //! the solver and stands with it (`tissue`); poses and time steps (`scene`). Pure: the same input gives the same bits.
 
+mod body;
 mod capsule_motion;
 mod detector;
+mod features;
 mod memory;
+mod outward;
 mod point;
 mod response;
 mod rigid;
 mod sides;
 mod skin;
+mod standing;
+mod tool;
 mod touch;
+mod tree;
 
 pub use capsule_motion::CapsuleMotion;
 pub use detector::{Detector, Frame, Touch, VesselEnd};

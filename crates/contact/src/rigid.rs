@@ -53,6 +53,41 @@ impl Rigid {
         (distance, self.pose.orientation * normal)
     }
 
+    /// How far it reaches along the unit vector `direction`: the largest coordinate of its points along it [m].
+    pub(crate) fn support(&self, direction: &Vector3<f64>) -> f64 {
+        let local = self.pose.orientation.inverse() * direction;
+        let reach = match self.shape {
+            RigidShape::HalfSpace => 0.0,
+            RigidShape::Cuboid {
+                half_size,
+                rounding,
+            } => {
+                let inner = Vector3::from(half_size).add_scalar(-rounding);
+                inner.dot(&local.abs()) + rounding
+            }
+            RigidShape::Cylinder {
+                radius,
+                half_length,
+            } => {
+                radius * (local.x * local.x + local.y * local.y).sqrt()
+                    + half_length * local.z.abs()
+            }
+        };
+        reach + self.pose.position.dot(direction)
+    }
+
+    /// The smallest half of its thickness [m].
+    pub(crate) fn half_thickness(&self) -> f64 {
+        match self.shape {
+            RigidShape::HalfSpace => f64::INFINITY,
+            RigidShape::Cuboid { half_size, .. } => half_size.into_iter().fold(f64::MAX, f64::min),
+            RigidShape::Cylinder {
+                radius,
+                half_length,
+            } => radius.min(half_length),
+        }
+    }
+
     /// A box that holds it; without bounds for a half-space.
     pub fn bounds(&self) -> Aabb {
         let half = match self.shape {

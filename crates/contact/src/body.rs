@@ -1,0 +1,42 @@
+//! A body of a detector, with what is kept of it.
+
+use crate::detector::Frame;
+use crate::features::Features;
+use crate::outward::Outward;
+use crate::skin::Skin;
+use crate::tool::Inside;
+use crate::tree::Tree;
+
+/// A body.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    /// Its place in the group.
+    pub index: u32,
+    pub skin: Skin,
+    pub tree: Tree,
+    pub outward: Outward,
+}
+
+/// Lists that are used again and again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    pub features: Features,
+    pub inside: Vec<Inside>,
+}
+
+impl Body {
+    pub fn new(index: u32, skin: Skin) -> Self {
+        Self {
+            index,
+            tree: Tree::new(&skin),
+            outward: Outward::default(),
+            skin,
+        }
+    }
+
+    /// Positions are new.
+    pub fn update(&mut self, frame: &Frame<'_>) {
+        self.tree.update(&self.skin, frame);
+        self.outward.clear(&self.skin);
+    }
+}

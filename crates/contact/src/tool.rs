@@ -1,0 +1,452 @@
+//! Capsules of tools against the surface of a body.
+//!
+//! Each feature of the surface has at most one point with a capsule: a node and the axis point closest to it, an edge and the
+//! axis where the closest point is within the edge, a face and an end of the axis whose foot is within the face. A feature keeps to
+//! the side of the capsule on which it was: where it has come past the axis, the normal is that of the first contact in the step, or
+//! the one that is remembered. Only the front counts, the features that face the capsule: a tool above a thin layer does not
+//! touch the layer's other side. Of what a capsule was in from the start without a memory, it leaves through the nearest side.
+
+use crate::capsule_motion::CapsuleMotion;
+use crate::detector::Frame;
+use crate::body::{Body, Scratch};
+use crate::outward::{self, Outward};
+use crate::point::{Key, Partner, Point};
+use crate::skin::{NONE, Skin};
+use microsim_geometry::{
+    Capsule, Motion, TriangleFeature, closest_on_triangle, closest_segments, first_contact_edges,
+    first_contact_point_triangle, triangle_normal,
+};
+use nalgebra::Vector3;
+
+/// A direction from a point that is closer to the axis than this share of the radius is noise.
+const ON_AXIS: f64 = 1e-9;
+
+/// A feature whose outward normal has a larger cosine than this with the direction from the axis to it faces away. For the closest
+/// feature of a closed surface it is below 0 (Bærentzen, Aanæs 2005); the rest leaves room for flanks.
+const FACING: f64 = 0.1;
+
+/// What came past the axis and is outside again has gone through when its direction has turned by more than 120°; by less,
+/// it has grazed.
+const THROUGH: f64 = -0.5;
+
+/// One capsule over the step, up to now.
+struct Passage {
+    partner: Partner,
+    start: Capsule,
+    end: Capsule,
+    /// How far its axis goes [m], at most.
+    travel: f64,
+}
+
+/// A feature that was in a capsule from the start and faces away from it: the capsule is in the tissue.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Inside {
+    touch: Touching,
+    /// Unit normal of the feature.
+    outward: Vector3<f64>,
+    /// Of the feature from the axis before the step [m].
+    distance: f64,
+}
+
+/// A feature and the place on an axis that it touches.
+#[derive(Clone, Copy, Debug)]
+struct Touching {
+    nodes: [u32; 3],
+    weights: [f64; 3],
+    count: usize,
+    /// Where on the axis, 0..1.
+    t: f64,
+    /// The end of the axis that a face touches; [`NONE`] of other features.
+    end: u32,
+}
+
+/// Adds the points of a body with the capsules of a tool.
+pub(crate) fn find(
+    body: &mut Body,
+    (tool, capsules): (u32, &[CapsuleMotion]),
+    frame: &Frame<'_>,
+    scratch: &mut Scratch,
+    points: &mut Vec<Point>,
+) {
+    for (index, motion) in capsules.iter().enumerate() {
+        if !motion.is_finite() {
+            continue;
+        }
+        let (start, end) = (motion.start, motion.at(frame.way));
+        let bounds = start.swept_bounds(&end).inflated(frame.reach);
+        if !bounds.overlaps(&body.tree.bounds) {
+            continue;
+        }
+        let features = &mut scratch.features;
+        features.find(&body.skin, &body.tree.triangles, &bounds);
+        let passage = Passage {
+            partner: Partner::Tool {
+                tool,
+                capsule: index as u32,
+            },
+            start,
+            end,
+            travel: (end.a - start.a).norm().max((end.b - start.b).norm()),
+        };
+        scratch.inside.clear();
+        let mut search = Search {
+            skin: &body.skin,
+            body: body.index,
+            outward: &mut body.outward,
+            frame,
+            passage: &passage,
+            front: f64::INFINITY,
+            inside: &mut scratch.inside,
+            points,
+        };
+        for &node in &features.nodes {
+            search.node(node);
+        }
+        for &edge in &features.edges {
+            search.edge(edge);
+        }
+        for &triangle in &features.triangles {
+            search.face(triangle, 0);
+            search.face(triangle, 1);
+        }
+        search.leave();
+    }
+}
+
+struct Search<'a> {
+    skin: &'a Skin,
+    body: u32,
+    outward: &'a mut Outward,
+    frame: &'a Frame<'a>,
+    passage: &'a Passage,
+    /// The smallest distance from the axis before the step, of features that face it and touch.
+    front: f64,
+    inside: &'a mut Vec<Inside>,
+    points: &'a mut Vec<Point>,
+}
+
+/// Where a node or an edge is to an axis.
+struct Places<'a> {
+    nodes: &'a [u32],
+    /// From the axis to the feature, before the step and now [m].
+    start: Vector3<f64>,
+    now: Vector3<f64>,
+    /// Where on the axis now.
+    t: f64,
+    /// Shares of the nodes now.
+    weights: [f64; 2],
+    /// How far the nodes go [m], at most.
+    travel: f64,
+}
+
+impl Search<'_> {
+    fn node(&mut self, node: u32) {
+        let Passage { start, end, .. } = self.passage;
+        let (from, to) = (
+            self.frame.start[node as usize],
+            self.frame.now[node as usize],
+        );
+        let on_axis = end.axis_point(&to);
+        let places = Places {
+            nodes: &[node],
+            start: from - start.axis_point(&from).point,
+            now: to - on_axis.point,
+            t: on_axis.t,
+            weights: [1.0, 0.0],
+            travel: (to - from).norm(),
+        };
+        let motion = Motion {
+            start: [from, from],
+            end: [to, to],
+        };
+        let (skin, now) = (self.skin, self.frame.now);
+        self.point_or_edge(&places, &motion, |search| {
+            search.outward.of_node(skin, now, node)
+        });
+    }
+
+    fn edge(&mut self, edge: u32) {
+        let Passage { start, end, .. } = self.passage;
+        let nodes = self.skin.edges[edge as usize].nodes;
+        let from = nodes.map(|node| self.frame.start[node as usize]);
+        let to = nodes.map(|node| self.frame.now[node as usize]);
+        let closest = closest_segments(&to[0], &to[1], &end.a, &end.b);
+        let before = closest_segments(&from[0], &from[1], &start.a, &start.b);
+        let places = Places {
+            nodes: &nodes,
+            start: before.first.point - before.second.point,
+            now: closest.first.point - closest.second.point,
+            t: closest.second.t,
+            weights: [1.0 - closest.first.t, closest.first.t],
+            travel: (to[0] - from[0]).norm().max((to[1] - from[1]).norm()),
+        };
+        let motion = Motion {
+            start: from,
+            end: to,
+        };
+        let (skin, now) = (self.skin, self.frame.now);
+        self.point_or_edge(&places, &motion, |_| outward::of_edge(skin, now, edge));
+    }
+
+    /// Adds the point of a node or an edge, if there is one.
+    fn point_or_edge(
+        &mut self,
+        places: &Places<'_>,
+        motion: &Motion<2>,
+        outward: impl FnOnce(&mut Self) -> Vector3<f64>,
+    ) {
+        let radius = self.passage.end.radius;
+        let (before, distance) = (places.start.norm(), places.now.norm());
+        let travel = places.travel + self.passage.travel;
+        let near = distance - radius < self.frame.reach;
+        // The distance changes by no more than the way.
+        let may_pass = before + distance - travel < 2.0 * radius;
+        if !(near || may_pass) {
+            return;
+        }
+        let own = (distance > ON_AXIS * radius).then(|| places.now / distance);
+        // What is now outside has gone through when it has turned by more than what is inside needs to.
+        let through = if distance < radius { 0.0 } else { THROUGH };
+        let mut touch = Touching {
+            nodes: [places.nodes[0], *places.nodes.last().unwrap_or(&NONE), NONE],
+            weights: [places.weights[0], places.weights[1], 0.0],
+            count: places.nodes.len(),
+            t: places.t,
+            end: NONE,
+        };
+        if before >= radius {
+            // From outside to the other side of the axis it is further than the radius.
+            if may_pass
+                && travel > radius
+                && let Some(first) = first_contact_edges(motion, &self.passage.axis(), radius)
+                && let Some(entry) = first.normal
+                && own.is_none_or(|own| own.dot(&entry) < through)
+            {
+                touch.t = first.second[1];
+                touch.weights = [first.first[0], first.first[1], 0.0];
+                if touch.count == 1 {
+                    touch.weights = [1.0, 0.0, 0.0];
+                }
+                if touch.is_inner() && entry.dot(&outward(self)) <= FACING {
+                    self.add(&touch, &entry);
+                }
+                return;
+            }
+            if let Some(own) = own
+                && near
+                && touch.is_inner()
+                && own.dot(&outward(self)) <= FACING
+            {
+                self.front = self.front.min(before);
+                self.add(&touch, &own);
+            }
+            return;
+        }
+        if !touch.is_inner() {
+            return;
+        }
+        let side = (before > ON_AXIS * radius).then(|| places.start / before);
+        let side = match (self.remembered(&touch), side) {
+            (Some(old), Some(side)) if side.dot(&old) > 0.0 => side,
+            (Some(old), _) => old,
+            (None, side) => {
+                let outward = outward(self);
+                match side {
+                    Some(side) if side.dot(&outward) <= FACING => side,
+                    Some(_) => {
+                        if near {
+                            self.inside.push(Inside {
+                                touch,
+                                outward,
+                                distance: before,
+                            });
+                        }
+                        return;
+                    }
+                    // The axis lies in the surface.
+                    None if outward != Vector3::zeros() => -outward,
+                    None => return,
+                }
+            }
+        };
+        self.front = self.front.min(before);
+        let both_inner = touch.count == 2 && touch.t > 0.0 && touch.t < 1.0;
+        match own {
+            Some(own) if own.dot(&side) > through => {
+                if near {
+                    self.add(&touch, &own);
+                }
+            }
+            // Across both lines there is one direction and its opposite.
+            Some(own) if both_inner => self.add(&touch, &-own),
+            _ => self.add(&touch, &side),
+        }
+    }
+
+    /// Adds the point of the inside of a face with an end of the axis, if there is one.
+    fn face(&mut self, triangle: u32, end: u32) {
+        let (skin, frame) = (self.skin, self.frame);
+        let (from, to) = self.passage.end(end);
+        let corners = outward::corners(skin, frame.now, triangle);
+        let Some(normal) = triangle_normal(&corners) else {
+            return;
+        };
+        let height = (to - corners[0]).dot(&normal);
+        let radius = self.passage.end.radius;
+        if height - radius >= frame.reach {
+            return;
+        }
+        let start = outward::corners(skin, frame.start, triangle);
+        let before = (from - start[0]).dot(&triangle_normal(&start).unwrap_or(normal));
+        let foot = closest_on_triangle(&to, &corners);
+        let is_inner = foot.feature() == TriangleFeature::Face;
+        let mut touch = Touching {
+            nodes: skin.triangles[triangle as usize],
+            weights: foot.barycentric,
+            count: 3,
+            t: f64::from(end),
+            end,
+        };
+        let first = || {
+            let end = Motion {
+                start: [from],
+                end: [to],
+            };
+            let triangle = Motion {
+                start,
+                end: corners,
+            };
+            first_contact_point_triangle(&end, &triangle, 0.0)
+        };
+        if before >= 0.0 && height < 0.0 {
+            if let Some(first) = first() {
+                touch.weights = first.second;
+                self.add(&touch, &-normal);
+            }
+            return;
+        }
+        if !is_inner {
+            return;
+        }
+        if height >= 0.0 {
+            // What was behind the plane may have come round the face, or through it from the other side.
+            if before >= 0.0 || first().is_none() {
+                self.front = self.front.min(before.abs());
+                self.add(&touch, &-normal);
+            }
+            return;
+        }
+        match self.remembered(&touch) {
+            Some(old) if old.dot(&-normal) > 0.5 => {
+                self.front = self.front.min(-before);
+                self.add(&touch, &-normal);
+            }
+            None if -before < radius && -height < radius => self.inside.push(Inside {
+                touch,
+                outward: normal,
+                distance: -before,
+            }),
+            _ => {}
+        }
+    }
+
+    /// Out of the tissue through the nearest side, where no side that faces the capsule is nearer.
+    fn leave(&mut self) {
+        let nearest = self
+            .inside
+            .iter()
+            .min_by(|a, b| a.distance.total_cmp(&b.distance));
+        let Some(nearest) = nearest.filter(|nearest| nearest.distance < self.front) else {
+            return;
+        };
+        let outward = nearest.outward;
+        for k in 0..self.inside.len() {
+            let feature = self.inside[k];
+            if feature.outward.dot(&outward) > 0.0 {
+                self.add(&feature.touch, &-feature.outward);
+            }
+        }
+    }
+
+    /// The unit normal that a feature had at the end of the step before.
+    fn remembered(&self, touch: &Touching) -> Option<Vector3<f64>> {
+        let mut sum = Vector3::zeros();
+        for k in 0..touch.count {
+            let normal = self
+                .frame
+                .sides
+                .normal(&self.passage.partner, touch.nodes[k]);
+            sum += normal * touch.weights[k];
+        }
+        sum.try_normalize(0.0)
+    }
+
+    fn add(&mut self, touch: &Touching, normal: &Vector3<f64>) {
+        let Passage {
+            partner,
+            start,
+            end,
+            ..
+        } = self.passage;
+        let axis = |capsule: &Capsule| capsule.a + (capsule.b - capsule.a) * touch.t;
+        let (from, to) = (axis(start), axis(end));
+        let (mut place, mut before) = (Vector3::zeros(), Vector3::zeros());
+        for k in 0..touch.count {
+            let node = touch.nodes[k] as usize;
+            place += self.frame.now[node] * touch.weights[k];
+            before += self.frame.start[node] * touch.weights[k];
+        }
+        let gap = (place - to).dot(normal) - end.radius;
+        if !(gap < self.frame.reach) {
+            return;
+        }
+        let mut first = touch.nodes;
+        first[touch.count..].fill(NONE);
+        first.sort_unstable();
+        let mut nodes = [touch.nodes[0]; 4];
+        let mut weights = [0.0; 4];
+        nodes[..touch.count].copy_from_slice(&touch.nodes[..touch.count]);
+        weights[..touch.count].copy_from_slice(&touch.weights[..touch.count]);
+        self.points.push(Point {
+            key: Key {
+                body: self.body,
+                partner: *partner,
+                first,
+                second: [touch.end, NONE],
+            },
+            nodes,
+            weights,
+            first: touch.count as u8,
+            normal: *normal,
+            gap,
+            start_gap: (before - from).dot(normal) - end.radius,
+            drift: to - from,
+            place,
+        });
+    }
+}
+
+impl Touching {
+    /// Whether the point of an edge lies within it, and not at a node.
+    fn is_inner(&self) -> bool {
+        self.weights[..self.count].iter().all(|&w| w > 0.0)
+    }
+}
+
+impl Passage {
+    fn axis(&self) -> Motion<2> {
+        Motion {
+            start: [self.start.a, self.start.b],
+            end: [self.end.a, self.end.b],
+        }
+    }
+
+    /// An end of the axis before the step and now.
+    fn end(&self, end: u32) -> (Vector3<f64>, Vector3<f64>) {
+        if end == 0 {
+            (self.start.a, self.end.a)
+        } else {
+            (self.start.b, self.end.b)
+        }
+    }
+}
