@@ -15,6 +15,8 @@ pub(crate) struct Body {
     pub skin: Skin,
     pub tree: Tree,
     pub outward: Outward,
+    /// How far a node goes in the step [m], at most.
+    pub travel: f64,
 }
 
 /// Lists that are used again and again.
@@ -30,6 +32,7 @@ impl Body {
             index,
             tree: Tree::new(&skin),
             outward: Outward::default(),
+            travel: 0.0,
             skin,
         }
     }
@@ -38,5 +41,9 @@ impl Body {
     pub fn update(&mut self, frame: &Frame<'_>) {
         self.tree.update(&self.skin, frame);
         self.outward.clear(&self.skin);
+        let nodes = self.skin.range();
+        let moves = frame.start[nodes.clone()].iter().zip(&frame.now[nodes]);
+        let squared = moves.map(|(start, now)| (now - start).norm_squared());
+        self.travel = squared.fold(0.0, f64::max).sqrt();
     }
 }

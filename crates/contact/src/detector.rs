@@ -2,6 +2,7 @@
 
 use crate::body::{Body, Scratch};
 use crate::capsule_motion::CapsuleMotion;
+use crate::meshes::{Direction, Meeting};
 use crate::point::Point;
 use crate::rigid::Rigid;
 use crate::sides::Sides;
@@ -74,8 +75,15 @@ pub struct Frame<'a> {
 pub struct Detector {
     bodies: Vec<Body>,
     rigid: Vec<Rigid>,
-    pairs: Vec<Touch>,
+    pairs: Vec<Pair>,
     scratch: Scratch,
+}
+
+/// A pair, with what is kept of it where bodies touch one another.
+#[derive(Clone, Debug)]
+struct Pair {
+    touch: Touch,
+    directions: [Direction; 2],
 }
 
 impl Detector {
@@ -89,12 +97,27 @@ impl Detector {
             Touch::Bodies { body, with, .. } => there(body) && there(with) && body != with,
         });
         let bodies = bodies.into_iter().enumerate();
+        let mut bodies: Vec<Body> = bodies
+            .map(|(index, skin)| Body::new(index as u32, skin))
+            .collect();
+        for pair in &pairs {
+            match *pair {
+                Touch::Bodies { body, with, .. } => {
+                    bodies[body as usize].tree.want_tets();
+                    bodies[with as usize].tree.want_tets();
+                }
+                Touch::Itself { body } => bodies[body as usize].tree.want_tets(),
+                Touch::Tool { .. } | Touch::Rigid { .. } => {}
+            }
+        }
+        let pairs = pairs.into_iter().map(|touch| Pair {
+            touch,
+            directions: Default::default(),
+        });
         Self {
-            bodies: bodies
-                .map(|(index, skin)| Body::new(index as u32, skin))
-                .collect(),
+            bodies,
             rigid,
-            pairs,
+            pairs: pairs.collect(),
             scratch: Scratch::default(),
         }
     }
@@ -105,12 +128,12 @@ impl Detector {
         for body in &mut self.bodies {
             body.update(frame);
         }
-        for pair in &self.pairs {
+        for Pair { touch, directions } in &mut self.pairs {
             let scratch = &mut self.scratch;
-            match *pair {
+            match *touch {
                 Touch::Tool { body, tool } => {
                     if let Some(Some(capsules)) = frame.tools.get(tool as usize) {
-                        let body = &mut self.bodies[body as usize];
+                        let body = &self.bodies[body as usize];
                         tool::find(body, (tool, capsules), frame, scratch, points);
                     }
                 }
@@ -119,7 +142,35 @@ impl Detector {
                     let body = &self.bodies[body as usize];
                     standing::find(body, rigid, frame, scratch, points);
                 }
-                Touch::Bodies { .. } | Touch::Itself { .. } => {}
+                Touch::Bodies { body, with, .. } => {
+                    let [first, second] = [body, with].map(|body| &self.bodies[body as usize]);
+                    let there = Meeting {
+                        first,
+                        second,
+                        frame,
+                    };
+                    let back = Meeting {
+                        first: second,
+                        second: first,
+                        frame,
+                    };
+                    directions[0].find(there, points);
+                    directions[1].find(back, points);
+                    directions[0].find_cuts(there, false, points);
+                    directions[1].find_cuts(back, true, points);
+                    directions[0].find_facing(there, points);
+                }
+                Touch::Itself { body } => {
+                    let body = &self.bodies[body as usize];
+                    let itself = Meeting {
+                        first: body,
+                        second: body,
+                        frame,
+                    };
+                    directions[0].find(itself, points);
+                    directions[0].find_cuts(itself, false, points);
+                    directions[0].find_facing(itself, points);
+                }
             }
         }
         points.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.gap.total_cmp(&b.gap)));

@@ -18,8 +18,7 @@ impl Features {
         self.edges.clear();
         self.nodes.clear();
         for &triangle in &self.triangles {
-            self.edges
-                .extend(skin.triangle_edges[triangle as usize]);
+            self.edges.extend(skin.triangle_edges[triangle as usize]);
             self.nodes.extend(skin.triangles[triangle as usize]);
         }
         self.edges.sort_unstable();

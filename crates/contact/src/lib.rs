@@ -5,9 +5,13 @@
 
 mod body;
 mod capsule_motion;
+mod depth;
 mod detector;
+mod edges;
 mod features;
 mod memory;
+mod meshes;
+mod near;
 mod outward;
 mod point;
 mod response;

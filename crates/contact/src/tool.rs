@@ -6,9 +6,9 @@
 //! the one that is remembered. Only the front counts, the features that face the capsule: a tool above a thin layer does not
 //! touch the layer's other side. Of what a capsule was in from the start without a memory, it leaves through the nearest side.
 
+use crate::body::{Body, Scratch};
 use crate::capsule_motion::CapsuleMotion;
 use crate::detector::Frame;
-use crate::body::{Body, Scratch};
 use crate::outward::{self, Outward};
 use crate::point::{Key, Partner, Point};
 use crate::skin::{NONE, Skin};
@@ -62,7 +62,7 @@ struct Touching {
 
 /// Adds the points of a body with the capsules of a tool.
 pub(crate) fn find(
-    body: &mut Body,
+    body: &Body,
     (tool, capsules): (u32, &[CapsuleMotion]),
     frame: &Frame<'_>,
     scratch: &mut Scratch,
@@ -92,7 +92,7 @@ pub(crate) fn find(
         let mut search = Search {
             skin: &body.skin,
             body: body.index,
-            outward: &mut body.outward,
+            outward: &body.outward,
             frame,
             passage: &passage,
             front: f64::INFINITY,
@@ -116,7 +116,7 @@ pub(crate) fn find(
 struct Search<'a> {
     skin: &'a Skin,
     body: u32,
-    outward: &'a mut Outward,
+    outward: &'a Outward,
     frame: &'a Frame<'a>,
     passage: &'a Passage,
     /// The smallest distance from the axis before the step, of features that face it and touch.

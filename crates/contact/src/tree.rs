@@ -2,7 +2,7 @@
 
 use crate::detector::Frame;
 use crate::skin::Skin;
-use microsim_geometry::{Aabb, BroadPhase, Bvh};
+use microsim_geometry::{Aabb, Bvh};
 use nalgebra::Vector3;
 
 /// Boxes are larger than what is in them by this share of the mean edge length, so that they hold it until a node has moved by that much.
@@ -42,6 +42,11 @@ impl Tree {
         }
     }
 
+    /// The tetrahedra are wanted.
+    pub fn want_tets(&mut self) {
+        self.tets.get_or_insert_default();
+    }
+
     /// Makes sure that all boxes hold what they should.
     pub fn update(&mut self, skin: &Skin, frame: &Frame<'_>) {
         let (start, now) = (&frame.start[skin.range()], &frame.now[skin.range()]);
@@ -71,6 +76,12 @@ impl Tree {
             }
             tree.refit(&self.boxes);
         }
+    }
+
+    /// The box around a node now.
+    pub fn place(&self, skin: &Skin, node: u32) -> Aabb {
+        let at = self.now[(node - skin.offset) as usize];
+        Aabb { min: at, max: at }.inflated(self.margin)
     }
 
     /// The box around nodes over the step.

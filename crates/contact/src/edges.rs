@@ -1,0 +1,311 @@
+//! Edges across edges, of two bodies or of one.
+//!
+//! Where nodes alone are kept apart, edges still cut into one another (NUMERICS 6). Three ways to see it: an edge that goes in and out of the
+//! other surface lies across one of its edges, which is the way out; two edges that face one another with their inside closest and
+//! within the cones of normals of both are the closest parts of the two surfaces; and two edges that have passed through one another in
+//! a step keep to their sides. Edges in flat parts have one normal only and are left to nodes and faces, parallel ones to nodes.
+
+use crate::body::Body;
+use crate::meshes::{Direction, Meeting, moved};
+use crate::outward;
+use crate::point::{Key, Partner, Point};
+use crate::skin::NONE;
+use microsim_geometry::{Motion, closest_segments, edge_through_triangle, first_contact_edges};
+use nalgebra::Vector3;
+
+/// Edges at a smaller sine² of their angle are parallel.
+const PARALLEL: f64 = 1e-6;
+
+/// An edge between faces whose normals have a larger cosine than this is flat.
+const FLAT: f64 = 0.999;
+
+/// A direction may be outside of the cone of normals of an edge by this: rounding, of what lies flat on it.
+const CONE: f64 = 1e-6;
+
+/// Edges are only looked for that have passed one another when something moves by this share of the mean edge length in a step; what
+/// moves by less is still seen where it cuts in.
+const FAST: f64 = 0.05;
+
+/// An edge and an edge, with the place of closest approach on each.
+struct Across {
+    edges: [u32; 2],
+    shares: [f64; 2],
+    normal: Vector3<f64>,
+    gap: f64,
+}
+
+/// A crossing of an edge with a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    t: f64,
+    triangle: u32,
+    goes_in: bool,
+}
+
+impl Direction {
+    /// Adds the points of edges of the first body that go in and out of the second one between nodes that are outside. `turned` when the second
+    /// body is the first side of the points.
+    pub fn find_cuts(&mut self, meeting: Meeting<'_>, turned: bool, points: &mut Vec<Point>) {
+        let Meeting {
+            first,
+            second,
+            frame,
+        } = meeting;
+        for pairs in self.near.edge_triangles.chunk_by(|a, b| a[0] == b[0]) {
+            let edge = pairs[0][0];
+            let nodes = first.skin.edges[edge as usize].nodes;
+            let [p, q] = nodes.map(|node| frame.now[node as usize]);
+            self.crossings.clear();
+            for &[_, triangle] in pairs {
+                let corners = outward::corners(&second.skin, frame.now, triangle);
+                if on_one_side(&p, &q, &corners) {
+                    continue;
+                }
+                if let Some(crossing) = edge_through_triangle(&p, &q, &corners) {
+                    self.crossings.push(Crossing {
+                        t: crossing.points.on_segment.t,
+                        triangle,
+                        goes_in: crossing.from_front,
+                    });
+                }
+            }
+            if self.crossings.len() < 2 {
+                continue;
+            }
+            self.crossings
+                .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+            let mut came_in: Option<Crossing> = None;
+            for &crossing in &self.crossings {
+                if crossing.goes_in {
+                    came_in.get_or_insert(crossing);
+                } else if let Some(entry) = came_in.take()
+                    && let Some(across) = meeting.cut(edge, &[entry, crossing], pairs)
+                {
+                    meeting.add_edges(&across, turned, points);
+                }
+            }
+        }
+    }
+
+    /// Adds the points of edges that face one another, and of edges that have passed one another in the step.
+    pub fn find_facing(&self, meeting: Meeting<'_>, points: &mut Vec<Point>) {
+        let Meeting {
+            first,
+            second,
+            frame,
+        } = meeting;
+        let is_fast =
+            first.travel + second.travel > FAST * first.skin.mean_edge.min(second.skin.mean_edge);
+        if !(is_fast || frame.reach > 0.0) {
+            return;
+        }
+        for &[a, b] in &self.near.edges {
+            let across = meeting.facing(a, b);
+            let across = across.or_else(|| is_fast.then(|| meeting.passed(a, b)).flatten());
+            if let Some(across) = across {
+                meeting.add_edges(&across, false, points);
+            }
+        }
+    }
+}
+
+impl Meeting<'_> {
+    /// The edge of the second body that leads out of it with the shortest way, for an edge of the first one that is inside between two crossings.
+    fn cut(&self, edge: u32, crossings: &[Crossing; 2], pairs: &[[u32; 2]]) -> Option<Across> {
+        let [p, q] = self.first.edge_now(edge, self.frame.now);
+        let (skin, now) = (&self.second.skin, self.frame.now);
+        let outward = crossings.map(|crossing| outward::of_triangle(skin, now, crossing.triangle));
+        let mut best: Option<Across> = None;
+        for &[_, triangle] in pairs {
+            for other in skin.triangle_edges[triangle as usize] {
+                let [a, b] = self.second.edge_now(other, now);
+                let Some((shares, apart, across)) = inner(&[p, q], &[a, b]) else {
+                    continue;
+                };
+                // The edge is on the way out where the other one is deeper.
+                let normal = if apart.dot(&across) > 0.0 {
+                    -across
+                } else {
+                    across
+                };
+                let gap = apart.dot(&normal);
+                let within = shares[0] >= crossings[0].t && shares[0] <= crossings[1].t;
+                let is_out = outward.iter().all(|face| normal.dot(face) >= -CONE);
+                let is_new = best
+                    .as_ref()
+                    .is_none_or(|best| (-gap, other) < (-best.gap, best.edges[1]));
+                if within && is_out && is_new {
+                    best = Some(Across {
+                        edges: [edge, other],
+                        shares,
+                        normal,
+                        gap,
+                    });
+                }
+            }
+        }
+        best
+    }
+
+    /// Two edges whose insides are the closest parts of both surfaces there.
+    fn facing(&self, a: u32, b: u32) -> Option<Across> {
+        let reach = self.frame.reach;
+        let first = self.first.edge_now(a, self.frame.now);
+        let second = self.second.edge_now(b, self.frame.now);
+        let (shares, apart, _) = inner(&first, &second)?;
+        let distance = apart.norm();
+        if !(distance < reach && distance > 0.0) {
+            return None;
+        }
+        let normal = apart / distance;
+        let is_closest = self.first.in_cone(a, &-normal, self.frame.now)
+            && self.second.in_cone(b, &normal, self.frame.now);
+        is_closest.then_some(Across {
+            edges: [a, b],
+            shares,
+            normal,
+            gap: distance,
+        })
+    }
+
+    /// Two edges that went through one another in the step.
+    fn passed(&self, a: u32, b: u32) -> Option<Across> {
+        let frame = self.frame;
+        let [start, now] = [frame.start, frame.now]
+            .map(|at| [self.first.edge_now(a, at), self.second.edge_now(b, at)]);
+        let volume =
+            |[[p, q], [r, s]]: &[[Vector3<f64>; 2]; 2]| (r - p).dot(&(q - p).cross(&(s - r)));
+        if volume(&start) * volume(&now) > 0.0 {
+            return None;
+        }
+        let motion = |k: usize| Motion {
+            start: start[k],
+            end: now[k],
+        };
+        let contact = first_contact_edges(&motion(0), &motion(1), 0.0)?;
+        let shares = [contact.first[1], contact.second[1]];
+        let is_inner = shares.iter().all(|&share| share > 0.0 && share < 1.0);
+        let normal = contact.normal.filter(|_| is_inner)?;
+        let at = |[p, q]: [Vector3<f64>; 2], share: f64| p + (q - p) * share;
+        let apart = |[first, second]: [[Vector3<f64>; 2]; 2]| {
+            normal.dot(&(at(first, shares[0]) - at(second, shares[1])))
+        };
+        let gap = apart(now);
+        let came_from_outside = apart(start) > 0.0
+            && self.first.in_cone(a, &-normal, frame.start)
+            && self.second.in_cone(b, &normal, frame.start);
+        (gap < 0.0 && came_from_outside).then_some(Across {
+            edges: [a, b],
+            shares,
+            normal,
+            gap,
+        })
+    }
+
+    fn add_edges(&self, across: &Across, turned: bool, points: &mut Vec<Point>) {
+        if !(across.gap < self.frame.reach) {
+            return;
+        }
+        let mut bodies = [self.first, self.second];
+        let Across {
+            mut edges,
+            mut shares,
+            mut normal,
+            gap,
+        } = *across;
+        let itself = self.first.index == self.second.index;
+        if turned || (itself && edges[0] > edges[1]) {
+            bodies.swap(0, 1);
+            edges.swap(0, 1);
+            shares.swap(0, 1);
+            normal = -normal;
+        }
+        let [first, second] = [0, 1].map(|k| bodies[k].skin.edges[edges[k] as usize].nodes);
+        let nodes = [first[0], first[1], second[0], second[1]];
+        let weights = [1.0 - shares[0], shares[0], shares[1] - 1.0, -shares[1]];
+        let [p, q] = first.map(|node| self.frame.now[node as usize]);
+        points.push(Point {
+            key: Key {
+                body: bodies[0].index,
+                partner: Partner::Body {
+                    body: bodies[1].index,
+                },
+                first: [first[0], first[1], NONE],
+                second,
+            },
+            nodes,
+            weights,
+            first: 2,
+            normal,
+            gap,
+            start_gap: gap - normal.dot(&moved(self.frame, &nodes, &weights)),
+            drift: Vector3::zeros(),
+            place: p + (q - p) * shares[0],
+        });
+    }
+}
+
+impl Body {
+    fn edge_now(&self, edge: u32, at: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
+        self.skin.edges[edge as usize]
+            .nodes
+            .map(|node| at[node as usize])
+    }
+
+    /// Whether the points along `direction` from the inside of an edge have their closest point there: it points away from both faces. Not so
+    /// of flat and of inward edges.
+    fn in_cone(&self, edge: u32, direction: &Vector3<f64>, at: &[Vector3<f64>]) -> bool {
+        let edge = &self.skin.edges[edge as usize];
+        if edge.triangles.contains(&NONE) {
+            return false;
+        }
+        let [p, q] = edge.nodes.map(|node| at[node as usize]);
+        let along = q - p;
+        let normals = edge
+            .triangles
+            .map(|triangle| outward::of_triangle(&self.skin, at, triangle));
+        if normals[0].dot(&normals[1]) > FLAT || direction.dot(&(normals[0] + normals[1])) <= 0.0 {
+            return false;
+        }
+        edge.triangles.iter().all(|&triangle| {
+            let nodes = self.skin.triangles[triangle as usize];
+            let opposite = nodes.iter().find(|node| !edge.nodes.contains(node));
+            let Some(&opposite) = opposite else {
+                return false;
+            };
+            let side = at[opposite as usize] - p;
+            let inward = side - along * (side.dot(&along) / along.norm_squared());
+            direction.dot(&inward) <= CONE * inward.norm()
+        })
+    }
+}
+
+/// Where two edges are closest, when both places are within them: their shares, from the second to the first, and the unit normal of both.
+fn inner(
+    [p, q]: &[Vector3<f64>; 2],
+    [a, b]: &[Vector3<f64>; 2],
+) -> Option<([f64; 2], Vector3<f64>, Vector3<f64>)> {
+    let (u, v) = (q - p, b - a);
+    let across = u.cross(&v);
+    let squared = across.norm_squared();
+    if !(squared > PARALLEL * u.norm_squared() * v.norm_squared()) {
+        return None;
+    }
+    let closest = closest_segments(p, q, a, b);
+    let shares = [closest.first.t, closest.second.t];
+    let is_inner = shares.iter().all(|&share| share > 0.0 && share < 1.0);
+    is_inner.then(|| {
+        let apart = closest.first.point - closest.second.point;
+        (shares, apart, across / squared.sqrt())
+    })
+}
+
+/// Whether both points are clearly on one side of a triangle's plane.
+fn on_one_side(p: &Vector3<f64>, q: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3]) -> bool {
+    let normal = (b - a).cross(&(c - a));
+    let (at_p, at_q) = ((p - a).dot(&normal), (q - a).dot(&normal));
+    // A triple product is rounded by less than 16 units of its largest part.
+    let size = (b - a).amax() * (c - a).amax() * (p - a).amax().max((q - a).amax());
+    let noise = 64.0 * f64::EPSILON * size;
+    at_p.min(at_q) > noise || at_p.max(at_q) < -noise
+}

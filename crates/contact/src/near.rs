@@ -1,0 +1,107 @@
+//! What of two surfaces is near to what, kept while their boxes are.
+
+use crate::body::Body;
+use crate::skin::Skin;
+use microsim_geometry::BroadPhase;
+
+/// Pairs of features of one body with those of another, or of the same one, whose boxes over the step overlap; all ascending.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Near {
+    versions: [u64; 2],
+    reach: f64,
+    /// Surface nodes of the first body and triangles of the second.
+    pub node_triangles: Vec<[u32; 2]>,
+    /// Edges of the first body and triangles of the second.
+    pub edge_triangles: Vec<[u32; 2]>,
+    /// Edges of both, each triangle of the second body standing for its own; within one body the smaller first.
+    pub edges: Vec<[u32; 2]>,
+    /// Nodes of the first body and tetrahedra of the second.
+    pub node_tets: Vec<[u32; 2]>,
+}
+
+impl Near {
+    /// Makes sure that the lists hold all pairs closer than `reach` [m]; whether they changed. `apart` says of two nodes of one body whether
+    /// they are apart in it.
+    pub fn update(&mut self, first: &Body, second: &Body, reach: f64) -> bool {
+        let versions = [first.tree.version, second.tree.version];
+        if self.versions == versions && self.reach >= reach {
+            return false;
+        }
+        self.versions = versions;
+        self.reach = reach;
+        self.node_triangles.clear();
+        self.edge_triangles.clear();
+        self.edges.clear();
+        self.node_tets.clear();
+        let bounds = second.tree.bounds.inflated(reach);
+        if !first.tree.bounds.overlaps(&bounds) {
+            return true;
+        }
+        let itself = first.index == second.index;
+        let skin = &first.skin;
+        for &node in &skin.nodes {
+            let around = first.tree.swept(skin, &[node]).inflated(reach);
+            let start = self.node_triangles.len();
+            second.tree.triangles.visit(&around, |triangle| {
+                let nodes = &second.skin.triangles[triangle as usize];
+                if !(itself && skin.is_close(&[node], nodes)) {
+                    self.node_triangles.push([node, triangle]);
+                }
+            });
+            self.node_triangles[start..].sort_unstable();
+        }
+        for (index, edge) in skin.edges.iter().enumerate() {
+            let around = first.tree.swept(skin, &edge.nodes).inflated(reach);
+            let start = self.edge_triangles.len();
+            second.tree.triangles.visit(&around, |triangle| {
+                let nodes = &second.skin.triangles[triangle as usize];
+                if !(itself && skin.is_close(&edge.nodes, nodes)) {
+                    self.edge_triangles.push([index as u32, triangle]);
+                }
+            });
+            self.edge_triangles[start..].sort_unstable();
+            let start_edges = self.edges.len();
+            for &[edge, triangle] in &self.edge_triangles[start..] {
+                for other in second.skin.triangle_edges[triangle as usize] {
+                    let nodes = &second.skin.edges[other as usize].nodes;
+                    let wanted = !itself
+                        || edge < other && !skin.is_close(&skin.edges[edge as usize].nodes, nodes);
+                    if wanted {
+                        self.edges.push([edge, other]);
+                    }
+                }
+            }
+            self.edges[start_edges..].sort_unstable();
+        }
+        self.edges.dedup();
+        if let Some(tets) = &second.tree.tets {
+            for node in skin.offset..skin.offset + skin.node_count {
+                let around = first.tree.place(skin, node);
+                if !around.overlaps(&second.tree.bounds) {
+                    continue;
+                }
+                let start = self.node_tets.len();
+                tets.visit(&around, |tet| {
+                    let nodes = &second.skin.tets[tet as usize];
+                    if !(itself && skin.is_close(&[node], nodes)) {
+                        self.node_tets.push([node, tet]);
+                    }
+                });
+                self.node_tets[start..].sort_unstable();
+            }
+        }
+        true
+    }
+}
+
+impl Skin {
+    /// Whether two features of one body share a node, or an edge of the mesh leads from one to the other.
+    pub(crate) fn is_close(&self, first: &[u32], second: &[u32]) -> bool {
+        first.iter().any(|&a| {
+            let next = self.neighbours(a);
+            second
+                .iter()
+                .any(|&b| a == b || next.binary_search(&b).is_ok())
+        })
+    }
+}
