@@ -33,6 +33,13 @@ pub(crate) struct Deep {
     layer: u32,
 }
 
+impl Deep {
+    /// Whether a way out is known.
+    pub fn has_way(&self) -> bool {
+        self.out != Vector3::zeros()
+    }
+}
+
 /// The nodes of one body inside another one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Depths {
@@ -72,8 +79,10 @@ impl Depths {
             }
         }
         self.spread(&first.skin, frame);
+        // A part that is inside as a whole goes to the nearest side with its surface; what is within it follows.
         for deep in &mut self.nodes {
             if deep.layer >= FAILED
+                && first.skin.nodes.binary_search(&deep.node).is_ok()
                 && let Some((triangle, at)) = nearest(deep.node, first, second, frame)
             {
                 let p = &frame.now[deep.node as usize];

@@ -73,7 +73,7 @@ pub struct Frame<'a> {
 /// arguments only.
 #[derive(Clone, Debug)]
 pub struct Detector {
-    bodies: Vec<Body>,
+    pub(crate) bodies: Vec<Body>,
     rigid: Vec<Rigid>,
     pairs: Vec<Pair>,
     scratch: Scratch,

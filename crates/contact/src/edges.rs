@@ -22,6 +22,9 @@ const FLAT: f64 = 0.999;
 /// A direction may be outside of the cone of normals of an edge by this: rounding, of what lies flat on it.
 const CONE: f64 = 1e-6;
 
+/// Edges closer than this share of the mean edge length touch: no direction leads from one to the other.
+const AT_SURFACE: f64 = 1e-9;
+
 /// Edges are only looked for that have passed one another when something moves by this share of the mean edge length in a step; what
 /// moves by less is still seen where it cuts in.
 const FAST: f64 = 0.05;
@@ -114,14 +117,22 @@ impl Meeting<'_> {
     fn cut(&self, edge: u32, crossings: &[Crossing; 2], pairs: &[[u32; 2]]) -> Option<Across> {
         let [p, q] = self.first.edge_now(edge, self.frame.now);
         let (skin, now) = (&self.second.skin, self.frame.now);
+        if !self.first.is_sharp(edge, now) {
+            return None;
+        }
         let outward = crossings.map(|crossing| outward::of_triangle(skin, now, crossing.triangle));
-        let mut best: Option<Across> = None;
+        // The shortest way within both cones, or if there is none, the shortest that leads out through both faces.
+        let mut best: Option<(bool, Across)> = None;
         for &[_, triangle] in pairs {
             for other in skin.triangle_edges[triangle as usize] {
                 let [a, b] = self.second.edge_now(other, now);
                 let Some((shares, apart, across)) = inner(&[p, q], &[a, b]) else {
                     continue;
                 };
+                let within = shares[0] >= crossings[0].t && shares[0] <= crossings[1].t;
+                if !(within && self.second.is_sharp(other, now)) {
+                    continue;
+                }
                 // The edge is on the way out where the other one is deeper.
                 let normal = if apart.dot(&across) > 0.0 {
                     -across
@@ -129,22 +140,28 @@ impl Meeting<'_> {
                     across
                 };
                 let gap = apart.dot(&normal);
-                let within = shares[0] >= crossings[0].t && shares[0] <= crossings[1].t;
-                let is_out = outward.iter().all(|face| normal.dot(face) >= -CONE);
-                let is_new = best
-                    .as_ref()
-                    .is_none_or(|best| (-gap, other) < (-best.gap, best.edges[1]));
-                if within && is_out && is_new {
-                    best = Some(Across {
-                        edges: [edge, other],
+                let in_cones = self.first.in_cone(edge, &-normal, now)
+                    && self.second.in_cone(other, &normal, now);
+                if !(in_cones || outward.iter().all(|face| normal.dot(face) >= -CONE)) {
+                    continue;
+                }
+                let order = (!in_cones, -gap, other);
+                let is_new = best.as_ref().is_none_or(|(beside, best)| {
+                    order < (*beside, -best.gap, best.edges[1])
+                });
+                if is_new {
+                    let edges = [edge, other];
+                    let across = Across {
+                        edges,
                         shares,
                         normal,
                         gap,
-                    });
+                    };
+                    best = Some((!in_cones, across));
                 }
             }
         }
-        best
+        best.map(|(_, across)| across)
     }
 
     /// Two edges whose insides are the closest parts of both surfaces there.
@@ -152,19 +169,26 @@ impl Meeting<'_> {
         let reach = self.frame.reach;
         let first = self.first.edge_now(a, self.frame.now);
         let second = self.second.edge_now(b, self.frame.now);
-        let (shares, apart, _) = inner(&first, &second)?;
+        let (shares, apart, across) = inner(&first, &second)?;
         let distance = apart.norm();
-        if !(distance < reach && distance > 0.0) {
+        if !(distance < reach) {
             return None;
         }
-        let normal = apart / distance;
-        let is_closest = self.first.in_cone(a, &-normal, self.frame.now)
-            && self.second.in_cone(b, &normal, self.frame.now);
-        is_closest.then_some(Across {
+        let at_surface = distance <= AT_SURFACE * self.second.skin.mean_edge;
+        let normals = if at_surface {
+            [across, -across]
+        } else {
+            [apart / distance; 2]
+        };
+        let normal = normals.into_iter().find(|normal| {
+            self.first.in_cone(a, &-normal, self.frame.now)
+                && self.second.in_cone(b, normal, self.frame.now)
+        })?;
+        Some(Across {
             edges: [a, b],
             shares,
             normal,
-            gap: distance,
+            gap: apart.dot(&normal),
         })
     }
 
@@ -252,19 +276,29 @@ impl Body {
             .map(|node| at[node as usize])
     }
 
+    /// Whether the faces of an edge do not lie in one plane.
+    fn is_sharp(&self, edge: u32, at: &[Vector3<f64>]) -> bool {
+        let triangles = self.skin.edges[edge as usize].triangles;
+        if triangles.contains(&NONE) {
+            return false;
+        }
+        let [a, b] = triangles.map(|triangle| outward::of_triangle(&self.skin, at, triangle));
+        a.dot(&b) <= FLAT
+    }
+
     /// Whether the points along `direction` from the inside of an edge have their closest point there: it points away from both faces. Not so
     /// of flat and of inward edges.
     fn in_cone(&self, edge: u32, direction: &Vector3<f64>, at: &[Vector3<f64>]) -> bool {
-        let edge = &self.skin.edges[edge as usize];
-        if edge.triangles.contains(&NONE) {
+        if !self.is_sharp(edge, at) {
             return false;
         }
+        let edge = &self.skin.edges[edge as usize];
         let [p, q] = edge.nodes.map(|node| at[node as usize]);
         let along = q - p;
         let normals = edge
             .triangles
             .map(|triangle| outward::of_triangle(&self.skin, at, triangle));
-        if normals[0].dot(&normals[1]) > FLAT || direction.dot(&(normals[0] + normals[1])) <= 0.0 {
+        if direction.dot(&(normals[0] + normals[1])) <= 0.0 {
             return false;
         }
         edge.triangles.iter().all(|&triangle| {

@@ -22,6 +22,8 @@ mod standing;
 mod tool;
 mod touch;
 mod tree;
+#[cfg(test)]
+mod tests;
 
 pub use capsule_motion::CapsuleMotion;
 pub use detector::{Detector, Frame, Touch, VesselEnd};

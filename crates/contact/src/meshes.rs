@@ -21,6 +21,11 @@ const AT_SURFACE: f64 = 1e-9;
 /// Nodes whose outward normal has a larger cosine than this with the normal of the point are on the side that faces away.
 const FACING: f64 = 0.1;
 
+/// No way along the surface from a node may lead closer to what it touches than at this cosine, 60°: in a flat face what lies
+/// beside it in its plane does not touch it. Strictly no way may lead closer at all; but where a surface is only a little
+/// curved, its nodes stand for their surroundings.
+const SLOPE: f64 = 0.5;
+
 /// Within a body, what is less deep than this share of the mean edge length is rounding of neighbours (NUMERICS 6).
 const SELF_DEPTH: f64 = 1e-4;
 
@@ -52,7 +57,8 @@ impl Direction {
         self.depths.find(first, second, &self.near, frame);
         let itself = first.index == second.index;
         for deep in &self.depths.nodes {
-            if itself && deep.depth < SELF_DEPTH * first.skin.mean_edge {
+            let is_noise = itself && deep.depth < SELF_DEPTH * first.skin.mean_edge;
+            if is_noise || !deep.has_way() {
                 continue;
             }
             let p = &frame.now[deep.node as usize];
@@ -125,8 +131,8 @@ impl Meeting<'_> {
                     .normal
                     .unwrap_or_else(|| outward::of_triangle(skin, frame.now, triangle));
                 let gap = (to - at.point).dot(&normal);
-                let facing = first.outward.of_node(&first.skin, frame.now, node);
-                if gap < 0.0 && facing.dot(&normal) <= FACING {
+                let outward = first.outward.of_node(&first.skin, frame.now, node);
+                if gap < 0.0 && outward.dot(&normal) <= FACING {
                     self.add(node, triangle, &at, &normal, gap, points);
                     return;
                 }
@@ -142,10 +148,23 @@ impl Meeting<'_> {
         } else {
             (apart.dot(&outward), outward)
         };
-        let facing = first.outward.of_node(&first.skin, frame.now, node);
-        if normal.dot(&outward) > 0.0 && facing.dot(&normal) <= FACING {
+        if normal.dot(&outward) > 0.0 && self.faces(node, &normal) {
             self.add(node, triangle, &at, &normal, gap, points);
         }
+    }
+
+    /// Whether a node of the first body faces what it touches along `normal`.
+    fn faces(&self, node: u32, normal: &Vector3<f64>) -> bool {
+        let (skin, now) = (&self.first.skin, self.frame.now);
+        let p = &now[node as usize];
+        let outward = self.first.outward.of_node(skin, now, node);
+        outward.dot(normal) <= FACING
+            && skin.triangles_at(node).iter().all(|&triangle| {
+                skin.triangles[triangle as usize].iter().all(|&other| {
+                    let way = now[other as usize] - p;
+                    -way.dot(normal) <= SLOPE * way.norm()
+                })
+            })
     }
 
     fn add(

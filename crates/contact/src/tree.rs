@@ -14,7 +14,7 @@ pub(crate) struct Tree {
     /// Grows with every change of the boxes.
     pub version: u64,
     /// What boxes are larger than what they hold [m].
-    margin: f64,
+    pub margin: f64,
     /// Positions before the step and now, for which the boxes were made.
     start: Vec<Vector3<f64>>,
     now: Vec<Vector3<f64>>,

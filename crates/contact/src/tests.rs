@@ -1,0 +1,141 @@
+//! Detection against closed forms, against brute force, and in the corners of the input.
+
+mod brute;
+mod depth;
+mod meshes;
+mod standing;
+mod tool;
+
+use crate::{CapsuleMotion, Detector, Frame, Point, Rigid, Sides, Skin, Touch};
+use microsim_geometry::Capsule;
+use microsim_mesh::{Block, CellSplit, TetMesh};
+use nalgebra::Vector3;
+
+type V3 = Vector3<f64>;
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    pub fn below(&mut self, count: u64) -> u64 {
+        self.bits() % count
+    }
+
+    /// Uniform in −1..1.
+    pub fn number(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    pub fn vector(&mut self) -> V3 {
+        V3::new(self.number(), self.number(), self.number())
+    }
+}
+
+/// Cells of edge length 1 around `center`.
+pub fn block(center: [f64; 3], cells: [usize; 3]) -> TetMesh {
+    sized(center, cells.map(|n| n as f64), cells)
+}
+
+pub fn sized(center: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> TetMesh {
+    let split = CellSplit::Kuhn;
+    let block = Block {
+        center,
+        size,
+        cells,
+        split,
+    };
+    block.mesh().expect("a block")
+}
+
+/// Bodies with their positions, and what they may touch.
+#[derive(Clone)]
+pub struct Group {
+    pub detector: Detector,
+    pub start: Vec<V3>,
+    pub now: Vec<V3>,
+    pub tools: Vec<Option<Vec<CapsuleMotion>>>,
+    pub way: f64,
+    pub reach: f64,
+    pub sides: Sides,
+}
+
+impl Group {
+    pub fn new(meshes: &[&TetMesh], rigid: Vec<Rigid>, pairs: Vec<Touch>) -> Self {
+        let mut start = Vec::new();
+        let mut skins = Vec::new();
+        for mesh in meshes {
+            skins.push(Skin::new(mesh, start.len() as u32));
+            start.extend(&mesh.positions);
+        }
+        Self {
+            detector: Detector::new(skins, rigid, pairs),
+            now: start.clone(),
+            start,
+            tools: Vec::new(),
+            way: 1.0,
+            reach: 0.0,
+            sides: Sides::new(),
+        }
+    }
+
+    /// One body and one tool.
+    pub fn with_tool(mesh: &TetMesh, capsules: Vec<CapsuleMotion>) -> Self {
+        let mut group = Self::new(&[mesh], Vec::new(), vec![Touch::Tool { body: 0, tool: 0 }]);
+        group.tools = vec![Some(capsules)];
+        group
+    }
+
+    pub fn find(&mut self) -> Vec<Point> {
+        let mut points = Vec::new();
+        let frame = Frame {
+            start: &self.start,
+            now: &self.now,
+            tools: &self.tools,
+            way: self.way,
+            reach: self.reach,
+            sides: &self.sides,
+        };
+        self.detector.find(&frame, &mut points);
+        check(&points);
+        points
+    }
+}
+
+/// What holds of all points.
+pub fn check(points: &[Point]) {
+    for point in points {
+        let first = usize::from(point.first);
+        let sum = |weights: &[f64]| weights.iter().sum::<f64>();
+        assert!((sum(&point.weights[..first]) - 1.0).abs() < 1e-15, "{point:?}");
+        let other = sum(&point.weights[first..]);
+        assert!(other == 0.0 || (other + 1.0).abs() < 1e-15, "{point:?}");
+        assert!((point.normal.norm() - 1.0).abs() < 1e-14, "{point:?}");
+        let numbers = [point.gap, point.start_gap].into_iter();
+        let numbers = numbers.chain(point.place.iter().copied());
+        assert!(
+            numbers.chain(point.drift.iter().copied()).all(f64::is_finite),
+            "{point:?}"
+        );
+    }
+    assert!(points.windows(2).all(|pair| pair[0].key < pair[1].key));
+}
+
+/// A capsule that moves without turning.
+pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64, way: [f64; 3]) -> CapsuleMotion {
+    let (a, b, way) = (V3::from(a), V3::from(b), V3::from(way));
+    let start = Capsule { a, b, radius };
+    let end = Capsule {
+        a: a + way,
+        b: b + way,
+        radius,
+    };
+    CapsuleMotion { start, end }
+}

@@ -1,0 +1,132 @@
+use super::*;
+
+const BODIES: Touch = Touch::Bodies {
+    body: 0,
+    with: 1,
+    ends: None,
+};
+
+/// A block with inner nodes moved at random, `layers` layers deep in a wide one below it.
+fn sunk(layers: usize, random: &mut Random) -> Group {
+    let mut upper = block([0.02, 0.01, 0.0], [3, 3, layers + 1]);
+    let bottom = -0.5 * (layers + 1) as f64;
+    for p in &mut upper.positions {
+        *p += random.vector() * 0.15 - V3::z() * (bottom + layers as f64 - 0.4);
+    }
+    let lower = sized(
+        [0.0, 0.0, -10.0 - layers as f64],
+        [12.0, 12.0, 20.0 + 2.0 * layers as f64],
+        [4, 4, 2],
+    );
+    Group::new(&[&upper, &lower], Vec::new(), vec![BODIES])
+}
+
+/// NUMERICS 1.4: for a planar surface depth and direction are exact in every layer.
+#[test]
+fn the_depth_below_a_plane_is_exact_in_every_layer() {
+    let mut random = Random(7);
+    for layers in [1, 2, 3, 5, 8] {
+        let mut group = sunk(layers, &mut random);
+        let points = group.find();
+        let upper = 16 * (layers + 2);
+        let inside = group.now[..upper].iter().filter(|p| p.z < 0.0).count();
+        let found: Vec<_> = points.iter().filter(|p| p.key.body == 0).collect();
+        assert_eq!(found.len(), inside, "{layers}");
+        assert!(inside >= 16 * layers);
+        for point in found {
+            let depth = -group.now[point.nodes[0] as usize].z;
+            assert!((point.gap + depth).abs() < 1e-12, "{layers} {point:?}");
+            assert!((point.normal - V3::z()).norm() < 1e-12);
+            let other: V3 = (1..4)
+                .map(|k| group.now[point.nodes[k] as usize] * -point.weights[k])
+                .sum();
+            assert!((point.place + V3::z() * depth - other).norm() < 1e-12);
+        }
+    }
+}
+
+/// Turned, moved far away and scaled: the same depths.
+#[test]
+fn depths_do_not_depend_on_place_and_scale() {
+    let mut random = Random(8);
+    let mut group = sunk(3, &mut random);
+    let before = group.find();
+    let turn = nalgebra::UnitQuaternion::new(V3::new(0.4, -0.8, 0.3));
+    let scale = 1.0 / 1024.0;
+    for p in group.start.iter_mut().chain(&mut group.now) {
+        *p = turn * *p * scale + V3::new(1.0, 2.0, -3.0);
+    }
+    let after = group.find();
+    let rest: Vec<_> = before.iter().zip(&after).collect();
+    assert_eq!(before.len(), after.len());
+    for (a, b) in rest {
+        assert_eq!(a.key, b.key);
+        // Coordinates of 3 are rounded at 4e-16 there, which is 5e-13 of an edge, and depths are means of differences of them.
+        assert!((a.gap * scale - b.gap).abs() < 1e-11 * scale);
+        assert!((turn * a.normal - b.normal).norm() < 1e-10);
+    }
+}
+
+/// The way out of a thin plate is the way in, also for nodes that are nearer to the other side.
+#[test]
+fn out_of_a_thin_plate_leads_the_way_in() {
+    let upper = block([0.0, 0.0, 0.9], [2, 2, 2]);
+    let plate = sized([0.0, 0.0, -0.05], [8.0, 8.0, 0.12], [8, 8, 1]);
+    let mut group = Group::new(&[&upper, &plate], Vec::new(), vec![BODIES]);
+    let points = group.find();
+    let nodes: Vec<_> = points.iter().filter(|p| p.key.body == 0).collect();
+    assert_eq!(nodes.len(), 9);
+    for point in nodes {
+        assert!((point.gap + 0.11).abs() < 1e-14, "{point:?}");
+        assert!((point.normal - V3::z()).norm() < 1e-14);
+    }
+}
+
+/// No edge of the inner body crosses the outer one's surface: each node goes to the nearest place of it.
+#[test]
+fn a_body_inside_another_goes_to_the_nearest_side() {
+    let inner = block([2.0, 0.0, 0.0], [1, 1, 1]);
+    let outer = block([0.0; 3], [6, 6, 6]);
+    let mut group = Group::new(&[&inner, &outer], Vec::new(), vec![BODIES]);
+    let points = group.find();
+    let nodes: Vec<_> = points.iter().filter(|p| p.key.body == 0).collect();
+    assert_eq!(nodes.len(), 8);
+    for point in nodes {
+        let p = group.now[point.nodes[0] as usize];
+        assert!((point.gap + (3.0 - p.x)).abs() < 1e-14, "{point:?}");
+        assert!((point.normal - V3::x()).norm() < 1e-14);
+    }
+}
+
+/// 100 layers on one another in one body, each sunk into the next by 0.01.
+#[test]
+fn a_hundred_layers_of_one_body_are_kept_apart() {
+    let mut mesh = sized([0.0; 3], [2.0, 2.0, 0.5], [2, 2, 1]);
+    let single = mesh.clone();
+    for layer in 1..100 {
+        let mut next = single.clone();
+        for p in &mut next.positions {
+            p.z += 0.49 * f64::from(layer);
+            p.x += 0.1 * f64::from(layer % 3);
+            p.y += 0.1 * f64::from(layer % 5);
+        }
+        mesh.append(&next, 0);
+    }
+    let mut group = Group::new(&[&mesh], Vec::new(), vec![Touch::Itself { body: 0 }]);
+    let points = group.find();
+    let nodes: Vec<_> = points.iter().filter(|p| p.first == 1).collect();
+    // Shifted against one another, of two layers each has at least four nodes in the other.
+    assert!(nodes.len() >= 99 * 8);
+    for point in nodes {
+        // A way in through the layer's side, 0.1 away, has a hundredth of the weight of that through its face, and ten times its depth.
+        assert!((point.gap + 0.01).abs() < 0.2 * 0.01, "{point:?}");
+        assert!(point.normal.z.abs() > 0.999, "{point:?}");
+        let layer = |k: usize| point.nodes[k] as usize / 18;
+        assert_eq!(layer(0).abs_diff(layer(1)), 1);
+    }
+    // A body at rest does not touch itself.
+    let mut alone = Group::new(&[&block([0.0; 3], [3, 3, 3])], Vec::new(), vec![Touch::Itself { body: 0 }]);
+    assert!(alone.find().is_empty());
+    alone.reach = 0.9;
+    assert!(alone.find().is_empty());
+}
