@@ -123,13 +123,16 @@ impl Depths {
     ) -> Option<(f64, Vector3<f64>)> {
         let node = self.nodes[place].node;
         let p = frame.now[node as usize];
+        let itself = first.index == second.index;
         let mut mean = Mean::new();
-        for &outside in first.skin.neighbours(node) {
-            if self.place(outside).is_some() {
+        for &other in first.skin.neighbours(node) {
+            // Within one body the other end may be inside as well, but of another part: then the edge comes in all the same.
+            if !itself && self.place(other).is_some() {
                 continue;
             }
-            let from = frame.now[outside as usize];
-            let Some((triangle, at)) = entry(&from, &p, node, first, second, frame) else {
+            let from = frame.now[other as usize];
+            let entry = crossing(&from, &p, node, true, first, second, frame);
+            let Some((triangle, at)) = entry else {
                 continue;
             };
             let normal = smooth_normal(second, frame.now, triangle, &at);
@@ -235,18 +238,6 @@ impl Mean {
         };
         Some((self.depth / self.weight, out))
     }
-}
-
-/// Where the way from a node outside to one inside first goes in.
-fn entry(
-    from: &Vector3<f64>,
-    to: &Vector3<f64>,
-    node: u32,
-    first: &Body,
-    second: &Body,
-    frame: &Frame<'_>,
-) -> Option<(u32, TrianglePoint)> {
-    crossing(from, to, node, true, first, second, frame)
 }
 
 /// The first crossing of a way with the surface of `second`, from its front or from its back. Triangles next to `node` do not count.

@@ -173,6 +173,7 @@ impl Detector {
                 }
             }
         }
+        points.retain(Point::is_finite);
         points.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.gap.total_cmp(&b.gap)));
         points.dedup_by_key(|point| point.key);
     }

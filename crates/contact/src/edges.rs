@@ -10,7 +10,9 @@ use crate::meshes::{Direction, Meeting, moved};
 use crate::outward;
 use crate::point::{Key, Partner, Point};
 use crate::skin::NONE;
-use microsim_geometry::{Motion, closest_segments, edge_through_triangle, first_contact_edges};
+use microsim_geometry::{
+    Aabb, Motion, closest_segments, edge_through_triangle, first_contact_edges,
+};
 use nalgebra::Vector3;
 
 /// Edges at a smaller sine² of their angle are parallel.
@@ -123,7 +125,12 @@ impl Meeting<'_> {
         let outward = crossings.map(|crossing| outward::of_triangle(skin, now, crossing.triangle));
         // The shortest way within both cones, or if there is none, the shortest that leads out through both faces.
         let mut best: Option<(bool, Across)> = None;
+        let around = Aabb::of(&[p, q]);
         for &[_, triangle] in pairs {
+            // What is near for other reasons does not matter.
+            if !Aabb::of(&outward::corners(skin, now, triangle)).overlaps(&around) {
+                continue;
+            }
             for other in skin.triangle_edges[triangle as usize] {
                 let [a, b] = self.second.edge_now(other, now);
                 let Some((shares, apart, across)) = inner(&[p, q], &[a, b]) else {
@@ -146,9 +153,9 @@ impl Meeting<'_> {
                     continue;
                 }
                 let order = (!in_cones, -gap, other);
-                let is_new = best.as_ref().is_none_or(|(beside, best)| {
-                    order < (*beside, -best.gap, best.edges[1])
-                });
+                let is_new = best
+                    .as_ref()
+                    .is_none_or(|(beside, best)| order < (*beside, -best.gap, best.edges[1]));
                 if is_new {
                     let edges = [edge, other];
                     let across = Across {

@@ -19,11 +19,11 @@ mod rigid;
 mod sides;
 mod skin;
 mod standing;
+#[cfg(test)]
+mod tests;
 mod tool;
 mod touch;
 mod tree;
-#[cfg(test)]
-mod tests;
 
 pub use capsule_motion::CapsuleMotion;
 pub use detector::{Detector, Frame, Touch, VesselEnd};

@@ -62,3 +62,12 @@ pub struct Point {
     /// Where it is on the first side [m].
     pub place: Vector3<f64>,
 }
+
+impl Point {
+    /// Whether every number is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let vectors = [&self.normal, &self.drift, &self.place];
+        let mut numbers = vectors.into_iter().flat_map(Vector3::iter);
+        numbers.all(|c| c.is_finite()) && self.gap.is_finite() && self.start_gap.is_finite()
+    }
+}

@@ -130,7 +130,8 @@ impl Search<'_> {
             let local = Vector3::new(inner.x * signs[0], inner.y * signs[1], inner.z * signs[2]);
             self.rigid.pose.apply(&local)
         };
-        let margin = rounding + self.frame.reach;
+        let depth = self.rigid.half_thickness();
+        let margin = (rounding + self.frame.reach).max(depth);
         const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
         let mut edges = [([Vector3::zeros(); 2], [Vector3::zeros(); 2]); 12];
         for axis in 0..3 {

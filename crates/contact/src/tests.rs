@@ -114,14 +114,19 @@ pub fn check(points: &[Point]) {
     for point in points {
         let first = usize::from(point.first);
         let sum = |weights: &[f64]| weights.iter().sum::<f64>();
-        assert!((sum(&point.weights[..first]) - 1.0).abs() < 1e-15, "{point:?}");
+        assert!(
+            (sum(&point.weights[..first]) - 1.0).abs() < 1e-15,
+            "{point:?}"
+        );
         let other = sum(&point.weights[first..]);
         assert!(other == 0.0 || (other + 1.0).abs() < 1e-15, "{point:?}");
         assert!((point.normal.norm() - 1.0).abs() < 1e-14, "{point:?}");
         let numbers = [point.gap, point.start_gap].into_iter();
         let numbers = numbers.chain(point.place.iter().copied());
         assert!(
-            numbers.chain(point.drift.iter().copied()).all(f64::is_finite),
+            numbers
+                .chain(point.drift.iter().copied())
+                .all(f64::is_finite),
             "{point:?}"
         );
     }

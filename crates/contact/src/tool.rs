@@ -337,7 +337,7 @@ impl Search<'_> {
             return;
         }
         match self.remembered(&touch) {
-            Some(old) if old.dot(&-normal) > 0.5 => {
+            Some(old) if old.dot(&-normal) > 0.5 && -height < radius => {
                 self.front = self.front.min(-before);
                 self.add(&touch, &-normal);
             }

@@ -125,7 +125,11 @@ fn a_hundred_layers_of_one_body_are_kept_apart() {
         assert_eq!(layer(0).abs_diff(layer(1)), 1);
     }
     // A body at rest does not touch itself.
-    let mut alone = Group::new(&[&block([0.0; 3], [3, 3, 3])], Vec::new(), vec![Touch::Itself { body: 0 }]);
+    let mut alone = Group::new(
+        &[&block([0.0; 3], [3, 3, 3])],
+        Vec::new(),
+        vec![Touch::Itself { body: 0 }],
+    );
     assert!(alone.find().is_empty());
     alone.reach = 0.9;
     assert!(alone.find().is_empty());

@@ -9,7 +9,10 @@ const BODIES: Touch = Touch::Bodies {
 /// Two blocks face to face, a gap g apart: all nodes of both faces have it, and with less reach none.
 #[test]
 fn faces_that_are_apart_have_the_gap_between_them() {
-    let (left, right) = (block([-1.0, 0.1, 0.2], [2, 3, 3]), block([1.05, 0.0, 0.0], [2, 4, 4]));
+    let (left, right) = (
+        block([-1.0, 0.1, 0.2], [2, 3, 3]),
+        block([1.05, 0.0, 0.0], [2, 4, 4]),
+    );
     let mut group = Group::new(&[&left, &right], Vec::new(), vec![BODIES]);
     group.reach = 0.04;
     assert!(group.find().is_empty());
@@ -28,14 +31,21 @@ fn faces_that_are_apart_have_the_gap_between_them() {
 /// Exactly touching: gaps of 0 within reach, and nothing that touches without.
 #[test]
 fn bodies_that_touch_exactly_have_gaps_of_zero() {
-    let (left, right) = (block([-1.0, 0.1, 0.2], [2, 2, 2]), block([1.0, 0.0, 0.0], [2, 4, 4]));
+    let (left, right) = (
+        block([-1.0, 0.1, 0.2], [2, 2, 2]),
+        block([1.0, 0.0, 0.0], [2, 4, 4]),
+    );
     let mut group = Group::new(&[&left, &right], Vec::new(), vec![BODIES]);
     for point in group.find() {
         assert!(point.gap > -1e-14, "{point:?}");
     }
     group.reach = 0.1;
     let points = group.find();
-    let nodes = |body: u32| points.iter().filter(move |p| p.first == 1 && p.key.body == body);
+    let nodes = |body: u32| {
+        points
+            .iter()
+            .filter(move |p| p.first == 1 && p.key.body == body)
+    };
     assert_eq!((nodes(0).count(), nodes(1).count()), (9, 4));
     for point in &points {
         assert!(point.gap.abs() < 1e-14, "{point:?}");
@@ -62,7 +72,11 @@ fn ridges_across_one_another_touch_edge_to_edge() {
             *p = turn(p, &V3::y()) + V3::new(0.3, -0.4, height + gap);
         }
         for order in [false, true] {
-            let meshes = if order { [&lower, &upper] } else { [&upper, &lower] };
+            let meshes = if order {
+                [&lower, &upper]
+            } else {
+                [&upper, &lower]
+            };
             let mut group = Group::new(&meshes, Vec::new(), vec![BODIES]);
             group.reach = if gap > 0.0 { 0.1 } else { 0.0 };
             let points = group.find();
@@ -120,7 +134,11 @@ fn a_mirrored_scene_has_mirrored_points() {
         mesh
     };
     let mut group = Group::new(&[&upper, &lower], Vec::new(), vec![BODIES]);
-    let mut mirror = Group::new(&[&mirrored(&upper), &mirrored(&lower)], Vec::new(), vec![BODIES]);
+    let mut mirror = Group::new(
+        &[&mirrored(&upper), &mirrored(&lower)],
+        Vec::new(),
+        vec![BODIES],
+    );
     for reach in [0.0, 0.3] {
         (group.reach, mirror.reach) = (reach, reach);
         let (there, here) = (group.find(), mirror.find());

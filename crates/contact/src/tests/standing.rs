@@ -46,7 +46,10 @@ fn signed_distances_are_those_of_the_closed_forms() {
         (3, [0.0, 0.0, 1.9], -0.1),
     ] {
         let (distance, _) = thing(shapes[shape], [0.0; 3]).distance(&p.into());
-        assert!((distance - expected).abs() < 1e-15, "{shape} {p:?} {distance}");
+        assert!(
+            (distance - expected).abs() < 1e-15,
+            "{shape} {p:?} {distance}"
+        );
     }
     let mut random = Random(1);
     for shape in shapes {
@@ -110,7 +113,10 @@ fn an_edge_of_a_box_and_an_edge_of_the_surface_meet_between_their_ends() {
     }
     // The box lies along y with an edge up, 0.01 above the other one.
     let half = 0.5;
-    let mut bar = thing(cuboid([half, 3.0, half], 0.0), [0.2, 0.1, 0.01 - half * 2f64.sqrt()]);
+    let mut bar = thing(
+        cuboid([half, 3.0, half], 0.0),
+        [0.2, 0.1, 0.01 - half * 2f64.sqrt()],
+    );
     bar.pose.orientation =
         UnitQuaternion::from_axis_angle(&V3::y_axis(), std::f64::consts::FRAC_PI_4);
     let points = Group::new(&[&mesh], vec![bar], vec![PAIR]).find();
@@ -148,9 +154,19 @@ fn fast_tissue_does_not_get_through_a_thin_plate() {
     let points = group.find();
     group.sides.remember(&points);
     group.start = group.now.clone();
-    assert!(group.find().iter().all(|p| (p.gap + 0.07).abs() < 1e-14 && p.normal.z > 0.9));
+    assert!(
+        group
+            .find()
+            .iter()
+            .all(|p| (p.gap + 0.07).abs() < 1e-14 && p.normal.z > 0.9)
+    );
     group.sides = Sides::new();
-    assert!(group.find().iter().all(|p| (p.gap + 0.03).abs() < 1e-14 && p.normal.z < -0.9));
+    assert!(
+        group
+            .find()
+            .iter()
+            .all(|p| (p.gap + 0.03).abs() < 1e-14 && p.normal.z < -0.9)
+    );
 }
 
 /// A bar across a cylinder between its nodes.

@@ -5,7 +5,11 @@ const RADIUS: f64 = 0.4;
 
 /// A layer of 6 × 6 cells, its top at z = 0.
 fn layer(thickness: f64) -> TetMesh {
-    sized([0.0, 0.0, -0.5 * thickness], [6.0, 6.0, thickness], [6, 6, 1])
+    sized(
+        [0.0, 0.0, -0.5 * thickness],
+        [6.0, 6.0, thickness],
+        [6, 6, 1],
+    )
 }
 
 fn sphere(from: [f64; 3], way: [f64; 3]) -> CapsuleMotion {
@@ -72,12 +76,7 @@ fn points_that_are_still_apart_are_found_within_reach_on_the_near_side_only() {
     for thickness in [1.0, 0.1, 1e-3] {
         let mut group = Group::with_tool(
             &layer(thickness),
-            vec![capsule(
-                [-1.0, 0.1, 0.5],
-                [1.3, 0.2, 0.6],
-                RADIUS,
-                [0.0; 3],
-            )],
+            vec![capsule([-1.0, 0.1, 0.5], [1.3, 0.2, 0.6], RADIUS, [0.0; 3])],
         );
         group.reach = 0.7;
         let points = group.find();
@@ -154,10 +153,7 @@ fn a_fast_tool_that_passes_by_touches_nothing() {
 /// Once a node has come past the axis, the memory tells the side, as long as there is one.
 #[test]
 fn the_side_is_remembered_from_step_to_step() {
-    let mut group = Group::with_tool(
-        &layer(1.0),
-        vec![sphere([0.0, 0.0, 0.3], [0.0, 0.0, -0.2])],
-    );
+    let mut group = Group::with_tool(&layer(1.0), vec![sphere([0.0, 0.0, 0.3], [0.0, 0.0, -0.2])]);
     for step in 0..4 {
         let points = group.find();
         let node = of_nodes(&points, 1)[0];
@@ -174,7 +170,13 @@ fn the_side_is_remembered_from_step_to_step() {
 /// leaves through the nearer one.
 #[test]
 fn a_tool_that_appears_inside_leaves_through_the_nearest_side() {
-    for (thickness, height) in [(1.0, -0.1), (1.0, 0.0), (0.3, -0.1), (0.3, -0.2), (0.1, -0.04)] {
+    for (thickness, height) in [
+        (1.0, -0.1),
+        (1.0, 0.0),
+        (0.3, -0.1),
+        (0.3, -0.2),
+        (0.1, -0.04),
+    ] {
         let mut group = Group::with_tool(
             &layer(thickness),
             vec![sphere([0.0, 0.0, height], [0.0; 3])],
@@ -194,9 +196,7 @@ fn a_tool_that_appears_inside_leaves_through_the_nearest_side() {
 /// Between two jaws each side has its own normal.
 #[test]
 fn two_jaws_with_tissue_between_touch_one_side_each() {
-    let jaw = |z: f64, way: f64| {
-        capsule([-1.0, 0.1, z], [1.0, 0.1, z], RADIUS, [0.0, 0.0, way])
-    };
+    let jaw = |z: f64, way: f64| capsule([-1.0, 0.1, z], [1.0, 0.1, z], RADIUS, [0.0, 0.0, way]);
     let mut group = Group::with_tool(&layer(0.3), vec![jaw(0.5, -0.2), jaw(-0.8, 0.2)]);
     let points = group.find();
     for point in &points {
@@ -213,10 +213,7 @@ fn two_jaws_with_tissue_between_touch_one_side_each() {
 /// Half of the step's motion: half of the way.
 #[test]
 fn a_part_of_the_step_moves_the_tool_by_that_part() {
-    let mut group = Group::with_tool(
-        &layer(1.0),
-        vec![sphere([0.2, 0.3, 0.5], [0.0, 0.0, -0.4])],
-    );
+    let mut group = Group::with_tool(&layer(1.0), vec![sphere([0.2, 0.3, 0.5], [0.0, 0.0, -0.4])]);
     group.way = 0.5;
     let gaps: Vec<f64> = of_nodes(&group.find(), 3).iter().map(|p| p.gap).collect();
     assert!((gaps[0] + 0.1).abs() < 1e-15);
