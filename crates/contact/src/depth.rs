@@ -322,5 +322,5 @@ fn smooth_normal(
         sum += body.outward.of_corner(&body.skin, now, triangle, corner) * b;
     }
     sum.try_normalize(0.0)
-        .unwrap_or_else(|| outward::of_triangle(&body.skin, now, triangle))
+        .unwrap_or_else(|| body.outward.face(&body.skin, now, triangle).normal)
 }

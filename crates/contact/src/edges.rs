@@ -3,7 +3,8 @@
 //! Where nodes alone are kept apart, edges still cut into one another (NUMERICS 6). Three ways to see it: an edge that goes in and out of the
 //! other surface lies across one of its edges, which is the way out; two edges that face one another with their inside closest and
 //! within the cones of normals of both are the closest parts of the two surfaces; and two edges that have passed through one another in
-//! a step keep to their sides. Edges in flat parts have one normal only and are left to nodes and faces, parallel ones to nodes.
+//! a step keep to their sides. Edges in flat parts and in grooves have no normals of their own and are left
+//! to nodes and faces, parallel ones to nodes.
 
 use crate::body::Body;
 use crate::meshes::{Direction, Meeting, moved};
@@ -11,15 +12,12 @@ use crate::outward;
 use crate::point::{Key, Partner, Point};
 use crate::skin::NONE;
 use microsim_geometry::{
-    Aabb, Motion, closest_segments, edge_through_triangle, first_contact_edges,
+    Aabb, Motion, closest_segments, edge_through_triangle, first_contact_edges, triangle_normal,
 };
 use nalgebra::Vector3;
 
 /// Edges at a smaller sine² of their angle are parallel.
 const PARALLEL: f64 = 1e-6;
-
-/// An edge between faces whose normals have a larger cosine than this is flat.
-const FLAT: f64 = 0.999;
 
 /// A direction may be outside of the cone of normals of an edge by this: rounding, of what lies flat on it.
 const CONE: f64 = 1e-6;
@@ -58,12 +56,19 @@ impl Direction {
         } = meeting;
         for pairs in self.near.edge_triangles.chunk_by(|a, b| a[0] == b[0]) {
             let edge = pairs[0][0];
-            let nodes = first.skin.edges[edge as usize].nodes;
-            let [p, q] = nodes.map(|node| frame.now[node as usize]);
+            if !first.is_ridge_now(edge, frame.now) {
+                continue;
+            }
+            let [p, q] = first.edge_at(edge, frame.now);
+            let around = Aabb::of(&[p, q]);
             self.crossings.clear();
             for &[_, triangle] in pairs {
+                let face = second.outward.face(&second.skin, frame.now, triangle);
+                if !face.bounds.overlaps(&around) {
+                    continue;
+                }
                 let corners = outward::corners(&second.skin, frame.now, triangle);
-                if on_one_side(&p, &q, &corners) {
+                if face.on_one_side(&[p - corners[0], q - corners[0]]) {
                     continue;
                 }
                 if let Some(crossing) = edge_through_triangle(&p, &q, &corners) {
@@ -117,27 +122,25 @@ impl Direction {
 impl Meeting<'_> {
     /// The edge of the second body that leads out of it with the shortest way, for an edge of the first one that is inside between two crossings.
     fn cut(&self, edge: u32, crossings: &[Crossing; 2], pairs: &[[u32; 2]]) -> Option<Across> {
-        let [p, q] = self.first.edge_now(edge, self.frame.now);
+        let [p, q] = self.first.edge_at(edge, self.frame.now);
         let (skin, now) = (&self.second.skin, self.frame.now);
-        if !self.first.is_sharp(edge, now) {
-            return None;
-        }
-        let outward = crossings.map(|crossing| outward::of_triangle(skin, now, crossing.triangle));
+        let face = |triangle: u32| self.second.outward.face(skin, now, triangle);
+        let outward = crossings.map(|crossing| face(crossing.triangle).normal);
         // The shortest way within both cones, or if there is none, the shortest that leads out through both faces.
         let mut best: Option<(bool, Across)> = None;
         let around = Aabb::of(&[p, q]);
         for &[_, triangle] in pairs {
             // What is near for other reasons does not matter.
-            if !Aabb::of(&outward::corners(skin, now, triangle)).overlaps(&around) {
+            if !face(triangle).bounds.overlaps(&around) {
                 continue;
             }
             for other in skin.triangle_edges[triangle as usize] {
-                let [a, b] = self.second.edge_now(other, now);
+                let [a, b] = self.second.edge_at(other, now);
                 let Some((shares, apart, across)) = inner(&[p, q], &[a, b]) else {
                     continue;
                 };
                 let within = shares[0] >= crossings[0].t && shares[0] <= crossings[1].t;
-                if !(within && self.second.is_sharp(other, now)) {
+                if !(within && self.second.is_ridge_now(other, now)) {
                     continue;
                 }
                 // The edge is on the way out where the other one is deeper.
@@ -173,9 +176,12 @@ impl Meeting<'_> {
 
     /// Two edges whose insides are the closest parts of both surfaces there.
     fn facing(&self, a: u32, b: u32) -> Option<Across> {
-        let reach = self.frame.reach;
-        let first = self.first.edge_now(a, self.frame.now);
-        let second = self.second.edge_now(b, self.frame.now);
+        let (reach, now) = (self.frame.reach, self.frame.now);
+        if !(self.first.is_ridge_now(a, now) && self.second.is_ridge_now(b, now)) {
+            return None;
+        }
+        let first = self.first.edge_at(a, self.frame.now);
+        let second = self.second.edge_at(b, self.frame.now);
         let (shares, apart, across) = inner(&first, &second)?;
         let distance = apart.norm();
         if !(distance < reach) {
@@ -203,7 +209,7 @@ impl Meeting<'_> {
     fn passed(&self, a: u32, b: u32) -> Option<Across> {
         let frame = self.frame;
         let [start, now] = [frame.start, frame.now]
-            .map(|at| [self.first.edge_now(a, at), self.second.edge_now(b, at)]);
+            .map(|at| [self.first.edge_at(a, at), self.second.edge_at(b, at)]);
         let volume =
             |[[p, q], [r, s]]: &[[Vector3<f64>; 2]; 2]| (r - p).dot(&(q - p).cross(&(s - r)));
         if volume(&start) * volume(&now) > 0.0 {
@@ -277,45 +283,38 @@ impl Meeting<'_> {
 }
 
 impl Body {
-    fn edge_now(&self, edge: u32, at: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
+    fn edge_at(&self, edge: u32, at: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
         self.skin.edges[edge as usize]
             .nodes
             .map(|node| at[node as usize])
     }
 
-    /// Whether the faces of an edge do not lie in one plane.
-    fn is_sharp(&self, edge: u32, at: &[Vector3<f64>]) -> bool {
-        let triangles = self.skin.edges[edge as usize].triangles;
-        if triangles.contains(&NONE) {
-            return false;
-        }
-        let [a, b] = triangles.map(|triangle| outward::of_triangle(&self.skin, at, triangle));
-        a.dot(&b) <= FLAT
+    fn is_ridge_now(&self, edge: u32, now: &[Vector3<f64>]) -> bool {
+        self.outward.is_ridge(&self.skin, now, edge)
     }
 
-    /// Whether the points along `direction` from the inside of an edge have their closest point there: it points away from both faces. Not so
-    /// of flat and of inward edges.
+    /// Whether the points along `direction` from the inside of an edge have their closest point there: the edge is a ridge, and the direction
+    /// points away from both faces.
     fn in_cone(&self, edge: u32, direction: &Vector3<f64>, at: &[Vector3<f64>]) -> bool {
-        if !self.is_sharp(edge, at) {
+        let skin = &self.skin;
+        let sides = &skin.edges[edge as usize];
+        if sides.triangles.contains(&NONE) {
             return false;
         }
-        let edge = &self.skin.edges[edge as usize];
-        let [p, q] = edge.nodes.map(|node| at[node as usize]);
-        let along = q - p;
-        let normals = edge
+        let normals = sides
             .triangles
-            .map(|triangle| outward::of_triangle(&self.skin, at, triangle));
-        if direction.dot(&(normals[0] + normals[1])) <= 0.0 {
+            .map(|triangle| triangle_normal(&outward::corners(skin, at, triangle)));
+        let [Some(n), Some(m)] = normals else {
+            return false;
+        };
+        if direction.dot(&(n + m)) <= 0.0 || !outward::stands_out(skin, at, edge, &[n, m]) {
             return false;
         }
-        edge.triangles.iter().all(|&triangle| {
-            let nodes = self.skin.triangles[triangle as usize];
-            let opposite = nodes.iter().find(|node| !edge.nodes.contains(node));
-            let Some(&opposite) = opposite else {
-                return false;
-            };
-            let side = at[opposite as usize] - p;
-            let inward = side - along * (side.dot(&along) / along.norm_squared());
+        let [p, q] = sides.nodes.map(|node| at[node as usize]);
+        let along = q - p;
+        [0, 1].into_iter().all(|side| {
+            let way = at[skin.opposite(sides, side) as usize] - p;
+            let inward = way - along * (way.dot(&along) / along.norm_squared());
             direction.dot(&inward) <= CONE * inward.norm()
         })
     }
@@ -339,14 +338,4 @@ fn inner(
         let apart = closest.first.point - closest.second.point;
         (shares, apart, across / squared.sqrt())
     })
-}
-
-/// Whether both points are clearly on one side of a triangle's plane.
-fn on_one_side(p: &Vector3<f64>, q: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3]) -> bool {
-    let normal = (b - a).cross(&(c - a));
-    let (at_p, at_q) = ((p - a).dot(&normal), (q - a).dot(&normal));
-    // A triple product is rounded by less than 16 units of its largest part.
-    let size = (b - a).amax() * (c - a).amax() * (p - a).amax().max((q - a).amax());
-    let noise = 64.0 * f64::EPSILON * size;
-    at_p.min(at_q) > noise || at_p.max(at_q) < -noise
 }

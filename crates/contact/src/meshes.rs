@@ -129,7 +129,7 @@ impl Meeting<'_> {
                 };
                 let normal = contact
                     .normal
-                    .unwrap_or_else(|| outward::of_triangle(skin, frame.now, triangle));
+                    .unwrap_or_else(|| second.outward.face(skin, frame.now, triangle).normal);
                 let gap = (to - at.point).dot(&normal);
                 let outward = first.outward.of_node(&first.skin, frame.now, node);
                 if gap < 0.0 && outward.dot(&normal) <= FACING {

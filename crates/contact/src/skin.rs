@@ -133,6 +133,13 @@ impl Skin {
         self.neighbours.of(node - self.offset)
     }
 
+    /// The node of a triangle at an edge that is not of the edge; one of the edge's where the triangle has no other.
+    pub(crate) fn opposite(&self, edge: &SkinEdge, side: usize) -> u32 {
+        let nodes = self.triangles[edge.triangles[side] as usize];
+        let other = nodes.into_iter().find(|node| !edge.nodes.contains(node));
+        other.unwrap_or(edge.nodes[0])
+    }
+
     /// The numbers of its nodes.
     pub(crate) fn range(&self) -> std::ops::Range<usize> {
         self.offset as usize..(self.offset + self.node_count) as usize

@@ -185,7 +185,9 @@ impl Search<'_> {
             end: to,
         };
         let (skin, now) = (self.skin, self.frame.now);
-        self.point_or_edge(&places, &motion, |_| outward::of_edge(skin, now, edge));
+        self.point_or_edge(&places, &motion, |search| {
+            search.outward.of_edge(skin, now, edge)
+        });
     }
 
     /// Adds the point of a node or an edge, if there is one.
