@@ -130,20 +130,24 @@ impl Detector {
         }
         for Pair { touch, directions } in &mut self.pairs {
             let scratch = &mut self.scratch;
-            match *touch {
-                Touch::Tool { body, tool } => {
+            match touch {
+                &mut Touch::Tool { body, tool } => {
                     if let Some(Some(capsules)) = frame.tools.get(tool as usize) {
                         let body = &self.bodies[body as usize];
                         tool::find(body, (tool, capsules), frame, scratch, points);
                     }
                 }
-                Touch::Rigid { body, thing } => {
+                &mut Touch::Rigid { body, thing } => {
                     let rigid = (thing, &self.rigid[thing as usize]);
                     let body = &self.bodies[body as usize];
                     standing::find(body, rigid, frame, scratch, points);
                 }
-                Touch::Bodies { body, with, .. } => {
-                    let [first, second] = [body, with].map(|body| &self.bodies[body as usize]);
+                Touch::Bodies { body, with, ends } => {
+                    let [first, second] = [*body, *with].map(|body| &self.bodies[body as usize]);
+                    let [own, other] = match ends {
+                        Some([own, other]) => [Some(&*own), Some(&*other)],
+                        None => [None; 2],
+                    };
                     let there = Meeting {
                         first,
                         second,
@@ -154,20 +158,20 @@ impl Detector {
                         second: first,
                         frame,
                     };
-                    directions[0].find(there, points);
-                    directions[1].find(back, points);
+                    directions[0].find(there, other, points);
+                    directions[1].find(back, own, points);
                     directions[0].find_cuts(there, false, points);
                     directions[1].find_cuts(back, true, points);
                     directions[0].find_facing(there, points);
                 }
-                Touch::Itself { body } => {
+                &mut Touch::Itself { body } => {
                     let body = &self.bodies[body as usize];
                     let itself = Meeting {
                         first: body,
                         second: body,
                         frame,
                     };
-                    directions[0].find(itself, points);
+                    directions[0].find(itself, None, points);
                     directions[0].find_cuts(itself, false, points);
                     directions[0].find_facing(itself, points);
                 }

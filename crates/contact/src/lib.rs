@@ -8,6 +8,7 @@ mod capsule_motion;
 mod depth;
 mod detector;
 mod edges;
+mod ends;
 mod features;
 mod memory;
 mod meshes;

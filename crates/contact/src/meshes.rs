@@ -6,7 +6,7 @@
 
 use crate::body::Body;
 use crate::depth::{Depths, crossing, nearest};
-use crate::detector::Frame;
+use crate::detector::{Frame, VesselEnd};
 use crate::edges::Crossing;
 use crate::near::Near;
 use crate::outward;
@@ -35,6 +35,8 @@ pub(crate) struct Direction {
     pub near: Near,
     pub depths: Depths,
     pub crossings: Vec<Crossing>,
+    /// The nodes that the end-plane rule is for.
+    caught: Vec<u32>,
 }
 
 /// Two bodies, or one twice, in a frame.
@@ -46,8 +48,8 @@ pub(crate) struct Meeting<'a> {
 }
 
 impl Direction {
-    /// Adds the points of nodes of the first body with the second one.
-    pub fn find(&mut self, meeting: Meeting<'_>, points: &mut Vec<Point>) {
+    /// Adds the points of nodes of the first body with the second one, of which `end` is an end opposite to one of the first.
+    pub fn find(&mut self, meeting: Meeting<'_>, end: Option<&VesselEnd>, points: &mut Vec<Point>) {
         let Meeting {
             first,
             second,
@@ -55,10 +57,16 @@ impl Direction {
         } = meeting;
         self.near.update(first, second, frame.reach);
         self.depths.find(first, second, &self.near, frame);
+        self.caught.clear();
+        if let Some(end) = end {
+            let inside = self.depths.nodes.iter().map(|deep| deep.node);
+            meeting.at_end(end, inside, &self.near, &mut self.caught, points);
+        }
         let itself = first.index == second.index;
         for deep in &self.depths.nodes {
             let is_noise = itself && deep.depth < SELF_DEPTH * first.skin.mean_edge;
-            if is_noise || !deep.has_way() {
+            let is_done = self.caught.binary_search(&deep.node).is_ok();
+            if is_noise || is_done || !deep.has_way() {
                 continue;
             }
             let p = &frame.now[deep.node as usize];
@@ -66,12 +74,13 @@ impl Direction {
             let left = crossing(p, &beyond, deep.node, false, first, second, frame);
             if let Some((triangle, at)) = left.or_else(|| nearest(deep.node, first, second, frame))
             {
-                meeting.add(deep.node, triangle, &at, &deep.out, -deep.depth, points);
+                let nodes = &second.skin.triangles[triangle as usize];
+                meeting.add(deep.node, nodes, &at, &deep.out, -deep.depth, points);
             }
         }
         for pairs in self.near.node_triangles.chunk_by(|a, b| a[0] == b[0]) {
             let node = pairs[0][0];
-            if self.depths.place(node).is_none() {
+            if self.depths.place(node).is_none() && self.caught.binary_search(&node).is_err() {
                 meeting.outside(node, pairs, points);
             }
         }
@@ -133,7 +142,8 @@ impl Meeting<'_> {
                 let gap = (to - at.point).dot(&normal);
                 let outward = first.outward.of_node(&first.skin, frame.now, node);
                 if gap < 0.0 && outward.dot(&normal) <= FACING {
-                    self.add(node, triangle, &at, &normal, gap, points);
+                    let nodes = &skin.triangles[triangle as usize];
+                    self.add(node, nodes, &at, &normal, gap, points);
                     return;
                 }
             }
@@ -149,7 +159,8 @@ impl Meeting<'_> {
             (apart.dot(&outward), outward)
         };
         if normal.dot(&outward) > 0.0 && self.faces(node, &normal) {
-            self.add(node, triangle, &at, &normal, gap, points);
+            let nodes = &skin.triangles[triangle as usize];
+            self.add(node, nodes, &at, &normal, gap, points);
         }
     }
 
@@ -167,10 +178,11 @@ impl Meeting<'_> {
             })
     }
 
-    fn add(
+    /// Adds the point of a node of the first body with a triangle of the second one.
+    pub fn add(
         &self,
         node: u32,
-        triangle: u32,
+        triangle: &[u32; 3],
         at: &TrianglePoint,
         normal: &Vector3<f64>,
         gap: f64,
@@ -180,7 +192,7 @@ impl Meeting<'_> {
         if !(gap < frame.reach) {
             return;
         }
-        let [a, b, c] = self.second.skin.triangles[triangle as usize];
+        let [a, b, c] = *triangle;
         let nodes = [node, a, b, c];
         let [wa, wb, wc] = at.barycentric;
         let weights = [1.0, -wa, -wb, -wc];

@@ -134,3 +134,65 @@ fn a_hundred_layers_of_one_body_are_kept_apart() {
     alone.reach = 0.9;
     assert!(alone.find().is_empty());
 }
+
+/// Two tubes end to end, one sunk into the other by a third of a wall: with the rule, the nodes of the rings go straight back before the
+/// planes, also those that are in the lumen.
+#[test]
+fn ends_of_vessels_are_brought_before_the_other_end() {
+    use crate::VesselEnd;
+    use microsim_mesh::{Arc, Layer, Tube, TubeSide};
+    let tube = Tube {
+        center: [0.0; 3],
+        axis: [1.0, 0.0, 0.0],
+        inner_radius: 0.8,
+        layers: vec![Layer {
+            thickness: 0.2,
+            cells: 1,
+            region: 0,
+        }],
+        length: 4.0,
+        around: 9,
+        along: 8,
+        arc: Arc::Full,
+        split: CellSplit::Kuhn,
+    };
+    let left = tube.mesh().expect("a tube");
+    let count = left.positions.len() as u32;
+    let mut right = left.clone();
+    let turn = nalgebra::UnitQuaternion::from_axis_angle(&V3::x_axis(), 0.2);
+    for p in &mut right.positions {
+        *p = turn * *p + V3::new(4.0 - 0.06, 0.15, 0.0);
+    }
+    let end = |mesh: &TetMesh, side: TubeSide, offset: u32| VesselEnd {
+        triangles: tube
+            .side(mesh, side)
+            .triangles
+            .iter()
+            .map(|triangle| triangle.map(|node| node + offset))
+            .collect(),
+    };
+    let ends = [
+        end(&left, TubeSide::End, 0),
+        end(&left, TubeSide::Start, count),
+    ];
+    let with_ends = Touch::Bodies {
+        body: 0,
+        with: 1,
+        ends: Some(ends),
+    };
+    let ring = |group: &Group, point: &Point| {
+        let p = group.now[point.nodes[0] as usize];
+        (p.x - 2.0).abs() < 0.1
+    };
+    let mut plain = Group::new(&[&left, &right], Vec::new(), vec![BODIES]);
+    let mut group = Group::new(&[&left, &right], Vec::new(), vec![with_ends]);
+    let points = group.find();
+    let nodes: Vec<_> = points.iter().filter(|p| p.first == 1).collect();
+    assert!(nodes.len() > plain.find().iter().filter(|p| p.first == 1).count());
+    for point in &nodes {
+        assert!(ring(&group, point), "{point:?}");
+        let sign = if point.key.body == 0 { -1.0 } else { 1.0 };
+        assert!((point.normal - V3::x() * sign).norm() < 1e-13, "{point:?}");
+        assert!((point.gap + 0.06).abs() < 1e-13, "{point:?}");
+    }
+}
