@@ -86,8 +86,14 @@ fn tubes() {
         arc: Arc::Full,
         split: CellSplit::Kuhn,
     };
-    println!("{:<44}{:>10}{:>10}{:>10}", "two tubes", "kept", "new", "points");
-    for (name, along, around, cells) in [("252 nodes each", 13, 9, 1), ("1,458 nodes each", 26, 18, 2)] {
+    println!(
+        "{:<44}{:>10}{:>10}{:>10}",
+        "two tubes", "kept", "new", "points"
+    );
+    for (name, along, around, cells) in [
+        ("252 nodes each", 13, 9, 1),
+        ("1,458 nodes each", 26, 18, 2),
+    ] {
         let mesh = tube(along, around, cells).mesh().expect("a tube");
         let edge = mesh.mean_edge_length();
         for (place, gap, reach) in [
@@ -97,7 +103,10 @@ fn tubes() {
             ("30 mm in one another", -30e-3, 0.0),
         ] {
             let turn = UnitQuaternion::from_axis_angle(&V3::x_axis(), 10f64.to_radians());
-            let other = mesh.positions.iter().map(|p| turn * p + V3::new(60e-3 + gap, 3e-3, 0.0));
+            let other = mesh
+                .positions
+                .iter()
+                .map(|p| turn * p + V3::new(60e-3 + gap, 3e-3, 0.0));
             let rest: Vec<V3> = mesh.positions.iter().copied().chain(other).collect();
             let skins = vec![
                 Skin::new(&mesh, 0),
@@ -116,7 +125,10 @@ fn tubes() {
                 steps: [0.01 * edge, 0.3 * edge],
             };
             let ([kept, new], points) = case.time();
-            println!("{:<44}{kept:>10.1}{new:>10.1}{points:>10}", format!("{name}, {place}"));
+            println!(
+                "{:<44}{kept:>10.1}{new:>10.1}{points:>10}",
+                format!("{name}, {place}")
+            );
         }
     }
 }
@@ -197,7 +209,10 @@ fn sheets() {
             let ([kept, new], points) = case.time();
             let count = (4 * n * n + 4 * n) as f64;
             let growth = before[kind].map_or_else(String::new, |(count_before, time)| {
-                format!("{:.2}", libm::log(new / time) / libm::log(count / count_before))
+                format!(
+                    "{:.2}",
+                    libm::log(new / time) / libm::log(count / count_before)
+                )
             });
             before[kind] = Some((count, new));
             let broad = new - kept;

@@ -160,9 +160,8 @@ impl Detector {
                     };
                     directions[0].find(there, other, points);
                     directions[1].find(back, own, points);
-                    directions[0].find_cuts(there, false, points);
-                    directions[1].find_cuts(back, true, points);
-                    directions[0].find_facing(there, points);
+                    let [there_direction, back_direction] = directions;
+                    there_direction.find_edges(Some(back_direction), there, points);
                 }
                 &mut Touch::Itself { body } => {
                     let body = &self.bodies[body as usize];
@@ -172,8 +171,7 @@ impl Detector {
                         frame,
                     };
                     directions[0].find(itself, None, points);
-                    directions[0].find_cuts(itself, false, points);
-                    directions[0].find_facing(itself, points);
+                    directions[0].find_edges(None, itself, points);
                 }
             }
         }

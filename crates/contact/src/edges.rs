@@ -1,18 +1,17 @@
 //! Edges across edges, of two bodies or of one.
 //!
-//! Where nodes alone are kept apart, edges still cut into one another (NUMERICS 6). Three ways to see it: an edge that goes in and out of the
-//! other surface lies across one of its edges, which is the way out; two edges that face one another with their inside closest and
-//! within the cones of normals of both are the closest parts of the two surfaces; and two edges that have passed through one another in
-//! a step keep to their sides. Edges in flat parts and in grooves have no normals of their own and are left
+//! Where nodes alone are kept apart, edges still cut into one another (NUMERICS 6). Two ridges with their insides closest, along a direction
+//! within the cones of normals of both, are the closest parts of the two surfaces there, or the deepest ones where one goes through a face
+//! at the other; and two edges that have passed through one another in a step keep to their sides. Edges in flat parts and in grooves have no normals of their own and are left
 //! to nodes and faces, parallel ones to nodes.
 
 use crate::body::Body;
-use crate::meshes::{Direction, Meeting, moved};
+use crate::meshes::{BAND, Direction, Meeting, moved};
 use crate::outward;
 use crate::point::{Key, Partner, Point};
 use crate::skin::NONE;
 use microsim_geometry::{
-    Aabb, Motion, closest_segments, edge_through_triangle, first_contact_edges, triangle_normal,
+    Motion, closest_segments, edge_through_triangle, first_contact_edges, triangle_normal,
 };
 use nalgebra::Vector3;
 
@@ -25,184 +24,151 @@ const CONE: f64 = 1e-6;
 /// Edges closer than this share of the mean edge length touch: no direction leads from one to the other.
 const AT_SURFACE: f64 = 1e-9;
 
+/// Ridges that are deeper in one another than this share of the mean edge length are left to nodes: what seems to be their way out may lead
+/// through the body.
+const DEEPEST: f64 = 0.25;
+
 /// Edges are only looked for that have passed one another when something moves by this share of the mean edge length in a step; what
 /// moves by less is still seen where it cuts in.
 const FAST: f64 = 0.05;
 
 /// An edge and an edge, with the place of closest approach on each.
-struct Across {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Across {
     edges: [u32; 2],
     shares: [f64; 2],
     normal: Vector3<f64>,
     gap: f64,
 }
 
-/// A crossing of an edge with a triangle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
-    t: f64,
-    triangle: u32,
-    goes_in: bool,
-}
-
 impl Direction {
-    /// Adds the points of edges of the first body that go in and out of the second one between nodes that are outside. `turned` when the second
-    /// body is the first side of the points.
-    pub fn find_cuts(&mut self, meeting: Meeting<'_>, turned: bool, points: &mut Vec<Point>) {
-        let Meeting {
-            first,
-            second,
-            frame,
-        } = meeting;
-        for pairs in self.near.edge_triangles.chunk_by(|a, b| a[0] == b[0]) {
-            let edge = pairs[0][0];
-            if !first.is_ridge_now(edge, frame.now) {
-                continue;
-            }
-            let [p, q] = first.edge_at(edge, frame.now);
-            let around = Aabb::of(&[p, q]);
-            self.crossings.clear();
-            for &[_, triangle] in pairs {
-                let face = second.outward.face(&second.skin, frame.now, triangle);
-                if !face.bounds.overlaps(&around) {
-                    continue;
-                }
-                let corners = outward::corners(&second.skin, frame.now, triangle);
-                if face.on_one_side(&[p - corners[0], q - corners[0]]) {
-                    continue;
-                }
-                if let Some(crossing) = edge_through_triangle(&p, &q, &corners) {
-                    self.crossings.push(Crossing {
-                        t: crossing.points.on_segment.t,
-                        triangle,
-                        goes_in: crossing.from_front,
-                    });
-                }
-            }
-            if self.crossings.len() < 2 {
-                continue;
-            }
-            self.crossings
-                .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
-            let mut came_in: Option<Crossing> = None;
-            for &crossing in &self.crossings {
-                if crossing.goes_in {
-                    came_in.get_or_insert(crossing);
-                } else if let Some(entry) = came_in.take()
-                    && let Some(across) = meeting.cut(edge, &[entry, crossing], pairs)
-                {
-                    meeting.add_edges(&across, turned, points);
-                }
-            }
-        }
-    }
-
     /// Adds the points of edges that face one another, and of edges that have passed one another in the step.
-    pub fn find_facing(&self, meeting: Meeting<'_>, points: &mut Vec<Point>) {
-        let Meeting {
-            first,
-            second,
-            frame,
-        } = meeting;
+    /// `back` are the nodes of the second body inside the first, where that is another one.
+    pub fn find_edges(
+        &mut self,
+        back: Option<&Direction>,
+        meeting: Meeting<'_>,
+        points: &mut Vec<Point>,
+    ) {
+        let Meeting { first, second, .. } = meeting;
         let is_fast =
             first.travel + second.travel > FAST * first.skin.mean_edge.min(second.skin.mean_edge);
-        if !(is_fast || frame.reach > 0.0) {
-            return;
-        }
+        let mut across = std::mem::take(&mut self.across);
+        across.clear();
         for &[a, b] in &self.near.edges {
-            let across = meeting.facing(a, b);
-            let across = across.or_else(|| is_fast.then(|| meeting.passed(a, b)).flatten());
-            if let Some(across) = across {
-                meeting.add_edges(&across, false, points);
+            let found = meeting.facing(a, b);
+            across.extend(found.or_else(|| is_fast.then(|| meeting.passed(a, b)).flatten()));
+        }
+        // Of several ways out the shortest is right: that of a node of one of the edges, or of the next edge.
+        let shallow = |direction: &Self, nodes: [u32; 2], gap: f64| {
+            let mut depths = nodes.into_iter().filter_map(|node| direction.depth(node));
+            depths.any(|depth| depth < -gap)
+        };
+        across.retain(|&Across { edges, gap, .. }| {
+            let nodes = first.skin.edges[edges[0] as usize].nodes;
+            let others = second.skin.edges[edges[1] as usize].nodes;
+            !(shallow(self, nodes, gap) || shallow(back.unwrap_or(self), others, gap))
+        });
+        keep_shallowest(&mut across, 0, second);
+        across.sort_unstable_by_key(|across| [across.edges[1], across.edges[0]]);
+        keep_shallowest(&mut across, 1, first);
+        for across in &across {
+            meeting.add_edges(across, points);
+        }
+        self.across = across;
+    }
+}
+
+/// Of an edge that is in two neighbouring edges, the deeper one goes. `across` is ascending by `one` of its edges, and the others are those of
+/// `body`.
+fn keep_shallowest(across: &mut Vec<Across>, one: usize, body: &Body) {
+    let other = 1 - one;
+    let share_node = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|edge| body.skin.edges[edge as usize].nodes);
+        a.iter().any(|node| b.contains(node))
+    };
+    let mut first = 0;
+    while first < across.len() {
+        let edge = across[first].edges[one];
+        let group = across[first..]
+            .iter()
+            .take_while(|next| next.edges[one] == edge);
+        let last = first + group.count();
+        for k in first..last {
+            let Across { edges, gap, .. } = across[k];
+            let is_deeper = across[first..last]
+                .iter()
+                .any(|next| next.gap > gap && share_node(next.edges[other], edges[other]));
+            // Marked, not removed: it still counts against others of the group, as they do against it.
+            if gap < 0.0 && is_deeper {
+                across[k].shares[0] = f64::NAN;
             }
         }
+        first = last;
     }
+    across.retain(|across| !across.shares[0].is_nan());
 }
 
 impl Meeting<'_> {
-    /// The edge of the second body that leads out of it with the shortest way, for an edge of the first one that is inside between two crossings.
-    fn cut(&self, edge: u32, crossings: &[Crossing; 2], pairs: &[[u32; 2]]) -> Option<Across> {
-        let [p, q] = self.first.edge_at(edge, self.frame.now);
-        let (skin, now) = (&self.second.skin, self.frame.now);
-        let face = |triangle: u32| self.second.outward.face(skin, now, triangle);
-        let outward = crossings.map(|crossing| face(crossing.triangle).normal);
-        // The shortest way within both cones, or if there is none, the shortest that leads out through both faces.
-        let mut best: Option<(bool, Across)> = None;
-        let around = Aabb::of(&[p, q]);
-        for &[_, triangle] in pairs {
-            // What is near for other reasons does not matter.
-            if !face(triangle).bounds.overlaps(&around) {
-                continue;
-            }
-            for other in skin.triangle_edges[triangle as usize] {
-                let [a, b] = self.second.edge_at(other, now);
-                let Some((shares, apart, across)) = inner(&[p, q], &[a, b]) else {
-                    continue;
-                };
-                let within = shares[0] >= crossings[0].t && shares[0] <= crossings[1].t;
-                if !(within && self.second.is_ridge_now(other, now)) {
-                    continue;
-                }
-                // The edge is on the way out where the other one is deeper.
-                let normal = if apart.dot(&across) > 0.0 {
-                    -across
-                } else {
-                    across
-                };
-                let gap = apart.dot(&normal);
-                let in_cones = self.first.in_cone(edge, &-normal, now)
-                    && self.second.in_cone(other, &normal, now);
-                if !(in_cones || outward.iter().all(|face| normal.dot(face) >= -CONE)) {
-                    continue;
-                }
-                let order = (!in_cones, -gap, other);
-                let is_new = best
-                    .as_ref()
-                    .is_none_or(|(beside, best)| order < (*beside, -best.gap, best.edges[1]));
-                if is_new {
-                    let edges = [edge, other];
-                    let across = Across {
-                        edges,
-                        shares,
-                        normal,
-                        gap,
-                    };
-                    best = Some((!in_cones, across));
-                }
-            }
-        }
-        best.map(|(_, across)| across)
-    }
-
-    /// Two edges whose insides are the closest parts of both surfaces there.
+    /// Two ridges whose insides are the closest parts of both surfaces there, or that are in one another.
     fn facing(&self, a: u32, b: u32) -> Option<Across> {
         let (reach, now) = (self.frame.reach, self.frame.now);
         if !(self.first.is_ridge_now(a, now) && self.second.is_ridge_now(b, now)) {
             return None;
         }
-        let first = self.first.edge_at(a, self.frame.now);
-        let second = self.second.edge_at(b, self.frame.now);
+        let first = self.first.edge_at(a, now);
+        let second = self.second.edge_at(b, now);
         let (shares, apart, across) = inner(&first, &second)?;
+        let edge = self.first.skin.mean_edge.min(self.second.skin.mean_edge);
         let distance = apart.norm();
-        if !(distance < reach) {
+        if !(distance < reach.max(DEEPEST * edge)) {
             return None;
         }
-        let at_surface = distance <= AT_SURFACE * self.second.skin.mean_edge;
-        let normals = if at_surface {
-            [across, -across]
-        } else {
-            [apart / distance; 2]
-        };
-        let normal = normals.into_iter().find(|normal| {
-            self.first.in_cone(a, &-normal, self.frame.now)
-                && self.second.in_cone(b, normal, self.frame.now)
+        let across = [across, -across].into_iter().find(|normal| {
+            self.first.in_cone(a, &-normal, now) && self.second.in_cone(b, normal, now)
         })?;
-        Some(Across {
+        let height = apart.dot(&across);
+        // The difference of two places far apart has a better direction than the product of two edges.
+        let normal = if distance > AT_SURFACE * edge {
+            apart / height.signum() / distance
+        } else {
+            across
+        };
+        let gap = apart.dot(&normal);
+        let is_there = if gap >= 0.0 {
+            gap < reach
+        } else {
+            // What was apart in this direction before the step came in along it; what was not was in one another then.
+            let moved = |at: &[Vector3<f64>]| {
+                let place = |[p, q]: [Vector3<f64>; 2], share: f64| p + (q - p) * share;
+                place(self.first.edge_at(a, at), shares[0])
+                    - place(self.second.edge_at(b, at), shares[1])
+            };
+            let before = moved(self.frame.start).dot(&normal);
+            gap > -DEEPEST * edge
+                && self.cut(a, b, now)
+                && (before > -BAND * edge || self.cut(a, b, self.frame.start))
+        };
+        is_there.then_some(Across {
             edges: [a, b],
             shares,
             normal,
-            gap: apart.dot(&normal),
+            gap,
         })
+    }
+
+    /// Whether one of two edges goes through a face at the other.
+    fn cut(&self, a: u32, b: u32, at: &[Vector3<f64>]) -> bool {
+        let through = |(one, edge): (&Body, u32), (other, next): (&Body, u32)| {
+            let [p, q] = one.edge_at(edge, at);
+            let triangles = other.skin.edges[next as usize].triangles;
+            triangles.iter().any(|&triangle| {
+                let corners = outward::corners(&other.skin, at, triangle);
+                edge_through_triangle(&p, &q, &corners).is_some()
+            })
+        };
+        let (first, second) = ((self.first, a), (self.second, b));
+        through(first, second) || through(second, first)
     }
 
     /// Two edges that went through one another in the step.
@@ -239,7 +205,7 @@ impl Meeting<'_> {
         })
     }
 
-    fn add_edges(&self, across: &Across, turned: bool, points: &mut Vec<Point>) {
+    fn add_edges(&self, across: &Across, points: &mut Vec<Point>) {
         if !(across.gap < self.frame.reach) {
             return;
         }
@@ -251,7 +217,7 @@ impl Meeting<'_> {
             gap,
         } = *across;
         let itself = self.first.index == self.second.index;
-        if turned || (itself && edges[0] > edges[1]) {
+        if itself && edges[0] > edges[1] {
             bodies.swap(0, 1);
             edges.swap(0, 1);
             shares.swap(0, 1);

@@ -1,18 +1,20 @@
 //! Bodies against one another, and against themselves.
 //!
-//! A node inside has the depth and the way out of [`Depths`]; one that is outside, its distance from the nearest point of the other
-//! surface; and one that has come through a face in the step, the distance along the normal that it had before. Edges across edges
-//! see `edges`.
+//! A node that has come in during the step, or through, has the depth below the face that it came through; one that was in before, the
+//! depth and the way out of [`Depths`]; and one that is outside, its distance from the nearest point of the other surface. Edges
+//! across edges see `edges`.
 
 use crate::body::Body;
 use crate::depth::{Depths, crossing, nearest};
 use crate::detector::{Frame, VesselEnd};
-use crate::edges::Crossing;
+use crate::edges::Across;
 use crate::near::Near;
 use crate::outward;
 use crate::point::{Key, Partner, Point};
 use crate::skin::NONE;
-use microsim_geometry::{Motion, TrianglePoint, closest_on_triangle, first_contact_point_triangle};
+use microsim_geometry::{
+    Motion, TrianglePoint, closest_on_triangle, first_contact_point_triangle, triangle_normal,
+};
 use nalgebra::Vector3;
 
 /// A node is at a surface when it is closer than this share of the mean edge length: no direction leads from it to there.
@@ -26,6 +28,10 @@ const FACING: f64 = 0.1;
 /// curved, its nodes stand for their surroundings.
 const SLOPE: f64 = 0.5;
 
+/// A node less deep before the step than this share of the mean edge length was at the surface: implicit solvers leave gaps of up to a
+/// thousandth of it.
+pub(crate) const BAND: f64 = 2e-3;
+
 /// Within a body, what is less deep than this share of the mean edge length is rounding of neighbours (NUMERICS 6).
 const SELF_DEPTH: f64 = 1e-4;
 
@@ -34,9 +40,11 @@ const SELF_DEPTH: f64 = 1e-4;
 pub(crate) struct Direction {
     pub near: Near,
     pub depths: Depths,
-    pub crossings: Vec<Crossing>,
+    pub across: Vec<Across>,
     /// The nodes that the end-plane rule is for.
     caught: Vec<u32>,
+    /// The nodes that have come in during the step, with their depths.
+    done: Vec<(u32, f64)>,
 }
 
 /// Two bodies, or one twice, in a frame.
@@ -55,17 +63,31 @@ impl Direction {
             second,
             frame,
         } = meeting;
-        self.near.update(first, second, frame.reach);
+        let band = BAND * second.skin.mean_edge;
+        self.near.update(first, second, frame.reach + band);
         self.depths.find(first, second, &self.near, frame);
         self.caught.clear();
         if let Some(end) = end {
             let inside = self.depths.nodes.iter().map(|deep| deep.node);
             meeting.at_end(end, inside, &self.near, &mut self.caught, points);
         }
+        self.done.clear();
+        for pairs in self.near.node_triangles.chunk_by(|a, b| a[0] == b[0]) {
+            let node = pairs[0][0];
+            if self.caught.binary_search(&node).is_ok() {
+                continue;
+            }
+            if let Some(depth) = meeting.entered(node, pairs, points) {
+                self.done.push((node, depth));
+            } else if self.depths.place(node).is_none() {
+                meeting.outside(node, pairs, points);
+            }
+        }
         let itself = first.index == second.index;
         for deep in &self.depths.nodes {
             let is_noise = itself && deep.depth < SELF_DEPTH * first.skin.mean_edge;
-            let is_done = self.caught.binary_search(&deep.node).is_ok();
+            let is_done =
+                self.caught.binary_search(&deep.node).is_ok() || self.come_in(deep.node).is_some();
             if is_noise || is_done || !deep.has_way() {
                 continue;
             }
@@ -78,18 +100,30 @@ impl Direction {
                 meeting.add(deep.node, nodes, &at, &deep.out, -deep.depth, points);
             }
         }
-        for pairs in self.near.node_triangles.chunk_by(|a, b| a[0] == b[0]) {
-            let node = pairs[0][0];
-            if self.depths.place(node).is_none() && self.caught.binary_search(&node).is_err() {
-                meeting.outside(node, pairs, points);
-            }
-        }
+    }
+}
+
+impl Direction {
+    /// The depth of a node that has come in during the step.
+    fn come_in(&self, node: u32) -> Option<f64> {
+        let place = self.done.binary_search_by_key(&node, |&(node, _)| node);
+        place.ok().map(|place| self.done[place].1)
+    }
+
+    /// The depth of a node that is inside.
+    pub fn depth(&self, node: u32) -> Option<f64> {
+        let deep = || {
+            self.depths
+                .place(node)
+                .map(|place| self.depths.nodes[place].depth)
+        };
+        self.come_in(node).or_else(deep)
     }
 }
 
 impl Meeting<'_> {
-    /// A node that is not inside now.
-    fn outside(&self, node: u32, pairs: &[[u32; 2]], points: &mut Vec<Point>) {
+    /// A node that was outside before the step and has come in since, or through: its depth.
+    fn entered(&self, node: u32, pairs: &[[u32; 2]], points: &mut Vec<Point>) -> Option<f64> {
         let Self {
             first,
             second,
@@ -97,26 +131,63 @@ impl Meeting<'_> {
         } = self;
         let skin = &second.skin;
         let (from, to) = (frame.start[node as usize], frame.now[node as usize]);
+        let band = BAND * skin.mean_edge;
+        let mut best: Option<(f64, u32)> = None;
+        for &[_, triangle] in pairs {
+            let corners = outward::corners(skin, frame.now, triangle);
+            let normal = second.outward.face(skin, frame.now, triangle).normal;
+            if !((to - corners[0]).dot(&normal) < 0.0) {
+                continue;
+            }
+            let start = outward::corners(skin, frame.start, triangle);
+            let Some(normal) = triangle_normal(&start) else {
+                continue;
+            };
+            let height = (from - start[0]).dot(&normal);
+            if !(height > -band) {
+                continue;
+            }
+            // What lies at the surface counts as outside.
+            let lifted = from + normal * (band - height).max(0.0);
+            let point = Motion {
+                start: [lifted],
+                end: [to],
+            };
+            let triangle_motion = Motion {
+                start,
+                end: corners,
+            };
+            if let Some(contact) = first_contact_point_triangle(&point, &triangle_motion, 0.0) {
+                let found = (contact.time, triangle);
+                if best.is_none_or(|best| found < best) {
+                    best = Some(found);
+                }
+            }
+        }
+        let (_, triangle) = best?;
+        let corners = outward::corners(skin, frame.now, triangle);
+        let normal = second.outward.face(skin, frame.now, triangle).normal;
+        let outward = first.outward.of_node(&first.skin, frame.now, node);
+        if outward.dot(&normal) > FACING {
+            return None;
+        }
+        let at = closest_on_triangle(&to, &corners);
+        let gap = (to - corners[0]).dot(&normal);
+        let nodes = &skin.triangles[triangle as usize];
+        self.add(node, nodes, &at, &normal, gap, points);
+        Some(-gap)
+    }
+
+    /// A node that is not inside now, and has not passed through.
+    fn outside(&self, node: u32, pairs: &[[u32; 2]], points: &mut Vec<Point>) {
+        let Self { second, frame, .. } = self;
+        let skin = &second.skin;
+        let to = frame.now[node as usize];
         let mut best: Option<(f64, u32, TrianglePoint)> = None;
-        let mut entered: Option<(f64, u32)> = None;
         for &[_, triangle] in pairs {
             let corners = outward::corners(skin, frame.now, triangle);
             let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
             let height = (to - corners[0]).dot(&normal);
-            if height < 0.0 {
-                let start = outward::corners(skin, frame.start, triangle);
-                let normal = (start[1] - start[0]).cross(&(start[2] - start[0]));
-                if (from - start[0]).dot(&normal) > 0.0 {
-                    let motions = motions(&from, &to, &start, &corners);
-                    if let Some(contact) = first_contact_point_triangle(&motions.0, &motions.1, 0.0)
-                    {
-                        let found = (contact.time, triangle);
-                        if entered.is_none_or(|entered| found < entered) {
-                            entered = Some(found);
-                        }
-                    }
-                }
-            }
             if height * height > frame.reach * frame.reach * normal.norm_squared() {
                 continue;
             }
@@ -124,28 +195,6 @@ impl Meeting<'_> {
             let found = ((at.point - to).norm(), triangle);
             if found.0 < frame.reach && best.is_none_or(|best| found < (best.0, best.1)) {
                 best = Some((found.0, triangle, at));
-            }
-        }
-        if let Some((_, triangle)) = entered {
-            let corners = outward::corners(skin, frame.now, triangle);
-            let start = outward::corners(skin, frame.start, triangle);
-            let motions = motions(&from, &to, &start, &corners);
-            if let Some(contact) = first_contact_point_triangle(&motions.0, &motions.1, 0.0) {
-                let [b0, b1, b2] = contact.second;
-                let at = TrianglePoint {
-                    point: corners[0] * b0 + corners[1] * b1 + corners[2] * b2,
-                    barycentric: contact.second,
-                };
-                let normal = contact
-                    .normal
-                    .unwrap_or_else(|| second.outward.face(skin, frame.now, triangle).normal);
-                let gap = (to - at.point).dot(&normal);
-                let outward = first.outward.of_node(&first.skin, frame.now, node);
-                if gap < 0.0 && outward.dot(&normal) <= FACING {
-                    let nodes = &skin.triangles[triangle as usize];
-                    self.add(node, nodes, &at, &normal, gap, points);
-                    return;
-                }
             }
         }
         let Some((distance, triangle, at)) = best else {
@@ -224,21 +273,4 @@ pub(crate) fn moved(frame: &Frame<'_>, nodes: &[u32; 4], weights: &[f64; 4]) -> 
         sum += (frame.now[node as usize] - frame.start[node as usize]) * weight;
     }
     sum
-}
-
-fn motions(
-    from: &Vector3<f64>,
-    to: &Vector3<f64>,
-    start: &[Vector3<f64>; 3],
-    end: &[Vector3<f64>; 3],
-) -> (Motion<1>, Motion<3>) {
-    let point = Motion {
-        start: [*from],
-        end: [*to],
-    };
-    let triangle = Motion {
-        start: *start,
-        end: *end,
-    };
-    (point, triangle)
 }

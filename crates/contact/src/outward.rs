@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::skin::{NONE, Skin};
-use microsim_geometry::{Aabb, TriangleFeature, TrianglePoint, triangle_normal};
+use microsim_geometry::{TriangleFeature, TrianglePoint, triangle_normal};
 use nalgebra::Vector3;
 use std::cell::Cell;
 
@@ -22,8 +22,6 @@ pub(crate) struct Face {
     size: f64,
     /// The unit normal; zero of one without area.
     pub normal: Vector3<f64>,
-    /// The box around it.
-    pub bounds: Aabb,
 }
 
 /// What is derived from the positions of a surface at one time, each worked out when it is first asked for.
@@ -52,7 +50,6 @@ impl Outward {
                 cross: Vector3::zeros(),
                 size: 0.0,
                 normal: Vector3::zeros(),
-                bounds: Aabb::empty(),
             };
             self.faces.clear();
             self.faces.resize(skin.triangles.len(), Cell::new(face));
@@ -86,7 +83,6 @@ impl Outward {
             cross: u.cross(&v),
             size: u.amax() * v.amax(),
             normal: triangle_normal(&corners).unwrap_or_default(),
-            bounds: Aabb::of(&corners),
         };
         kept.set(face);
         face

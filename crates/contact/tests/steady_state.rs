@@ -43,7 +43,12 @@ fn no_allocation_in_the_steady_state() {
     };
     let (lower, upper) = (block(1.0), block(3.0));
     let count = lower.positions.len();
-    let rest: Vec<_> = lower.positions.iter().chain(&upper.positions).copied().collect();
+    let rest: Vec<_> = lower
+        .positions
+        .iter()
+        .chain(&upper.positions)
+        .copied()
+        .collect();
     let skins = vec![Skin::new(&lower, 0), Skin::new(&upper, count as u32)];
     let plane = Rigid {
         shape: RigidShape::HalfSpace,

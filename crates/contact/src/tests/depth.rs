@@ -7,17 +7,20 @@ const BODIES: Touch = Touch::Bodies {
 };
 
 /// A block with inner nodes moved at random, `layers` layers deep in a wide one below it.
-fn sunk(layers: usize, random: &mut Random) -> Group {
+fn sunk(layers: usize, random: &mut Random, map: impl Fn(V3) -> V3) -> Group {
     let mut upper = block([0.02, 0.01, 0.0], [3, 3, layers + 1]);
     let bottom = -0.5 * (layers + 1) as f64;
     for p in &mut upper.positions {
         *p += random.vector() * 0.15 - V3::z() * (bottom + layers as f64 - 0.4);
     }
-    let lower = sized(
+    let mut lower = sized(
         [0.0, 0.0, -10.0 - layers as f64],
         [12.0, 12.0, 20.0 + 2.0 * layers as f64],
         [4, 4, 2],
     );
+    for p in upper.positions.iter_mut().chain(&mut lower.positions) {
+        *p = map(*p);
+    }
     Group::new(&[&upper, &lower], Vec::new(), vec![BODIES])
 }
 
@@ -26,7 +29,7 @@ fn sunk(layers: usize, random: &mut Random) -> Group {
 fn the_depth_below_a_plane_is_exact_in_every_layer() {
     let mut random = Random(7);
     for layers in [1, 2, 3, 5, 8] {
-        let mut group = sunk(layers, &mut random);
+        let mut group = sunk(layers, &mut random, |p| p);
         let points = group.find();
         let upper = 16 * (layers + 2);
         let inside = group.now[..upper].iter().filter(|p| p.z < 0.0).count();
@@ -48,15 +51,11 @@ fn the_depth_below_a_plane_is_exact_in_every_layer() {
 /// Turned, moved far away and scaled: the same depths.
 #[test]
 fn depths_do_not_depend_on_place_and_scale() {
-    let mut random = Random(8);
-    let mut group = sunk(3, &mut random);
-    let before = group.find();
+    let before = sunk(3, &mut Random(8), |p| p).find();
     let turn = nalgebra::UnitQuaternion::new(V3::new(0.4, -0.8, 0.3));
     let scale = 1.0 / 1024.0;
-    for p in group.start.iter_mut().chain(&mut group.now) {
-        *p = turn * *p * scale + V3::new(1.0, 2.0, -3.0);
-    }
-    let after = group.find();
+    let map = |p: V3| turn * p * scale + V3::new(1.0, 2.0, -3.0);
+    let after = sunk(3, &mut Random(8), map).find();
     let rest: Vec<_> = before.iter().zip(&after).collect();
     assert_eq!(before.len(), after.len());
     for (a, b) in rest {
