@@ -39,6 +39,8 @@ pub(crate) struct Across {
     shares: [f64; 2],
     normal: Vector3<f64>,
     gap: f64,
+    /// Whether the edges were in one another from before the step.
+    is_old: bool,
 }
 
 impl Direction {
@@ -59,15 +61,22 @@ impl Direction {
             let found = meeting.facing(a, b);
             across.extend(found.or_else(|| is_fast.then(|| meeting.passed(a, b)).flatten()));
         }
-        // Of several ways out the shortest is right: that of a node of one of the edges, or of the next edge.
-        let shallow = |direction: &Self, nodes: [u32; 2], gap: f64| {
-            let mut depths = nodes.into_iter().filter_map(|node| direction.depth(node));
-            depths.any(|depth| depth < -gap)
+        // Of several ways out that of what came in during the step is right, else the shortest: be it that of a node of one of the edges,
+        // or of the next edge.
+        let is_better = |direction: &Self, nodes: [u32; 2], across: &Across| {
+            nodes.into_iter().any(|node| {
+                direction
+                    .depth(node)
+                    .is_some_and(|depth| depth < -across.gap)
+                    || (across.is_old && direction.come_in(node).is_some())
+            })
         };
-        across.retain(|&Across { edges, gap, .. }| {
-            let nodes = first.skin.edges[edges[0] as usize].nodes;
-            let others = second.skin.edges[edges[1] as usize].nodes;
-            !(shallow(self, nodes, gap) || shallow(back.unwrap_or(self), others, gap))
+        across.retain(|across| {
+            let nodes = first.skin.edges[across.edges[0] as usize].nodes;
+            let others = second.skin.edges[across.edges[1] as usize].nodes;
+            let back = back.unwrap_or(self);
+            across.gap >= 0.0
+                || !(is_better(self, nodes, across) || is_better(back, others, across))
         });
         keep_shallowest(&mut across, 0, second);
         across.sort_unstable_by_key(|across| [across.edges[1], across.edges[0]]);
@@ -79,7 +88,7 @@ impl Direction {
     }
 }
 
-/// Of an edge that is in two neighbouring edges, the deeper one goes. `across` is ascending by `one` of its edges, and the others are those of
+/// Of an edge that is in two neighbouring edges, the older or deeper one goes. `across` is ascending by `one` of its edges, and the others are those of
 /// `body`.
 fn keep_shallowest(across: &mut Vec<Across>, one: usize, body: &Body) {
     let other = 1 - one;
@@ -95,10 +104,13 @@ fn keep_shallowest(across: &mut Vec<Across>, one: usize, body: &Body) {
             .take_while(|next| next.edges[one] == edge);
         let last = first + group.count();
         for k in first..last {
-            let Across { edges, gap, .. } = across[k];
-            let is_deeper = across[first..last]
-                .iter()
-                .any(|next| next.gap > gap && share_node(next.edges[other], edges[other]));
+            let Across {
+                edges, gap, is_old, ..
+            } = across[k];
+            let is_deeper = across[first..last].iter().any(|next| {
+                (!next.is_old, next.gap) > (!is_old, gap)
+                    && share_node(next.edges[other], edges[other])
+            });
             // Marked, not removed: it still counts against others of the group, as they do against it.
             if gap < 0.0 && is_deeper {
                 across[k].shares[0] = f64::NAN;
@@ -135,25 +147,27 @@ impl Meeting<'_> {
             across
         };
         let gap = apart.dot(&normal);
+        let mut is_old = false;
         let is_there = if gap >= 0.0 {
             gap < reach
         } else {
-            // What was apart in this direction before the step came in along it; what was not was in one another then.
             let moved = |at: &[Vector3<f64>]| {
                 let place = |[p, q]: [Vector3<f64>; 2], share: f64| p + (q - p) * share;
                 place(self.first.edge_at(a, at), shares[0])
                     - place(self.second.edge_at(b, at), shares[1])
             };
-            let before = moved(self.frame.start).dot(&normal);
+            // What was apart in this direction before the step came in along it; what was not was in one another then.
+            is_old = moved(self.frame.start).dot(&normal) <= -BAND * edge;
             gap > -DEEPEST * edge
                 && self.cut(a, b, now)
-                && (before > -BAND * edge || self.cut(a, b, self.frame.start))
+                && (!is_old || self.cut(a, b, self.frame.start))
         };
         is_there.then_some(Across {
             edges: [a, b],
             shares,
             normal,
             gap,
+            is_old,
         })
     }
 
@@ -202,6 +216,7 @@ impl Meeting<'_> {
             shares,
             normal,
             gap,
+            is_old: false,
         })
     }
 
@@ -215,6 +230,7 @@ impl Meeting<'_> {
             mut shares,
             mut normal,
             gap,
+            ..
         } = *across;
         let itself = self.first.index == self.second.index;
         if itself && edges[0] > edges[1] {

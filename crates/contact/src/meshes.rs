@@ -105,7 +105,7 @@ impl Direction {
 
 impl Direction {
     /// The depth of a node that has come in during the step.
-    fn come_in(&self, node: u32) -> Option<f64> {
+    pub fn come_in(&self, node: u32) -> Option<f64> {
         let place = self.done.binary_search_by_key(&node, |&(node, _)| node);
         place.ok().map(|place| self.done[place].1)
     }

@@ -192,3 +192,55 @@ fn the_order_of_elements_and_bodies_does_not_matter() {
         }
     }
 }
+
+/// Two tubes end to end, turned and beside one another, that come 0.02 into one another in a step: whatever touches is pushed back the way
+/// it came, ridges as well as nodes, though for many a way to the side would be shorter. And so in the next step, which starts at the
+/// surface to within what a solver leaves.
+#[test]
+fn ends_that_meet_are_pushed_back_the_way_they_came() {
+    use microsim_mesh::{Arc, Layer, Tube};
+    let tube = Tube {
+        center: [0.0; 3],
+        axis: [1.0, 0.0, 0.0],
+        inner_radius: 0.8,
+        layers: vec![Layer {
+            thickness: 0.2,
+            cells: 1,
+            region: 0,
+        }],
+        length: 4.0,
+        around: 9,
+        along: 8,
+        arc: Arc::Full,
+        split: CellSplit::Kuhn,
+    };
+    let left = tube.mesh().expect("a tube");
+    for (turn, beside) in [(0.17, 0.3), (0.05, 0.01), (0.3, 0.15), (0.01, 0.19)] {
+        let turn = nalgebra::UnitQuaternion::from_axis_angle(&V3::x_axis(), turn);
+        let mut right = left.clone();
+        for p in &mut right.positions {
+            *p = turn * *p + V3::new(4.0, beside, 0.0);
+        }
+        for before in [0.01, 0.0, -1e-4] {
+            let mut group = Group::new(&[&left, &right], Vec::new(), vec![BODIES]);
+            let count = left.positions.len();
+            for p in &mut group.start[count..] {
+                p.x += before;
+            }
+            for p in &mut group.now[count..] {
+                p.x -= 0.02;
+            }
+            for reach in [0.0, 0.05] {
+                group.reach = reach;
+                let points = group.find();
+                assert!(points.len() > 4);
+                for point in points {
+                    if point.gap < 0.0 {
+                        assert!(point.normal.x.abs() > 0.999, "{before} {beside} {point:?}");
+                        assert!((point.gap + 0.02).abs() < 1e-10, "{before} {point:?}");
+                    }
+                }
+            }
+        }
+    }
+}
