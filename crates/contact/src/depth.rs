@@ -50,8 +50,8 @@ pub(crate) struct Depths {
 }
 
 impl Depths {
-    /// The nodes of `first` that are inside of `second` now, with their depths.
-    pub fn find(&mut self, first: &Body, second: &Body, near: &Near, frame: &Frame<'_>) {
+    /// Replaces the nodes by those of `first` that are inside of `second` now, without depths yet.
+    pub fn mark(&mut self, second: &Body, near: &Near, frame: &Frame<'_>) {
         self.nodes.clear();
         for pairs in near.node_tets.chunk_by(|a, b| a[0] == b[0]) {
             let node = pairs[0][0];
@@ -69,9 +69,10 @@ impl Depths {
                 });
             }
         }
-        if self.nodes.is_empty() {
-            return;
-        }
+    }
+
+    /// The depths of all nodes.
+    pub fn solve(&mut self, first: &Body, second: &Body, frame: &Frame<'_>) {
         self.layer.clear();
         for place in 0..self.nodes.len() {
             if let Some((depth, out)) = self.at_border(place, first, second, frame) {
@@ -225,7 +226,8 @@ impl Mean {
     }
 
     fn finish(&self) -> Option<(f64, Vector3<f64>)> {
-        if !(self.weight > 0.0) {
+        let has_any = self.weight > 0.0;
+        if !has_any {
             return None;
         }
         let out = self.out / self.weight;

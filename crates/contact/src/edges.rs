@@ -133,7 +133,8 @@ impl Meeting<'_> {
         let (shares, apart, across) = inner(&first, &second)?;
         let edge = self.first.skin.mean_edge.min(self.second.skin.mean_edge);
         let distance = apart.norm();
-        if !(distance < reach.max(DEEPEST * edge)) {
+        let is_near = distance < reach.max(DEEPEST * edge);
+        if !is_near {
             return None;
         }
         let across = [across, -across].into_iter().find(|normal| {
@@ -221,7 +222,8 @@ impl Meeting<'_> {
     }
 
     fn add_edges(&self, across: &Across, points: &mut Vec<Point>) {
-        if !(across.gap < self.frame.reach) {
+        let is_near = across.gap < self.frame.reach;
+        if !is_near {
             return;
         }
         let mut bodies = [self.first, self.second];
@@ -310,7 +312,8 @@ fn inner(
     let (u, v) = (q - p, b - a);
     let across = u.cross(&v);
     let squared = across.norm_squared();
-    if !(squared > PARALLEL * u.norm_squared() * v.norm_squared()) {
+    let is_across = squared > PARALLEL * u.norm_squared() * v.norm_squared();
+    if !is_across {
         return None;
     }
     let closest = closest_segments(p, q, a, b);

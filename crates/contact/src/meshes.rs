@@ -65,7 +65,7 @@ impl Direction {
         } = meeting;
         let band = BAND * second.skin.mean_edge;
         self.near.update(first, second, frame.reach + band);
-        self.depths.find(first, second, &self.near, frame);
+        self.depths.mark(second, &self.near, frame);
         self.caught.clear();
         if let Some(end) = end {
             let inside = self.depths.nodes.iter().map(|deep| deep.node);
@@ -83,12 +83,17 @@ impl Direction {
                 meeting.outside(node, pairs, points);
             }
         }
+        let is_done =
+            |node: u32| self.caught.binary_search(&node).is_ok() || self.come_in(node).is_some();
+        // Where all have come in just now, no more is asked of how they did.
+        if self.depths.nodes.iter().all(|deep| self.is_done(deep.node)) {
+            return;
+        }
+        self.depths.solve(first, second, frame);
         let itself = first.index == second.index;
         for deep in &self.depths.nodes {
             let is_noise = itself && deep.depth < SELF_DEPTH * first.skin.mean_edge;
-            let is_done =
-                self.caught.binary_search(&deep.node).is_ok() || self.come_in(deep.node).is_some();
-            if is_noise || is_done || !deep.has_way() {
+            if is_noise || self.is_done(deep.node) || !deep.has_way() {
                 continue;
             }
             let p = &frame.now[deep.node as usize];
@@ -104,6 +109,11 @@ impl Direction {
 }
 
 impl Direction {
+    /// Whether a node has its point already.
+    fn is_done(&self, node: u32) -> bool {
+        self.caught.binary_search(&node).is_ok() || self.come_in(node).is_some()
+    }
+
     /// The depth of a node that has come in during the step.
     pub fn come_in(&self, node: u32) -> Option<f64> {
         let place = self.done.binary_search_by_key(&node, |&(node, _)| node);
@@ -136,7 +146,8 @@ impl Meeting<'_> {
         for &[_, triangle] in pairs {
             let corners = outward::corners(skin, frame.now, triangle);
             let normal = second.outward.face(skin, frame.now, triangle).normal;
-            if !((to - corners[0]).dot(&normal) < 0.0) {
+            let is_behind = (to - corners[0]).dot(&normal) < 0.0;
+            if !is_behind {
                 continue;
             }
             let start = outward::corners(skin, frame.start, triangle);
@@ -144,7 +155,8 @@ impl Meeting<'_> {
                 continue;
             };
             let height = (from - start[0]).dot(&normal);
-            if !(height > -band) {
+            let was_outside = height > -band;
+            if !was_outside {
                 continue;
             }
             // What lies at the surface counts as outside.
@@ -238,7 +250,8 @@ impl Meeting<'_> {
         points: &mut Vec<Point>,
     ) {
         let frame = self.frame;
-        if !(gap < frame.reach) {
+        let is_near = gap < frame.reach;
+        if !is_near {
             return;
         }
         let [a, b, c] = *triangle;

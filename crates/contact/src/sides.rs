@@ -31,9 +31,11 @@ impl Sides {
                 }
             }
         }
-        // Equal ones in the order of the points.
-        self.entries
-            .sort_by_key(|&(partner, node, _)| (partner, node));
+        // In an order of its own, so that sums do not depend on that of the points.
+        self.entries.sort_unstable_by(|a, b| {
+            let numbers = |n: &Vector3<f64>| n.map(f64::to_bits).data.0[0];
+            (a.0, a.1, numbers(&a.2)).cmp(&(b.0, b.1, numbers(&b.2)))
+        });
         self.entries.dedup_by(|later, first| {
             let same = (later.0, later.1) == (first.0, first.1);
             if same {

@@ -115,7 +115,8 @@ impl Search<'_> {
                 return Some(normal);
             }
             share += distance / way;
-            if !(share < 1.0) {
+            let is_on_the_way = share < 1.0;
+            if !is_on_the_way {
                 return None;
             }
         }
@@ -188,7 +189,8 @@ impl Search<'_> {
         let [p, q] = nodes.map(|node| self.frame.now[node as usize]);
         let (u, v) = (q - p, b - a);
         let across = u.cross(&v);
-        if !(across.norm_squared() > PARALLEL * u.norm_squared() * v.norm_squared()) {
+        let is_across = across.norm_squared() > PARALLEL * u.norm_squared() * v.norm_squared();
+        if !is_across {
             return;
         }
         let closest = closest_segments(&p, &q, a, b);
@@ -270,7 +272,8 @@ impl Search<'_> {
         normal: &Vector3<f64>,
         gap: f64,
     ) {
-        if !(gap < self.frame.reach) {
+        let is_near = gap < self.frame.reach;
+        if !is_near {
             return;
         }
         let mut first = [NONE; 3];

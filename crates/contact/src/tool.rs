@@ -399,7 +399,8 @@ impl Search<'_> {
             before += self.frame.start[node] * touch.weights[k];
         }
         let gap = (place - to).dot(normal) - end.radius;
-        if !(gap < self.frame.reach) {
+        let is_near = gap < self.frame.reach;
+        if !is_near {
             return;
         }
         let mut first = touch.nodes;
