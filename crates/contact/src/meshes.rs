@@ -83,8 +83,6 @@ impl Direction {
                 meeting.outside(node, pairs, points);
             }
         }
-        let is_done =
-            |node: u32| self.caught.binary_search(&node).is_ok() || self.come_in(node).is_some();
         // Where all have come in just now, no more is asked of how they did.
         if self.depths.nodes.iter().all(|deep| self.is_done(deep.node)) {
             return;

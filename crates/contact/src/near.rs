@@ -20,12 +20,11 @@ pub(crate) struct Near {
 }
 
 impl Near {
-    /// Makes sure that the lists hold all pairs closer than `reach` [m]; whether they changed. `apart` says of two nodes of one body whether
-    /// they are apart in it.
-    pub fn update(&mut self, first: &Body, second: &Body, reach: f64) -> bool {
+    /// Makes sure that the lists hold all pairs closer than `reach` [m] during the step.
+    pub fn update(&mut self, first: &Body, second: &Body, reach: f64) {
         let versions = [first.tree.version, second.tree.version];
         if self.versions == versions && self.reach >= reach {
-            return false;
+            return;
         }
         self.versions = versions;
         self.reach = reach;
@@ -35,7 +34,7 @@ impl Near {
         self.node_tets.clear();
         let bounds = second.tree.bounds.inflated(reach);
         if !first.tree.bounds.overlaps(&bounds) {
-            return true;
+            return;
         }
         let itself = first.index == second.index;
         let skin = &first.skin;
@@ -90,7 +89,6 @@ impl Near {
                 self.node_tets[start..].sort_unstable();
             }
         }
-        true
     }
 }
 

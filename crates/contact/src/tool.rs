@@ -5,6 +5,8 @@
 //! the side of the capsule on which it was: where it has come past the axis, the normal is that of the first contact in the step, or
 //! the one that is remembered. Only the front counts, the features that face the capsule: a tool above a thin layer does not
 //! touch the layer's other side. Of what a capsule was in from the start without a memory, it leaves through the nearest side.
+//!
+//! Limitations: a capsule that is so deep in tissue that no surface is within its radius touches nothing, until it comes out.
 
 use crate::body::{Body, Scratch};
 use crate::capsule_motion::CapsuleMotion;
