@@ -106,6 +106,8 @@ pub(crate) struct NewtonSolver {
     system: System,
     forces: KnownForces,
     viscous: bool,
+    /// Drag per mass of each node [1/s].
+    drags: Vec<f64>,
     /// Where the equation is being evaluated; its positions are the solution in the end.
     pub trial: State,
     /// Sum of all forces at `trial` minus the left side [N].
@@ -150,6 +152,11 @@ impl NewtonSolver {
         Self {
             system: System::new(model),
             forces: KnownForces::new(model),
+            drags: {
+                let runs = model.drags().iter();
+                runs.flat_map(|(nodes, drag)| std::iter::repeat_n(*drag, nodes.len()))
+                    .collect()
+            },
             viscous: model.sets().iter().any(|set| set.is_viscous()),
             trial: State::at_rest(model),
             residual: zeros.clone(),
@@ -346,7 +353,7 @@ impl NewtonSolver {
             return Vector3::zeros();
         }
         let v = self.trial.velocities[node];
-        ((v - base_velocities[node]) * *rate + v * problem.model.drag())
+        ((v - base_velocities[node]) * *rate + v * self.drags[node])
             * problem.model.masses()[node]
     }
 
@@ -435,7 +442,7 @@ impl NewtonSolver {
         let rate = problem.equation.rate;
         let shares = Shares {
             damping: rate,
-            mass: rate * (rate + problem.model.drag()),
+            rate,
         };
         self.system
             .assemble(problem.model, &self.trial, shares, tangent);

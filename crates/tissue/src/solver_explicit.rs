@@ -30,6 +30,7 @@
 //! the state are one step old. Loads and clamps are taken as given for the end of the step: a load that changes is followed to
 //! first order only, but for velocity Verlet without internal variables, which has those of both ends. A step that changes from call to call is not symplectic in any of them.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
@@ -59,6 +60,8 @@ pub struct SolverExplicit {
     positions: Vec<Vector3<f64>>,
     velocities: Vec<Vector3<f64>>,
     accelerations: Vec<Vector3<f64>>,
+    /// E of each node.
+    factors: Vec<f64>,
 }
 
 impl SolverExplicit {
@@ -71,33 +74,34 @@ impl SolverExplicit {
             positions: zeros.clone(),
             velocities: zeros.clone(),
             accelerations: zeros,
+            factors: vec![1.0; model.node_count()],
         }
     }
 
-    /// F/m − `drag`·v at the state into `accelerations`; zero for clamped nodes.
+    /// F/m at the state into `accelerations`, with the drag −c v where it is wanted; zero for clamped nodes.
     fn accelerate(
         &mut self,
         model: &TissueModel,
         state: &State,
         control: &Control,
-        drag: f64,
+        with_drag: bool,
         exec: &dyn Executor,
     ) {
         let forces = self.forces.compute(model, state, control, exec);
-        let nodes = forces
-            .iter()
-            .zip(model.inverse_masses())
-            .zip(&state.velocities);
-        for (acceleration, ((force, &w), velocity)) in self.accelerations.iter_mut().zip(nodes) {
-            *acceleration = match w > 0.0 {
-                true => force * w - velocity * drag,
-                false => Vector3::zeros(),
-            };
+        for (nodes, drag) in model.drags() {
+            let drag = if with_drag { *drag } else { 0.0 };
+            for node in nodes.clone() {
+                let w = model.inverse_masses()[node];
+                self.accelerations[node] = match w > 0.0 {
+                    true => forces[node] * w - state.velocities[node] * drag,
+                    false => Vector3::zeros(),
+                };
+            }
         }
     }
 
     /// Sets position, velocity and acceleration after the step to `rule(p, v, a)`, a the acceleration so far.
-    fn advance(
+    fn apply(
         &mut self,
         state: &State,
         rule: impl Fn(&Vector3<f64>, &Vector3<f64>, &Vector3<f64>) -> [Vector3<f64>; 2],
@@ -159,13 +163,17 @@ impl SolverExplicit {
         if state.accelerations.len() == state.positions.len() && state.internal.is_empty() {
             self.accelerations.copy_from_slice(&state.accelerations);
         } else {
-            self.accelerate(model, state, control, 0.0, exec);
+            self.accelerate(model, state, control, false, exec);
         }
-        let factor = libm::exp(-0.5 * model.drag() * h);
-        self.advance(state, |p, v, a| {
-            let middle = v * factor + a * (0.5 * h);
-            [p + middle * h, middle]
-        });
+        for (nodes, drag) in model.drags() {
+            let factor = libm::exp(-0.5 * drag * h);
+            for node in nodes.clone() {
+                let middle = state.velocities[node] * factor + self.accelerations[node] * (0.5 * h);
+                self.positions[node] = state.positions[node] + middle * h;
+                self.velocities[node] = middle;
+                self.factors[node] = factor;
+            }
+        }
         self.clamp(model, state, control, h);
         self.lead(model, contacts, 1.0 / h, 0.0);
         if !is_finite(&self.positions) {
@@ -179,13 +187,13 @@ impl SolverExplicit {
         let free = |node: &usize| w[*node] > 0.0;
         for node in (0..w.len()).filter(free) {
             let middle = state.velocities[node];
-            state.velocities[node] = (middle + self.accelerations[node] * (0.5 * h)) * factor;
+            state.velocities[node] = (middle + self.accelerations[node] * (0.5 * h)) * self.factors[node];
         }
         let forces = self.forces.compute(model, state, control, exec);
         for node in (0..w.len()).filter(free) {
             let acceleration = forces[node] * w[node];
             let change = acceleration - self.accelerations[node];
-            state.velocities[node] += change * (0.5 * h * factor);
+            state.velocities[node] += change * (0.5 * h * self.factors[node]);
             self.accelerations[node] = acceleration;
         }
         if !is_finite(&state.velocities) {
@@ -206,10 +214,10 @@ impl SolverExplicit {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
-        self.accelerate(model, state, control, model.drag(), exec);
+        self.accelerate(model, state, control, true, exec);
         // Before the first step nothing is lagged: h₋ = 0.
         let lag = 0.5 * state.step;
-        self.advance(state, |p, v, a| {
+        self.apply(state, |p, v, a| {
             let velocity = v + a * lag;
             [p + (velocity + a * (0.5 * h)) * h, velocity]
         });
@@ -235,12 +243,12 @@ impl SolverExplicit {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
-        self.accelerate(model, state, control, model.drag(), exec);
+        self.accelerate(model, state, control, true, exec);
         if self.scheme == Scheme::ExplicitEuler {
-            self.advance(state, |p, v, a| [p + v * h, v + a * h]);
+            self.apply(state, |p, v, a| [p + v * h, v + a * h]);
             self.clamp(model, state, control, h);
         } else {
-            self.advance(state, |p, v, a| {
+            self.apply(state, |p, v, a| {
                 let velocity = v + a * h;
                 [p + velocity * h, velocity]
             });
@@ -264,15 +272,21 @@ impl SolverExplicit {
 }
 
 impl Solver for SolverExplicit {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        if touching.is_some() {
+            return Err(StepFailure::NoContact {
+                reason: "not yet",
+            });
+        }
         match self.scheme {
             Scheme::ExplicitEuler | Scheme::SymplecticEuler => {
                 self.euler(model, state, control, contacts, h, exec)?;

@@ -44,6 +44,7 @@
 //! then holds only up to the error of the linearisation. Loads are those of the end of the step in every stage: a load that
 //! changes is followed to first order only.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::newton::{Equation, Newton, NewtonSolver};
@@ -211,15 +212,21 @@ impl SolverImplicit {
 }
 
 impl Solver for SolverImplicit {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        if touching.is_some() {
+            return Err(StepFailure::NoContact {
+                reason: "not yet",
+            });
+        }
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);
         }

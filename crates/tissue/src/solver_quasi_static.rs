@@ -9,6 +9,7 @@
 //! not held has no solution ([`StepFailure::Singular`]); one that buckles ends in one of its equilibria, the nearest downhill.
 //! Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::newton::{Equation, Newton, NewtonSolver};
@@ -88,15 +89,21 @@ impl SolverQuasiStatic {
 }
 
 impl Solver for SolverQuasiStatic {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        if touching.is_some() {
+            return Err(StepFailure::NoContact {
+                reason: "not yet",
+            });
+        }
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);
         }

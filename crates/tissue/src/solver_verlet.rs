@@ -28,6 +28,7 @@
 //! 1 + δ/2 times the right one, δ = h τ ω²) and the limit falls to h²ω² < 4 − 2δ (NUMERICS 3.1). Loads and clamps are taken as
 //! given for the end of the step: a load that changes is followed to first order only.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
@@ -45,8 +46,8 @@ pub struct SolverVerlet {
     predicted_velocities: Vec<Vector3<f64>>,
     /// h of the prediction [s].
     step: f64,
-    /// γ of the prediction [s].
-    kick: f64,
+    /// γ of the prediction, of each node [s].
+    kicks: Vec<f64>,
 }
 
 impl SolverVerlet {
@@ -58,7 +59,7 @@ impl SolverVerlet {
             predicted: zeros.clone(),
             predicted_velocities: zeros,
             step: 0.0,
-            kick: 0.0,
+            kicks: vec![0.0; model.node_count()],
         }
     }
 
@@ -73,18 +74,22 @@ impl SolverVerlet {
         exec: &dyn Executor,
     ) -> &[Vector3<f64>] {
         let forces = self.forces.compute(model, state, control, exec);
-        let factor = libm::exp(-0.5 * model.drag() * (state.step + h));
         self.step = h;
-        self.kick = 0.5 * (factor * state.step + h);
-        for (node, &w) in model.inverse_masses().iter().enumerate() {
-            // A clamped node stands still; what moves it is added below.
-            let velocity = if w == 0.0 {
-                Vector3::zeros()
-            } else {
-                state.velocities[node] * factor + forces[node] * (self.kick * w)
-            };
-            self.predicted_velocities[node] = velocity;
-            self.predicted[node] = state.positions[node] + velocity * h;
+        for (nodes, drag) in model.drags() {
+            let factor = libm::exp(-0.5 * drag * (state.step + h));
+            let kick = 0.5 * (factor * state.step + h);
+            self.kicks[nodes.clone()].fill(kick);
+            for node in nodes.clone() {
+                // A clamped node stands still; what moves it is added below.
+                let w = model.inverse_masses()[node];
+                let velocity = if w == 0.0 {
+                    Vector3::zeros()
+                } else {
+                    state.velocities[node] * factor + forces[node] * (kick * w)
+                };
+                self.predicted_velocities[node] = velocity;
+                self.predicted[node] = state.positions[node] + velocity * h;
+            }
         }
         for (node, position) in model.clamped().iter().zip(&control.clamped_positions) {
             let node = *node as usize;
@@ -109,7 +114,7 @@ impl SolverVerlet {
             }
             let force =
                 self.contact_force(model, target.node, &(target.target - self.predicted[node]));
-            let kicked = force * (self.kick * w);
+            let kicked = force * (self.kicks[node] * w);
             state.positions[node] += kicked * self.step;
             // The part of the motion that only undid an old overlap must not go on as velocity.
             state.velocities[node] += kicked - target.overlap / self.step;
@@ -129,7 +134,7 @@ impl SolverVerlet {
         if w == 0.0 {
             Vector3::zeros()
         } else {
-            correction / (self.step * self.kick * w)
+            correction / (self.step * self.kicks[node as usize] * w)
         }
     }
 
@@ -146,15 +151,21 @@ impl SolverVerlet {
 }
 
 impl Solver for SolverVerlet {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        if touching.is_some() {
+            return Err(StepFailure::NoContact {
+                reason: "not yet",
+            });
+        }
         let predicted = self.predict(model, state, control, h, exec);
         // A velocity is a difference of positions, a target a position: with these all is finite.
         let targets = contacts.targets.iter();

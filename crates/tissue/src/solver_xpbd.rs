@@ -16,6 +16,7 @@
 //! Linear momentum is conserved to rounding, angular momentum up to the first order of the sub-step. Loads are those of the start of a
 //! sub-step.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::prescribed::Prescribed;
@@ -73,24 +74,26 @@ impl SolverXpbd {
     ) {
         self.loads.fill(Vector3::zeros());
         control.add_loads(&self.positions, &mut self.loads);
-        let drag = model.drag();
-        let factor = libm::exp(-drag * h);
-        let kick = if drag > 0.0 {
-            -libm::expm1(-drag * h) / drag
-        } else {
-            h
-        };
         self.previous.copy_from_slice(&self.positions);
-        for (node, &w) in self.inverse_masses.iter().enumerate() {
-            self.positions[node] = if w > 0.0 {
-                let acceleration = control.gravity + self.loads[node] * w;
-                let velocity = self.velocities[node] * factor + acceleration * kick;
-                self.positions[node] + velocity * h
-            } else if way == 1.0 {
-                self.prescribed.ends[node]
+        for (nodes, drag) in model.drags() {
+            let factor = libm::exp(-drag * h);
+            let kick = if *drag > 0.0 {
+                -libm::expm1(-drag * h) / drag
             } else {
-                start[node] + (self.prescribed.ends[node] - start[node]) * way
+                h
             };
+            for node in nodes.clone() {
+                let w = self.inverse_masses[node];
+                self.positions[node] = if w > 0.0 {
+                    let acceleration = control.gravity + self.loads[node] * w;
+                    let velocity = self.velocities[node] * factor + acceleration * kick;
+                    self.positions[node] + velocity * h
+                } else if way == 1.0 {
+                    self.prescribed.ends[node]
+                } else {
+                    start[node] + (self.prescribed.ends[node] - start[node]) * way
+                };
+            }
         }
     }
 
@@ -121,15 +124,21 @@ impl SolverXpbd {
 }
 
 impl Solver for SolverXpbd {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         _exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        if touching.is_some() {
+            return Err(StepFailure::NoContact {
+                reason: "not yet",
+            });
+        }
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);
         }

@@ -10,13 +10,13 @@ use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// The shares of a matrix K + b·D + c·M.
+/// The shares of a matrix K + b·D + r (r + c) M, c the drag per mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shares {
     /// b [1/s].
     pub damping: f64,
-    /// c [1/s²].
-    pub mass: f64,
+    /// r [1/s].
+    pub rate: f64,
 }
 
 /// A linear system with the pattern of one model.
@@ -43,7 +43,7 @@ impl System {
         }
     }
 
-    /// Sets the matrix to K + b·D + c·M of the elements at the positions and velocities of `state`.
+    /// Sets the matrix to K + b·D + r (r + c) M of the elements at the positions and velocities of `state`.
     pub fn assemble(
         &mut self,
         model: &TissueModel,
@@ -65,10 +65,13 @@ impl System {
                 }
             }
         }
-        if shares.mass > 0.0 {
-            for (node, mass) in model.masses().iter().enumerate() {
-                let block = Matrix3::from_diagonal_element(shares.mass * mass);
-                self.matrix.add_diagonal(node, &block);
+        if shares.rate > 0.0 {
+            for (nodes, drag) in model.drags() {
+                let share = shares.rate * (shares.rate + drag);
+                for node in nodes.clone() {
+                    let block = Matrix3::from_diagonal_element(share * model.masses()[node]);
+                    self.matrix.add_diagonal(node, &block);
+                }
             }
         }
     }

@@ -38,7 +38,7 @@ impl NewtonSolver {
             if problem.equation.rate > 0.0 {
                 let v = self.trial.velocities[node];
                 let change = v - problem.equation.base_velocities[node];
-                let drag = model.drag() / problem.equation.rate;
+                let drag = self.drags[node] / problem.equation.rate;
                 inertia +=
                     0.5 * model.masses()[node] * (change.norm_squared() + drag * v.norm_squared());
             }
