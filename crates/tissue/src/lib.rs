@@ -7,6 +7,7 @@
 //! its own – parallel loops run on an [`Executor`] that the caller brings, and give the same bits on any. SI units, world
 //! frame.
 
+mod components;
 mod contact;
 pub mod elements;
 mod executor;
@@ -19,6 +20,7 @@ mod method;
 mod model;
 mod newton;
 mod prescribed;
+mod projection;
 mod solver;
 mod solver_explicit;
 mod solver_implicit;

@@ -169,11 +169,6 @@ impl NewtonSolver {
         }
     }
 
-    /// The linear system.
-    pub fn system(&self) -> &System {
-        &self.system
-    }
-
     /// Takes over what elements see of `state` besides positions and velocities.
     pub fn begin(&mut self, state: &State) {
         self.trial.internal.copy_from_slice(&state.internal);

@@ -30,10 +30,11 @@
 //! the state are one step old. Loads and clamps are taken as given for the end of the step: a load that changes is followed to
 //! first order only, but for velocity Verlet without internal variables, which has those of both ends. A step that changes from call to call is not symplectic in any of them.
 
-use crate::contact::Touching;
+use crate::contact::{Contact, Touching};
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
+use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
 use nalgebra::Vector3;
@@ -62,6 +63,8 @@ pub struct SolverExplicit {
     accelerations: Vec<Vector3<f64>>,
     /// E of each node.
     factors: Vec<f64>,
+    projection: Projection,
+    led: Vec<bool>,
 }
 
 impl SolverExplicit {
@@ -75,6 +78,8 @@ impl SolverExplicit {
             velocities: zeros.clone(),
             accelerations: zeros,
             factors: vec![1.0; model.node_count()],
+            projection: Projection::new(model),
+            led: vec![false; model.node_count()],
         }
     }
 
@@ -137,11 +142,13 @@ impl SolverExplicit {
         velocity_share: f64,
         acceleration_share: f64,
     ) {
+        self.led.fill(false);
         for target in &contacts.targets {
             let node = target.node as usize;
             if model.is_clamped(node) {
                 continue;
             }
+            self.led[node] = true;
             let led = target.target - self.positions[node] - target.overlap;
             self.positions[node] = target.target;
             self.velocities[node] += led * velocity_share;
@@ -149,21 +156,59 @@ impl SolverExplicit {
         }
     }
 
+    /// Keeps gaps. A force moves a node by h (E² `before` + `after`) times its acceleration, with `times` = [h, before, after] [s]; of
+    /// that way `velocity_share` goes on as velocity and `acceleration_share` as acceleration, as in [`lead`](Self::lead).
+    fn touch(
+        &mut self,
+        model: &TissueModel,
+        state: &State,
+        touching: &mut Touching<'_>,
+        [h, before, after]: [f64; 3],
+        [velocity_share, acceleration_share]: [f64; 2],
+    ) -> Result<(), StepFailure> {
+        if !is_finite(&self.positions) {
+            return Err(StepFailure::NotFinite);
+        }
+        let (led, factors, w) = (&self.led, &self.factors, model.inverse_masses());
+        let mobility = |node: usize| match led[node] {
+            true => 0.0,
+            false => h * (factors[node] * factors[node] * before + after) * w[node],
+        };
+        self.projection
+            .touch(touching, &state.positions, mobility, h, &mut self.positions);
+        for (node, way) in self.projection.ways().iter().enumerate() {
+            self.velocities[node] += way * velocity_share;
+            self.accelerations[node] += way * acceleration_share;
+        }
+        match is_finite(&self.positions) {
+            true => Ok(()),
+            false => Err(StepFailure::NotFinite),
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn velocity_verlet(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
         // Internal variables may have flowed, or ties torn, since the last step: the accelerations carried from there would still
         // pull with the old ones.
-        if state.accelerations.len() == state.positions.len() && state.internal.is_empty() {
+        let carried = state.accelerations.len() == state.positions.len();
+        if carried && state.internal.is_empty() {
             self.accelerations.copy_from_slice(&state.accelerations);
         } else {
             self.accelerate(model, state, control, false, exec);
+            if carried {
+                for (a, kept) in self.accelerations.iter_mut().zip(&state.accelerations) {
+                    *a += kept;
+                }
+            }
         }
         for (nodes, drag) in model.drags() {
             let factor = libm::exp(-0.5 * drag * h);
@@ -178,6 +223,11 @@ impl SolverExplicit {
         self.lead(model, contacts, 1.0 / h, 0.0);
         if !is_finite(&self.positions) {
             return Err(StepFailure::NotFinite);
+        }
+        let mut touched: &[Contact] = &[];
+        if let Some(touching) = touching {
+            self.touch(model, state, touching, [h, 0.5 * h, 0.5 * h], [1.0 / h, 0.0])?;
+            touched = &touching.contacts;
         }
 
         // From here on the solver holds the state before, to go back to.
@@ -201,16 +251,57 @@ impl SolverExplicit {
             std::mem::swap(&mut state.velocities, &mut self.velocities);
             return Err(StepFailure::NotFinite);
         }
-        state.accelerations.clone_from(&self.accelerations);
+        self.settle(model, state, contacts, touched, h);
         Ok(())
     }
 
+    /// Gives nodes that are led or touched the velocity of what holds them, and the state the accelerations with which the next
+    /// step goes on as if it had not been given.
+    fn settle(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        contacts: &Contacts,
+        touched: &[Contact],
+        h: f64,
+    ) {
+        if !state.internal.is_empty() {
+            self.accelerations.fill(Vector3::zeros());
+        }
+        for target in &contacts.targets {
+            let node = target.node as usize;
+            if !model.is_clamped(node) {
+                let way = target.target - target.overlap - self.positions[node];
+                let change = way / h - state.velocities[node];
+                state.velocities[node] += change;
+                self.accelerations[node] -= change * (2.0 * self.factors[node] / h);
+            }
+        }
+        if touched.iter().any(|contact| contact.pressure > 0.0) {
+            let (led, w) = (&self.led, model.inverse_masses());
+            let inverse_mass = |node: usize| if led[node] { 0.0 } else { w[node] };
+            self.projection
+                .settle(touched, h, inverse_mass, &mut state.velocities);
+            for ((a, change), factor) in self
+                .accelerations
+                .iter_mut()
+                .zip(self.projection.ways())
+                .zip(&self.factors)
+            {
+                *a -= change * (2.0 * factor / h);
+            }
+        }
+        state.accelerations.clone_from(&self.accelerations);
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn lagged(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
@@ -229,22 +320,39 @@ impl SolverExplicit {
         self.clamp(model, state, control, h);
         let per_way = 1.0 / (h * (lag + 0.5 * h));
         self.lead(model, contacts, lag * per_way, per_way);
+        if let Some(touching) = touching {
+            self.factors.fill(1.0);
+            self.touch(
+                model,
+                state,
+                touching,
+                [h, lag, 0.5 * h],
+                [lag * per_way, per_way],
+            )?;
+        }
         self.commit(state)?;
         state.accelerations.clone_from(&self.accelerations);
         Ok(())
     }
 
+    #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn euler(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
         self.accelerate(model, state, control, true, exec);
         if self.scheme == Scheme::ExplicitEuler {
+            if touching.is_some() {
+                return Err(StepFailure::NoContact {
+                    reason: "a force of explicit Euler moves a node one step later only; use symplectic-euler, or any other method",
+                });
+            }
             self.apply(state, |p, v, a| [p + v * h, v + a * h]);
             self.clamp(model, state, control, h);
         } else {
@@ -254,6 +362,9 @@ impl SolverExplicit {
             });
             self.clamp(model, state, control, h);
             self.lead(model, contacts, 1.0 / h, 0.0);
+            if let Some(touching) = touching {
+                self.touch(model, state, touching, [h, 0.0, h], [1.0 / h, 0.0])?;
+            }
         }
         self.commit(state)?;
         state.accelerations.clear();
@@ -282,20 +393,15 @@ impl Solver for SolverExplicit {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        if touching.is_some() {
-            return Err(StepFailure::NoContact {
-                reason: "not yet",
-            });
-        }
         match self.scheme {
             Scheme::ExplicitEuler | Scheme::SymplecticEuler => {
-                self.euler(model, state, control, contacts, h, exec)?;
+                self.euler(model, state, control, contacts, touching, h, exec)?;
             }
             Scheme::VelocityVerlet => {
-                self.velocity_verlet(model, state, control, contacts, h, exec)?;
+                self.velocity_verlet(model, state, control, contacts, touching, h, exec)?;
             }
             Scheme::VelocityVerletLagged => {
-                self.lagged(model, state, control, contacts, h, exec)?;
+                self.lagged(model, state, control, contacts, touching, h, exec)?;
             }
         }
         state.step = h;

@@ -9,6 +9,7 @@
 //! not held has no solution ([`StepFailure::Singular`]); one that buckles ends in one of its equilibria, the nearest downhill.
 //! Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
+use crate::components::components;
 use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
@@ -46,7 +47,7 @@ impl SolverQuasiStatic {
         let solver = NewtonSolver::new(model);
         Self {
             newton,
-            components: solver.system().components(),
+            components: components(model),
             solver,
             equation: Equation {
                 rate: 0.0,

@@ -32,6 +32,7 @@ use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
+use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
 use nalgebra::Vector3;
@@ -48,6 +49,8 @@ pub struct SolverVerlet {
     step: f64,
     /// γ of the prediction, of each node [s].
     kicks: Vec<f64>,
+    projection: Projection,
+    led: Vec<bool>,
 }
 
 impl SolverVerlet {
@@ -60,6 +63,8 @@ impl SolverVerlet {
             predicted_velocities: zeros,
             step: 0.0,
             kicks: vec![0.0; model.node_count()],
+            projection: Projection::new(model),
+            led: vec![false; model.node_count()],
         }
     }
 
@@ -122,6 +127,43 @@ impl SolverVerlet {
         state.step = self.step;
     }
 
+    /// The second half of a step in which gaps are kept.
+    fn touch(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        contacts: &Contacts,
+        touching: &mut Touching<'_>,
+    ) -> Result<(), StepFailure> {
+        let h = self.step;
+        self.led.fill(false);
+        for target in &contacts.targets {
+            let node = target.node as usize;
+            if !model.is_clamped(node) {
+                let way = target.target - self.predicted[node];
+                self.predicted[node] = target.target;
+                self.predicted_velocities[node] += (way - target.overlap) / h;
+                self.led[node] = true;
+            }
+        }
+        let mobility = |node: usize| match self.led[node] {
+            true => 0.0,
+            false => h * self.kicks[node] * model.inverse_masses()[node],
+        };
+        self.projection
+            .touch(touching, &state.positions, mobility, h, &mut self.predicted);
+        let ways = self.projection.ways();
+        for (velocity, way) in self.predicted_velocities.iter_mut().zip(ways) {
+            *velocity += way / h;
+        }
+        let sum: Vector3<f64> = self.predicted.iter().sum();
+        if !sum.iter().all(|c| c.is_finite()) {
+            return Err(StepFailure::NotFinite);
+        }
+        self.finish(model, state, &Contacts::default());
+        Ok(())
+    }
+
     /// The force F̂ [N] that moves a node by `correction` [m] from where the step begun by [`predict`](Self::predict) would
     /// bring it. Zero for a clamped node.
     pub fn contact_force(
@@ -161,11 +203,6 @@ impl Solver for SolverVerlet {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        if touching.is_some() {
-            return Err(StepFailure::NoContact {
-                reason: "not yet",
-            });
-        }
         let predicted = self.predict(model, state, control, h, exec);
         // A velocity is a difference of positions, a target a position: with these all is finite.
         let targets = contacts.targets.iter();
@@ -174,7 +211,10 @@ impl Solver for SolverVerlet {
         if !sum.iter().all(|c| c.is_finite()) {
             return Err(StepFailure::NotFinite);
         }
-        self.finish(model, state, contacts);
+        match touching {
+            None => self.finish(model, state, contacts),
+            Some(touching) => self.touch(model, state, contacts, touching)?,
+        }
         Ok(StepReport {
             iterations: 1,
             residual: 0.0,

@@ -115,28 +115,4 @@ impl System {
     pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
         self.solver.solve(&self.matrix, x, tolerance)
     }
-
-    /// For each node the lowest node that it is coupled to, directly or through others.
-    pub fn components(&self) -> Vec<u32> {
-        let pattern = self.matrix.pattern();
-        let mut lowest: Vec<u32> = (0..pattern.nodes() as u32).collect();
-        let root = |lowest: &mut Vec<u32>, mut node: u32| {
-            while lowest[node as usize] != node {
-                let next = lowest[lowest[node as usize] as usize];
-                lowest[node as usize] = next;
-                node = next;
-            }
-            node
-        };
-        for row in 0..pattern.nodes() {
-            for &column in pattern.row(row) {
-                let ends = [row as u32, column].map(|node| root(&mut lowest, node));
-                lowest[ends[0].max(ends[1]) as usize] = ends[0].min(ends[1]);
-            }
-        }
-        for node in 0..lowest.len() as u32 {
-            lowest[node as usize] = root(&mut lowest, node);
-        }
-        lowest
-    }
 }
