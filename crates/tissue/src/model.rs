@@ -234,9 +234,9 @@ impl TissueModel {
                 internal.map(|range| range.start + first_internal..range.end + first_internal),
             );
             let drags = body.drags.iter();
-            union.drags.extend(
-                drags.map(|(nodes, drag)| (nodes.start + first..nodes.end + first, *drag)),
-            );
+            union
+                .drags
+                .extend(drags.map(|(nodes, drag)| (nodes.start + first..nodes.end + first, *drag)));
             union.rest_positions.extend(&body.rest_positions);
             union.masses.extend(&body.masses);
             union.inverse_masses.extend(&body.inverse_masses);
@@ -325,7 +325,9 @@ impl TissueModel {
 
     /// Drag per mass [1/s]; the largest where bodies differ.
     pub fn drag(&self) -> f64 {
-        self.drags.iter().fold(0.0, |most, (_, drag)| drag.max(most))
+        self.drags
+            .iter()
+            .fold(0.0, |most, (_, drag)| drag.max(most))
     }
 
     /// Drag per mass [1/s] of runs of nodes, which are all nodes in order: one run per body.

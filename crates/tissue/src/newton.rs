@@ -35,14 +35,17 @@
 //! is taken, which is all of it for a closed surface or one with a prescribed rim.
 
 mod descent;
+mod gaps;
 mod known;
 
+use crate::contact::{Contact, ContactSource};
 use crate::elements::Tangent;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::solver::{StepFailure, StepReport};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
+use gaps::Gaps;
 use known::KnownForces;
 use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
@@ -64,6 +67,13 @@ const ROUGH: f64 = 1e-2;
 /// A static body with less than this share of its forces left takes no work, however large the tolerance: forces of clamps are among
 /// them, and may be many times those of a load that is to move it.
 const AT_REST: f64 = 1e-6;
+
+/// The miss of the multipliers of contacts that may be left, as a share of an edge: where the method must converge, and where not.
+const SLACK: [f64; 2] = [1e-5, 1e-3];
+
+/// An overlap that is this share of an edge takes up to so many iterations more than were asked for: surfaces turn in large steps.
+const OVERLAP: f64 = 0.02;
+const MORE: u32 = 3;
 
 /// How far Newton's method goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +108,17 @@ pub(crate) struct Equation {
     pub base_velocities: Vec<Vector3<f64>>,
     /// A force that does not depend on anything [N], for the steps of a static load; empty for none.
     pub extra: Vec<Vector3<f64>>,
+    /// Springs from each node to its x̃ [N/m], in statics; empty for none.
+    pub hold: Vec<f64>,
+}
+
+/// Contact in one equation.
+pub(crate) struct Touch<'a> {
+    pub source: &'a mut dyn ContactSource,
+    /// Positions at the start of the step [m].
+    pub start: &'a [Vector3<f64>],
+    /// The share of the step at which the equation is.
+    pub way: f64,
 }
 
 /// Working memory for one model.
@@ -120,6 +141,11 @@ pub(crate) struct NewtonSolver {
     /// n: the forces without energy at the start of an iteration [N].
     loads: Vec<Vector3<f64>>,
     scratch: Vec<Vector3<f64>>,
+    gaps: Gaps,
+    /// The residual without the forces of contacts [N].
+    others: Vec<Vector3<f64>>,
+    /// The stiffness of each node by itself at rest [N/m].
+    stiffness: Vec<f64>,
     /// The residual at the start of an iteration, while others are computed [N].
     kept: Vec<Vector3<f64>>,
 }
@@ -149,8 +175,18 @@ impl NewtonSolver {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
+        let mut system = System::new(model);
+        let none = Shares {
+            damping: 0.0,
+            rate: 0.0,
+        };
+        system.assemble(model, &State::at_rest(model), none, Tangent::Positive);
+        let stiffness = |node| system.matrix().diagonal(node).trace() / 3.0;
         Self {
-            system: System::new(model),
+            stiffness: (0..model.node_count()).map(stiffness).collect(),
+            gaps: Gaps::new(model.node_count(), model.mean_edge_length()),
+            others: zeros.clone(),
+            system,
             forces: KnownForces::new(model),
             drags: {
                 let runs = model.drags().iter();
@@ -172,6 +208,17 @@ impl NewtonSolver {
     /// Takes over what elements see of `state` besides positions and velocities.
     pub fn begin(&mut self, state: &State) {
         self.trial.internal.copy_from_slice(&state.internal);
+        self.gaps.clear();
+    }
+
+    /// The contacts of the last solution.
+    pub fn contacts(&mut self) -> &mut Vec<Contact> {
+        &mut self.gaps.contacts
+    }
+
+    /// The stiffness of each node by itself at rest [N/m].
+    pub fn stiffness(&self) -> &[f64] {
+        &self.stiffness
     }
 
     /// All forces on the nodes at `positions` without speed [N].
@@ -198,6 +245,7 @@ impl NewtonSolver {
         fixed: &[bool],
         ends: &[Vector3<f64>],
         guesses: &[&[Vector3<f64>]],
+        mut touch: Option<Touch<'_>>,
         options: &Newton,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -209,6 +257,8 @@ impl NewtonSolver {
             exec,
         };
         self.start(&problem, guesses);
+        self.find(&problem, touch.as_mut());
+        let slack = SLACK[usize::from(!options.must_converge)];
         let mut report = StepReport {
             iterations: 0,
             residual: self.evaluate(&problem, 0.0),
@@ -217,12 +267,17 @@ impl NewtonSolver {
         let moved = |node: usize| ends[node] != self.trial.positions[node];
         if equation.rate == 0.0
             && report.residual <= options.tolerance.min(AT_REST)
+            && self.gaps.miss() <= slack
             && !(0..fixed.len()).any(|node| fixed[node] && moved(node))
         {
+            self.gaps.tell();
             return Ok(report);
         }
         let mut tangent = Tangent::Exact;
-        while report.iterations < options.iterations {
+        let more = |gaps: &Gaps, iterations| {
+            iterations < options.iterations.saturating_add(MORE) && gaps.overlap() > OVERLAP
+        };
+        while report.iterations < options.iterations || more(&self.gaps, report.iterations) {
             report.iterations += 1;
             if !report.residual.is_finite() {
                 return Err(StepFailure::NotFinite);
@@ -230,9 +285,15 @@ impl NewtonSolver {
             self.from.copy_from_slice(&self.trial.positions);
             self.set_loads(&problem);
             let before = report.residual;
-            let way = self.go(&problem, ends, &mut tangent, before, options.tolerance)?;
+            let tolerances = [options.tolerance, slack];
+            let way = self.go(&problem, ends, &mut tangent, before, tolerances)?;
+            self.find(&problem, touch.as_mut());
             report.residual = self.evaluate(&problem, self.noise(fixed));
-            if report.residual <= options.tolerance && report.residual.is_finite() {
+            if report.residual <= options.tolerance
+                && report.residual.is_finite()
+                && self.gaps.miss() <= slack
+            {
+                self.gaps.tell();
                 return Ok(report);
             }
             match way {
@@ -250,7 +311,73 @@ impl NewtonSolver {
                 residual: report.residual,
             });
         }
+        self.gaps.tell();
         Ok(report)
+    }
+
+    /// Finds the contacts at `trial`.
+    fn find(&mut self, problem: &Problem<'_>, touch: Option<&mut Touch<'_>>) {
+        let Some(touch) = touch else {
+            self.gaps.clear();
+            return;
+        };
+        self.gaps.tell();
+        let positions = &self.trial.positions;
+        // Nothing can be found at what is no place; the residual will tell.
+        if !positions.iter().map(|x| x.sum()).sum::<f64>().is_finite() {
+            self.gaps.clear();
+            return;
+        }
+        let contacts = &mut self.gaps.contacts;
+        touch.source.find(touch.way, positions, contacts);
+        let Equation { rate, hold, .. } = problem.equation;
+        let (stiffness, drags) = (&self.stiffness, &self.drags);
+        self.gaps.set(touch.start, positions, *rate == 0.0, |node| {
+            if problem.fixed[node] {
+                return 0.0;
+            }
+            let inertia = rate * (rate + drags[node]) * problem.model.masses()[node];
+            stiffness[node] + inertia + hold.get(node).unwrap_or(&0.0)
+        });
+    }
+
+    /// Undoes the old overlaps of the contacts of the last solution: moves the nodes of `trial` without velocity or force, as the
+    /// matrix says the others go along.
+    pub fn undo(
+        &mut self,
+        model: &TissueModel,
+        control: &Control,
+        equation: &Equation,
+        fixed: &[bool],
+        exec: &dyn Executor,
+    ) -> Result<(), StepFailure> {
+        if !self.gaps.set_undoing(SLACK[1]) {
+            return Ok(());
+        }
+        let problem = Problem {
+            model,
+            control,
+            equation,
+            fixed,
+            exec,
+        };
+        self.direction.fill(Vector3::zeros());
+        self.others.fill(Vector3::zeros());
+        self.factorise(&problem, Tangent::Positive)
+            .and_then(|()| {
+                self.gaps.set_direction(
+                    &self.others,
+                    fixed,
+                    &mut self.system,
+                    [LINEAR_TOLERANCES[1], SLACK[1]],
+                    &mut self.direction,
+                )
+            })
+            .map_err(|failure| self.why_not_positive(failure))?;
+        for (x, d) in self.trial.positions.iter_mut().zip(&self.direction) {
+            *x += d;
+        }
+        Ok(())
     }
 
     /// Goes the way of one iteration from `trial`, whose residual is the share `residual` of the forces: with the matrix asked for in
@@ -261,22 +388,26 @@ impl NewtonSolver {
         ends: &[Vector3<f64>],
         tangent: &mut Tangent,
         residual: f64,
-        tolerance: f64,
+        [tolerance, slack]: [f64; 2],
     ) -> Result<Way, StepFailure> {
         let linear_tolerance =
             (LINEAR * tolerance / residual).clamp(LINEAR_TOLERANCES[0], LINEAR_TOLERANCES[1]);
+        let tolerances = [linear_tolerance, slack];
         loop {
             let exact = *tangent == Tangent::Exact;
+            let jumps = self.set_jumps(problem.fixed, ends);
             let direction = self
                 .factorise(problem, *tangent)
-                .and_then(|()| self.set_direction(problem.fixed, ends, linear_tolerance));
+                .and_then(|()| self.set_direction(problem.fixed, jumps, tolerances))
+                .map(|()| jumps);
             match direction {
                 Ok(true) => {
                     self.lift(problem, ends);
                     return Ok(Way::Jump);
                 }
                 Ok(false) => {
-                    let far = exact && residual >= FAR;
+                    // A bent way would not keep gaps.
+                    let far = exact && residual >= FAR && self.gaps.is_empty();
                     self.set_bend(problem, far);
                     let share = self.search(problem);
                     if share > 0.0 {
@@ -348,8 +479,7 @@ impl NewtonSolver {
             return Vector3::zeros();
         }
         let v = self.trial.velocities[node];
-        ((v - base_velocities[node]) * *rate + v * self.drags[node])
-            * problem.model.masses()[node]
+        ((v - base_velocities[node]) * *rate + v * self.drags[node]) * problem.model.masses()[node]
     }
 
     /// Computes the residual at `trial`; returns its size as a share of the forces, 0 where it is not above `noise`.
@@ -367,7 +497,11 @@ impl NewtonSolver {
             scale += force.norm_squared() + (mass * weight) * (mass * weight);
             self.residual[node] = Vector3::zeros();
             if !problem.fixed[node] {
-                let inertia = self.inertia(problem, node);
+                let mut inertia = self.inertia(problem, node);
+                if let Some(hold) = problem.equation.hold.get(node) {
+                    let way = self.trial.positions[node] - problem.equation.base[node];
+                    inertia += way * *hold;
+                }
                 scale += inertia.norm_squared();
                 let residual = force - inertia;
                 self.residual[node] = residual;
@@ -380,11 +514,32 @@ impl NewtonSolver {
             .control
             .add_loads(&self.trial.positions, &mut self.scratch);
         scale += self.scratch.iter().map(Vector3::norm_squared).sum::<f64>();
+        if !self.gaps.is_empty() {
+            self.others.copy_from_slice(&self.residual);
+            self.add_contacts(problem.fixed);
+            left = 0.0;
+            for (residual, others) in self.residual.iter().zip(&self.others) {
+                left += residual.norm_squared();
+                scale += (residual - others).norm_squared();
+            }
+        }
         let left = left.sqrt();
         if left <= noise {
             0.0
         } else {
             left / scale.sqrt()
+        }
+    }
+
+    /// Sets the residual at `trial` from that without contacts.
+    fn add_contacts(&mut self, fixed: &[bool]) {
+        self.residual.copy_from_slice(&self.others);
+        self.gaps
+            .add_forces(&self.trial.positions, &mut self.residual);
+        for (residual, fixed) in self.residual.iter_mut().zip(fixed) {
+            if *fixed {
+                *residual = Vector3::zeros();
+            }
         }
     }
 
@@ -432,7 +587,7 @@ impl NewtonSolver {
         }
     }
 
-    /// Assembles and factors the matrix at `trial`.
+    /// Assembles and factors the matrix at `trial`, with the contacts that are closed along the direction.
     fn factorise(&mut self, problem: &Problem<'_>, tangent: Tangent) -> Result<(), NotPositive> {
         let rate = problem.equation.rate;
         let shares = Shares {
@@ -445,6 +600,10 @@ impl NewtonSolver {
             self.system
                 .add_pressures(&problem.control.pressures, &self.trial.positions);
         }
+        for (node, hold) in problem.equation.hold.iter().enumerate() {
+            self.system.add_diagonal(node, *hold);
+        }
+        self.gaps.stiffen(&self.direction, &mut self.system);
         self.system.factorise(problem.fixed)
     }
 
@@ -460,13 +619,8 @@ impl NewtonSolver {
         }
     }
 
-    /// Solves for the step; returns whether prescribed nodes are still to jump.
-    fn set_direction(
-        &mut self,
-        fixed: &[bool],
-        ends: &[Vector3<f64>],
-        tolerance: f64,
-    ) -> Result<bool, NotPositive> {
+    /// Sets the direction to the jumps of prescribed nodes; returns whether there are any.
+    fn set_jumps(&mut self, fixed: &[bool], ends: &[Vector3<f64>]) -> bool {
         let mut jumps = false;
         for (node, d) in self.direction.iter_mut().enumerate() {
             *d = Vector3::zeros();
@@ -474,6 +628,29 @@ impl NewtonSolver {
                 *d = ends[node] - self.from[node];
                 jumps |= *d != Vector3::zeros();
             }
+        }
+        jumps
+    }
+
+    /// Solves for the step; the direction holds the jumps of prescribed nodes.
+    fn set_direction(
+        &mut self,
+        fixed: &[bool],
+        jumps: bool,
+        tolerances: [f64; 2],
+    ) -> Result<(), NotPositive> {
+        if !self.gaps.is_empty() {
+            let Self {
+                gaps,
+                system,
+                others,
+                direction,
+                ..
+            } = self;
+            gaps.set_direction(others, fixed, system, tolerances, direction)?;
+            // Multipliers have changed.
+            self.add_contacts(fixed);
+            return Ok(());
         }
         if jumps {
             self.system
@@ -488,8 +665,7 @@ impl NewtonSolver {
                 }
             }
         }
-        self.system.solve(&mut self.direction, tolerance)?;
-        Ok(jumps)
+        self.system.solve(&mut self.direction, tolerances[0])
     }
 
     /// Sets c such that the forces left on the way x + s d + s² c, beyond their linear decrease, are of third order in s:

@@ -123,7 +123,12 @@ impl Projection {
         for (way, x) in self.before.iter_mut().zip(&*positions) {
             *way = x - *way;
         }
-        self.undo(&touching.contacts, |node| mobility(node) == 0.0, h, positions);
+        self.undo(
+            &touching.contacts,
+            |node| mobility(node) == 0.0,
+            h,
+            positions,
+        );
     }
 
     /// How far the forces of the last [`touch`](Self::touch) have moved each node [m].

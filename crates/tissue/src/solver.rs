@@ -1,8 +1,8 @@
 //! What every solver is: one step, and what it says of it.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::contact::Touching;
 use crate::state::{Contacts, Control, State};
 use std::fmt::Debug;
 
@@ -96,7 +96,9 @@ impl std::fmt::Display for StepFailure {
                 f,
                 "node {node} can move without resistance: the body needs a clamp or something to rest on, or a method with inertia and a shorter step"
             ),
-            Self::NoContact { reason } => write!(f, "the method cannot keep bodies apart: {reason}"),
+            Self::NoContact { reason } => {
+                write!(f, "the method cannot keep bodies apart: {reason}")
+            }
         }
     }
 }

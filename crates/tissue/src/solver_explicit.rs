@@ -226,7 +226,13 @@ impl SolverExplicit {
         }
         let mut touched: &[Contact] = &[];
         if let Some(touching) = touching {
-            self.touch(model, state, touching, [h, 0.5 * h, 0.5 * h], [1.0 / h, 0.0])?;
+            self.touch(
+                model,
+                state,
+                touching,
+                [h, 0.5 * h, 0.5 * h],
+                [1.0 / h, 0.0],
+            )?;
             touched = &touching.contacts;
         }
 
@@ -237,7 +243,8 @@ impl SolverExplicit {
         let free = |node: &usize| w[*node] > 0.0;
         for node in (0..w.len()).filter(free) {
             let middle = state.velocities[node];
-            state.velocities[node] = (middle + self.accelerations[node] * (0.5 * h)) * self.factors[node];
+            state.velocities[node] =
+                (middle + self.accelerations[node] * (0.5 * h)) * self.factors[node];
         }
         let forces = self.forces.compute(model, state, control, exec);
         for node in (0..w.len()).filter(free) {

@@ -44,10 +44,10 @@
 //! then holds only up to the error of the linearisation. Loads are those of the end of the step in every stage: a load that
 //! changes is followed to first order only.
 
-use crate::contact::Touching;
+use crate::contact::{Contact, Touching};
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver};
+use crate::newton::{Equation, Newton, NewtonSolver, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
@@ -88,6 +88,8 @@ pub struct SolverImplicit {
     ballistic: Vec<Vector3<f64>>,
     /// End of the first of two stages [m].
     first_positions: Vec<Vector3<f64>>,
+    /// Contacts of the first of two stages, with the forces that were there before [N].
+    first: Vec<(Contact, Vector3<f64>)>,
 }
 
 impl SolverImplicit {
@@ -103,11 +105,13 @@ impl SolverImplicit {
                 base: zeros.clone(),
                 base_velocities: zeros.clone(),
                 extra: Vec::new(),
+                hold: Vec::new(),
             },
             prescribed: Prescribed::new(model.node_count()),
             ends: zeros.clone(),
             ballistic: zeros.clone(),
             first_positions: zeros,
+            first: Vec::new(),
         }
     }
 
@@ -122,6 +126,7 @@ impl SolverImplicit {
         way: f64,
         start: &[Vector3<f64>],
         near: &[Vector3<f64>],
+        touch: Option<&mut Touching<'_>>,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         self.equation.rate = 1.0 / span;
@@ -135,6 +140,11 @@ impl SolverImplicit {
                 start + (self.prescribed.ends[node] - start) * way
             };
         }
+        let touch = touch.map(|touching| Touch {
+            source: &mut *touching.source,
+            start,
+            way,
+        });
         self.solver.solve(
             model,
             control,
@@ -142,6 +152,7 @@ impl SolverImplicit {
             &self.prescribed.fixed,
             &self.ends,
             &[near, &self.ballistic],
+            touch,
             &self.newton,
             exec,
         )
@@ -187,6 +198,7 @@ impl SolverImplicit {
         model: &TissueModel,
         state: &State,
         control: &Control,
+        mut touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -196,6 +208,9 @@ impl SolverImplicit {
             self.equation.base_velocities[node] =
                 start + (velocity - start) * ((1.0 - GAMMA) / GAMMA);
         }
+        if let Some(touching) = touching.as_deref_mut() {
+            self.take_impacts(model, touching, h);
+        }
         let near = std::mem::take(&mut self.first_positions);
         let result = self.stage(
             model,
@@ -204,74 +219,132 @@ impl SolverImplicit {
             1.0,
             &state.positions,
             &near,
+            touching.as_deref_mut(),
             exec,
         );
         self.first_positions = near;
+        if touching.is_some() {
+            for contact in self.solver.contacts() {
+                let of_first = self.first.iter().find(|(first, _)| {
+                    (first.nodes, first.first) == (contact.nodes, contact.first)
+                });
+                contact.pressure *= GAMMA;
+                if let Some((first, lasting)) = of_first {
+                    contact.pressure += (1.0 - GAMMA) * lasting.dot(&first.normal);
+                    contact.pressure += GAMMA * (first.force() - lasting).dot(&first.normal);
+                }
+            }
+        }
         result
     }
-}
 
-impl Solver for SolverImplicit {
-    fn advance(
+    /// Forces of contacts go on in the second stage where they were there in the last step already; what is more in the first stage
+    /// is an impact, that acts once. (Extrapolated as other forces are, it would throw the body back.)
+    fn take_impacts(&mut self, model: &TissueModel, touching: &mut Touching<'_>, h: f64) {
+        touching.contacts.clear();
+        let at = &self.first_positions;
+        touching.source.find(GAMMA, at, &mut touching.contacts);
+        let before = touching.contacts.iter();
+        self.first.clear();
+        for (contact, before) in self.solver.contacts().iter().zip(before) {
+            let traction = contact.traction;
+            let share = before.traction.norm() / traction.norm().max(f64::MIN_POSITIVE);
+            let share = match before.traction.dot(&traction) > 0.0 {
+                true => share.min(1.0),
+                false => 0.0,
+            };
+            let lasting = contact.normal * contact.pressure.min(before.pressure) + traction * share;
+            let impact = (contact.force() - lasting) * ((2.0 * GAMMA - 1.0) * h);
+            for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
+                let node = node as usize;
+                let change = impact * (weight * model.inverse_masses()[node]);
+                self.equation.base_velocities[node] += change;
+            }
+            self.first.push((*contact, lasting));
+        }
+    }
+
+    /// Whether anything is or will be touched where nodes fly on.
+    fn is_touched(&mut self, state: &State, touching: &mut Touching<'_>, h: f64) -> bool {
+        for (node, x) in self.ballistic.iter_mut().enumerate() {
+            *x = match self.prescribed.fixed[node] {
+                true => self.prescribed.ends[node],
+                false => state.positions[node] + state.velocities[node] * h,
+            };
+        }
+        touching.contacts.clear();
+        let source = &mut touching.source;
+        source.find(1.0, &self.ballistic, &mut touching.contacts);
+        !touching.contacts.is_empty()
+    }
+
+    /// Makes a step in the way of `scheme`; prescribed nodes are set.
+    #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
+    fn make(
         &mut self,
+        scheme: ImplicitScheme,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        mut touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        if touching.is_some() {
-            return Err(StepFailure::NoContact {
-                reason: "not yet",
-            });
-        }
-        if !state.is_finite() {
-            return Err(StepFailure::NotFinite);
-        }
-        self.prescribed.set(model, state, control, contacts);
         self.solver.begin(state);
         self.equation.base.copy_from_slice(&state.positions);
         self.equation
             .base_velocities
             .copy_from_slice(&state.velocities);
-        let (span, way) = match self.scheme {
+        let (span, way) = match scheme {
             ImplicitScheme::BackwardEuler => (h, 1.0),
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint => (0.5 * h, 0.5),
             ImplicitScheme::Sdirk2 => (GAMMA * h, GAMMA),
         };
         let start = &state.positions;
-        let mut report = self.stage(model, control, span, way, start, start, exec)?;
-        if self.scheme == ImplicitScheme::Sdirk2 {
+        let mut report = self.stage(
+            model,
+            control,
+            span,
+            way,
+            start,
+            start,
+            touching.as_deref_mut(),
+            exec,
+        )?;
+        if scheme == ImplicitScheme::Sdirk2 {
             self.first_positions
                 .copy_from_slice(&self.solver.trial.positions);
-            let second = self.second_stage(model, state, control, h, exec)?;
+            let second =
+                self.second_stage(model, state, control, touching.as_deref_mut(), h, exec)?;
             report.iterations += second.iterations;
             report.residual = report.residual.max(second.residual);
         }
         // The stage of implicit midpoint is a step of backward Euler over half the time: where the other half would be nonsense,
         // it is made in the same way.
-        let guarded =
-            self.scheme == ImplicitScheme::GuardedMidpoint && self.is_distorted(model, state);
+        let guarded = scheme == ImplicitScheme::GuardedMidpoint && self.is_distorted(model, state);
         if guarded {
             let trial = &self.solver.trial;
             self.equation.base.copy_from_slice(&trial.positions);
             self.equation.base_velocities.fill(Vector3::zeros());
             let mut half = std::mem::take(&mut self.first_positions);
             half.copy_from_slice(&trial.positions);
-            let result = self.stage(model, control, 0.5 * h, 1.0, &half, &half, exec);
+            let result = self.stage(model, control, 0.5 * h, 1.0, &half, &half, None, exec);
             self.first_positions = half;
             let second = result?;
             report.iterations += second.iterations;
             report.residual = report.residual.max(second.residual);
+        }
+        if let Some(touching) = touching {
+            let (equation, fixed) = (&self.equation, &self.prescribed.fixed);
+            self.solver.undo(model, control, equation, fixed, exec)?;
+            std::mem::swap(self.solver.contacts(), &mut touching.contacts);
         }
         let trial = &mut self.solver.trial;
         if guarded {
             trial.velocities.fill(Vector3::zeros());
         }
         if matches!(
-            self.scheme,
+            scheme,
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint
         ) && !guarded
         {
@@ -294,6 +367,47 @@ impl Solver for SolverImplicit {
         state.accelerations.clear();
         state.step = h;
         Ok(report)
+    }
+}
+
+impl Solver for SolverImplicit {
+    fn advance(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<StepReport, StepFailure> {
+        if !state.is_finite() {
+            return Err(StepFailure::NotFinite);
+        }
+        self.prescribed.set(model, state, control, contacts);
+        let midpoint = matches!(
+            self.scheme,
+            ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint
+        );
+        let Some(touching) = touching else {
+            return self.make(self.scheme, model, state, control, None, h, exec);
+        };
+        let mut scheme = self.scheme;
+        if midpoint {
+            if !self.is_touched(state, touching, h) {
+                let before = state.clone();
+                let report = self.make(scheme, model, state, control, None, h, exec)?;
+                touching.contacts.clear();
+                let source = &mut touching.source;
+                source.find(1.0, &state.positions, &mut touching.contacts);
+                if touching.contacts.is_empty() {
+                    return Ok(report);
+                }
+                *state = before;
+            }
+            scheme = ImplicitScheme::Sdirk2;
+        }
+        self.make(scheme, model, state, control, Some(touching), h, exec)
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -13,7 +13,7 @@ use crate::components::components;
 use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver};
+use crate::newton::{Equation, Newton, NewtonSolver, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
@@ -21,6 +21,9 @@ use nalgebra::Vector3;
 
 /// The shortest share of a step that is tried.
 const SHORTEST: f64 = 1.0 / 64.0;
+
+/// Springs from the nodes of a part that contacts alone hold to where they were, over the stiffness of the node by itself.
+const LOOSE: f64 = 1e-4;
 
 /// The solver: working memory for one model.
 #[derive(Clone, Debug)]
@@ -54,6 +57,7 @@ impl SolverQuasiStatic {
                 base: Vec::new(),
                 base_velocities: Vec::new(),
                 extra: Vec::new(),
+                hold: Vec::new(),
             },
             prescribed: Prescribed::new(model.node_count()),
             held: vec![false; model.node_count()],
@@ -63,16 +67,50 @@ impl SolverQuasiStatic {
         }
     }
 
-    /// The lowest node of a part of the body that no prescribed node holds.
-    fn loose_part(&mut self) -> Option<u32> {
+    /// Gives each part that no prescribed node holds its springs; there must be a contact of it.
+    fn hold_loose_parts(
+        &mut self,
+        state: &State,
+        touching: Option<&mut Touching<'_>>,
+    ) -> Result<(), StepFailure> {
         self.held.fill(false);
+        self.equation.hold.clear();
         for (&lowest, fixed) in self.components.iter().zip(&self.prescribed.fixed) {
             self.held[lowest as usize] |= fixed;
         }
-        let lowest = self.components.iter().copied();
-        lowest
-            .into_iter()
-            .find(|&lowest| !self.held[lowest as usize])
+        let held = &mut self.held;
+        let is_loose = |lowest: &&u32| !held[**lowest as usize];
+        let Some(&first) = self.components.iter().find(is_loose) else {
+            return Ok(());
+        };
+        let Some(touching) = touching else {
+            return Err(StepFailure::Singular { node: first });
+        };
+        self.equation.base.clone_from(&state.positions);
+        for (&lowest, stiffness) in self.components.iter().zip(self.solver.stiffness()) {
+            let loose = !held[lowest as usize];
+            let spring = if loose { LOOSE * stiffness } else { 0.0 };
+            self.equation.hold.push(spring);
+        }
+        touching.contacts.clear();
+        let source = &mut touching.source;
+        source.find(1.0, &state.positions, &mut touching.contacts);
+        for contact in &touching.contacts {
+            for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
+                if weight != 0.0 {
+                    held[self.components[node as usize] as usize] = true;
+                }
+            }
+        }
+        touching.contacts.clear();
+        match self
+            .components
+            .iter()
+            .find(|lowest| !held[**lowest as usize])
+        {
+            Some(&node) => Err(StepFailure::Singular { node }),
+            None => Ok(()),
+        }
     }
 
     /// Sets the equation at the share `s` of the step that starts at `start` [m].
@@ -96,22 +134,15 @@ impl Solver for SolverQuasiStatic {
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        mut touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        if touching.is_some() {
-            return Err(StepFailure::NoContact {
-                reason: "not yet",
-            });
-        }
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);
         }
         self.prescribed.set(model, state, control, contacts);
-        if let Some(node) = self.loose_part() {
-            return Err(StepFailure::Singular { node });
-        }
+        self.hold_loose_parts(state, touching.as_deref_mut())?;
         self.solver.begin(state);
         self.solved.copy_from_slice(&state.positions);
         let mut iterations = 0;
@@ -126,6 +157,11 @@ impl Solver for SolverQuasiStatic {
                 &self.prescribed.fixed,
                 &self.ends,
                 &[&self.solved],
+                touching.as_deref_mut().map(|touching| Touch {
+                    source: &mut *touching.source,
+                    start: &state.positions,
+                    way: s,
+                }),
                 &self.newton,
                 exec,
             );
@@ -149,6 +185,7 @@ impl Solver for SolverQuasiStatic {
                                 .static_forces(model, &state.positions, control, exec);
                         self.start_forces.copy_from_slice(forces);
                     }
+                    self.solver.begin(state);
                     share *= 0.5;
                     if share < SHORTEST {
                         return Err(match failure {
@@ -166,6 +203,9 @@ impl Solver for SolverQuasiStatic {
         };
         if !self.solver.trial.is_finite() {
             return Err(StepFailure::NotFinite);
+        }
+        if let Some(touching) = touching {
+            std::mem::swap(self.solver.contacts(), &mut touching.contacts);
         }
         state.positions.copy_from_slice(&self.solved);
         state.velocities.fill(Vector3::zeros());

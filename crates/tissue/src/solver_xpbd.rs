@@ -135,9 +135,7 @@ impl Solver for SolverXpbd {
         _exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         if touching.is_some() {
-            return Err(StepFailure::NoContact {
-                reason: "not yet",
-            });
+            return Err(StepFailure::NoContact { reason: "not yet" });
         }
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);

@@ -3,6 +3,7 @@
 //! Where the blocks of each element go is found once per model; a step only adds numbers, in a fixed order, and tells
 //! [`LinearSolver`] which nodes are prescribed. Nothing is kept from one system to the next.
 
+use crate::contact::Contact;
 use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
@@ -100,6 +101,40 @@ impl System {
         }
     }
 
+    /// Adds this much to the diagonal of a node [N/m].
+    pub fn add_diagonal(&mut self, node: usize, stiffness: f64) {
+        let block = Matrix3::from_diagonal_element(stiffness);
+        self.matrix.add_diagonal(node, &block);
+    }
+
+    /// Adds w_i w_j `block` for the nodes i, j of each side of a contact; says whether they are coupled, without which nothing is added.
+    pub fn add_contact(&mut self, contact: &Contact, block: &Matrix3<f64>) -> bool {
+        let first = usize::from(contact.first);
+        let mut places = [(0, 0.0); 12];
+        let mut count = 0;
+        for side in [0..first, first..4] {
+            for i in side.clone().filter(|&i| contact.weights[i] != 0.0) {
+                for j in side.start..=i {
+                    let nodes = [contact.nodes[i] as usize, contact.nodes[j] as usize];
+                    if contact.weights[j] == 0.0 {
+                        continue;
+                    }
+                    let (row, column) = (nodes[0].max(nodes[1]), nodes[0].min(nodes[1]));
+                    let Some(slot) = self.matrix.pattern().slot(row, column) else {
+                        return false;
+                    };
+                    places[count] = (slot, contact.weights[i] * contact.weights[j]);
+                    count += 1;
+                }
+            }
+        }
+        // A block of a contact is symmetric.
+        for (slot, weight) in &places[..count] {
+            self.matrix.add_slot(*slot, &(block * *weight));
+        }
+        true
+    }
+
     /// The assembled matrix.
     pub fn matrix(&self) -> &BlockMatrix {
         &self.matrix
@@ -114,5 +149,15 @@ impl System {
     /// has no effect on the others.
     pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
         self.solver.solve(&self.matrix, x, tolerance)
+    }
+
+    /// As [`solve`](Self::solve), for the matrix and what `add` adds: q += (…) p.
+    pub fn solve_with(
+        &mut self,
+        add: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        x: &mut [Vector3<f64>],
+        tolerance: f64,
+    ) -> Result<(), NotPositive> {
+        self.solver.solve_with(&self.matrix, add, x, tolerance)
     }
 }

@@ -12,6 +12,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 mod explicit;
+mod implicit;
 
 /// What is remembered of a contact.
 type Memory = BTreeMap<[u32; 2], (f64, Vector3<f64>)>;
@@ -178,7 +179,15 @@ impl World {
         };
         let control = &self.control;
         let touching_too = Some(&mut touching);
-        let result = solver.advance(&self.model, &mut state, control, led, touching_too, h, &Serial);
+        let result = solver.advance(
+            &self.model,
+            &mut state,
+            control,
+            led,
+            touching_too,
+            h,
+            &Serial,
+        );
         self.contacts = touching.contacts;
         self.memory = remember(&self.contacts).collect();
         self.state = state;
