@@ -28,7 +28,7 @@ use crate::stability::{self, gershgorin_bound};
 use nalgebra::Vector3;
 
 /// Most sweeps over the contacts.
-const SWEEPS: u32 = 50;
+pub(crate) const SWEEPS: u32 = 50;
 /// The largest change in a sweep that is none, as a share of an edge.
 const DONE: f64 = 1e-10;
 /// How far an old overlap is undone where that strains the tissue, as a share of an edge: in the time that the fastest mode takes
@@ -118,7 +118,7 @@ impl Projection {
         self.before.copy_from_slice(positions);
         if !touching.contacts.is_empty() {
             self.begin(&mut touching.contacts, &mobility);
-            self.keep(Kept::Gaps(start), &mut touching.contacts, positions);
+            self.keep(Kept::Gaps(start), SWEEPS, &mut touching.contacts, positions);
         }
         for (way, x) in self.before.iter_mut().zip(&*positions) {
             *way = x - *way;
@@ -150,7 +150,7 @@ impl Projection {
         closed.clear();
         closed.extend(contacts.iter().filter(|contact| contact.pressure > 0.0));
         self.begin(&mut closed, inverse_mass);
-        self.keep(Kept::Speeds(h), &mut closed, velocities);
+        self.keep(Kept::Speeds(h), SWEEPS, &mut closed, velocities);
         self.closed = closed;
         for (change, v) in self.before.iter_mut().zip(&*velocities) {
             *change = v - *change;
@@ -180,13 +180,20 @@ impl Projection {
         }
     }
 
-    /// Moves `values` – positions, or velocities – and adds to the forces of the contacts until all is kept.
-    pub fn keep(&self, kept: Kept<'_>, contacts: &mut [Contact], values: &mut [Vector3<f64>]) {
+    /// Moves `values` – positions, or velocities – and adds to the forces of the contacts until all is kept, at most
+    /// in so many sweeps.
+    pub fn keep(
+        &self,
+        kept: Kept<'_>,
+        sweeps: u32,
+        contacts: &mut [Contact],
+        values: &mut [Vector3<f64>],
+    ) {
         let done = match kept {
             Kept::Gaps(_) => DONE * self.edge,
             Kept::Speeds(h) => DONE * self.edge / h,
         };
-        for _ in 0..SWEEPS {
+        for _ in 0..sweeps {
             let mut largest = 0.0f64;
             for (contact, row) in contacts.iter_mut().zip(&self.rows) {
                 if row.compliance > 0.0 {

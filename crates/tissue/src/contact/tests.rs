@@ -11,6 +11,7 @@ use crate::{Newton, build_model};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
+mod bodies;
 mod explicit;
 mod implicit;
 
