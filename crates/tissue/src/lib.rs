@@ -19,6 +19,7 @@ mod material;
 mod method;
 mod model;
 mod newton;
+mod parts;
 mod prescribed;
 mod projection;
 mod solver;

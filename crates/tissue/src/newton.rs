@@ -42,6 +42,7 @@ use crate::contact::{Contact, ContactSource};
 use crate::elements::Tangent;
 use crate::executor::Executor;
 use crate::model::TissueModel;
+use crate::parts::Parts;
 use crate::solver::{StepFailure, StepReport};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
@@ -142,6 +143,9 @@ pub(crate) struct NewtonSolver {
     loads: Vec<Vector3<f64>>,
     scratch: Vec<Vector3<f64>>,
     gaps: Gaps,
+    parts: Parts,
+    /// Whether the momentum of free parts is kept to rounding.
+    balanced: bool,
     /// The residual without the forces of contacts [N].
     others: Vec<Vector3<f64>>,
     /// The stiffness of each node by itself at rest [N/m].
@@ -186,6 +190,8 @@ impl NewtonSolver {
             stiffness: (0..model.node_count()).map(stiffness).collect(),
             gaps: Gaps::new(model.node_count(), model.mean_edge_length()),
             others: zeros.clone(),
+            parts: Parts::new(model),
+            balanced: false,
             system,
             forces: KnownForces::new(model),
             drags: {
@@ -205,8 +211,10 @@ impl NewtonSolver {
         }
     }
 
-    /// Takes over what elements see of `state` besides positions and velocities.
-    pub fn begin(&mut self, state: &State) {
+    /// Takes over what elements see of `state` besides positions and velocities, and whether the momentum of free parts is to be kept to
+    /// rounding, not only to the tolerance.
+    pub fn begin(&mut self, state: &State, balanced: bool) {
+        self.balanced = balanced;
         self.trial.internal.copy_from_slice(&state.internal);
         self.gaps.clear();
     }
@@ -270,7 +278,7 @@ impl NewtonSolver {
             && self.gaps.miss() <= slack
             && !(0..fixed.len()).any(|node| fixed[node] && moved(node))
         {
-            self.gaps.tell();
+            self.tell(&problem);
             return Ok(report);
         }
         let mut tangent = Tangent::Exact;
@@ -293,7 +301,7 @@ impl NewtonSolver {
                 && report.residual.is_finite()
                 && self.gaps.miss() <= slack
             {
-                self.gaps.tell();
+                self.tell(&problem);
                 return Ok(report);
             }
             match way {
@@ -311,7 +319,7 @@ impl NewtonSolver {
                 residual: report.residual,
             });
         }
-        self.gaps.tell();
+        self.tell(&problem);
         Ok(report)
     }
 
@@ -341,8 +349,35 @@ impl NewtonSolver {
         });
     }
 
-    /// Undoes the old overlaps of the contacts of the last solution: moves the nodes of `trial` without velocity or force, as the
-    /// matrix says the others go along.
+    /// Tells the contacts their forces. With inertia the momentum of each part that is free is kept to rounding with these: the whole part
+    /// is moved by what linear systems have left of it.
+    fn tell(&mut self, problem: &Problem<'_>) {
+        self.gaps.tell();
+        let rate = problem.equation.rate;
+        if !self.balanced || rate == 0.0 {
+            return;
+        }
+        if !self.gaps.is_empty() {
+            self.residual.copy_from_slice(&self.others);
+        }
+        for contact in &self.gaps.contacts {
+            let force = contact.force();
+            for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
+                self.residual[node as usize] += force * weight;
+            }
+        }
+        let (masses, drags) = (problem.model.masses(), &self.drags);
+        self.parts.balance(
+            problem.fixed,
+            &self.residual,
+            |node| masses[node] * rate * (rate + drags[node]),
+            &mut self.trial.positions,
+        );
+        self.set_velocities(problem);
+    }
+
+    /// Undoes the old overlaps of the contacts of the last solution: moves the nodes of `trial` without velocity or force. Parts that
+    /// are free go as wholes; where that is not enough others go along as the matrix says.
     pub fn undo(
         &mut self,
         model: &TissueModel,
@@ -351,7 +386,7 @@ impl NewtonSolver {
         fixed: &[bool],
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
-        if !self.gaps.set_undoing(SLACK[1]) {
+        if !self.gaps.set_undoing(&self.trial.positions, SLACK[1]) {
             return Ok(());
         }
         let problem = Problem {
@@ -361,6 +396,12 @@ impl NewtonSolver {
             fixed,
             exec,
         };
+        let positions = &mut self.trial.positions;
+        self.parts
+            .separate(&self.gaps.contacts, |node| fixed[node], positions);
+        if !self.gaps.set_undoing(&self.trial.positions, SLACK[1]) {
+            return Ok(());
+        }
         self.direction.fill(Vector3::zeros());
         self.others.fill(Vector3::zeros());
         self.factorise(&problem, Tangent::Positive)

@@ -21,10 +21,10 @@
 //! Gaps are linear here; what a turn of the normal leaves of an overlap is undone in the next step. Many contacts on top of one another
 //! through light nodes converge slowly: after [`SWEEPS`] what is left is left.
 
-use crate::components::components;
 use crate::contact::{Contact, Touching};
 use crate::model::TissueModel;
-use crate::stability::{self, gershgorin_bound};
+use crate::parts::Parts;
+use crate::stability::{Part, gershgorin_bound};
 use nalgebra::Vector3;
 
 /// Most sweeps over the contacts.
@@ -45,14 +45,6 @@ struct Row {
     compliance: f64,
 }
 
-/// A part of the model that moves as a whole.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    mass: f64,
-    held: bool,
-    way: Vector3<f64>,
-}
-
 /// Working memory for one model.
 #[derive(Clone, Debug)]
 pub(crate) struct Projection {
@@ -60,9 +52,7 @@ pub(crate) struct Projection {
     /// Bound of the highest frequency [1/s].
     frequency: f64,
     rows: Vec<Row>,
-    components: Vec<u32>,
-    /// By the lowest node of each.
-    parts: Vec<Part>,
+    parts: Parts,
     /// Sums of pseudo-forces.
     pushes: Vec<f64>,
     closed: Vec<Contact>,
@@ -82,22 +72,11 @@ pub(crate) enum Kept<'a> {
 impl Projection {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel) -> Self {
-        let components = components(model);
-        let none = Part {
-            mass: 0.0,
-            held: false,
-            way: Vector3::zeros(),
-        };
-        let mut parts = vec![none; model.node_count()];
-        for (&lowest, mass) in components.iter().zip(model.masses()) {
-            parts[lowest as usize].mass += mass;
-        }
         Self {
             edge: model.mean_edge_length(),
-            frequency: gershgorin_bound(model, stability::Part::Stiffness).sqrt(),
+            frequency: gershgorin_bound(model, Part::Stiffness).sqrt(),
             rows: Vec::new(),
-            components,
-            parts,
+            parts: Parts::new(model),
             pushes: Vec::new(),
             closed: Vec::new(),
             before: vec![Vector3::zeros(); model.node_count()],
@@ -222,7 +201,7 @@ impl Projection {
         if !contacts.iter().any(|contact| deep(positions, contact)) {
             return;
         }
-        self.move_parts(contacts, held, positions);
+        self.parts.separate(contacts, held, positions);
         let share = (0.5 * h * self.frequency * UNDONE).clamp(0.0, MOST_UNDONE);
         self.pushes.clear();
         self.pushes.resize(contacts.len(), 0.0);
@@ -242,69 +221,6 @@ impl Projection {
             }
             if largest <= tolerance {
                 break;
-            }
-        }
-    }
-
-    /// Moves free parts as wholes until all gaps are at their floors; nothing where that cannot be.
-    fn move_parts(
-        &mut self,
-        contacts: &[Contact],
-        held: impl Fn(usize) -> bool,
-        positions: &mut [Vector3<f64>],
-    ) {
-        let Self {
-            edge,
-            components,
-            parts,
-            pushes,
-            ..
-        } = self;
-        for part in parts.iter_mut() {
-            part.held = false;
-            part.way = Vector3::zeros();
-        }
-        for (node, &lowest) in components.iter().enumerate() {
-            parts[lowest as usize].held |= held(node);
-        }
-        let inverse = |part: &Part| if part.held { 0.0 } else { 1.0 / part.mass };
-        pushes.clear();
-        pushes.resize(contacts.len(), 0.0);
-        let mut settled = false;
-        for _ in 0..SWEEPS {
-            let mut largest = 0.0f64;
-            for (contact, push) in contacts.iter().zip(&mut *pushes) {
-                let part = |node: u32| components[node as usize] as usize;
-                let first = part(contact.nodes[0]);
-                let second = contact.other_side().map(part);
-                let mut gap = contact.gap(positions) + contact.normal.dot(&parts[first].way);
-                let mut compliance = inverse(&parts[first]);
-                if let Some(second) = second {
-                    gap -= contact.normal.dot(&parts[second].way);
-                    compliance += inverse(&parts[second]);
-                }
-                if compliance == 0.0 || second == Some(first) {
-                    continue;
-                }
-                let pushed = (*push + (contact.floor - gap) / compliance).max(0.0);
-                let change = contact.normal * (pushed - *push);
-                largest = largest.max((pushed - *push) * compliance);
-                *push = pushed;
-                let first = &mut parts[first];
-                first.way += change * inverse(first);
-                if let Some(second) = second {
-                    let second = &mut parts[second];
-                    second.way -= change * inverse(second);
-                }
-            }
-            settled = largest <= DONE * *edge;
-            if settled {
-                break;
-            }
-        }
-        if settled {
-            for (x, &lowest) in positions.iter_mut().zip(&*components) {
-                *x += parts[lowest as usize].way;
             }
         }
     }

@@ -90,6 +90,8 @@ pub struct SolverImplicit {
     first_positions: Vec<Vector3<f64>>,
     /// Contacts of the first of two stages, with the forces that were there before [N].
     first: Vec<(Contact, Vector3<f64>)>,
+    /// Whether the step is one with contact.
+    balanced: bool,
 }
 
 impl SolverImplicit {
@@ -112,6 +114,7 @@ impl SolverImplicit {
             ballistic: zeros.clone(),
             first_positions: zeros,
             first: Vec::new(),
+            balanced: false,
         }
     }
 
@@ -290,7 +293,7 @@ impl SolverImplicit {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        self.solver.begin(state);
+        self.solver.begin(state, self.balanced);
         self.equation.base.copy_from_slice(&state.positions);
         self.equation
             .base_velocities
@@ -389,6 +392,7 @@ impl Solver for SolverImplicit {
             self.scheme,
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint
         );
+        self.balanced = touching.is_some();
         let Some(touching) = touching else {
             return self.make(self.scheme, model, state, control, None, h, exec);
         };

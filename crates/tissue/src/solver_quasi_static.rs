@@ -143,7 +143,7 @@ impl Solver for SolverQuasiStatic {
         }
         self.prescribed.set(model, state, control, contacts);
         self.hold_loose_parts(state, touching.as_deref_mut())?;
-        self.solver.begin(state);
+        self.solver.begin(state, false);
         self.solved.copy_from_slice(&state.positions);
         let mut iterations = 0;
         let (mut done, mut share) = (0.0, 1.0f64);
@@ -185,7 +185,7 @@ impl Solver for SolverQuasiStatic {
                                 .static_forces(model, &state.positions, control, exec);
                         self.start_forces.copy_from_slice(forces);
                     }
-                    self.solver.begin(state);
+                    self.solver.begin(state, false);
                     share *= 0.5;
                     if share < SHORTEST {
                         return Err(match failure {

@@ -373,14 +373,16 @@ impl Gaps {
         }
     }
 
-    /// Makes of the contacts, as they are told, those that undo old overlaps; says whether any is larger than the share `slack` of an
-    /// edge.
-    pub fn set_undoing(&mut self, slack: f64) -> bool {
+    /// Makes of the contacts, as they are told, those that undo old overlaps at `positions`; says whether any is larger than the share
+    /// `slack` of an edge.
+    pub fn set_undoing(&mut self, positions: &[Vector3<f64>], slack: f64) -> bool {
+        self.base.copy_from_slice(positions);
         let mut any = false;
         for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
             row.multiplier = 0.0;
             row.bound = 0.0;
             row.floor = contact.floor;
+            row.gap = contact.gap(positions);
             any |= row.stiffness > 0.0 && row.gap < row.floor - slack * self.edge;
         }
         any

@@ -50,7 +50,6 @@ fn a_block_on_a_slope_sticks_or_slides() {
             let acceleration = (world.velocity() - half).x / (0.5 * time);
             let g = world.control.gravity;
             let wanted = (g.x + friction * g.z).max(0.0);
-            println!("{method:?} {share}: {acceleration} {wanted}");
             if share < 1.0 {
                 let speed = world.velocity().norm();
                 assert!(speed < 1e-3 * 9.81 * time, "{method:?}: {speed} m/s");
@@ -99,13 +98,16 @@ fn blocks_that_hit_each_other_keep_momentum() {
             deepest = deepest.min(world.deepest());
         }
         let edge = world.model.mean_edge_length();
-        let after = world.velocity();
-        println!(
-            "{method:?}: energy {} of {start}, deepest {}, momentum {}",
-            most,
-            deepest / edge,
-            (after - before).norm()
-        );
+        let change = (world.velocity() - before).norm();
+        assert!(change < 1e-12 * 0.5, "{method:?}: {change} m/s");
+        assert!(most <= start * (1.0 + 1e-9), "{method:?}: {most} of {start}");
+        assert!(deepest >= -1e-3 * edge, "{method:?}: {}", deepest / edge);
+        // They have parted: what was 0.8 m/s of approach is none.
+        let part = |nodes: std::ops::Range<usize>| -> f64 {
+            nodes.map(|node| world.state.velocities[node].x).sum()
+        };
+        let nodes = nodes as usize;
+        assert!(part(0..nodes) > part(nodes..2 * nodes), "{method:?}");
     }
 }
 
@@ -113,7 +115,7 @@ fn blocks_that_hit_each_other_keep_momentum() {
 #[test]
 fn a_pulled_block_slips_at_the_force_of_friction() {
     for (method, h) in all() {
-        let mut world = World::new(free_block([2, 2, 1], 50.0), method);
+        let mut world = World::new(free_block([2, 2, 1], 10.0), method);
         let friction = 0.5;
         world.reach = if method.is_explicit() { 0.0 } else { 0.1e-3 };
         world.planes = vec![Plane {
@@ -140,13 +142,10 @@ fn a_pulled_block_slips_at_the_force_of_friction() {
             if pull < 0.98 * friction * weight {
                 held = held.max(world.velocity().x);
             }
-            holds = -world.force().x;
+            if step >= steps - steps / 5 {
+                holds -= world.force().x / (steps / 5) as f64;
+            }
         }
-        println!(
-            "{method:?}: {held} m/s held, {} m/s, {} of μN",
-            world.velocity().x,
-            holds / (friction * weight)
-        );
         assert!(held < 2e-3, "{method:?}: {held} m/s");
         assert!(world.velocity().x > 0.1);
         let share = holds / (friction * weight);
@@ -154,7 +153,7 @@ fn a_pulled_block_slips_at_the_force_of_friction() {
     }
 }
 
-/// A clamped block with a wall deep inside gets out at no force that counts, and nothing flies.
+/// A free block with a wall deep inside is taken out of it as a whole: nothing flies, nothing is strained.
 #[test]
 fn old_overlaps_are_undone_in_peace() {
     for (method, h) in all() {
@@ -173,7 +172,8 @@ fn old_overlaps_are_undone_in_peace() {
             most = most.max(world.state.energies(&world.model).total());
         }
         let edge = world.model.mean_edge_length();
-        println!("{method:?}: {most} J, deepest {}", world.deepest() / edge);
         assert!(world.deepest() > -0.01 * edge, "{method:?}");
+        // Springs at rest have forces of rounding.
+        assert!(most < 1e-20, "{method:?}: {most} J");
     }
 }
