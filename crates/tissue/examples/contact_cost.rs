@@ -110,7 +110,7 @@ fn main() {
             law: LawName::StableNeoHookean,
             young,
             poisson: 0.45,
-            discretisation: Discretisation::NodalPressure,
+            discretisation: Discretisation::PatchPressure,
         }),
     };
     let materials = [(0, material(300e3)), (1, material(60e3))];

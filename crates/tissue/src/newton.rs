@@ -60,7 +60,7 @@ const FAR: f64 = 1e-3;
 const CURVED: f64 = 0.02;
 
 /// The residual at which linear systems are solved, as a share of the tolerance of Newton's method, and the least and the largest
-/// one, as shares of the right-hand side; for the curvature of the way two digits are enough.
+/// one, as shares of the right-hand side; for the curvature of the way, and for friction that need not converge, two digits are enough.
 const LINEAR: f64 = 0.1;
 const LINEAR_TOLERANCES: [f64; 2] = [1e-8, 1e-3];
 const ROUGH: f64 = 1e-2;
@@ -293,7 +293,8 @@ impl NewtonSolver {
             self.from.copy_from_slice(&self.trial.positions);
             self.set_loads(&problem);
             let before = report.residual;
-            let tolerances = [options.tolerance, slack];
+            let rough = if options.must_converge { 0.0 } else { ROUGH };
+            let tolerances = [options.tolerance, rough, slack];
             let way = self.go(&problem, ends, &mut tangent, before, tolerances)?;
             self.find(&problem, touch.as_mut());
             report.residual = self.evaluate(&problem, self.noise(fixed));
@@ -403,6 +404,7 @@ impl NewtonSolver {
             return Ok(());
         }
         self.direction.fill(Vector3::zeros());
+        self.gaps.predict(&mut self.direction);
         self.others.fill(Vector3::zeros());
         self.factorise(&problem, Tangent::Positive)
             .and_then(|()| {
@@ -410,7 +412,7 @@ impl NewtonSolver {
                     &self.others,
                     fixed,
                     &mut self.system,
-                    [LINEAR_TOLERANCES[1], SLACK[1]],
+                    [LINEAR_TOLERANCES[1], LINEAR_TOLERANCES[1], SLACK[1]],
                     &mut self.direction,
                 )
             })
@@ -429,11 +431,11 @@ impl NewtonSolver {
         ends: &[Vector3<f64>],
         tangent: &mut Tangent,
         residual: f64,
-        [tolerance, slack]: [f64; 2],
+        [tolerance, rough, slack]: [f64; 3],
     ) -> Result<Way, StepFailure> {
         let linear_tolerance =
             (LINEAR * tolerance / residual).clamp(LINEAR_TOLERANCES[0], LINEAR_TOLERANCES[1]);
-        let tolerances = [linear_tolerance, slack];
+        let tolerances = [linear_tolerance, rough, slack];
         loop {
             let exact = *tangent == Tangent::Exact;
             let jumps = self.set_jumps(problem.fixed, ends);
@@ -660,7 +662,7 @@ impl NewtonSolver {
         }
     }
 
-    /// Sets the direction to the jumps of prescribed nodes; returns whether there are any.
+    /// Sets the direction to the jumps of prescribed nodes, with a guess of how surfaces move others; returns whether there are any.
     fn set_jumps(&mut self, fixed: &[bool], ends: &[Vector3<f64>]) -> bool {
         let mut jumps = false;
         for (node, d) in self.direction.iter_mut().enumerate() {
@@ -670,6 +672,7 @@ impl NewtonSolver {
                 jumps |= *d != Vector3::zeros();
             }
         }
+        self.gaps.predict(&mut self.direction);
         jumps
     }
 
@@ -678,7 +681,7 @@ impl NewtonSolver {
         &mut self,
         fixed: &[bool],
         jumps: bool,
-        tolerances: [f64; 2],
+        tolerances: [f64; 3],
     ) -> Result<(), NotPositive> {
         if !self.gaps.is_empty() {
             let Self {

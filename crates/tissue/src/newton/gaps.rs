@@ -3,17 +3,17 @@
 //! A contact whose sides have come closer by y since the start of an iteration has the energy
 //!
 //! ```text
-//! ψ(y) = 1/(2ρ) max(0, λ − ρ (g − floor))²  +  H(t₋ − k u)/k          g = g₀ + n·y     u = u₀ + (1 − n nᵀ) y
+//! ψ(y) = 1/(2ρ) max(0, λ − ρ (g − floor))²  +  H(t − k u)/k          g = g₀ + n·y     u = u₀ + (1 − n nᵀ) y
 //! ```
 //!
-//! with the multiplier λ, the traction t₋ at the start of the step, the way u that the sides have slid since then, and Huber's
-//! function H(t) = ½ t², linear where |t| > μ λ: the augmented Lagrangian of Alart and Curnier (1991) with friction as in Simo and
-//! Laursen (1992), but that the bound μ λ is the one of the last update. t₋ is remembered, so what sticks does not creep.
+//! with the multipliers λ and t, the way u that the sides have slid since the start of the step, and Huber's function H(t) = ½ t²,
+//! linear where |t| > μ λ: the augmented Lagrangian of Alart and Curnier (1991; Simo and Laursen 1992), but that the bound μ λ is the
+//! one of the last update. The multipliers of the last step are the first guess of those of this one.
 //!
 //! With the matrix K and the forces r of everything else the direction d of an iteration is the lowest point of
 //! ½ dᵀK d − r·d + Σ ψ(Σ w d), which is convex and piecewise quadratic (but for H). It is found without any further work at elements:
 //! inner iterations of Newton's method, each by conjugate gradients on K and the contacts that are closed now, with the factor of K and
-//! the contacts that were closed first; then λ and the bounds are updated, until the gaps are kept.
+//! the contacts that were closed first; then multipliers and bounds are updated, until the gaps are kept and nothing slides that sticks.
 //!
 //! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a softer ρ
 //! and more updates.
@@ -27,15 +27,15 @@ use nalgebra::{Matrix3, Vector3};
 const STIFF: f64 = 100.0;
 const SOFT: f64 = 4.0;
 /// k over ρ.
-const TANGENTIAL: f64 = 0.3;
+const TANGENTIAL: f64 = 0.1;
 
 /// Most inner iterations with the same multipliers, and most updates of those.
 const INNER: u32 = 12;
 const UPDATES: u32 = 12;
 /// Most steps of the search along an inner direction: each halves what is unknown.
 const HALVES: u32 = 30;
-/// The first inner system is solved to this share at least: forces are too large there by up to [`STIFF`].
-const FIRST: f64 = 1e-5;
+/// Sweeps over the contacts in which single nodes are put on surfaces that have moved, to begin with.
+const SWEEPS: u32 = 4;
 
 /// A contact as an iteration sees it.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +44,8 @@ struct Row {
     stiffness: f64,
     /// λ [N].
     multiplier: f64,
+    /// t [N].
+    traction: Vector3<f64>,
     /// μ λ [N].
     bound: f64,
     /// Whether both sides can move.
@@ -53,6 +55,9 @@ struct Row {
     gap: f64,
     /// u₀ [m].
     slide: Vector3<f64>,
+    /// How far each of its nodes goes for a force, all others at rest [m/N], and the gap with them.
+    responses: [f64; 4],
+    compliance: f64,
     /// What of its second derivative is in the factored matrix.
     factored: Option<Matrix3<f64>>,
     /// The second derivative now.
@@ -94,10 +99,10 @@ impl Row {
         }
     }
 
-    /// t₋ − k u.
+    /// t − k u.
     fn trial(&self, contact: &Contact, y: &Vector3<f64>, along: f64) -> Vector3<f64> {
         let slide = self.slide + y - contact.normal * along;
-        contact.traction - slide * (TANGENTIAL * self.stiffness)
+        self.traction - slide * (TANGENTIAL * self.stiffness)
     }
 
     /// The second derivative of ψ.
@@ -130,6 +135,8 @@ impl Row {
 pub(super) struct Gaps {
     pub contacts: Vec<Contact>,
     rows: Vec<Row>,
+    /// The contacts that were found before in this step, as they were told.
+    told: Vec<Contact>,
     edge: f64,
     /// Positions that the contacts were found for [m].
     base: Vec<Vector3<f64>>,
@@ -147,6 +154,7 @@ impl Gaps {
         Self {
             contacts: Vec::new(),
             rows: Vec::new(),
+            told: Vec::new(),
             edge,
             base: zeros.clone(),
             others: zeros.clone(),
@@ -164,6 +172,7 @@ impl Gaps {
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.rows.clear();
+        self.told.clear();
     }
 
     /// Takes over the contacts that were found at `positions` in a step from `start`; `stiffness` is that of a node by itself [N/m], 0
@@ -177,12 +186,25 @@ impl Gaps {
     ) {
         self.base.copy_from_slice(positions);
         self.rows.clear();
+        // Both lists have the same order, but for what came and went.
+        let mut next = 0;
         for contact in &self.contacts {
+            let same = |told: &Contact| {
+                told.nodes == contact.nodes
+                    && told.first == contact.first
+                    && told.normal.dot(&contact.normal) > 0.0
+            };
+            let from = self.told.iter().skip(next).position(same);
+            let found = from.map(|k| k + next).or_else(|| self.told.iter().position(same));
+            next = found.map_or(next, |k| k + 1);
+            let traction = found.map_or(contact.traction, |k| self.told[k].traction);
             let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
             let mut compliances = [0.0; 2];
+            let mut responses = [0.0; 4];
             for (k, (&node, weight)) in contact.nodes.iter().zip(contact.weights).enumerate() {
                 let stiffness = stiffness(node as usize);
                 if stiffness > 0.0 {
+                    responses[k] = weight / stiffness;
                     let side = usize::from(k >= usize::from(contact.first));
                     compliances[side] += weight * weight / stiffness;
                 }
@@ -198,6 +220,7 @@ impl Gaps {
                 },
                 joint,
                 multiplier: contact.pressure,
+                traction: traction - contact.normal * contact.normal.dot(&traction),
                 bound: contact.friction * contact.pressure,
                 floor: match statics {
                     true => contact.floor,
@@ -205,6 +228,8 @@ impl Gaps {
                 },
                 gap: contact.gap(positions),
                 slide: slide - contact.normal * contact.normal.dot(&slide),
+                responses,
+                compliance,
                 factored: None,
                 hessian: Matrix3::zeros(),
             });
@@ -251,6 +276,22 @@ impl Gaps {
         self.active().map(overlap).fold(0.0, f64::max) / self.edge
     }
 
+    /// Adds to a direction, of prescribed nodes so far, what single nodes go with surfaces that have moved: contacts that had a force
+    /// stay closed, and none is deeper than its floor. Only a guess, but with the right contacts closed, and forces of the right size.
+    pub fn predict(&self, direction: &mut [Vector3<f64>]) {
+        for _ in 0..SWEEPS {
+            for (contact, row) in self.active() {
+                let gap = row.gap + contact.normal.dot(&contact.blend(direction));
+                if gap < row.floor || row.multiplier > 0.0 {
+                    let force = contact.normal * ((row.floor - gap) / row.compliance);
+                    for (&node, response) in contact.nodes.iter().zip(row.responses) {
+                        direction[node as usize] += force * response;
+                    }
+                }
+            }
+        }
+    }
+
     /// Adds the contacts that are closed when the nodes go `direction` to the matrix.
     pub fn stiffen(&mut self, direction: &[Vector3<f64>], system: &mut System) {
         for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
@@ -265,14 +306,15 @@ impl Gaps {
         }
     }
 
-    /// Sets `direction`, which holds the ways of the prescribed nodes, to that of the iteration, for the forces `others` [N] that no contact
-    /// has. `tolerance` is the share of all forces that may be left, `slack` the miss of λ that may be left, as a share of an edge.
+    /// Sets `direction`, which holds the ways of the prescribed nodes and a guess for the others, to that of the iteration, for the forces `others` [N] that no contact
+    /// has. `tolerance` is the share of all forces that may be left, and `rough` where contacts have opened, closed or begun to slide; `slack`
+    /// is the miss of multipliers that may be left, as a share of an edge.
     pub fn set_direction(
         &mut self,
         others: &[Vector3<f64>],
         fixed: &[bool],
         system: &mut System,
-        [tolerance, slack]: [f64; 2],
+        [tolerance, rough, slack]: [f64; 3],
         direction: &mut [Vector3<f64>],
     ) -> Result<(), NotPositive> {
         let Self {
@@ -311,14 +353,13 @@ impl Gaps {
                 }
                 let missing = size(inner);
                 let allowed = tolerance * scale.max(pushed.sqrt());
-                if missing <= allowed && !first {
+                // What is left at the start may be little against all forces, and still all that a small load is to move.
+                let enough = rough.max(tolerance) / tolerance * allowed;
+                if missing <= enough && (!first || missing == 0.0) {
                     break;
                 }
-                let share = if first {
-                    tolerance.min(FIRST)
-                } else {
-                    (0.5 * allowed / missing).clamp(1e-9, 0.1)
-                };
+                let share = 0.5 * if first { allowed } else { enough } / missing;
+                let share = share.clamp(1e-9, 0.1);
                 first = false;
                 for (f, fixed) in inner.iter_mut().zip(fixed) {
                     if *fixed {
@@ -349,9 +390,11 @@ impl Gaps {
                     let law = row.law(contact, &contact.blend(direction));
                     let bound = contact.friction * law.pressure;
                     let miss = (law.pressure - row.multiplier).abs() / row.stiffness;
-                    let loose = (bound - row.bound).abs() / (TANGENTIAL * row.stiffness);
-                    worst = worst.max(miss).max(loose);
+                    // What sticks must not slide, and what slides must do so against all that there is.
+                    let change = (law.traction - row.traction).norm() + (bound - row.bound).abs();
+                    worst = worst.max(miss).max(change / (TANGENTIAL * row.stiffness));
                     row.multiplier = law.pressure;
+                    row.traction = law.traction;
                     row.bound = bound;
                 }
             }
@@ -362,15 +405,14 @@ impl Gaps {
         Ok(())
     }
 
-    /// Tells the contacts what they have become: λ, and the traction with it where they were found.
+    /// Tells the contacts what they have become.
     pub fn tell(&mut self) {
         for (contact, row) in self.contacts.iter_mut().zip(&self.rows) {
             contact.pressure = row.multiplier;
-            contact.traction = match row.stiffness > 0.0 {
-                true => row.law(contact, &Vector3::zeros()).traction,
-                false => Vector3::zeros(),
-            };
+            let share = row.bound / row.traction.norm().max(f64::MIN_POSITIVE);
+            contact.traction = row.traction * share.min(1.0);
         }
+        self.told.clone_from(&self.contacts);
     }
 
     /// Makes of the contacts, as they are told, those that undo old overlaps at `positions`; says whether any is larger than the share
