@@ -28,6 +28,8 @@ pub struct Plane {
     pub friction: f64,
     /// Which nodes it sees.
     pub sees: fn(&Vector3<f64>) -> bool,
+    /// How much higher it is for a node with this rest position [m].
+    pub bump: fn(&Vector3<f64>) -> f64,
 }
 
 impl Plane {
@@ -38,6 +40,7 @@ impl Plane {
             motion: Vector3::zeros(),
             friction: 0.0,
             sees: |_| true,
+            bump: |_| 0.0,
         }
     }
 }
@@ -108,12 +111,13 @@ impl ContactSource for Source<'_> {
                     continue;
                 }
                 let drift = plane.motion * way;
+                let bump = (plane.bump)(&self.world.model.rest_positions()[node as usize]);
                 push(
                     [node, u32::MAX - index as u32],
                     Contact {
                         nodes: [node; 4],
                         normal: plane.normal,
-                        offset: plane.height + plane.normal.dot(&drift),
+                        offset: plane.height + bump + plane.normal.dot(&drift),
                         friction: plane.friction,
                         drift,
                         ..none

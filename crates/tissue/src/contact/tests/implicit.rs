@@ -120,3 +120,161 @@ fn a_tool_presses_a_block() {
         println!("{method:?}: {iterations} iterations, {:?} N", world.force());
     }
 }
+
+/// A wavy tool against a clamped block: of the forces the tool has what the elements leave, where it touches; elsewhere there is a gap and
+/// no force. For a small depth they are those of the linear complementarity problem of the compliance matrix, solved by projected
+/// Gauss–Seidel to rounding.
+#[test]
+fn forces_are_those_of_the_complementarity_problem() {
+    let mesh = block_mesh([5e-3, 4e-3, 3e-3], [5, 4, 3]);
+    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.z > 1.4e-3).collect();
+    let model = build_model(&mesh, &[(0, soft())], &clamped, 0.0, Vec::new()).unwrap();
+    let edge = model.mean_edge_length();
+    let nodes: Vec<usize> = (0..model.node_count())
+        .filter(|&node| model.rest_positions()[node].z < -1.4e-3)
+        .collect();
+    let bump = |p: &Vector3<f64>| 4e-6 * libm::sin(1500.0 * p.x) * libm::cos(900.0 * p.y) - 4e-6;
+    for (method, depth, tolerance) in [
+        (Method::QuasiStatic(Newton::default()), 5e-6, 0.01),
+        (Method::QuasiStatic(Newton::default()), 4e-4, f64::INFINITY),
+        (Method::QuasiStatic(one()), 5e-6, 0.02),
+    ] {
+        let mut world = World::new(model.clone(), method);
+        world.reach = 0.3 * edge;
+        world.planes = vec![Plane {
+            motion: Vector3::z() * depth,
+            sees: |p| p.z < -1.4e-3,
+            bump,
+            ..Plane::floor(-1.5e-3)
+        }];
+        let report = world.step(1.0).unwrap();
+        if method == Method::QuasiStatic(Newton::default()) {
+            // Forces of elements and contacts, on each node.
+            let mut left = crate::Forces::new(&model)
+                .compute(&model, &world.state, &world.control, &Serial)
+                .to_vec();
+            let strongest = world.contacts.iter().map(|c| c.pressure).fold(0.0, f64::max);
+            for contact in &world.contacts {
+                left[contact.nodes[0] as usize] += contact.force();
+                let gap = contact.gap(&world.state.positions);
+                assert!(gap > -1e-5 * edge, "{} edges", gap / edge);
+                assert!(
+                    contact.pressure == 0.0 || gap < 1e-5 * edge,
+                    "{} N over {} edges",
+                    contact.pressure,
+                    gap / edge
+                );
+            }
+            for (node, force) in left.iter().enumerate() {
+                let left = if model.is_clamped(node) { 0.0 } else { force.norm() };
+                assert!(left < 1e-3 * strongest, "{left} N of {strongest} N, {report:?}");
+            }
+        }
+        if tolerance.is_finite() {
+            let exact = complementarity(&model, &nodes, |node| {
+                -1.5e-3 + depth + bump(&model.rest_positions()[node])
+            });
+            let strongest = exact.iter().copied().fold(0.0, f64::max);
+            let open = exact.iter().filter(|p| **p == 0.0).count();
+            assert!(open > 3 && open + 3 < nodes.len(), "{open} are open");
+            for (node, exact) in nodes.iter().zip(&exact) {
+                let found = world.contacts.iter().find(|c| c.nodes[0] as usize == *node);
+                let found = found.map_or(0.0, |c| c.pressure);
+                assert!(
+                    (found - exact).abs() < tolerance * strongest,
+                    "{method:?}: {found} N, not {exact} N of {strongest} N"
+                );
+            }
+        }
+    }
+}
+
+/// Forces [N] along z that keep `nodes` of a linear body at rest above `heights` [m].
+fn complementarity(
+    model: &TissueModel,
+    nodes: &[usize],
+    height: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    use crate::elements::Tangent;
+    use crate::system::{Shares, System};
+    let mut system = System::new(model);
+    let none = Shares {
+        damping: 0.0,
+        rate: 0.0,
+    };
+    system.assemble(model, &State::at_rest(model), none, Tangent::Exact);
+    let fixed: Vec<bool> = (0..model.node_count()).map(|n| model.is_clamped(n)).collect();
+    system.factorise(&fixed).unwrap();
+    let mut compliance = Vec::new();
+    for &node in nodes {
+        let mut x = vec![Vector3::zeros(); model.node_count()];
+        x[node] = Vector3::z();
+        system.solve(&mut x, 1e-12).unwrap();
+        compliance.push(nodes.iter().map(|&other| x[other].z).collect::<Vec<f64>>());
+    }
+    let mut forces = vec![0.0f64; nodes.len()];
+    for _ in 0..3000 {
+        for (i, &node) in nodes.iter().enumerate() {
+            let moved: f64 = compliance[i].iter().zip(&forces).map(|(c, f)| c * f).sum();
+            let gap = model.rest_positions()[node].z + moved - height(node);
+            forces[i] = (forces[i] - gap / compliance[i][i]).max(0.0);
+        }
+    }
+    forces
+}
+
+/// A clamped block that a wall is deep inside at the start is pushed out of it by no force that moves it on.
+#[test]
+fn an_old_overlap_of_a_clamped_block_is_undone_in_peace() {
+    for (method, h) in implicit() {
+        let mesh = block_mesh([3e-3; 3], [3; 3]);
+        let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.z > 1.4e-3).collect();
+        let model = build_model(&mesh, &[(0, soft())], &clamped, 200.0, Vec::new()).unwrap();
+        let edge = model.mean_edge_length();
+        let mut world = World::new(model, method);
+        world.reach = 0.3 * edge;
+        world.planes = vec![Plane::floor(-1e-3)];
+        let mut most = 0.0f64;
+        for step in 0..100 {
+            world
+                .step(h)
+                .unwrap_or_else(|failure| panic!("{method:?} {step}: {failure}"));
+            most = most.max(world.state.energies(&world.model).total());
+        }
+        assert!(world.deepest() >= -2e-3 * edge, "{}", world.deepest() / edge);
+        let end = world.state.energies(&world.model).total();
+        assert!(most < 1.3 * end, "{method:?}: {most} J, at rest {end} J");
+    }
+}
+
+/// Clamps that jump onto a tool: the first iteration keeps the gaps too, in statics and in time.
+#[test]
+fn clamps_that_move_against_a_tool_keep_gaps() {
+    for method in [
+        Method::QuasiStatic(Newton::default()),
+        Method::QuasiStatic(one()),
+        Method::ImplicitEuler(one()),
+    ] {
+        let mesh = block_mesh([3e-3; 3], [3; 3]);
+        let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.z > 1.4e-3).collect();
+        let model = build_model(&mesh, &[(0, soft())], &clamped, 200.0, Vec::new()).unwrap();
+        let edge = model.mean_edge_length();
+        let mut world = World::new(model, method);
+        world.reach = 0.3 * edge;
+        world.planes = vec![Plane::floor(-1.55e-3)];
+        for step in 1..=10 {
+            let down = Vector3::z() * (-5e-5 * f64::from(step));
+            let clamps = world.model.clamped().iter();
+            world.control.clamped_positions = clamps
+                .map(|&node| world.model.rest_positions()[node as usize] + down)
+                .collect();
+            let report = world.step(1e-2).unwrap();
+            assert!(
+                world.deepest() >= -0.02 * edge,
+                "{method:?} {step}: {} {report:?}",
+                world.deepest() / edge
+            );
+        }
+        assert!(world.force().z > 1e-3);
+    }
+}
