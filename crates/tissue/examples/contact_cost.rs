@@ -40,9 +40,8 @@ impl ContactSource for Tools {
             .collect();
         contacts.clear();
         for side in [1.0, -1.0] {
-            let place = |share: f64| {
-                Vector3::z() * (side * (self.from + (self.to - self.from) * share))
-            };
+            let place =
+                |share: f64| Vector3::z() * (side * (self.from + (self.to - self.from) * share));
             let axis = place(way);
             for (node, x) in positions.iter().enumerate() {
                 let mut way = x - axis;
@@ -114,11 +113,7 @@ fn main() {
         }),
     };
     let materials = [(0, material(300e3)), (1, material(60e3))];
-    let clamped: Vec<bool> = mesh
-        .positions
-        .iter()
-        .map(|p| p.x.abs() > 4.99e-3)
-        .collect();
+    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x.abs() > 4.99e-3).collect();
     let model = build_model(&mesh, &materials, &clamped, 1.0, Vec::new()).expect("a model");
     println!("{} tetrahedra", model.tets().len());
     let newton = Newton {
@@ -127,12 +122,48 @@ fn main() {
         must_converge: false,
     };
     for (name, method, radius, friction, touched) in [
-        ("quasi-static, free", Method::QuasiStatic(newton), 0.6e-3, 0.0, false),
-        ("quasi-static", Method::QuasiStatic(newton), 0.6e-3, 0.0, true),
-        ("quasi-static, friction", Method::QuasiStatic(newton), 0.6e-3, 0.3, true),
-        ("quasi-static, wide", Method::QuasiStatic(newton), 2e-3, 0.0, true),
-        ("implicit Euler, free", Method::ImplicitEuler(newton), 0.6e-3, 0.0, false),
-        ("implicit Euler", Method::ImplicitEuler(newton), 0.6e-3, 0.3, true),
+        (
+            "quasi-static, free",
+            Method::QuasiStatic(newton),
+            0.6e-3,
+            0.0,
+            false,
+        ),
+        (
+            "quasi-static",
+            Method::QuasiStatic(newton),
+            0.6e-3,
+            0.0,
+            true,
+        ),
+        (
+            "quasi-static, friction",
+            Method::QuasiStatic(newton),
+            0.6e-3,
+            0.3,
+            true,
+        ),
+        (
+            "quasi-static, wide",
+            Method::QuasiStatic(newton),
+            2e-3,
+            0.0,
+            true,
+        ),
+        (
+            "implicit Euler, free",
+            Method::ImplicitEuler(newton),
+            0.6e-3,
+            0.0,
+            false,
+        ),
+        (
+            "implicit Euler",
+            Method::ImplicitEuler(newton),
+            0.6e-3,
+            0.3,
+            true,
+        ),
         ("sdirk2", Method::Sdirk2(newton), 0.6e-3, 0.3, true),
     ] {
         let mut best = f64::INFINITY;

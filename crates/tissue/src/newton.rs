@@ -43,7 +43,9 @@ use crate::elements::Tangent;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::parts::Parts;
+use crate::projection::undone;
 use crate::solver::{StepFailure, StepReport};
+use crate::stability::{Part, gershgorin_bound};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
 use gaps::Gaps;
@@ -75,6 +77,10 @@ const SLACK: [f64; 2] = [1e-5, 1e-3];
 /// An overlap that is this share of an edge takes up to so many iterations more than were asked for: surfaces turn in large steps.
 const OVERLAP: f64 = 0.02;
 const MORE: u32 = 3;
+
+/// How often contacts are found for an equation; then they keep their features and normals. Features of equal distance could
+/// take turns for ever.
+const FINDS: u32 = 5;
 
 /// How far Newton's method goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,6 +152,10 @@ pub(crate) struct NewtonSolver {
     parts: Parts,
     /// Whether the momentum of free parts is kept to rounding.
     balanced: bool,
+    /// How often contacts were found for this equation.
+    finds: u32,
+    /// Bound of the highest frequency [1/s].
+    frequency: f64,
     /// The residual without the forces of contacts [N].
     others: Vec<Vector3<f64>>,
     /// The stiffness of each node by itself at rest [N/m].
@@ -192,6 +202,8 @@ impl NewtonSolver {
             others: zeros.clone(),
             parts: Parts::new(model),
             balanced: false,
+            finds: 0,
+            frequency: gershgorin_bound(model, Part::Stiffness).sqrt(),
             system,
             forces: KnownForces::new(model),
             drags: {
@@ -265,6 +277,7 @@ impl NewtonSolver {
             exec,
         };
         self.start(&problem, guesses);
+        self.finds = 0;
         self.find(&problem, touch.as_mut());
         let slack = SLACK[usize::from(!options.must_converge)];
         let mut report = StepReport {
@@ -324,7 +337,7 @@ impl NewtonSolver {
         Ok(report)
     }
 
-    /// Finds the contacts at `trial`.
+    /// Finds the contacts at `trial`, or keeps those that were found often enough.
     fn find(&mut self, problem: &Problem<'_>, touch: Option<&mut Touch<'_>>) {
         let Some(touch) = touch else {
             self.gaps.clear();
@@ -337,8 +350,11 @@ impl NewtonSolver {
             self.gaps.clear();
             return;
         }
-        let contacts = &mut self.gaps.contacts;
-        touch.source.find(touch.way, positions, contacts);
+        if self.finds < FINDS {
+            let contacts = &mut self.gaps.contacts;
+            touch.source.find(touch.way, positions, contacts);
+            self.finds += 1;
+        }
         let Equation { rate, hold, .. } = problem.equation;
         let (stiffness, drags) = (&self.stiffness, &self.drags);
         self.gaps.set(touch.start, positions, *rate == 0.0, |node| {
@@ -385,9 +401,14 @@ impl NewtonSolver {
         control: &Control,
         equation: &Equation,
         fixed: &[bool],
+        h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
-        if !self.gaps.set_undoing(&self.trial.positions, SLACK[1]) {
+        let most = undone(self.frequency, h);
+        if !self
+            .gaps
+            .set_undoing(&self.trial.positions, [SLACK[1], f64::INFINITY])
+        {
             return Ok(());
         }
         let problem = Problem {
@@ -398,9 +419,16 @@ impl NewtonSolver {
             exec,
         };
         let positions = &mut self.trial.positions;
-        self.parts
-            .separate(&self.gaps.contacts, |node| fixed[node], positions);
-        if !self.gaps.set_undoing(&self.trial.positions, SLACK[1]) {
+        self.parts.separate(
+            &self.gaps.contacts,
+            |n| fixed[n],
+            1.0 / equation.rate,
+            positions,
+        );
+        if !self
+            .gaps
+            .set_undoing(&self.trial.positions, [SLACK[1], most])
+        {
             return Ok(());
         }
         self.direction.fill(Vector3::zeros());

@@ -10,6 +10,9 @@ const SWEEPS: u32 = 50;
 /// The largest change in a sweep that is none, as a share of an edge.
 const DONE: f64 = 1e-10;
 
+/// A part is pressed on by a force that would take it by this share of an edge in a step.
+const PRESSED: f64 = 1e-9;
+
 /// A part.
 #[derive(Clone, Copy, Debug)]
 struct Part {
@@ -76,14 +79,23 @@ impl Parts {
     }
 
     /// Moves free parts, each by its share of mass, until all gaps are at their floors; nothing where that cannot be. `held` says of a
-    /// node whether it is prescribed.
+    /// node whether it is prescribed. Parts that are pressed on stay: they would lose what they are strained. `h` is the length of
+    /// the step [s].
     pub fn separate(
         &mut self,
         contacts: &[Contact],
         held: impl Fn(usize) -> bool,
+        h: f64,
         positions: &mut [Vector3<f64>],
     ) {
         self.begin(held);
+        for contact in contacts {
+            let sides = [Some(contact.nodes[0]), contact.other_side()];
+            for node in sides.into_iter().flatten() {
+                let part = &mut self.parts[self.components[node as usize] as usize];
+                part.held |= contact.pressure * h * h > PRESSED * part.mass * self.edge;
+            }
+        }
         let Self {
             edge,
             components,

@@ -32,8 +32,9 @@ pub(crate) const SWEEPS: u32 = 50;
 /// The largest change in a sweep that is none, as a share of an edge.
 const DONE: f64 = 1e-10;
 /// How far an old overlap is undone where that strains the tissue, as a share of an edge: in the time that the fastest mode takes
-/// for a third of its period, in which waves go about an edge – so it is the strain that comes of it – and in any step.
-const UNDONE: f64 = 0.02;
+/// for a third of its period, in which waves go about an edge, and in any step. Faster, it adds energy: two tubes that collide had 0.6 %
+/// more at most with twice the speed, 23 % with twenty times.
+const UNDONE: f64 = 1e-3;
 const MOST_UNDONE: f64 = 0.2;
 
 /// A contact with the mobilities of its nodes.
@@ -201,8 +202,8 @@ impl Projection {
         if !contacts.iter().any(|contact| deep(positions, contact)) {
             return;
         }
-        self.parts.separate(contacts, held, positions);
-        let share = (0.5 * h * self.frequency * UNDONE).clamp(0.0, MOST_UNDONE);
+        self.parts.separate(contacts, held, h, positions);
+        let share = undone(self.frequency, h);
         self.pushes.clear();
         self.pushes.resize(contacts.len(), 0.0);
         for _ in 0..SWEEPS {
@@ -224,6 +225,11 @@ impl Projection {
             }
         }
     }
+}
+
+/// How far an old overlap is undone in a step of `h` [s], as a share of an edge; `frequency` is that of the fastest mode [1/s].
+pub(crate) fn undone(frequency: f64, h: f64) -> f64 {
+    (0.5 * h * frequency * UNDONE).clamp(0.0, MOST_UNDONE)
 }
 
 /// Corrects one contact; returns the size of the change.

@@ -20,6 +20,10 @@
 //! only one of second order with that denominator that damps stiff modes entirely; without TR-BDF2's explicit first half it
 //! does not need the forces at the start, which are large right after a contact or a jump.
 //!
+//! Contacts keep their gaps at the end of each stage, with restitution 0. What has a force at the end of the first stage of SDIRK2 may be
+//! an impact, which must not be extrapolated: the second stage is then backward Euler over the rest of the step. Implicit midpoint would
+//! reflect what touches: a step in which something is or comes near is made by SDIRK2 instead. So contact is of first order in all.
+//!
 //! Drag −c v and viscous forces are taken at the stage, so they are stable for every h. Clamps and targets move evenly
 //! during the step and are exactly where they are told in the end.
 //!
@@ -88,8 +92,8 @@ pub struct SolverImplicit {
     ballistic: Vec<Vector3<f64>>,
     /// End of the first of two stages [m].
     first_positions: Vec<Vector3<f64>>,
-    /// Contacts of the first of two stages, with the forces that were there before [N].
-    first: Vec<(Contact, Vector3<f64>)>,
+    /// Contacts of the first of two stages.
+    first: Vec<Contact>,
     /// Whether the step is one with contact.
     balanced: bool,
 }
@@ -205,20 +209,26 @@ impl SolverImplicit {
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        // What an impact has done must not be extrapolated: it would throw the body back.
+        self.first.clone_from(self.solver.contacts());
+        let touched = self.first.iter().any(|contact| contact.pressure > 0.0);
+        let span = if touched { 1.0 - GAMMA } else { GAMMA };
         for node in 0..model.node_count() {
             let (velocity, start) = (self.solver.trial.velocities[node], state.velocities[node]);
-            self.equation.base[node] = state.positions[node] + velocity * ((1.0 - GAMMA) * h);
-            self.equation.base_velocities[node] =
-                start + (velocity - start) * ((1.0 - GAMMA) / GAMMA);
-        }
-        if let Some(touching) = touching.as_deref_mut() {
-            self.take_impacts(model, touching, h);
+            if touched {
+                self.equation.base[node] = self.first_positions[node];
+                self.equation.base_velocities[node] = velocity;
+            } else {
+                self.equation.base[node] = state.positions[node] + velocity * ((1.0 - GAMMA) * h);
+                self.equation.base_velocities[node] =
+                    start + (velocity - start) * ((1.0 - GAMMA) / GAMMA);
+            }
         }
         let near = std::mem::take(&mut self.first_positions);
         let result = self.stage(
             model,
             control,
-            GAMMA * h,
+            span * h,
             1.0,
             &state.positions,
             &near,
@@ -227,44 +237,19 @@ impl SolverImplicit {
         );
         self.first_positions = near;
         if touching.is_some() {
+            // The mean over the step.
             for contact in self.solver.contacts() {
-                let of_first = self.first.iter().find(|(first, _)| {
-                    (first.nodes, first.first) == (contact.nodes, contact.first)
-                });
-                contact.pressure *= GAMMA;
-                if let Some((first, lasting)) = of_first {
-                    contact.pressure += (1.0 - GAMMA) * lasting.dot(&first.normal);
-                    contact.pressure += GAMMA * (first.force() - lasting).dot(&first.normal);
+                let same =
+                    |first: &&Contact| first.nodes == contact.nodes && first.first == contact.first;
+                contact.pressure *= span;
+                contact.traction *= span;
+                if let Some(first) = self.first.iter().find(same) {
+                    contact.pressure += GAMMA * first.pressure;
+                    contact.traction += first.traction * GAMMA;
                 }
             }
         }
         result
-    }
-
-    /// Forces of contacts go on in the second stage where they were there in the last step already; what is more in the first stage
-    /// is an impact, that acts once. (Extrapolated as other forces are, it would throw the body back.)
-    fn take_impacts(&mut self, model: &TissueModel, touching: &mut Touching<'_>, h: f64) {
-        touching.contacts.clear();
-        let at = &self.first_positions;
-        touching.source.find(GAMMA, at, &mut touching.contacts);
-        let before = touching.contacts.iter();
-        self.first.clear();
-        for (contact, before) in self.solver.contacts().iter().zip(before) {
-            let traction = contact.traction;
-            let share = before.traction.norm() / traction.norm().max(f64::MIN_POSITIVE);
-            let share = match before.traction.dot(&traction) > 0.0 {
-                true => share.min(1.0),
-                false => 0.0,
-            };
-            let lasting = contact.normal * contact.pressure.min(before.pressure) + traction * share;
-            let impact = (contact.force() - lasting) * ((2.0 * GAMMA - 1.0) * h);
-            for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
-                let node = node as usize;
-                let change = impact * (weight * model.inverse_masses()[node]);
-                self.equation.base_velocities[node] += change;
-            }
-            self.first.push((*contact, lasting));
-        }
     }
 
     /// Whether anything is or will be touched where nodes fly on.
@@ -339,7 +324,7 @@ impl SolverImplicit {
         }
         if let Some(touching) = touching {
             let (equation, fixed) = (&self.equation, &self.prescribed.fixed);
-            self.solver.undo(model, control, equation, fixed, exec)?;
+            self.solver.undo(model, control, equation, fixed, h, exec)?;
             std::mem::swap(self.solver.contacts(), &mut touching.contacts);
         }
         let trial = &mut self.solver.trial;

@@ -208,8 +208,7 @@ impl Solver for SolverXpbd {
                 if touching.is_some() {
                     let kept = Kept::Gaps(&self.previous);
                     let positions = &mut self.positions;
-                    self.projection
-                        .keep(kept, 1, &mut self.contacts, positions);
+                    self.projection.keep(kept, 1, &mut self.contacts, positions);
                 }
             }
             if touching.is_some() {

@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// ρ and k over the stiffness of the nodes at a contact by themselves: where the factor has it, and where not.
 const STIFF: f64 = 100.0;
-const SOFT: f64 = 4.0;
+const SOFT: f64 = 8.0;
 /// k over ρ.
 const TANGENTIAL: f64 = 0.1;
 
@@ -195,7 +195,9 @@ impl Gaps {
                     && told.normal.dot(&contact.normal) > 0.0
             };
             let from = self.told.iter().skip(next).position(same);
-            let found = from.map(|k| k + next).or_else(|| self.told.iter().position(same));
+            let found = from
+                .map(|k| k + next)
+                .or_else(|| self.told.iter().position(same));
             next = found.map_or(next, |k| k + 1);
             let traction = found.map_or(contact.traction, |k| self.told[k].traction);
             let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
@@ -337,6 +339,7 @@ impl Gaps {
         };
         let scale = size(others);
         let mut first = true;
+        let mut enough = 0.0;
         for _ in 0..UPDATES {
             for _ in 0..INNER {
                 // What is left of all forces, and the curvature of contacts, at the direction so far.
@@ -354,7 +357,7 @@ impl Gaps {
                 let missing = size(inner);
                 let allowed = tolerance * scale.max(pushed.sqrt());
                 // What is left at the start may be little against all forces, and still all that a small load is to move.
-                let enough = rough.max(tolerance) / tolerance * allowed;
+                enough = rough.max(tolerance) / tolerance * allowed;
                 if missing <= enough && (!first || missing == 0.0) {
                     break;
                 }
@@ -384,7 +387,7 @@ impl Gaps {
                     *l -= p * step;
                 }
             }
-            let mut worst = 0.0f64;
+            let (mut worst, mut changes) = (0.0f64, 0.0);
             for (contact, row) in contacts.iter_mut().zip(&mut *rows) {
                 if row.stiffness > 0.0 {
                     let law = row.law(contact, &contact.blend(direction));
@@ -392,13 +395,16 @@ impl Gaps {
                     let miss = (law.pressure - row.multiplier).abs() / row.stiffness;
                     // What sticks must not slide, and what slides must do so against all that there is.
                     let change = (law.traction - row.traction).norm() + (bound - row.bound).abs();
+                    let pressure = law.pressure - row.multiplier;
+                    changes += pressure * pressure + change * change;
                     worst = worst.max(miss).max(change / (TANGENTIAL * row.stiffness));
                     row.multiplier = law.pressure;
                     row.traction = law.traction;
                     row.bound = bound;
                 }
             }
-            if worst <= slack * *edge {
+            // In short steps forces are the sharper measure.
+            if worst <= slack * *edge && changes.sqrt() <= enough {
                 break;
             }
         }
@@ -416,14 +422,14 @@ impl Gaps {
     }
 
     /// Makes of the contacts, as they are told, those that undo old overlaps at `positions`; says whether any is larger than the share
-    /// `slack` of an edge.
-    pub fn set_undoing(&mut self, positions: &[Vector3<f64>], slack: f64) -> bool {
+    /// `slack` of an edge. Not more than the share `most` is undone.
+    pub fn set_undoing(&mut self, positions: &[Vector3<f64>], [slack, most]: [f64; 2]) -> bool {
         self.base.copy_from_slice(positions);
         let mut any = false;
         for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
             row.multiplier = 0.0;
             row.bound = 0.0;
-            row.floor = contact.floor;
+            row.floor = contact.floor.min(contact.start_gap + most * self.edge);
             row.gap = contact.gap(positions);
             any |= row.stiffness > 0.0 && row.gap < row.floor - slack * self.edge;
         }

@@ -83,7 +83,10 @@ fn blocks_that_hit_each_other_keep_momentum() {
         for a in (0..nodes).filter(low) {
             let mut there = one.rest_positions()[a as usize];
             there.x = 1.5e-3;
-            let b = one.rest_positions().iter().position(|p| (p - there).norm() < 1e-9);
+            let b = one
+                .rest_positions()
+                .iter()
+                .position(|p| (p - there).norm() < 1e-9);
             world.pairs.push([a, b.unwrap() as u32 + nodes]);
         }
         world.reach = if method.is_explicit() { 0.0 } else { 0.1e-3 };
@@ -100,7 +103,10 @@ fn blocks_that_hit_each_other_keep_momentum() {
         let edge = world.model.mean_edge_length();
         let change = (world.velocity() - before).norm();
         assert!(change < 1e-12 * 0.5, "{method:?}: {change} m/s");
-        assert!(most <= start * (1.0 + 1e-9), "{method:?}: {most} of {start}");
+        assert!(
+            most <= start * (1.0 + 1e-9),
+            "{method:?}: {most} of {start}"
+        );
         assert!(deepest >= -1e-3 * edge, "{method:?}: {}", deepest / edge);
         // They have parted: what was 0.8 m/s of approach is none.
         let part = |nodes: std::ops::Range<usize>| -> f64 {

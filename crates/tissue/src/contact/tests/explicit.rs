@@ -167,7 +167,7 @@ fn an_old_overlap_is_undone_in_peace() {
         let mut world = World::new(model, method);
         world.planes = vec![Plane::floor(-1e-3)];
         let mut most = 0.0f64;
-        for _ in 0..3000 {
+        for _ in 0..9000 {
             world.step(h).unwrap();
             most = most.max(world.state.energies(&world.model).total());
         }
