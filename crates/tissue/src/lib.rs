@@ -1,7 +1,7 @@
 //! Deformable tissue: elements, material laws, models, solvers.
 //!
 //! Four things are kept apart: the constant [`TissueModel`], the evolving [`State`], the [`Control`] and the
-//! [`Contacts`] of a step; a [`Solver`] is `step(model, state, control, contacts, h)`. A model is held together by sets of
+//! [`Contacts`] of a step; a [`Solver`] is `step(model, state, control, contacts, h)`, or `advance` with what is [touched](Touching). A model is held together by sets of
 //! [`elements`](Elements): springs, triangles, volumes, continua of a material [`law`], couplings. What is not here: finding contacts (crate
 //! `contact`), coupling of bodies (crate `scene`), linear algebra of large systems (crate `sparse`), files, clocks, threads of
 //! its own – parallel loops run on an [`Executor`] that the caller brings, and give the same bits on any. SI units, world

@@ -23,10 +23,10 @@
 //! # Limitations
 //! All: the step is bounded ([`stability::limit`](crate::stability::limit)). Internal forces conserve momentum to rounding.
 //! Explicit Euler gains the share h²ω² of the energy of a mode in each step: without drag it is never stable; first order;
-//! nodes cannot be led, [`Contacts`] are ignored. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
+//! nodes cannot be led, [`Contacts`] are ignored and contact is refused. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
 //! mode: energy oscillates and does not drift; first order; its drag lowers the limit. Velocity Verlet: energy oscillates and
-//! does not drift; second order; a node that was led leaves its target with the velocity (p* − p̃)/h more and must be led again
-//! (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
+//! does not drift; second order; what is led or touched has the velocity of what holds it, and the accelerations that the state carries
+//! are then those with which the next step goes on in the joint form (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
 //! the state are one step old. Loads and clamps are taken as given for the end of the step: a load that changes is followed to
 //! first order only, but for velocity Verlet without internal variables, which has those of both ends. A step that changes from call to call is not symplectic in any of them.
 

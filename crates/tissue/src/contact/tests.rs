@@ -142,10 +142,7 @@ impl ContactSource for Source<'_> {
 fn remember(contacts: &[Contact]) -> impl Iterator<Item = ([u32; 2], (f64, Vector3<f64>))> + '_ {
     contacts.iter().map(|c| {
         // The planes of the tests are told apart by their normals alone.
-        let other = match c.other_side() {
-            Some(other) => other,
-            None => u32::MAX,
-        };
+        let other = c.other_side().unwrap_or(u32::MAX);
         ([c.nodes[0], other], (c.pressure, c.traction))
     })
 }
