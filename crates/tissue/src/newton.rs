@@ -87,6 +87,9 @@ const MORE: u32 = 3;
 /// take turns for ever.
 const FINDS: u32 = 5;
 
+/// Where contacts open and close for ever the last digits do not come: so many times the tolerance is enough then.
+const STALLED: f64 = 100.0;
+
 /// How far Newton's method goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
@@ -95,7 +98,7 @@ pub struct Newton {
     /// The residual at which an equation is solved, as a share of the forces in it. One that is no more than the rounding of
     /// positions counts as 0.
     pub tolerance: f64,
-    /// Whether a step that ends above the tolerance fails. If not, it is made: every iteration has gone down the potential.
+    /// Whether a step that ends above the tolerance fails – above 100 times the tolerance where something is touched. If not, it is made: every iteration has gone down the potential.
     pub must_converge: bool,
 }
 
@@ -332,7 +335,11 @@ impl NewtonSolver {
         if !report.residual.is_finite() {
             return Err(StepFailure::NotFinite);
         }
-        if options.must_converge {
+        let enough = match self.gaps.is_empty() {
+            true => options.tolerance,
+            false => STALLED * options.tolerance,
+        };
+        if options.must_converge && report.residual > enough {
             return Err(StepFailure::NotConverged {
                 iterations: report.iterations,
                 residual: report.residual,

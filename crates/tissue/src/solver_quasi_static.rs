@@ -8,8 +8,8 @@
 //! No inertia, no drag, no viscosity: the length of the step changes nothing, and velocities are zero after it. A body that is
 //! not held has no solution ([`StepFailure::Singular`]). One that only contacts hold may still slide or roll: its nodes are tied to where
 //! they were before the step by springs of 1e-4 of their own stiffness, so where nothing else holds it creeps, and forces of a step in
-//! which it moves are wrong by that much of what it would take to strain it as far. Old overlaps are pushed out by force. A body that buckles ends in one of its equilibria, the nearest downhill.
-//! Deformation that is followed, not sought, should come in steps in which elements are not inverted.
+//! which it moves are wrong by that much of what it would take to strain it as far. Old overlaps are pushed out by force. A body
+//! that buckles ends in one of its equilibria, the nearest downhill. Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
 use crate::components::components;
 use crate::contact::Touching;
