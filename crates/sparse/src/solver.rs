@@ -28,6 +28,12 @@ const SPACING: f64 = 3.5;
 const ITERATIONS_TWO_LEVEL: usize = 80;
 const ITERATIONS_SINGLE: usize = 12;
 
+/// Most iterations beyond those for what is added to the matrix.
+const ITERATIONS_MORE: usize = 60;
+
+/// Adds a product with the first vector to the second one.
+type Add<'a> = &'a mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]);
+
 /// The ways, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Way {
@@ -156,27 +162,67 @@ impl LinearSolver {
         tolerance: f64,
     ) -> Result<(), NotPositive> {
         assert_eq!(x.len(), self.fixed.len(), "one vector per node");
-        for ((b, x), fixed) in self.right_side.iter_mut().zip(&*x).zip(&self.fixed) {
+        self.set_right_side(x);
+        while !self.attempt(matrix, None, tolerance)? {
+            self.prepare(matrix, self.next_way())?;
+        }
+        self.give(x);
+        Ok(())
+    }
+
+    /// As [`solve`](Self::solve), for the sum of `matrix` and a symmetric one that `add` stands for: it adds its product with the first
+    /// vector to the second one. The sum is positive definite; few of its eigenvalues, relative to `matrix`, are far from 1. The
+    /// last way ends after so many iterations with what it has, which is closer than nothing.
+    ///
+    /// # Errors
+    /// When the sum, or the matrix, shows not to be positive definite; `x` is as before.
+    ///
+    /// # Panics
+    /// As [`solve`](Self::solve).
+    pub fn solve_with(
+        &mut self,
+        matrix: &BlockMatrix,
+        mut add: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        x: &mut [Vector3<f64>],
+        tolerance: f64,
+    ) -> Result<(), NotPositive> {
+        assert_eq!(x.len(), self.fixed.len(), "one vector per node");
+        self.set_right_side(x);
+        while !self.attempt(matrix, Some(&mut add), tolerance)? && self.way != Way::Double {
+            self.prepare(matrix, self.next_way())?;
+        }
+        self.give(x);
+        Ok(())
+    }
+
+    fn next_way(&self) -> Way {
+        match self.way {
+            Way::TwoLevel => Way::Single,
+            Way::Single | Way::Double => Way::Double,
+        }
+    }
+
+    fn set_right_side(&mut self, x: &[Vector3<f64>]) {
+        for ((b, x), fixed) in self.right_side.iter_mut().zip(x).zip(&self.fixed) {
             *b = if *fixed { Vector3::zeros() } else { *x };
         }
-        while !self.attempt(matrix, tolerance)? {
-            let next = if self.way == Way::TwoLevel {
-                Way::Single
-            } else {
-                Way::Double
-            };
-            self.prepare(matrix, next)?;
-        }
+    }
+
+    fn give(&self, x: &mut [Vector3<f64>]) {
         for ((x, solution), fixed) in x.iter_mut().zip(&self.solution).zip(&self.fixed) {
             if !fixed {
                 *x = *solution;
             }
         }
-        Ok(())
     }
 
     /// Solves in the present way; returns whether it came to the tolerance.
-    fn attempt(&mut self, matrix: &BlockMatrix, tolerance: f64) -> Result<bool, NotPositive> {
+    fn attempt(
+        &mut self,
+        matrix: &BlockMatrix,
+        mut add: Option<Add<'_>>,
+        tolerance: f64,
+    ) -> Result<bool, NotPositive> {
         let Self {
             two_level,
             single,
@@ -187,8 +233,12 @@ impl LinearSolver {
             solution,
             ..
         } = self;
+        let more = if add.is_some() { ITERATIONS_MORE } else { 0 };
         let apply = |p: &[Vector3<f64>], q: &mut [Vector3<f64>]| {
             matrix.multiply(p, q);
+            if let Some(add) = &mut add {
+                add(p, q);
+            }
             for (q, fixed) in q.iter_mut().zip(&*fixed) {
                 if *fixed {
                     *q = Vector3::zeros();
@@ -203,7 +253,7 @@ impl LinearSolver {
                 right_side,
                 solution,
                 tolerance,
-                ITERATIONS_TWO_LEVEL,
+                ITERATIONS_TWO_LEVEL + more,
             ),
             (Way::Single, _, Some(single), _) => gradients.solve(
                 apply,
@@ -214,7 +264,18 @@ impl LinearSolver {
                 right_side,
                 solution,
                 tolerance,
-                ITERATIONS_SINGLE,
+                ITERATIONS_SINGLE + more,
+            ),
+            (_, _, _, Some(double)) if more > 0 => gradients.solve(
+                apply,
+                |r, z| {
+                    z.copy_from_slice(r);
+                    double.solve(z);
+                },
+                right_side,
+                solution,
+                tolerance,
+                more,
             ),
             (_, _, _, Some(double)) => {
                 solution.copy_from_slice(right_side);

@@ -51,6 +51,13 @@ impl Contact {
         sum
     }
 
+    /// A node of the other side; none where that is rigid.
+    pub fn other_side(&self) -> Option<u32> {
+        let first = usize::from(self.first).min(4);
+        let mut others = self.nodes[first..].iter().zip(&self.weights[first..]);
+        others.find(|(_, w)| **w != 0.0).map(|(node, _)| *node)
+    }
+
     /// The force on the first side [N].
     pub fn force(&self) -> Vector3<f64> {
         self.normal * self.pressure + self.traction
@@ -74,3 +81,6 @@ pub struct Touching<'a> {
     /// After the step: its contacts, with their forces.
     pub contacts: Vec<Contact>,
 }
+
+#[cfg(test)]
+mod tests;

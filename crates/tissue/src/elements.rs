@@ -120,6 +120,9 @@ pub trait Elements: Debug + Send + Sync {
     /// 3.5 d.
     fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements>;
 
+    /// The same set with all its nodes so many further on: for a model of several bodies.
+    fn shifted(&self, nodes: u32) -> Arc<dyn Elements>;
+
     /// Lets internal variables flow for a time `h` [s]; returns whether a stiffness has grown, which may shorten the stable
     /// step.
     fn flow(&self, _positions: &[Vector3<f64>], _internal: &mut [f64], _h: f64) -> bool {

@@ -1,12 +1,13 @@
 //! Deformable tissue: elements, material laws, models, solvers.
 //!
 //! Four things are kept apart: the constant [`TissueModel`], the evolving [`State`], the [`Control`] and the
-//! [`Contacts`] of a step; a [`Solver`] is `step(model, state, control, contacts, h)`. A model is held together by sets of
+//! [`Contacts`] of a step; a [`Solver`] is `step(model, state, control, contacts, h)`, or `advance` with what is [touched](Touching). A model is held together by sets of
 //! [`elements`](Elements): springs, triangles, volumes, continua of a material [`law`], couplings. What is not here: finding contacts (crate
 //! `contact`), coupling of bodies (crate `scene`), linear algebra of large systems (crate `sparse`), files, clocks, threads of
 //! its own – parallel loops run on an [`Executor`] that the caller brings, and give the same bits on any. SI units, world
 //! frame.
 
+mod components;
 mod contact;
 pub mod elements;
 mod executor;
@@ -18,7 +19,9 @@ mod material;
 mod method;
 mod model;
 mod newton;
+mod parts;
 mod prescribed;
+mod projection;
 mod solver;
 mod solver_explicit;
 mod solver_implicit;

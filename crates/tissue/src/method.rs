@@ -112,6 +112,12 @@ impl Method {
         }
     }
 
+    /// Whether gaps are kept by it ([`Touching`](crate::Touching)); where not, a step with contact fails and says so.
+    pub fn keeps_gaps(&self) -> bool {
+        // As with nodes that are led: a force of explicit Euler moves a node one step later only.
+        !matches!(self, Self::ExplicitEuler)
+    }
+
     /// What is wrong with the parameters.
     fn out_of_range(&self) -> Option<&'static str> {
         match self {

@@ -24,7 +24,8 @@ pub struct TissueModel {
     rest_volumes: Vec<f64>,
     sets: Vec<Arc<dyn Elements>>,
     internal: Vec<Range<usize>>,
-    drag: f64,
+    /// Drag per mass [1/s] of runs of nodes, in order.
+    drags: Vec<(Range<usize>, f64)>,
     mean_edge_length: f64,
     parts: Vec<Part>,
 }
@@ -181,6 +182,7 @@ impl TissueModel {
             clamped: (0..rest_positions.len() as u32)
                 .filter(|&node| clamped[node as usize])
                 .collect(),
+            drags: vec![(0..rest_positions.len(), drag)],
             rest_positions,
             masses,
             inverse_masses,
@@ -188,10 +190,68 @@ impl TissueModel {
             rest_volumes,
             sets,
             internal,
-            drag,
             mean_edge_length,
             parts,
         }
+    }
+
+    /// One model of several bodies that no element couples: their nodes, tetrahedra, sets and internal variables one body after
+    /// another. Each body keeps its drag. The characteristic length is that of the finest body. Forces on a body are those that
+    /// it has alone: to the bit where it has as many parts as alone, that is always but for small bodies next to a large one.
+    pub fn union(bodies: &[&TissueModel]) -> Self {
+        let mut union = Self {
+            rest_positions: Vec::new(),
+            masses: Vec::new(),
+            inverse_masses: Vec::new(),
+            clamped: Vec::new(),
+            tets: Vec::new(),
+            rest_volumes: Vec::new(),
+            sets: Vec::new(),
+            internal: Vec::new(),
+            drags: Vec::new(),
+            mean_edge_length: f64::INFINITY,
+            parts: Vec::new(),
+        };
+        let sets: usize = bodies.iter().map(|body| body.sets.len()).sum();
+        for body in bodies {
+            let first = union.node_count();
+            let shift = first as u32;
+            let first_internal = union.internal.last().map_or(0, |range| range.end);
+            let first_set = union.sets.len();
+            for part in &body.parts {
+                let mut elements = vec![0..0; sets];
+                elements[first_set..][..body.sets.len()].clone_from_slice(&part.elements);
+                let nodes = part.nodes.start + shift..part.nodes.end + shift;
+                union.parts.push(Part { elements, nodes });
+            }
+            let shifted = body.sets.iter().map(|set| match shift {
+                0 => set.clone(),
+                _ => set.shifted(shift),
+            });
+            union.sets.extend(shifted);
+            let internal = body.internal.iter();
+            union.internal.extend(
+                internal.map(|range| range.start + first_internal..range.end + first_internal),
+            );
+            let drags = body.drags.iter();
+            union
+                .drags
+                .extend(drags.map(|(nodes, drag)| (nodes.start + first..nodes.end + first, *drag)));
+            union.rest_positions.extend(&body.rest_positions);
+            union.masses.extend(&body.masses);
+            union.inverse_masses.extend(&body.inverse_masses);
+            union
+                .clamped
+                .extend(body.clamped.iter().map(|node| node + shift));
+            let tets = body.tets.iter().map(|tet| tet.map(|node| node + shift));
+            union.tets.extend(tets);
+            union.rest_volumes.extend(&body.rest_volumes);
+            union.mean_edge_length = union.mean_edge_length.min(body.mean_edge_length);
+        }
+        if bodies.iter().all(|body| body.parts.len() == 1) && union.tets.len() < PARALLEL_ELEMENTS {
+            union.parts = parts(union.tets.len(), union.node_count(), &union.sets);
+        }
+        union
     }
 
     /// The same body with these node masses [kg], > 0: those of [`stability::mass_floor`](crate::stability::mass_floor). Weight is
@@ -263,9 +323,16 @@ impl TissueModel {
         self.internal[set].clone()
     }
 
-    /// Drag per mass [1/s].
+    /// Drag per mass [1/s]; the largest where bodies differ.
     pub fn drag(&self) -> f64 {
-        self.drag
+        self.drags
+            .iter()
+            .fold(0.0, |most, (_, drag)| drag.max(most))
+    }
+
+    /// Drag per mass [1/s] of runs of nodes, which are all nodes in order: one run per body.
+    pub fn drags(&self) -> &[(Range<usize>, f64)] {
+        &self.drags
     }
 
     /// Mean rest length of the edges [m]: the characteristic length of the body.
@@ -309,7 +376,11 @@ fn parts(tets: usize, nodes: usize, sets: &[Arc<dyn Elements>]) -> Vec<Part> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::soft_block;
+    use crate::executor::Serial;
+    use crate::forces::Forces;
+    use crate::method::Method;
+    use crate::state::{Contacts, Control, State};
+    use crate::testing::{beam, build, numbers, soft_block};
 
     #[test]
     fn what_is_no_body_is_refused() {
@@ -329,5 +400,91 @@ mod tests {
         }
         let refused = build(&mesh, f64::NAN);
         assert!(matches!(refused, Err(ModelError::Drag { .. })));
+    }
+
+    /// Two bodies of different elements, clamps and drag, one of them twice: in the union each has the forces, the energies and
+    /// the steps that it has alone, to the bit.
+    #[test]
+    fn bodies_of_a_union_do_not_know_of_one_another() {
+        let soft = build(&soft_block([2, 2, 1]), |p| p.x < -0.9e-3);
+        let stiff = beam(0.4);
+        let mut dragged = soft.clone();
+        dragged.drags[0].1 = 30.0;
+        let bodies = [&soft, &stiff, &dragged];
+        let union = TissueModel::union(&bodies);
+        assert_eq!(
+            union.node_count(),
+            bodies.iter().map(|b| b.node_count()).sum()
+        );
+        assert_eq!(union.drag(), 30.0);
+        assert_eq!(union.mean_edge_length(), soft.mean_edge_length());
+        let control = Control {
+            gravity: Vector3::new(0.0, 0.3, -9.81),
+            ..Control::default()
+        };
+        let mut next = numbers();
+        let mut alone: Vec<State> = bodies.iter().map(|b| State::at_rest(b)).collect();
+        let mut joint = State::at_rest(&union);
+        joint.positions.clear();
+        for (state, body) in alone.iter_mut().zip(&bodies) {
+            for p in &mut state.positions {
+                *p += Vector3::new(next(), next(), next()) * (0.05 * body.mean_edge_length());
+            }
+            joint.positions.extend(&state.positions);
+        }
+        let contacts = Contacts::default();
+        let parts = |all: &[Vector3<f64>]| {
+            let mut first = 0;
+            bodies.map(|body| {
+                first += body.node_count();
+                all[first - body.node_count()..first].to_vec()
+            })
+        };
+        for step in 0..3 {
+            let forces = parts(Forces::new(&union).compute(&union, &joint, &control, &Serial));
+            for ((state, body), forces) in alone.iter_mut().zip(&bodies).zip(forces) {
+                assert_eq!(
+                    Forces::new(body).compute(body, state, &control, &Serial),
+                    forces,
+                    "step {step}"
+                );
+            }
+            for (model, state) in bodies
+                .into_iter()
+                .zip(&mut alone)
+                .chain([(&union, &mut joint)])
+            {
+                let mut solver = Method::StoermerVerlet.solver(model).unwrap();
+                solver
+                    .step(model, state, &control, &contacts, 1e-5, &Serial)
+                    .unwrap();
+            }
+            let positions = parts(&joint.positions);
+            assert!(alone.iter().zip(positions).all(|(a, b)| a.positions == b));
+        }
+    }
+
+    /// Large bodies keep their parts, small ones next to them are one part each: the same up to the order of one sum.
+    #[test]
+    fn a_union_of_a_large_body_is_parallel() {
+        let large = build(&soft_block([10, 10, 8]), |_| false);
+        let small = build(&soft_block([2, 2, 1]), |_| false);
+        let union = TissueModel::union(&[&small, &large]);
+        assert_eq!(union.parts().len(), 1 + large.parts().len());
+        let mut state = State::at_rest(&union);
+        let mut next = numbers();
+        for p in &mut state.positions {
+            *p += Vector3::new(next(), next(), next()) * (0.05 * union.mean_edge_length());
+        }
+        let mut part = State::at_rest(&large);
+        part.positions
+            .copy_from_slice(&state.positions[small.node_count()..]);
+        let control = Control::default();
+        let mut all = Forces::new(&union);
+        let all = &all.compute(&union, &state, &control, &Serial)[small.node_count()..];
+        assert_eq!(
+            all,
+            Forces::new(&large).compute(&large, &part, &control, &Serial)
+        );
     }
 }

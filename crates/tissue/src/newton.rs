@@ -29,20 +29,31 @@
 //! In the first iteration prescribed nodes jump to their places and the linear system says how all others go along; where that
 //! raises Φ over the jump alone, less of it is taken.
 //!
+//! # Contact
+//! Contacts (`gaps`) are found where an iteration starts; its direction keeps them, its potential has their energy, and its way is
+//! straight. After a few iterations of one equation they keep their features and normals. Where gaps found at the end are far below their
+//! floors, iterations are made beyond those asked for.
+//!
 //! # Limitations
 //! The derivative of viscous forces by positions is left out, so with viscosity the last iterations converge linearly, by a
 //! factor of the order of the strain in one step, not quadratically. Of the derivative of pressures the symmetric part alone
 //! is taken, which is all of it for a closed surface or one with a prescribed rim.
 
 mod descent;
+mod gaps;
 mod known;
+mod touch;
 
+use crate::contact::{Contact, ContactSource};
 use crate::elements::Tangent;
 use crate::executor::Executor;
 use crate::model::TissueModel;
+use crate::parts::Parts;
 use crate::solver::{StepFailure, StepReport};
+use crate::stability::{Part, gershgorin_bound};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
+use gaps::Gaps;
 use known::KnownForces;
 use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
@@ -56,7 +67,7 @@ const FAR: f64 = 1e-3;
 const CURVED: f64 = 0.02;
 
 /// The residual at which linear systems are solved, as a share of the tolerance of Newton's method, and the least and the largest
-/// one, as shares of the right-hand side; for the curvature of the way two digits are enough.
+/// one, as shares of the right-hand side; for the curvature of the way, and for friction that need not converge, two digits are enough.
 const LINEAR: f64 = 0.1;
 const LINEAR_TOLERANCES: [f64; 2] = [1e-8, 1e-3];
 const ROUGH: f64 = 1e-2;
@@ -64,6 +75,20 @@ const ROUGH: f64 = 1e-2;
 /// A static body with less than this share of its forces left takes no work, however large the tolerance: forces of clamps are among
 /// them, and may be many times those of a load that is to move it.
 const AT_REST: f64 = 1e-6;
+
+/// The miss of the multipliers of contacts that may be left, as a share of an edge: where the method must converge, and where not.
+const SLACK: [f64; 2] = [1e-5, 1e-3];
+
+/// An overlap that is this share of an edge takes up to so many iterations more than were asked for: surfaces turn in large steps.
+const OVERLAP: f64 = 0.02;
+const MORE: u32 = 3;
+
+/// How often contacts are found for an equation; then they keep their features and normals. Features of equal distance could
+/// take turns for ever.
+const FINDS: u32 = 5;
+
+/// Where contacts open and close for ever the last digits do not come: so many times the tolerance is enough then.
+const STALLED: f64 = 100.0;
 
 /// How far Newton's method goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +98,7 @@ pub struct Newton {
     /// The residual at which an equation is solved, as a share of the forces in it. One that is no more than the rounding of
     /// positions counts as 0.
     pub tolerance: f64,
-    /// Whether a step that ends above the tolerance fails. If not, it is made: every iteration has gone down the potential.
+    /// Whether a step that ends above the tolerance fails – above 100 times the tolerance where something is touched. If not, it is made: every iteration has gone down the potential.
     pub must_converge: bool,
 }
 
@@ -98,6 +123,17 @@ pub(crate) struct Equation {
     pub base_velocities: Vec<Vector3<f64>>,
     /// A force that does not depend on anything [N], for the steps of a static load; empty for none.
     pub extra: Vec<Vector3<f64>>,
+    /// Springs from each node to its x̃ [N/m], in statics; empty for none.
+    pub hold: Vec<f64>,
+}
+
+/// Contact in one equation.
+pub(crate) struct Touch<'a> {
+    pub source: &'a mut dyn ContactSource,
+    /// Positions at the start of the step [m].
+    pub start: &'a [Vector3<f64>],
+    /// The share of the step at which the equation is.
+    pub way: f64,
 }
 
 /// Working memory for one model.
@@ -106,6 +142,8 @@ pub(crate) struct NewtonSolver {
     system: System,
     forces: KnownForces,
     viscous: bool,
+    /// Drag per mass of each node [1/s].
+    drags: Vec<f64>,
     /// Where the equation is being evaluated; its positions are the solution in the end.
     pub trial: State,
     /// Sum of all forces at `trial` minus the left side [N].
@@ -118,6 +156,18 @@ pub(crate) struct NewtonSolver {
     /// n: the forces without energy at the start of an iteration [N].
     loads: Vec<Vector3<f64>>,
     scratch: Vec<Vector3<f64>>,
+    gaps: Gaps,
+    parts: Parts,
+    /// Whether the momentum of free parts is kept to rounding.
+    balanced: bool,
+    /// How often contacts were found for this equation.
+    finds: u32,
+    /// Bound of the highest frequency [1/s].
+    frequency: f64,
+    /// The residual without the forces of contacts [N].
+    others: Vec<Vector3<f64>>,
+    /// The stiffness of each node by itself at rest [N/m].
+    stiffness: Vec<f64>,
     /// The residual at the start of an iteration, while others are computed [N].
     kept: Vec<Vector3<f64>>,
 }
@@ -147,9 +197,28 @@ impl NewtonSolver {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
+        let mut system = System::new(model);
+        let none = Shares {
+            damping: 0.0,
+            rate: 0.0,
+        };
+        system.assemble(model, &State::at_rest(model), none, Tangent::Positive);
+        let stiffness = |node| system.matrix().diagonal(node).trace() / 3.0;
         Self {
-            system: System::new(model),
+            stiffness: (0..model.node_count()).map(stiffness).collect(),
+            gaps: Gaps::new(model.node_count(), model.mean_edge_length()),
+            others: zeros.clone(),
+            parts: Parts::new(model),
+            balanced: false,
+            finds: 0,
+            frequency: gershgorin_bound(model, Part::Stiffness).sqrt(),
+            system,
             forces: KnownForces::new(model),
+            drags: {
+                let runs = model.drags().iter();
+                runs.flat_map(|(nodes, drag)| std::iter::repeat_n(*drag, nodes.len()))
+                    .collect()
+            },
             viscous: model.sets().iter().any(|set| set.is_viscous()),
             trial: State::at_rest(model),
             residual: zeros.clone(),
@@ -162,14 +231,22 @@ impl NewtonSolver {
         }
     }
 
-    /// The linear system.
-    pub fn system(&self) -> &System {
-        &self.system
+    /// Takes over what elements see of `state` besides positions and velocities, and whether the momentum of free parts is to be kept to
+    /// rounding, not only to the tolerance.
+    pub fn begin(&mut self, state: &State, balanced: bool) {
+        self.balanced = balanced;
+        self.trial.internal.copy_from_slice(&state.internal);
+        self.gaps.clear();
     }
 
-    /// Takes over what elements see of `state` besides positions and velocities.
-    pub fn begin(&mut self, state: &State) {
-        self.trial.internal.copy_from_slice(&state.internal);
+    /// The contacts of the last solution.
+    pub fn contacts(&mut self) -> &mut Vec<Contact> {
+        &mut self.gaps.contacts
+    }
+
+    /// The stiffness of each node by itself at rest [N/m].
+    pub fn stiffness(&self) -> &[f64] {
+        &self.stiffness
     }
 
     /// All forces on the nodes at `positions` without speed [N].
@@ -196,6 +273,7 @@ impl NewtonSolver {
         fixed: &[bool],
         ends: &[Vector3<f64>],
         guesses: &[&[Vector3<f64>]],
+        mut touch: Option<Touch<'_>>,
         options: &Newton,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -207,6 +285,9 @@ impl NewtonSolver {
             exec,
         };
         self.start(&problem, guesses);
+        self.finds = 0;
+        self.find(&problem, touch.as_mut());
+        let slack = SLACK[usize::from(!options.must_converge)];
         let mut report = StepReport {
             iterations: 0,
             residual: self.evaluate(&problem, 0.0),
@@ -215,12 +296,17 @@ impl NewtonSolver {
         let moved = |node: usize| ends[node] != self.trial.positions[node];
         if equation.rate == 0.0
             && report.residual <= options.tolerance.min(AT_REST)
+            && self.gaps.miss() <= slack
             && !(0..fixed.len()).any(|node| fixed[node] && moved(node))
         {
+            self.tell(&problem);
             return Ok(report);
         }
         let mut tangent = Tangent::Exact;
-        while report.iterations < options.iterations {
+        let more = |gaps: &Gaps, iterations| {
+            iterations < options.iterations.saturating_add(MORE) && gaps.overlap() > OVERLAP
+        };
+        while report.iterations < options.iterations || more(&self.gaps, report.iterations) {
             report.iterations += 1;
             if !report.residual.is_finite() {
                 return Err(StepFailure::NotFinite);
@@ -228,9 +314,16 @@ impl NewtonSolver {
             self.from.copy_from_slice(&self.trial.positions);
             self.set_loads(&problem);
             let before = report.residual;
-            let way = self.go(&problem, ends, &mut tangent, before, options.tolerance)?;
+            let rough = if options.must_converge { 0.0 } else { ROUGH };
+            let tolerances = [options.tolerance, rough, slack];
+            let way = self.go(&problem, ends, &mut tangent, before, tolerances)?;
+            self.find(&problem, touch.as_mut());
             report.residual = self.evaluate(&problem, self.noise(fixed));
-            if report.residual <= options.tolerance && report.residual.is_finite() {
+            if report.residual <= options.tolerance
+                && report.residual.is_finite()
+                && self.gaps.miss() <= slack
+            {
+                self.tell(&problem);
                 return Ok(report);
             }
             match way {
@@ -242,12 +335,17 @@ impl NewtonSolver {
         if !report.residual.is_finite() {
             return Err(StepFailure::NotFinite);
         }
-        if options.must_converge {
+        let enough = match self.gaps.is_empty() {
+            true => options.tolerance,
+            false => STALLED * options.tolerance,
+        };
+        if options.must_converge && report.residual > enough {
             return Err(StepFailure::NotConverged {
                 iterations: report.iterations,
                 residual: report.residual,
             });
         }
+        self.tell(&problem);
         Ok(report)
     }
 
@@ -259,22 +357,26 @@ impl NewtonSolver {
         ends: &[Vector3<f64>],
         tangent: &mut Tangent,
         residual: f64,
-        tolerance: f64,
+        [tolerance, rough, slack]: [f64; 3],
     ) -> Result<Way, StepFailure> {
         let linear_tolerance =
             (LINEAR * tolerance / residual).clamp(LINEAR_TOLERANCES[0], LINEAR_TOLERANCES[1]);
+        let tolerances = [linear_tolerance, rough, slack];
         loop {
             let exact = *tangent == Tangent::Exact;
+            let jumps = self.set_jumps(problem.fixed, ends);
             let direction = self
                 .factorise(problem, *tangent)
-                .and_then(|()| self.set_direction(problem.fixed, ends, linear_tolerance));
+                .and_then(|()| self.set_direction(problem.fixed, jumps, tolerances))
+                .map(|()| jumps);
             match direction {
                 Ok(true) => {
                     self.lift(problem, ends);
                     return Ok(Way::Jump);
                 }
                 Ok(false) => {
-                    let far = exact && residual >= FAR;
+                    // A bent way would not keep gaps.
+                    let far = exact && residual >= FAR && self.gaps.is_empty();
                     self.set_bend(problem, far);
                     let share = self.search(problem);
                     if share > 0.0 {
@@ -346,8 +448,7 @@ impl NewtonSolver {
             return Vector3::zeros();
         }
         let v = self.trial.velocities[node];
-        ((v - base_velocities[node]) * *rate + v * problem.model.drag())
-            * problem.model.masses()[node]
+        ((v - base_velocities[node]) * *rate + v * self.drags[node]) * problem.model.masses()[node]
     }
 
     /// Computes the residual at `trial`; returns its size as a share of the forces, 0 where it is not above `noise`.
@@ -365,7 +466,11 @@ impl NewtonSolver {
             scale += force.norm_squared() + (mass * weight) * (mass * weight);
             self.residual[node] = Vector3::zeros();
             if !problem.fixed[node] {
-                let inertia = self.inertia(problem, node);
+                let mut inertia = self.inertia(problem, node);
+                if let Some(hold) = problem.equation.hold.get(node) {
+                    let way = self.trial.positions[node] - problem.equation.base[node];
+                    inertia += way * *hold;
+                }
                 scale += inertia.norm_squared();
                 let residual = force - inertia;
                 self.residual[node] = residual;
@@ -378,6 +483,15 @@ impl NewtonSolver {
             .control
             .add_loads(&self.trial.positions, &mut self.scratch);
         scale += self.scratch.iter().map(Vector3::norm_squared).sum::<f64>();
+        if !self.gaps.is_empty() {
+            self.others.copy_from_slice(&self.residual);
+            self.add_contacts(problem.fixed);
+            left = 0.0;
+            for (residual, others) in self.residual.iter().zip(&self.others) {
+                left += residual.norm_squared();
+                scale += (residual - others).norm_squared();
+            }
+        }
         let left = left.sqrt();
         if left <= noise {
             0.0
@@ -430,12 +544,12 @@ impl NewtonSolver {
         }
     }
 
-    /// Assembles and factors the matrix at `trial`.
+    /// Assembles and factors the matrix at `trial`, with the contacts that are closed along the direction.
     fn factorise(&mut self, problem: &Problem<'_>, tangent: Tangent) -> Result<(), NotPositive> {
         let rate = problem.equation.rate;
         let shares = Shares {
             damping: rate,
-            mass: rate * (rate + problem.model.drag()),
+            rate,
         };
         self.system
             .assemble(problem.model, &self.trial, shares, tangent);
@@ -443,6 +557,10 @@ impl NewtonSolver {
             self.system
                 .add_pressures(&problem.control.pressures, &self.trial.positions);
         }
+        for (node, hold) in problem.equation.hold.iter().enumerate() {
+            self.system.add_diagonal(node, *hold);
+        }
+        self.gaps.stiffen(&self.direction, &mut self.system);
         self.system.factorise(problem.fixed)
     }
 
@@ -458,13 +576,8 @@ impl NewtonSolver {
         }
     }
 
-    /// Solves for the step; returns whether prescribed nodes are still to jump.
-    fn set_direction(
-        &mut self,
-        fixed: &[bool],
-        ends: &[Vector3<f64>],
-        tolerance: f64,
-    ) -> Result<bool, NotPositive> {
+    /// Sets the direction to the jumps of prescribed nodes, with a guess of how surfaces move others; returns whether there are any.
+    fn set_jumps(&mut self, fixed: &[bool], ends: &[Vector3<f64>]) -> bool {
         let mut jumps = false;
         for (node, d) in self.direction.iter_mut().enumerate() {
             *d = Vector3::zeros();
@@ -472,6 +585,30 @@ impl NewtonSolver {
                 *d = ends[node] - self.from[node];
                 jumps |= *d != Vector3::zeros();
             }
+        }
+        self.gaps.predict(&mut self.direction);
+        jumps
+    }
+
+    /// Solves for the step; the direction holds the jumps of prescribed nodes.
+    fn set_direction(
+        &mut self,
+        fixed: &[bool],
+        jumps: bool,
+        tolerances: [f64; 3],
+    ) -> Result<(), NotPositive> {
+        if !self.gaps.is_empty() {
+            let Self {
+                gaps,
+                system,
+                others,
+                direction,
+                ..
+            } = self;
+            gaps.set_direction(others, fixed, system, tolerances, direction)?;
+            // Multipliers have changed.
+            self.add_contacts(fixed);
+            return Ok(());
         }
         if jumps {
             self.system
@@ -486,8 +623,7 @@ impl NewtonSolver {
                 }
             }
         }
-        self.system.solve(&mut self.direction, tolerance)?;
-        Ok(jumps)
+        self.system.solve(&mut self.direction, tolerances[0])
     }
 
     /// Sets c such that the forces left on the way x + s d + s² c, beyond their linear decrease, are of third order in s:

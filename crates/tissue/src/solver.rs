@@ -1,5 +1,6 @@
 //! What every solver is: one step, and what it says of it.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::state::{Contacts, Control, State};
@@ -10,7 +11,21 @@ use std::fmt::Debug;
 /// A solver holds working memory for one model and nothing that evolves: from equal states come equal bits, whatever was
 /// computed before.
 pub trait Solver: Debug + Send {
-    /// Advances `state` by `h` [s]. After a failure the state is as it was.
+    /// Advances `state` by `h` [s] with the nodes of `contacts` led and the gaps of `touching` kept. After a failure the state is
+    /// as it was.
+    #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
+    fn advance(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<StepReport, StepFailure>;
+
+    /// Advances `state` by `h` [s] where nothing is touched. After a failure the state is as it was.
     fn step(
         &mut self,
         model: &TissueModel,
@@ -19,7 +34,9 @@ pub trait Solver: Debug + Send {
         contacts: &Contacts,
         h: f64,
         exec: &dyn Executor,
-    ) -> Result<StepReport, StepFailure>;
+    ) -> Result<StepReport, StepFailure> {
+        self.advance(model, state, control, contacts, None, h, exec)
+    }
 
     /// A copy, for a scene that is copied.
     fn boxed_clone(&self) -> Box<dyn Solver>;
@@ -57,6 +74,11 @@ pub enum StepFailure {
         /// The node.
         node: u32,
     },
+    /// The method cannot keep gaps.
+    NoContact {
+        /// Why, with the remedy.
+        reason: &'static str,
+    },
 }
 
 impl std::fmt::Display for StepFailure {
@@ -72,8 +94,11 @@ impl std::fmt::Display for StepFailure {
             ),
             Self::Singular { node } => write!(
                 f,
-                "node {node} can move without resistance: the body needs a clamp, or a method with inertia and a shorter step"
+                "node {node} can move without resistance: the body needs a clamp or something to rest on, or a method with inertia and a shorter step"
             ),
+            Self::NoContact { reason } => {
+                write!(f, "the method cannot keep bodies apart: {reason}")
+            }
         }
     }
 }

@@ -23,16 +23,18 @@
 //! # Limitations
 //! All: the step is bounded ([`stability::limit`](crate::stability::limit)). Internal forces conserve momentum to rounding.
 //! Explicit Euler gains the share h²ω² of the energy of a mode in each step: without drag it is never stable; first order;
-//! nodes cannot be led, [`Contacts`] are ignored. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
+//! nodes cannot be led, [`Contacts`] are ignored and contact is refused. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
 //! mode: energy oscillates and does not drift; first order; its drag lowers the limit. Velocity Verlet: energy oscillates and
-//! does not drift; second order; a node that was led leaves its target with the velocity (p* − p̃)/h more and must be led again
-//! (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
+//! does not drift; second order; what is led or touched has the velocity of what holds it, and the accelerations that the state carries
+//! are then those with which the next step goes on in the joint form (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
 //! the state are one step old. Loads and clamps are taken as given for the end of the step: a load that changes is followed to
 //! first order only, but for velocity Verlet without internal variables, which has those of both ends. A step that changes from call to call is not symplectic in any of them.
 
+use crate::contact::{Contact, Touching};
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
+use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
 use nalgebra::Vector3;
@@ -59,6 +61,10 @@ pub struct SolverExplicit {
     positions: Vec<Vector3<f64>>,
     velocities: Vec<Vector3<f64>>,
     accelerations: Vec<Vector3<f64>>,
+    /// E of each node.
+    factors: Vec<f64>,
+    projection: Projection,
+    led: Vec<bool>,
 }
 
 impl SolverExplicit {
@@ -71,33 +77,36 @@ impl SolverExplicit {
             positions: zeros.clone(),
             velocities: zeros.clone(),
             accelerations: zeros,
+            factors: vec![1.0; model.node_count()],
+            projection: Projection::new(model),
+            led: vec![false; model.node_count()],
         }
     }
 
-    /// F/m − `drag`·v at the state into `accelerations`; zero for clamped nodes.
+    /// F/m at the state into `accelerations`, with the drag −c v where it is wanted; zero for clamped nodes.
     fn accelerate(
         &mut self,
         model: &TissueModel,
         state: &State,
         control: &Control,
-        drag: f64,
+        with_drag: bool,
         exec: &dyn Executor,
     ) {
         let forces = self.forces.compute(model, state, control, exec);
-        let nodes = forces
-            .iter()
-            .zip(model.inverse_masses())
-            .zip(&state.velocities);
-        for (acceleration, ((force, &w), velocity)) in self.accelerations.iter_mut().zip(nodes) {
-            *acceleration = match w > 0.0 {
-                true => force * w - velocity * drag,
-                false => Vector3::zeros(),
-            };
+        for (nodes, drag) in model.drags() {
+            let drag = if with_drag { *drag } else { 0.0 };
+            for node in nodes.clone() {
+                let w = model.inverse_masses()[node];
+                self.accelerations[node] = match w > 0.0 {
+                    true => forces[node] * w - state.velocities[node] * drag,
+                    false => Vector3::zeros(),
+                };
+            }
         }
     }
 
     /// Sets position, velocity and acceleration after the step to `rule(p, v, a)`, a the acceleration so far.
-    fn advance(
+    fn apply(
         &mut self,
         state: &State,
         rule: impl Fn(&Vector3<f64>, &Vector3<f64>, &Vector3<f64>) -> [Vector3<f64>; 2],
@@ -133,11 +142,13 @@ impl SolverExplicit {
         velocity_share: f64,
         acceleration_share: f64,
     ) {
+        self.led.fill(false);
         for target in &contacts.targets {
             let node = target.node as usize;
             if model.is_clamped(node) {
                 continue;
             }
+            self.led[node] = true;
             let led = target.target - self.positions[node] - target.overlap;
             self.positions[node] = target.target;
             self.velocities[node] += led * velocity_share;
@@ -145,31 +156,84 @@ impl SolverExplicit {
         }
     }
 
+    /// Keeps gaps. A force moves a node by h (E² `before` + `after`) times its acceleration, with `times` = [h, before, after] [s]; of
+    /// that way `velocity_share` goes on as velocity and `acceleration_share` as acceleration, as in [`lead`](Self::lead).
+    fn touch(
+        &mut self,
+        model: &TissueModel,
+        state: &State,
+        touching: &mut Touching<'_>,
+        [h, before, after]: [f64; 3],
+        [velocity_share, acceleration_share]: [f64; 2],
+    ) -> Result<(), StepFailure> {
+        if !is_finite(&self.positions) {
+            return Err(StepFailure::NotFinite);
+        }
+        let (led, factors, w) = (&self.led, &self.factors, model.inverse_masses());
+        let mobility = |node: usize| match led[node] {
+            true => 0.0,
+            false => h * (factors[node] * factors[node] * before + after) * w[node],
+        };
+        self.projection
+            .touch(touching, &state.positions, mobility, h, &mut self.positions);
+        for (node, way) in self.projection.ways().iter().enumerate() {
+            self.velocities[node] += way * velocity_share;
+            self.accelerations[node] += way * acceleration_share;
+        }
+        match is_finite(&self.positions) {
+            true => Ok(()),
+            false => Err(StepFailure::NotFinite),
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn velocity_verlet(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
         // Internal variables may have flowed, or ties torn, since the last step: the accelerations carried from there would still
         // pull with the old ones.
-        if state.accelerations.len() == state.positions.len() && state.internal.is_empty() {
+        let carried = state.accelerations.len() == state.positions.len();
+        if carried && state.internal.is_empty() {
             self.accelerations.copy_from_slice(&state.accelerations);
         } else {
-            self.accelerate(model, state, control, 0.0, exec);
+            self.accelerate(model, state, control, false, exec);
+            if carried {
+                for (a, kept) in self.accelerations.iter_mut().zip(&state.accelerations) {
+                    *a += kept;
+                }
+            }
         }
-        let factor = libm::exp(-0.5 * model.drag() * h);
-        self.advance(state, |p, v, a| {
-            let middle = v * factor + a * (0.5 * h);
-            [p + middle * h, middle]
-        });
+        for (nodes, drag) in model.drags() {
+            let factor = libm::exp(-0.5 * drag * h);
+            for node in nodes.clone() {
+                let middle = state.velocities[node] * factor + self.accelerations[node] * (0.5 * h);
+                self.positions[node] = state.positions[node] + middle * h;
+                self.velocities[node] = middle;
+                self.factors[node] = factor;
+            }
+        }
         self.clamp(model, state, control, h);
         self.lead(model, contacts, 1.0 / h, 0.0);
         if !is_finite(&self.positions) {
             return Err(StepFailure::NotFinite);
+        }
+        let mut touched: &[Contact] = &[];
+        if let Some(touching) = touching {
+            self.touch(
+                model,
+                state,
+                touching,
+                [h, 0.5 * h, 0.5 * h],
+                [1.0 / h, 0.0],
+            )?;
+            touched = &touching.contacts;
         }
 
         // From here on the solver holds the state before, to go back to.
@@ -179,13 +243,14 @@ impl SolverExplicit {
         let free = |node: &usize| w[*node] > 0.0;
         for node in (0..w.len()).filter(free) {
             let middle = state.velocities[node];
-            state.velocities[node] = (middle + self.accelerations[node] * (0.5 * h)) * factor;
+            state.velocities[node] =
+                (middle + self.accelerations[node] * (0.5 * h)) * self.factors[node];
         }
         let forces = self.forces.compute(model, state, control, exec);
         for node in (0..w.len()).filter(free) {
             let acceleration = forces[node] * w[node];
             let change = acceleration - self.accelerations[node];
-            state.velocities[node] += change * (0.5 * h * factor);
+            state.velocities[node] += change * (0.5 * h * self.factors[node]);
             self.accelerations[node] = acceleration;
         }
         if !is_finite(&state.velocities) {
@@ -193,23 +258,64 @@ impl SolverExplicit {
             std::mem::swap(&mut state.velocities, &mut self.velocities);
             return Err(StepFailure::NotFinite);
         }
-        state.accelerations.clone_from(&self.accelerations);
+        self.settle(model, state, contacts, touched, h);
         Ok(())
     }
 
+    /// Gives nodes that are led or touched the velocity of what holds them, and the state the accelerations with which the next
+    /// step goes on as if it had not been given.
+    fn settle(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        contacts: &Contacts,
+        touched: &[Contact],
+        h: f64,
+    ) {
+        if !state.internal.is_empty() {
+            self.accelerations.fill(Vector3::zeros());
+        }
+        for target in &contacts.targets {
+            let node = target.node as usize;
+            if !model.is_clamped(node) {
+                let way = target.target - target.overlap - self.positions[node];
+                let change = way / h - state.velocities[node];
+                state.velocities[node] += change;
+                self.accelerations[node] -= change * (2.0 * self.factors[node] / h);
+            }
+        }
+        if touched.iter().any(|contact| contact.pressure > 0.0) {
+            let (led, w) = (&self.led, model.inverse_masses());
+            let inverse_mass = |node: usize| if led[node] { 0.0 } else { w[node] };
+            self.projection
+                .settle(touched, h, inverse_mass, &mut state.velocities);
+            for ((a, change), factor) in self
+                .accelerations
+                .iter_mut()
+                .zip(self.projection.ways())
+                .zip(&self.factors)
+            {
+                *a -= change * (2.0 * factor / h);
+            }
+        }
+        state.accelerations.clone_from(&self.accelerations);
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn lagged(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
-        self.accelerate(model, state, control, model.drag(), exec);
+        self.accelerate(model, state, control, true, exec);
         // Before the first step nothing is lagged: h₋ = 0.
         let lag = 0.5 * state.step;
-        self.advance(state, |p, v, a| {
+        self.apply(state, |p, v, a| {
             let velocity = v + a * lag;
             [p + (velocity + a * (0.5 * h)) * h, velocity]
         });
@@ -221,31 +327,51 @@ impl SolverExplicit {
         self.clamp(model, state, control, h);
         let per_way = 1.0 / (h * (lag + 0.5 * h));
         self.lead(model, contacts, lag * per_way, per_way);
+        if let Some(touching) = touching {
+            self.factors.fill(1.0);
+            self.touch(
+                model,
+                state,
+                touching,
+                [h, lag, 0.5 * h],
+                [lag * per_way, per_way],
+            )?;
+        }
         self.commit(state)?;
         state.accelerations.clone_from(&self.accelerations);
         Ok(())
     }
 
+    #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn euler(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
-        self.accelerate(model, state, control, model.drag(), exec);
+        self.accelerate(model, state, control, true, exec);
         if self.scheme == Scheme::ExplicitEuler {
-            self.advance(state, |p, v, a| [p + v * h, v + a * h]);
+            if touching.is_some() {
+                return Err(StepFailure::NoContact {
+                    reason: "a force of explicit Euler moves a node one step later only; use symplectic-euler, or any other method",
+                });
+            }
+            self.apply(state, |p, v, a| [p + v * h, v + a * h]);
             self.clamp(model, state, control, h);
         } else {
-            self.advance(state, |p, v, a| {
+            self.apply(state, |p, v, a| {
                 let velocity = v + a * h;
                 [p + velocity * h, velocity]
             });
             self.clamp(model, state, control, h);
             self.lead(model, contacts, 1.0 / h, 0.0);
+            if let Some(touching) = touching {
+                self.touch(model, state, touching, [h, 0.0, h], [1.0 / h, 0.0])?;
+            }
         }
         self.commit(state)?;
         state.accelerations.clear();
@@ -264,24 +390,25 @@ impl SolverExplicit {
 }
 
 impl Solver for SolverExplicit {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         match self.scheme {
             Scheme::ExplicitEuler | Scheme::SymplecticEuler => {
-                self.euler(model, state, control, contacts, h, exec)?;
+                self.euler(model, state, control, contacts, touching, h, exec)?;
             }
             Scheme::VelocityVerlet => {
-                self.velocity_verlet(model, state, control, contacts, h, exec)?;
+                self.velocity_verlet(model, state, control, contacts, touching, h, exec)?;
             }
             Scheme::VelocityVerletLagged => {
-                self.lagged(model, state, control, contacts, h, exec)?;
+                self.lagged(model, state, control, contacts, touching, h, exec)?;
             }
         }
         state.step = h;

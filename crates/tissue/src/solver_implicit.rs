@@ -20,6 +20,10 @@
 //! only one of second order with that denominator that damps stiff modes entirely; without TR-BDF2's explicit first half it
 //! does not need the forces at the start, which are large right after a contact or a jump.
 //!
+//! Contacts keep their gaps at the end of each stage, with restitution 0. What has a force at the end of the first stage of SDIRK2 may be
+//! an impact, which must not be extrapolated: the second stage is then backward Euler over the rest of the step. Implicit midpoint would
+//! reflect what touches: a step in which something is or comes near is made by SDIRK2 instead. So contact is of first order in all.
+//!
 //! Drag −c v and viscous forces are taken at the stage, so they are stable for every h. Clamps and targets move evenly
 //! during the step and are exactly where they are told in the end.
 //!
@@ -44,9 +48,10 @@
 //! then holds only up to the error of the linearisation. Loads are those of the end of the step in every stage: a load that
 //! changes is followed to first order only.
 
+use crate::contact::{Contact, Touching};
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver};
+use crate::newton::{Equation, Newton, NewtonSolver, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
@@ -87,6 +92,10 @@ pub struct SolverImplicit {
     ballistic: Vec<Vector3<f64>>,
     /// End of the first of two stages [m].
     first_positions: Vec<Vector3<f64>>,
+    /// Contacts of the first of two stages.
+    first: Vec<Contact>,
+    /// Whether the step is one with contact.
+    balanced: bool,
 }
 
 impl SolverImplicit {
@@ -102,11 +111,14 @@ impl SolverImplicit {
                 base: zeros.clone(),
                 base_velocities: zeros.clone(),
                 extra: Vec::new(),
+                hold: Vec::new(),
             },
             prescribed: Prescribed::new(model.node_count()),
             ends: zeros.clone(),
             ballistic: zeros.clone(),
             first_positions: zeros,
+            first: Vec::new(),
+            balanced: false,
         }
     }
 
@@ -121,6 +133,7 @@ impl SolverImplicit {
         way: f64,
         start: &[Vector3<f64>],
         near: &[Vector3<f64>],
+        touch: Option<&mut Touching<'_>>,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         self.equation.rate = 1.0 / span;
@@ -134,6 +147,11 @@ impl SolverImplicit {
                 start + (self.prescribed.ends[node] - start) * way
             };
         }
+        let touch = touch.map(|touching| Touch {
+            source: &mut *touching.source,
+            start,
+            way,
+        });
         self.solver.solve(
             model,
             control,
@@ -141,6 +159,7 @@ impl SolverImplicit {
             &self.prescribed.fixed,
             &self.ends,
             &[near, &self.ballistic],
+            touch,
             &self.newton,
             exec,
         )
@@ -186,85 +205,134 @@ impl SolverImplicit {
         model: &TissueModel,
         state: &State,
         control: &Control,
+        mut touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
+        // What an impact has done must not be extrapolated: it would throw the body back.
+        self.first.clone_from(self.solver.contacts());
+        let touched = self.first.iter().any(|contact| contact.pressure > 0.0);
+        let span = if touched { 1.0 - GAMMA } else { GAMMA };
         for node in 0..model.node_count() {
             let (velocity, start) = (self.solver.trial.velocities[node], state.velocities[node]);
-            self.equation.base[node] = state.positions[node] + velocity * ((1.0 - GAMMA) * h);
-            self.equation.base_velocities[node] =
-                start + (velocity - start) * ((1.0 - GAMMA) / GAMMA);
+            if touched {
+                self.equation.base[node] = self.first_positions[node];
+                self.equation.base_velocities[node] = velocity;
+            } else {
+                self.equation.base[node] = state.positions[node] + velocity * ((1.0 - GAMMA) * h);
+                self.equation.base_velocities[node] =
+                    start + (velocity - start) * ((1.0 - GAMMA) / GAMMA);
+            }
         }
         let near = std::mem::take(&mut self.first_positions);
         let result = self.stage(
             model,
             control,
-            GAMMA * h,
+            span * h,
             1.0,
             &state.positions,
             &near,
+            touching.as_deref_mut(),
             exec,
         );
         self.first_positions = near;
+        if touching.is_some() {
+            // The mean over the step.
+            for contact in self.solver.contacts() {
+                let same =
+                    |first: &&Contact| first.nodes == contact.nodes && first.first == contact.first;
+                contact.pressure *= span;
+                contact.traction *= span;
+                if let Some(first) = self.first.iter().find(same) {
+                    contact.pressure += GAMMA * first.pressure;
+                    contact.traction += first.traction * GAMMA;
+                }
+            }
+        }
         result
     }
-}
 
-impl Solver for SolverImplicit {
-    fn step(
+    /// Whether anything is or will be touched where nodes fly on.
+    fn is_touched(&mut self, state: &State, touching: &mut Touching<'_>, h: f64) -> bool {
+        for (node, x) in self.ballistic.iter_mut().enumerate() {
+            *x = match self.prescribed.fixed[node] {
+                true => self.prescribed.ends[node],
+                false => state.positions[node] + state.velocities[node] * h,
+            };
+        }
+        touching.contacts.clear();
+        let source = &mut touching.source;
+        source.find(1.0, &self.ballistic, &mut touching.contacts);
+        !touching.contacts.is_empty()
+    }
+
+    /// Makes a step in the way of `scheme`; prescribed nodes are set.
+    #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
+    fn make(
         &mut self,
+        scheme: ImplicitScheme,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
+        mut touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        if !state.is_finite() {
-            return Err(StepFailure::NotFinite);
-        }
-        self.prescribed.set(model, state, control, contacts);
-        self.solver.begin(state);
+        self.solver.begin(state, self.balanced);
         self.equation.base.copy_from_slice(&state.positions);
         self.equation
             .base_velocities
             .copy_from_slice(&state.velocities);
-        let (span, way) = match self.scheme {
+        let (span, way) = match scheme {
             ImplicitScheme::BackwardEuler => (h, 1.0),
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint => (0.5 * h, 0.5),
             ImplicitScheme::Sdirk2 => (GAMMA * h, GAMMA),
         };
         let start = &state.positions;
-        let mut report = self.stage(model, control, span, way, start, start, exec)?;
-        if self.scheme == ImplicitScheme::Sdirk2 {
+        let mut report = self.stage(
+            model,
+            control,
+            span,
+            way,
+            start,
+            start,
+            touching.as_deref_mut(),
+            exec,
+        )?;
+        if scheme == ImplicitScheme::Sdirk2 {
             self.first_positions
                 .copy_from_slice(&self.solver.trial.positions);
-            let second = self.second_stage(model, state, control, h, exec)?;
+            let second =
+                self.second_stage(model, state, control, touching.as_deref_mut(), h, exec)?;
             report.iterations += second.iterations;
             report.residual = report.residual.max(second.residual);
         }
         // The stage of implicit midpoint is a step of backward Euler over half the time: where the other half would be nonsense,
         // it is made in the same way.
-        let guarded =
-            self.scheme == ImplicitScheme::GuardedMidpoint && self.is_distorted(model, state);
+        let guarded = scheme == ImplicitScheme::GuardedMidpoint && self.is_distorted(model, state);
         if guarded {
             let trial = &self.solver.trial;
             self.equation.base.copy_from_slice(&trial.positions);
             self.equation.base_velocities.fill(Vector3::zeros());
             let mut half = std::mem::take(&mut self.first_positions);
             half.copy_from_slice(&trial.positions);
-            let result = self.stage(model, control, 0.5 * h, 1.0, &half, &half, exec);
+            let result = self.stage(model, control, 0.5 * h, 1.0, &half, &half, None, exec);
             self.first_positions = half;
             let second = result?;
             report.iterations += second.iterations;
             report.residual = report.residual.max(second.residual);
+        }
+        if let Some(touching) = touching {
+            let (equation, fixed) = (&self.equation, &self.prescribed.fixed);
+            self.solver.undo(model, control, equation, fixed, h, exec)?;
+            std::mem::swap(self.solver.contacts(), &mut touching.contacts);
         }
         let trial = &mut self.solver.trial;
         if guarded {
             trial.velocities.fill(Vector3::zeros());
         }
         if matches!(
-            self.scheme,
+            scheme,
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint
         ) && !guarded
         {
@@ -287,6 +355,48 @@ impl Solver for SolverImplicit {
         state.accelerations.clear();
         state.step = h;
         Ok(report)
+    }
+}
+
+impl Solver for SolverImplicit {
+    fn advance(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        control: &Control,
+        contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
+        h: f64,
+        exec: &dyn Executor,
+    ) -> Result<StepReport, StepFailure> {
+        if !state.is_finite() {
+            return Err(StepFailure::NotFinite);
+        }
+        self.prescribed.set(model, state, control, contacts);
+        let midpoint = matches!(
+            self.scheme,
+            ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint
+        );
+        self.balanced = touching.is_some();
+        let Some(touching) = touching else {
+            return self.make(self.scheme, model, state, control, None, h, exec);
+        };
+        let mut scheme = self.scheme;
+        if midpoint {
+            if !self.is_touched(state, touching, h) {
+                let before = state.clone();
+                let report = self.make(scheme, model, state, control, None, h, exec)?;
+                touching.contacts.clear();
+                let source = &mut touching.source;
+                source.find(1.0, &state.positions, &mut touching.contacts);
+                if touching.contacts.is_empty() {
+                    return Ok(report);
+                }
+                *state = before;
+            }
+            scheme = ImplicitScheme::Sdirk2;
+        }
+        self.make(scheme, model, state, control, Some(touching), h, exec)
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -6,12 +6,16 @@
 //!
 //! # Limitations
 //! No inertia, no drag, no viscosity: the length of the step changes nothing, and velocities are zero after it. A body that is
-//! not held has no solution ([`StepFailure::Singular`]); one that buckles ends in one of its equilibria, the nearest downhill.
-//! Deformation that is followed, not sought, should come in steps in which elements are not inverted.
+//! not held has no solution ([`StepFailure::Singular`]). One that only contacts hold may still slide or roll: its nodes are tied to where
+//! they were before the step by springs of 1e-4 of their own stiffness, so where nothing else holds it creeps, and forces of a step in
+//! which it moves are wrong by that much of what it would take to strain it as far. Old overlaps are pushed out by force. A body
+//! that buckles ends in one of its equilibria, the nearest downhill. Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
+use crate::components::components;
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver};
+use crate::newton::{Equation, Newton, NewtonSolver, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
@@ -19,6 +23,9 @@ use nalgebra::Vector3;
 
 /// The shortest share of a step that is tried.
 const SHORTEST: f64 = 1.0 / 64.0;
+
+/// Springs from the nodes of a part that contacts alone hold to where they were, over the stiffness of the node by itself.
+const LOOSE: f64 = 1e-4;
 
 /// The solver: working memory for one model.
 #[derive(Clone, Debug)]
@@ -45,13 +52,14 @@ impl SolverQuasiStatic {
         let solver = NewtonSolver::new(model);
         Self {
             newton,
-            components: solver.system().components(),
+            components: components(model),
             solver,
             equation: Equation {
                 rate: 0.0,
                 base: Vec::new(),
                 base_velocities: Vec::new(),
                 extra: Vec::new(),
+                hold: Vec::new(),
             },
             prescribed: Prescribed::new(model.node_count()),
             held: vec![false; model.node_count()],
@@ -61,16 +69,50 @@ impl SolverQuasiStatic {
         }
     }
 
-    /// The lowest node of a part of the body that no prescribed node holds.
-    fn loose_part(&mut self) -> Option<u32> {
+    /// Gives each part that no prescribed node holds its springs; there must be a contact of it.
+    fn hold_loose_parts(
+        &mut self,
+        state: &State,
+        touching: Option<&mut Touching<'_>>,
+    ) -> Result<(), StepFailure> {
         self.held.fill(false);
+        self.equation.hold.clear();
         for (&lowest, fixed) in self.components.iter().zip(&self.prescribed.fixed) {
             self.held[lowest as usize] |= fixed;
         }
-        let lowest = self.components.iter().copied();
-        lowest
-            .into_iter()
-            .find(|&lowest| !self.held[lowest as usize])
+        let held = &mut self.held;
+        let is_loose = |lowest: &&u32| !held[**lowest as usize];
+        let Some(&first) = self.components.iter().find(is_loose) else {
+            return Ok(());
+        };
+        let Some(touching) = touching else {
+            return Err(StepFailure::Singular { node: first });
+        };
+        self.equation.base.clone_from(&state.positions);
+        for (&lowest, stiffness) in self.components.iter().zip(self.solver.stiffness()) {
+            let loose = !held[lowest as usize];
+            let spring = if loose { LOOSE * stiffness } else { 0.0 };
+            self.equation.hold.push(spring);
+        }
+        touching.contacts.clear();
+        let source = &mut touching.source;
+        source.find(1.0, &state.positions, &mut touching.contacts);
+        for contact in &touching.contacts {
+            for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
+                if weight != 0.0 {
+                    held[self.components[node as usize] as usize] = true;
+                }
+            }
+        }
+        touching.contacts.clear();
+        match self
+            .components
+            .iter()
+            .find(|lowest| !held[**lowest as usize])
+        {
+            Some(&node) => Err(StepFailure::Singular { node }),
+            None => Ok(()),
+        }
     }
 
     /// Sets the equation at the share `s` of the step that starts at `start` [m].
@@ -88,12 +130,13 @@ impl SolverQuasiStatic {
 }
 
 impl Solver for SolverQuasiStatic {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        mut touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -101,10 +144,8 @@ impl Solver for SolverQuasiStatic {
             return Err(StepFailure::NotFinite);
         }
         self.prescribed.set(model, state, control, contacts);
-        if let Some(node) = self.loose_part() {
-            return Err(StepFailure::Singular { node });
-        }
-        self.solver.begin(state);
+        self.hold_loose_parts(state, touching.as_deref_mut())?;
+        self.solver.begin(state, false);
         self.solved.copy_from_slice(&state.positions);
         let mut iterations = 0;
         let (mut done, mut share) = (0.0, 1.0f64);
@@ -118,6 +159,11 @@ impl Solver for SolverQuasiStatic {
                 &self.prescribed.fixed,
                 &self.ends,
                 &[&self.solved],
+                touching.as_deref_mut().map(|touching| Touch {
+                    source: &mut *touching.source,
+                    start: &state.positions,
+                    way: s,
+                }),
                 &self.newton,
                 exec,
             );
@@ -141,6 +187,7 @@ impl Solver for SolverQuasiStatic {
                                 .static_forces(model, &state.positions, control, exec);
                         self.start_forces.copy_from_slice(forces);
                     }
+                    self.solver.begin(state, false);
                     share *= 0.5;
                     if share < SHORTEST {
                         return Err(match failure {
@@ -158,6 +205,9 @@ impl Solver for SolverQuasiStatic {
         };
         if !self.solver.trial.is_finite() {
             return Err(StepFailure::NotFinite);
+        }
+        if let Some(touching) = touching {
+            std::mem::swap(self.solver.contacts(), &mut touching.contacts);
         }
         state.positions.copy_from_slice(&self.solved);
         state.velocities.fill(Vector3::zeros());

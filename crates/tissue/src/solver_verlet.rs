@@ -28,9 +28,11 @@
 //! 1 + δ/2 times the right one, δ = h τ ω²) and the limit falls to h²ω² < 4 − 2δ (NUMERICS 3.1). Loads and clamps are taken as
 //! given for the end of the step: a load that changes is followed to first order only.
 
+use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
+use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
 use nalgebra::Vector3;
@@ -45,8 +47,10 @@ pub struct SolverVerlet {
     predicted_velocities: Vec<Vector3<f64>>,
     /// h of the prediction [s].
     step: f64,
-    /// γ of the prediction [s].
-    kick: f64,
+    /// γ of the prediction, of each node [s].
+    kicks: Vec<f64>,
+    projection: Projection,
+    led: Vec<bool>,
 }
 
 impl SolverVerlet {
@@ -58,7 +62,9 @@ impl SolverVerlet {
             predicted: zeros.clone(),
             predicted_velocities: zeros,
             step: 0.0,
-            kick: 0.0,
+            kicks: vec![0.0; model.node_count()],
+            projection: Projection::new(model),
+            led: vec![false; model.node_count()],
         }
     }
 
@@ -73,18 +79,22 @@ impl SolverVerlet {
         exec: &dyn Executor,
     ) -> &[Vector3<f64>] {
         let forces = self.forces.compute(model, state, control, exec);
-        let factor = libm::exp(-0.5 * model.drag() * (state.step + h));
         self.step = h;
-        self.kick = 0.5 * (factor * state.step + h);
-        for (node, &w) in model.inverse_masses().iter().enumerate() {
-            // A clamped node stands still; what moves it is added below.
-            let velocity = if w == 0.0 {
-                Vector3::zeros()
-            } else {
-                state.velocities[node] * factor + forces[node] * (self.kick * w)
-            };
-            self.predicted_velocities[node] = velocity;
-            self.predicted[node] = state.positions[node] + velocity * h;
+        for (nodes, drag) in model.drags() {
+            let factor = libm::exp(-0.5 * drag * (state.step + h));
+            let kick = 0.5 * (factor * state.step + h);
+            self.kicks[nodes.clone()].fill(kick);
+            for node in nodes.clone() {
+                // A clamped node stands still; what moves it is added below.
+                let w = model.inverse_masses()[node];
+                let velocity = if w == 0.0 {
+                    Vector3::zeros()
+                } else {
+                    state.velocities[node] * factor + forces[node] * (kick * w)
+                };
+                self.predicted_velocities[node] = velocity;
+                self.predicted[node] = state.positions[node] + velocity * h;
+            }
         }
         for (node, position) in model.clamped().iter().zip(&control.clamped_positions) {
             let node = *node as usize;
@@ -109,12 +119,49 @@ impl SolverVerlet {
             }
             let force =
                 self.contact_force(model, target.node, &(target.target - self.predicted[node]));
-            let kicked = force * (self.kick * w);
+            let kicked = force * (self.kicks[node] * w);
             state.positions[node] += kicked * self.step;
             // The part of the motion that only undid an old overlap must not go on as velocity.
             state.velocities[node] += kicked - target.overlap / self.step;
         }
         state.step = self.step;
+    }
+
+    /// The second half of a step in which gaps are kept.
+    fn touch(
+        &mut self,
+        model: &TissueModel,
+        state: &mut State,
+        contacts: &Contacts,
+        touching: &mut Touching<'_>,
+    ) -> Result<(), StepFailure> {
+        let h = self.step;
+        self.led.fill(false);
+        for target in &contacts.targets {
+            let node = target.node as usize;
+            if !model.is_clamped(node) {
+                let way = target.target - self.predicted[node];
+                self.predicted[node] = target.target;
+                self.predicted_velocities[node] += (way - target.overlap) / h;
+                self.led[node] = true;
+            }
+        }
+        let mobility = |node: usize| match self.led[node] {
+            true => 0.0,
+            false => h * self.kicks[node] * model.inverse_masses()[node],
+        };
+        self.projection
+            .touch(touching, &state.positions, mobility, h, &mut self.predicted);
+        let ways = self.projection.ways();
+        for (velocity, way) in self.predicted_velocities.iter_mut().zip(ways) {
+            *velocity += way / h;
+        }
+        let sum: Vector3<f64> = self.predicted.iter().sum();
+        if !sum.iter().all(|c| c.is_finite()) {
+            return Err(StepFailure::NotFinite);
+        }
+        self.finish(model, state, &Contacts::default());
+        Ok(())
     }
 
     /// The force F̂ [N] that moves a node by `correction` [m] from where the step begun by [`predict`](Self::predict) would
@@ -129,7 +176,7 @@ impl SolverVerlet {
         if w == 0.0 {
             Vector3::zeros()
         } else {
-            correction / (self.step * self.kick * w)
+            correction / (self.step * self.kicks[node as usize] * w)
         }
     }
 
@@ -146,12 +193,13 @@ impl SolverVerlet {
 }
 
 impl Solver for SolverVerlet {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        touching: Option<&mut Touching<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -163,7 +211,10 @@ impl Solver for SolverVerlet {
         if !sum.iter().all(|c| c.is_finite()) {
             return Err(StepFailure::NotFinite);
         }
-        self.finish(model, state, contacts);
+        match touching {
+            None => self.finish(model, state, contacts),
+            Some(touching) => self.touch(model, state, contacts, touching)?,
+        }
         Ok(StepReport {
             iterations: 1,
             residual: 0.0,

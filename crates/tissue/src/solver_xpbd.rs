@@ -10,15 +10,21 @@
 //! compliance (Gauss–Seidel), and the velocity is what came of it, (x − x_n)/h. In the limit of many iterations this is
 //! backward Euler with the sub-step. Clamped and led nodes move evenly and have no inverse mass.
 //!
+//! Contacts (`projection`) are constraints without compliance in the same loop, after the elements; they are found once per sub-step,
+//! where the nodes have flown, and have the last word. The pressure told is the mean over the step, the traction that of the last
+//! sub-step.
+//!
 //! # Limitations
 //! Small sub-steps are worth more than iterations (Macklin et al. 2019): with few of either, stiff bodies are too soft, and by
 //! how much depends on the mesh and on the order of the elements. Energy falls as with backward Euler at the sub-step.
 //! Linear momentum is conserved to rounding, angular momentum up to the first order of the sub-step. Loads are those of the start of a
 //! sub-step.
 
+use crate::contact::{Contact, Touching};
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::prescribed::Prescribed;
+use crate::projection::{Kept, Projection, SWEEPS};
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
 use nalgebra::Vector3;
@@ -38,6 +44,9 @@ pub struct SolverXpbd {
     /// Positions at the start of a sub-step.
     previous: Vec<Vector3<f64>>,
     loads: Vec<Vector3<f64>>,
+    projection: Projection,
+    /// Those of a sub-step.
+    contacts: Vec<Contact>,
 }
 
 impl SolverXpbd {
@@ -59,6 +68,8 @@ impl SolverXpbd {
             velocities: zeros.clone(),
             previous: zeros.clone(),
             loads: zeros,
+            projection: Projection::new(model),
+            contacts: Vec::new(),
         })
     }
 
@@ -73,25 +84,65 @@ impl SolverXpbd {
     ) {
         self.loads.fill(Vector3::zeros());
         control.add_loads(&self.positions, &mut self.loads);
-        let drag = model.drag();
-        let factor = libm::exp(-drag * h);
-        let kick = if drag > 0.0 {
-            -libm::expm1(-drag * h) / drag
-        } else {
-            h
-        };
         self.previous.copy_from_slice(&self.positions);
-        for (node, &w) in self.inverse_masses.iter().enumerate() {
-            self.positions[node] = if w > 0.0 {
-                let acceleration = control.gravity + self.loads[node] * w;
-                let velocity = self.velocities[node] * factor + acceleration * kick;
-                self.positions[node] + velocity * h
-            } else if way == 1.0 {
-                self.prescribed.ends[node]
+        for (nodes, drag) in model.drags() {
+            let factor = libm::exp(-drag * h);
+            let kick = if *drag > 0.0 {
+                -libm::expm1(-drag * h) / drag
             } else {
-                start[node] + (self.prescribed.ends[node] - start[node]) * way
+                h
             };
+            for node in nodes.clone() {
+                let w = self.inverse_masses[node];
+                self.positions[node] = if w > 0.0 {
+                    let acceleration = control.gravity + self.loads[node] * w;
+                    let velocity = self.velocities[node] * factor + acceleration * kick;
+                    self.positions[node] + velocity * h
+                } else if way == 1.0 {
+                    self.prescribed.ends[node]
+                } else {
+                    start[node] + (self.prescribed.ends[node] - start[node]) * way
+                };
+            }
         }
+    }
+
+    /// Finds the contacts where the nodes have flown, as they are for a sub-step of `h` [s]: rigid things move evenly. Those of the step
+    /// gather the mean of their pressures.
+    fn find(
+        &mut self,
+        touching: &mut Touching<'_>,
+        substep: u32,
+        h: f64,
+    ) -> Result<(), StepFailure> {
+        let sum: Vector3<f64> = self.positions.iter().sum();
+        if !sum.iter().all(|c| c.is_finite()) {
+            return Err(StepFailure::NotFinite);
+        }
+        if substep == 1 {
+            touching.contacts.clear();
+        }
+        let way = f64::from(substep) / f64::from(self.substeps);
+        let source = &mut touching.source;
+        source.find(way, &self.positions, &mut touching.contacts);
+        if substep == 1 {
+            for contact in &mut touching.contacts {
+                contact.pressure = 0.0;
+            }
+        }
+        self.contacts.clear();
+        for contact in &touching.contacts {
+            let drift = contact.drift / f64::from(substep);
+            self.contacts.push(Contact {
+                start_gap: contact.gap(&self.previous) + contact.normal.dot(&drift),
+                drift,
+                ..*contact
+            });
+        }
+        let w = &self.inverse_masses;
+        self.projection
+            .begin(&mut self.contacts, |node| h * h * w[node]);
+        Ok(())
     }
 
     /// Projects all elements once.
@@ -121,12 +172,13 @@ impl SolverXpbd {
 }
 
 impl Solver for SolverXpbd {
-    fn step(
+    fn advance(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         control: &Control,
         contacts: &Contacts,
+        mut touching: Option<&mut Touching<'_>>,
         h: f64,
         _exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -148,8 +200,22 @@ impl Solver for SolverXpbd {
             let way = f64::from(substep) / f64::from(self.substeps);
             self.fly(model, control, &state.positions, way, small);
             self.multipliers.iter_mut().for_each(|all| all.fill(0.0));
+            if let Some(touching) = touching.as_deref_mut() {
+                self.find(touching, substep, small)?;
+            }
             for _ in 0..self.iterations {
                 self.project(model, &state.internal, small);
+                if touching.is_some() {
+                    let kept = Kept::Gaps(&self.previous);
+                    let positions = &mut self.positions;
+                    self.projection.keep(kept, 1, &mut self.contacts, positions);
+                }
+            }
+            if touching.is_some() {
+                let kept = Kept::Gaps(&self.previous);
+                let positions = &mut self.positions;
+                self.projection
+                    .keep(kept, SWEEPS, &mut self.contacts, positions);
             }
             for ((v, x), previous) in self
                 .velocities
@@ -158,6 +224,16 @@ impl Solver for SolverXpbd {
                 .zip(&self.previous)
             {
                 *v = (x - previous) / small;
+            }
+            if let Some(touching) = touching.as_deref_mut() {
+                let held = |node: usize| self.inverse_masses[node] == 0.0;
+                self.projection
+                    .undo(&self.contacts, held, small, &mut self.positions);
+                let share = 1.0 / f64::from(self.substeps);
+                for (contact, kept) in touching.contacts.iter_mut().zip(&self.contacts) {
+                    contact.pressure += kept.pressure * share;
+                    contact.traction = kept.traction;
+                }
             }
         }
         self.prescribed

@@ -3,6 +3,7 @@
 //! Where the blocks of each element go is found once per model; a step only adds numbers, in a fixed order, and tells
 //! [`LinearSolver`] which nodes are prescribed. Nothing is kept from one system to the next.
 
+use crate::contact::Contact;
 use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
@@ -10,13 +11,13 @@ use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// The shares of a matrix K + b·D + c·M.
+/// The shares of a matrix K + b·D + r (r + c) M, c the drag per mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shares {
     /// b [1/s].
     pub damping: f64,
-    /// c [1/s²].
-    pub mass: f64,
+    /// r [1/s].
+    pub rate: f64,
 }
 
 /// A linear system with the pattern of one model.
@@ -43,7 +44,7 @@ impl System {
         }
     }
 
-    /// Sets the matrix to K + b·D + c·M of the elements at the positions and velocities of `state`.
+    /// Sets the matrix to K + b·D + r (r + c) M of the elements at the positions and velocities of `state`.
     pub fn assemble(
         &mut self,
         model: &TissueModel,
@@ -65,10 +66,13 @@ impl System {
                 }
             }
         }
-        if shares.mass > 0.0 {
-            for (node, mass) in model.masses().iter().enumerate() {
-                let block = Matrix3::from_diagonal_element(shares.mass * mass);
-                self.matrix.add_diagonal(node, &block);
+        if shares.rate > 0.0 {
+            for (nodes, drag) in model.drags() {
+                let share = shares.rate * (shares.rate + drag);
+                for node in nodes.clone() {
+                    let block = Matrix3::from_diagonal_element(share * model.masses()[node]);
+                    self.matrix.add_diagonal(node, &block);
+                }
             }
         }
     }
@@ -97,6 +101,40 @@ impl System {
         }
     }
 
+    /// Adds this much to the diagonal of a node [N/m].
+    pub fn add_diagonal(&mut self, node: usize, stiffness: f64) {
+        let block = Matrix3::from_diagonal_element(stiffness);
+        self.matrix.add_diagonal(node, &block);
+    }
+
+    /// Adds w_i w_j `block` for the nodes i, j of each side of a contact; says whether they are coupled, without which nothing is added.
+    pub fn add_contact(&mut self, contact: &Contact, block: &Matrix3<f64>) -> bool {
+        let first = usize::from(contact.first);
+        let mut places = [(0, 0.0); 12];
+        let mut count = 0;
+        for side in [0..first, first..4] {
+            for i in side.clone().filter(|&i| contact.weights[i] != 0.0) {
+                for j in side.start..=i {
+                    let nodes = [contact.nodes[i] as usize, contact.nodes[j] as usize];
+                    if contact.weights[j] == 0.0 {
+                        continue;
+                    }
+                    let (row, column) = (nodes[0].max(nodes[1]), nodes[0].min(nodes[1]));
+                    let Some(slot) = self.matrix.pattern().slot(row, column) else {
+                        return false;
+                    };
+                    places[count] = (slot, contact.weights[i] * contact.weights[j]);
+                    count += 1;
+                }
+            }
+        }
+        // A block of a contact is symmetric.
+        for (slot, weight) in &places[..count] {
+            self.matrix.add_slot(*slot, &(block * *weight));
+        }
+        true
+    }
+
     /// The assembled matrix.
     pub fn matrix(&self) -> &BlockMatrix {
         &self.matrix
@@ -113,27 +151,13 @@ impl System {
         self.solver.solve(&self.matrix, x, tolerance)
     }
 
-    /// For each node the lowest node that it is coupled to, directly or through others.
-    pub fn components(&self) -> Vec<u32> {
-        let pattern = self.matrix.pattern();
-        let mut lowest: Vec<u32> = (0..pattern.nodes() as u32).collect();
-        let root = |lowest: &mut Vec<u32>, mut node: u32| {
-            while lowest[node as usize] != node {
-                let next = lowest[lowest[node as usize] as usize];
-                lowest[node as usize] = next;
-                node = next;
-            }
-            node
-        };
-        for row in 0..pattern.nodes() {
-            for &column in pattern.row(row) {
-                let ends = [row as u32, column].map(|node| root(&mut lowest, node));
-                lowest[ends[0].max(ends[1]) as usize] = ends[0].min(ends[1]);
-            }
-        }
-        for node in 0..lowest.len() as u32 {
-            lowest[node as usize] = root(&mut lowest, node);
-        }
-        lowest
+    /// As [`solve`](Self::solve), for the matrix and what `add` adds: q += (…) p.
+    pub fn solve_with(
+        &mut self,
+        add: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        x: &mut [Vector3<f64>],
+        tolerance: f64,
+    ) -> Result<(), NotPositive> {
+        self.solver.solve_with(&self.matrix, add, x, tolerance)
     }
 }

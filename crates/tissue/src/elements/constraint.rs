@@ -220,6 +220,12 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         Arc::new(self.clone().with_factors(factors))
     }
 
+    fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {
+        let mut shifted = self.clone();
+        shifted.nodes.iter_mut().flatten().for_each(|n| *n += nodes);
+        Arc::new(shifted)
+    }
+
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], h: f64) -> bool {
         let Some(plasticity) = &self.plasticity else {
             return false;

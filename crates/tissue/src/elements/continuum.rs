@@ -164,6 +164,12 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         Arc::new(scaled)
     }
 
+    fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {
+        let mut shifted = self.clone();
+        shifted.domains.shift_nodes(nodes);
+        Arc::new(shifted)
+    }
+
     fn constraints(&self) -> Option<&dyn Constraints> {
         if L::IS_SUM_OF_SQUARES {
             Some(self)

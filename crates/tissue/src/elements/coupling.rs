@@ -221,6 +221,14 @@ impl Elements for Coupling {
         Arc::new(scaled)
     }
 
+    fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {
+        let mut shifted = self.clone();
+        for stencil in &mut shifted.stencils {
+            stencil.nodes.iter_mut().for_each(|n| *n += nodes);
+        }
+        Arc::new(shifted)
+    }
+
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], _h: f64) -> bool {
         for (stencil, broken) in self.stencils.iter().zip(internal) {
             if stencil.offset(positions).norm() > self.break_distance {

@@ -19,6 +19,9 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// Takes each volume times its factor; all that a domain does is in proportion to its volume.
     fn scale_volumes(&mut self, factors: &[f64]);
 
+    /// Takes each node so many further on.
+    fn shift_nodes(&mut self, by: u32);
+
     /// b_i [1/m] of the i-th node of a domain.
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64>;
 
@@ -88,6 +91,10 @@ impl Domains for Tetrahedra {
         for (volume, factor) in self.volumes.iter_mut().zip(factors) {
             *volume *= factor;
         }
+    }
+
+    fn shift_nodes(&mut self, by: u32) {
+        self.nodes.iter_mut().flatten().for_each(|n| *n += by);
     }
 
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {

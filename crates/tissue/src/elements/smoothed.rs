@@ -181,6 +181,10 @@ impl Domains for SmoothingDomains {
         }
     }
 
+    fn shift_nodes(&mut self, by: u32) {
+        self.nodes.iter_mut().for_each(|n| *n += by);
+    }
+
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {
         self.gradients[self.run(domain)][i]
     }

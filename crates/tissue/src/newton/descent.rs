@@ -38,14 +38,19 @@ impl NewtonSolver {
             if problem.equation.rate > 0.0 {
                 let v = self.trial.velocities[node];
                 let change = v - problem.equation.base_velocities[node];
-                let drag = model.drag() / problem.equation.rate;
+                let drag = self.drags[node] / problem.equation.rate;
                 inertia +=
                     0.5 * model.masses()[node] * (change.norm_squared() + drag * v.norm_squared());
             }
         }
+        for (node, hold) in problem.equation.hold.iter().enumerate() {
+            let way = self.trial.positions[node] - problem.equation.base[node];
+            inertia += 0.5 * hold * way.norm_squared();
+        }
+        let touch = self.gaps.energy(&self.trial.positions);
         Potential {
-            value: elastic + inertia - work,
-            size: elastic.abs() + inertia + work.abs(),
+            value: elastic + inertia + touch - work,
+            size: elastic.abs() + inertia + touch + work.abs(),
         }
     }
 

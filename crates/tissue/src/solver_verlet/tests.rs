@@ -397,7 +397,7 @@ fn impulse_of_contact_is_the_change_of_momentum() {
     let mut solver = SolverVerlet::new(&model);
     solver.predict(&model, &state, &Control::default(), 1e-4, &Serial);
     let impulse =
-        solver.contact_force(&model, 0, &(target.target - solver.predicted[0])) * solver.kick;
+        solver.contact_force(&model, 0, &(target.target - solver.predicted[0])) * solver.kicks[0];
     solver.finish(
         &model,
         &mut state,

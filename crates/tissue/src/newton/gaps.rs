@@ -1,0 +1,540 @@
+//! Contact in Newton's method: the forces of gaps, and the direction of an iteration that keeps them.
+//!
+//! A contact whose sides have come closer by y since the start of an iteration has the energy
+//!
+//! ```text
+//! ψ(y) = 1/(2ρ) max(0, λ − ρ (g − floor))²  +  H(t − k u)/k          g = g₀ + n·y     u = u₀ + (1 − n nᵀ) y
+//! ```
+//!
+//! with the multipliers λ and t, the way u that the sides have slid since the start of the step, and Huber's function H(t) = ½ t²,
+//! linear where |t| > μ λ: the augmented Lagrangian of Alart and Curnier (1991; Simo and Laursen 1992), but that the bound μ λ is the
+//! one of the last update. The multipliers of the last step are the first guess of those of this one.
+//!
+//! With the matrix K and the forces r of everything else the direction d of an iteration is the lowest point of
+//! ½ dᵀK d − r·d + Σ ψ(Σ w d), which is convex and piecewise quadratic (but for H). It is found without any further work at elements:
+//! inner iterations of Newton's method, each by conjugate gradients on K and the contacts that are closed now, with the factor of K and
+//! the contacts that were closed first; then multipliers and bounds are updated, until the gaps are kept and nothing slides that sticks.
+//!
+//! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a softer ρ
+//! and more updates.
+
+use crate::contact::Contact;
+use crate::system::System;
+use microsim_sparse::NotPositive;
+use nalgebra::{Matrix3, Vector3};
+
+/// ρ and k over the stiffness of the nodes at a contact by themselves: where the factor has it, and where not.
+const STIFF: f64 = 100.0;
+const SOFT: f64 = 8.0;
+/// k over ρ.
+const TANGENTIAL: f64 = 0.1;
+
+/// Most inner iterations with the same multipliers, and most updates of those.
+const INNER: u32 = 12;
+const UPDATES: u32 = 12;
+/// Most steps of the search along an inner direction: each halves what is unknown.
+const HALVES: u32 = 30;
+/// Sweeps over the contacts in which single nodes are put on surfaces that have moved, to begin with.
+const SWEEPS: u32 = 4;
+
+/// A contact as an iteration sees it.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    /// ρ [N/m]; 0 for a contact that can move nothing.
+    stiffness: f64,
+    /// λ [N].
+    multiplier: f64,
+    /// t [N].
+    traction: Vector3<f64>,
+    /// μ λ [N].
+    bound: f64,
+    /// Whether both sides can move.
+    joint: bool,
+    floor: f64,
+    /// g₀ [m].
+    gap: f64,
+    /// u₀ [m].
+    slide: Vector3<f64>,
+    /// How far each of its nodes goes for a force, all others at rest [m/N], and the gap with them.
+    responses: [f64; 4],
+    compliance: f64,
+    /// What of its second derivative is in the factored matrix.
+    factored: Option<Matrix3<f64>>,
+    /// The second derivative now.
+    hessian: Matrix3<f64>,
+}
+
+/// Force and energy of a contact.
+#[derive(Clone, Copy, Debug)]
+struct Law {
+    pressure: f64,
+    traction: Vector3<f64>,
+    energy: f64,
+}
+
+impl Row {
+    /// The state after the sides have come closer by `y`.
+    fn law(&self, contact: &Contact, y: &Vector3<f64>) -> Law {
+        let along = contact.normal.dot(y);
+        let pressure =
+            (self.multiplier - self.stiffness * (self.gap + along - self.floor)).max(0.0);
+        let mut energy = pressure * pressure / (2.0 * self.stiffness);
+        let mut traction = Vector3::zeros();
+        if self.bound > 0.0 {
+            let k = TANGENTIAL * self.stiffness;
+            let trial = self.trial(contact, y, along);
+            let size = trial.norm();
+            if size <= self.bound {
+                traction = trial;
+                energy += size * size / (2.0 * k);
+            } else {
+                traction = trial * (self.bound / size);
+                energy += self.bound * (size - 0.5 * self.bound) / k;
+            }
+        }
+        Law {
+            pressure,
+            traction,
+            energy,
+        }
+    }
+
+    /// t − k u.
+    fn trial(&self, contact: &Contact, y: &Vector3<f64>, along: f64) -> Vector3<f64> {
+        let slide = self.slide + y - contact.normal * along;
+        self.traction - slide * (TANGENTIAL * self.stiffness)
+    }
+
+    /// The second derivative of ψ.
+    fn curvature(&self, contact: &Contact, y: &Vector3<f64>) -> Matrix3<f64> {
+        let n = contact.normal;
+        let along = n.dot(y);
+        let normal = n * n.transpose();
+        let mut curvature = Matrix3::zeros();
+        if self.multiplier - self.stiffness * (self.gap + along - self.floor) > 0.0 {
+            curvature += normal * self.stiffness;
+        }
+        if self.bound > 0.0 {
+            let k = TANGENTIAL * self.stiffness;
+            let across = Matrix3::identity() - normal;
+            let trial = self.trial(contact, y, along);
+            let size = trial.norm();
+            curvature += if size <= self.bound {
+                across * k
+            } else {
+                let unit = trial / size;
+                (across - unit * unit.transpose()) * (k * self.bound / size)
+            };
+        }
+        curvature
+    }
+}
+
+/// Working memory: the contacts of an iteration.
+#[derive(Clone, Debug)]
+pub(super) struct Gaps {
+    pub contacts: Vec<Contact>,
+    rows: Vec<Row>,
+    /// The contacts that were found before in this step, as they were told.
+    told: Vec<Contact>,
+    edge: f64,
+    /// Positions that the contacts were found for [m].
+    base: Vec<Vector3<f64>>,
+    /// What is left along the direction of the forces that no contact has [N].
+    others: Vec<Vector3<f64>>,
+    /// What is left of all forces [N], then an inner direction [m].
+    inner: Vec<Vector3<f64>>,
+    product: Vec<Vector3<f64>>,
+}
+
+impl Gaps {
+    /// Working memory for so many nodes, with the characteristic length `edge` [m].
+    pub fn new(nodes: usize, edge: f64) -> Self {
+        let zeros = vec![Vector3::zeros(); nodes];
+        Self {
+            contacts: Vec::new(),
+            rows: Vec::new(),
+            told: Vec::new(),
+            edge,
+            base: zeros.clone(),
+            others: zeros.clone(),
+            inner: zeros.clone(),
+            product: zeros,
+        }
+    }
+
+    /// Whether there are no contacts.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Forgets all contacts.
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+        self.rows.clear();
+        self.told.clear();
+    }
+
+    /// Takes over the contacts that were found at `positions` in a step from `start`; `stiffness` is that of a node by itself [N/m], 0
+    /// for a prescribed one. In statics old overlaps are pushed out by force, else they are only kept from going deeper.
+    pub fn set(
+        &mut self,
+        start: &[Vector3<f64>],
+        positions: &[Vector3<f64>],
+        statics: bool,
+        stiffness: impl Fn(usize) -> f64,
+    ) {
+        self.base.copy_from_slice(positions);
+        self.rows.clear();
+        // Both lists have the same order, but for what came and went.
+        let mut next = 0;
+        for contact in &self.contacts {
+            let same = |told: &Contact| {
+                told.nodes == contact.nodes
+                    && told.first == contact.first
+                    && told.normal.dot(&contact.normal) > 0.0
+            };
+            let from = self.told.iter().skip(next).position(same);
+            let found = from
+                .map(|k| k + next)
+                .or_else(|| self.told.iter().position(same));
+            next = found.map_or(next, |k| k + 1);
+            let traction = found.map_or(contact.traction, |k| self.told[k].traction);
+            let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
+            let mut compliances = [0.0; 2];
+            let mut responses = [0.0; 4];
+            for (k, (&node, weight)) in contact.nodes.iter().zip(contact.weights).enumerate() {
+                let stiffness = stiffness(node as usize);
+                if stiffness > 0.0 {
+                    responses[k] = weight / stiffness;
+                    let side = usize::from(k >= usize::from(contact.first));
+                    compliances[side] += weight * weight / stiffness;
+                }
+            }
+            let joint = compliances[0] > 0.0 && compliances[1] > 0.0;
+            let share = if joint { SOFT } else { STIFF };
+            let compliance = compliances[0] + compliances[1];
+            self.rows.push(Row {
+                stiffness: if compliance > 0.0 {
+                    share / compliance
+                } else {
+                    0.0
+                },
+                joint,
+                multiplier: contact.pressure,
+                traction: traction - contact.normal * contact.normal.dot(&traction),
+                bound: contact.friction * contact.pressure,
+                floor: match statics {
+                    true => contact.floor,
+                    false => contact.floor.min(contact.start_gap),
+                },
+                gap: contact.gap(positions),
+                slide: slide - contact.normal * contact.normal.dot(&slide),
+                responses,
+                compliance,
+                factored: None,
+                hessian: Matrix3::zeros(),
+            });
+        }
+    }
+
+    /// The contacts that can move something.
+    fn active(&self) -> impl Iterator<Item = (&Contact, &Row)> {
+        let all = self.contacts.iter().zip(&self.rows);
+        all.filter(|(_, row)| row.stiffness > 0.0)
+    }
+
+    /// Their energy at `positions` [J].
+    pub fn energy(&self, positions: &[Vector3<f64>]) -> f64 {
+        let energy = |(contact, row): (&Contact, &Row)| {
+            let y = contact.blend(positions) - contact.blend(&self.base);
+            row.law(contact, &y).energy
+        };
+        self.active().map(energy).sum()
+    }
+
+    /// Adds their forces at `positions` to those of the nodes [N].
+    pub fn add_forces(&self, positions: &[Vector3<f64>], forces: &mut [Vector3<f64>]) {
+        for (contact, row) in self.active() {
+            let y = contact.blend(positions) - contact.blend(&self.base);
+            let law = row.law(contact, &y);
+            scatter(contact, &law.force(contact), forces);
+        }
+    }
+
+    /// How far λ is from what it should be at the positions of the contacts, as a share of an edge: gaps below their floors, and forces
+    /// across open ones.
+    pub fn miss(&self) -> f64 {
+        let miss = |(contact, row): (&Contact, &Row)| {
+            let pressure = row.law(contact, &Vector3::zeros()).pressure;
+            (pressure - row.multiplier).abs() / row.stiffness
+        };
+        self.active().map(miss).fold(0.0, f64::max) / self.edge
+    }
+
+    /// How far a gap is below its floor at most, as a share of an edge.
+    pub fn overlap(&self) -> f64 {
+        let overlap = |(_, row): (&Contact, &Row)| row.floor - row.gap;
+        self.active().map(overlap).fold(0.0, f64::max) / self.edge
+    }
+
+    /// Adds to a direction, of prescribed nodes so far, what single nodes go with surfaces that have moved: contacts that had a force
+    /// stay closed, and none is deeper than its floor. Only a guess, but with the right contacts closed, and forces of the right size.
+    pub fn predict(&self, direction: &mut [Vector3<f64>]) {
+        for _ in 0..SWEEPS {
+            for (contact, row) in self.active() {
+                let gap = row.gap + contact.normal.dot(&contact.blend(direction));
+                if gap < row.floor || row.multiplier > 0.0 {
+                    let force = contact.normal * ((row.floor - gap) / row.compliance);
+                    for (&node, response) in contact.nodes.iter().zip(row.responses) {
+                        direction[node as usize] += force * response;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the contacts that are closed when the nodes go `direction` to the matrix.
+    pub fn stiffen(&mut self, direction: &[Vector3<f64>], system: &mut System) {
+        for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
+            row.factored = None;
+            if row.stiffness == 0.0 || row.joint {
+                continue;
+            }
+            let curvature = row.curvature(contact, &contact.blend(direction));
+            if curvature != Matrix3::zeros() && system.add_contact(contact, &curvature) {
+                row.factored = Some(curvature);
+            }
+        }
+    }
+
+    /// Sets `direction`, which holds the ways of the prescribed nodes and a guess for the others, to that of the iteration, for the forces `others` [N] that no contact
+    /// has. `tolerance` is the share of all forces that may be left, and `rough` where contacts have opened, closed or begun to slide; `slack`
+    /// is the miss of multipliers that may be left, as a share of an edge.
+    pub fn set_direction(
+        &mut self,
+        others: &[Vector3<f64>],
+        fixed: &[bool],
+        system: &mut System,
+        [tolerance, rough, slack]: [f64; 3],
+        direction: &mut [Vector3<f64>],
+    ) -> Result<(), NotPositive> {
+        let Self {
+            contacts,
+            rows,
+            edge,
+            others: left,
+            inner,
+            product,
+            ..
+        } = self;
+        left.copy_from_slice(others);
+        if direction.iter().any(|d| *d != Vector3::zeros()) {
+            multiply_others(system, contacts, rows, direction, product);
+            left.iter_mut().zip(&*product).for_each(|(l, p)| *l -= p);
+        }
+        let size = |forces: &[Vector3<f64>]| {
+            let free = forces.iter().zip(fixed).filter(|(_, fixed)| !**fixed);
+            free.map(|(f, _)| f.norm_squared()).sum::<f64>().sqrt()
+        };
+        let scale = size(others);
+        let mut first = true;
+        let mut enough = 0.0;
+        for _ in 0..UPDATES {
+            for _ in 0..INNER {
+                // What is left of all forces, and the curvature of contacts, at the direction so far.
+                inner.copy_from_slice(left);
+                let mut pushed = 0.0;
+                for (contact, row) in contacts.iter().zip(&mut *rows) {
+                    if row.stiffness > 0.0 {
+                        let y = contact.blend(direction);
+                        let force = row.law(contact, &y).force(contact);
+                        row.hessian = row.curvature(contact, &y);
+                        pushed += force.norm_squared();
+                        scatter(contact, &force, inner);
+                    }
+                }
+                let missing = size(inner);
+                let allowed = tolerance * scale.max(pushed.sqrt());
+                // What is left at the start may be little against all forces, and still all that a small load is to move.
+                enough = rough.max(tolerance) / tolerance * allowed;
+                if missing <= enough && (!first || missing == 0.0) {
+                    break;
+                }
+                let share = 0.5 * if first { allowed } else { enough } / missing;
+                let share = share.clamp(1e-9, 0.1);
+                first = false;
+                for (f, fixed) in inner.iter_mut().zip(fixed) {
+                    if *fixed {
+                        *f = Vector3::zeros();
+                    }
+                }
+                product.copy_from_slice(inner);
+                let apply = |p: &[Vector3<f64>], q: &mut [Vector3<f64>]| {
+                    add_contacts(contacts, rows, p, q);
+                };
+                system.solve_with(apply, inner, share)?;
+                let slope = -dot(product, inner);
+                multiply_others(system, contacts, rows, inner, product);
+                let stiffness = dot(inner, product);
+                let step = search(contacts, rows, direction, inner, slope, stiffness, left);
+                for ((d, i), (l, p)) in direction
+                    .iter_mut()
+                    .zip(&*inner)
+                    .zip(left.iter_mut().zip(&*product))
+                {
+                    *d += i * step;
+                    *l -= p * step;
+                }
+            }
+            let (mut worst, mut changes) = (0.0f64, 0.0);
+            for (contact, row) in contacts.iter_mut().zip(&mut *rows) {
+                if row.stiffness > 0.0 {
+                    let law = row.law(contact, &contact.blend(direction));
+                    let bound = contact.friction * law.pressure;
+                    let miss = (law.pressure - row.multiplier).abs() / row.stiffness;
+                    // What sticks must not slide, and what slides must do so against all that there is.
+                    let change = (law.traction - row.traction).norm() + (bound - row.bound).abs();
+                    let pressure = law.pressure - row.multiplier;
+                    changes += pressure * pressure + change * change;
+                    worst = worst.max(miss).max(change / (TANGENTIAL * row.stiffness));
+                    row.multiplier = law.pressure;
+                    row.traction = law.traction;
+                    row.bound = bound;
+                }
+            }
+            // In short steps forces are the sharper measure.
+            if worst <= slack * *edge && changes.sqrt() <= enough {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells the contacts what they have become.
+    pub fn tell(&mut self) {
+        for (contact, row) in self.contacts.iter_mut().zip(&self.rows) {
+            contact.pressure = row.multiplier;
+            let share = row.bound / row.traction.norm().max(f64::MIN_POSITIVE);
+            contact.traction = row.traction * share.min(1.0);
+        }
+        self.told.clone_from(&self.contacts);
+    }
+
+    /// Makes of the contacts, as they are told, those that undo old overlaps at `positions`; says whether any is larger than the share
+    /// `slack` of an edge. Not more than the share `most` is undone.
+    pub fn set_undoing(&mut self, positions: &[Vector3<f64>], [slack, most]: [f64; 2]) -> bool {
+        self.base.copy_from_slice(positions);
+        let mut any = false;
+        for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
+            row.multiplier = 0.0;
+            row.bound = 0.0;
+            row.floor = contact.floor.min(contact.start_gap + most * self.edge);
+            row.gap = contact.gap(positions);
+            any |= row.stiffness > 0.0 && row.gap < row.floor - slack * self.edge;
+        }
+        any
+    }
+}
+
+impl Law {
+    fn force(&self, contact: &Contact) -> Vector3<f64> {
+        contact.normal * self.pressure + self.traction
+    }
+}
+
+/// The share of an inner direction at which the energy is lowest: all of it, but where contacts that it closes or opens say otherwise.
+fn search(
+    contacts: &[Contact],
+    rows: &[Row],
+    direction: &[Vector3<f64>],
+    inner: &[Vector3<f64>],
+    slope: f64,
+    stiffness: f64,
+    others: &[Vector3<f64>],
+) -> f64 {
+    let along = dot(others, inner);
+    let slope_at = |share: f64| {
+        let mut slope = share * stiffness - along;
+        for (contact, row) in contacts.iter().zip(rows) {
+            if row.stiffness > 0.0 {
+                let way = contact.blend(inner);
+                let y = contact.blend(direction) + way * share;
+                slope -= row.law(contact, &y).force(contact).dot(&way);
+            }
+        }
+        slope
+    };
+    if slope_at(1.0) <= 0.1 * slope.abs() {
+        return 1.0;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVES {
+        let middle = 0.5 * (low + high);
+        if slope_at(middle) > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// q = (matrix without contacts) p.
+fn multiply_others(
+    system: &System,
+    contacts: &[Contact],
+    rows: &[Row],
+    p: &[Vector3<f64>],
+    q: &mut [Vector3<f64>],
+) {
+    system.matrix().multiply(p, q);
+    for (contact, row) in contacts.iter().zip(rows) {
+        if let Some(factored) = &row.factored {
+            subtract(contact, factored, p, q);
+        }
+    }
+}
+
+/// Adds to q what the contacts now are beyond what of them is in the matrix, times p.
+fn add_contacts(contacts: &[Contact], rows: &[Row], p: &[Vector3<f64>], q: &mut [Vector3<f64>]) {
+    for (contact, row) in contacts.iter().zip(rows) {
+        if row.stiffness > 0.0 {
+            scatter(contact, &(row.hessian * contact.blend(p)), q);
+            if let Some(factored) = &row.factored {
+                subtract(contact, factored, p, q);
+            }
+        }
+    }
+}
+
+/// Takes what of a contact is in the matrix, times p, off q: the blocks of each side with itself.
+fn subtract(
+    contact: &Contact,
+    factored: &Matrix3<f64>,
+    p: &[Vector3<f64>],
+    q: &mut [Vector3<f64>],
+) {
+    let first = usize::from(contact.first);
+    for side in [0..first, first..4] {
+        let mut sum = Vector3::zeros();
+        for k in side.clone() {
+            sum += p[contact.nodes[k] as usize] * contact.weights[k];
+        }
+        let force = factored * sum;
+        for k in side {
+            q[contact.nodes[k] as usize] -= force * contact.weights[k];
+        }
+    }
+}
+
+/// Adds a force on the first side, and its opposite on the other, to the nodes.
+fn scatter(contact: &Contact, force: &Vector3<f64>, forces: &mut [Vector3<f64>]) {
+    for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
+        forces[node as usize] += force * weight;
+    }
+}
+
+fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
