@@ -85,8 +85,13 @@ pub(crate) fn check_held(reading: &mut Reading) {
         return;
     }
     let held = |(_, clamp): (usize, &Value)| clamp["release"].is_null();
+    // What it touches may hold it; whether it does, is found when it is solved.
+    let touches = |body: &Value| {
+        items(reading.value(), "contact")
+            .any(|(_, pair)| pair["body"] == body["name"] || pair["with"] == body["name"])
+    };
     let loose: Vec<usize> = items(reading.value(), "body")
-        .filter(|(_, body)| !items(body, "clamp").any(held))
+        .filter(|(_, body)| !items(body, "clamp").any(held) && !touches(body))
         .map(|(b, _)| b)
         .collect();
     for b in loose {

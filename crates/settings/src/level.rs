@@ -5,6 +5,7 @@
 //! microscope. Everything is in SI.
 
 use crate::body::Body;
+use crate::contact::{ContactPair, Rigid};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level_check::check;
@@ -35,7 +36,9 @@ pub struct Level {
     pub object: Vec<Object>,
     /// Tetrahedral bodies.
     pub body: Vec<Body>,
-    /// Which tool may touch which body.
+    /// Rigid things that stand.
+    pub rigid: Vec<Rigid>,
+    /// What touches what.
     pub contact: Vec<ContactPair>,
     /// What drives all bodies; `None` in a level without physics.
     pub physics: Option<Physics>,
@@ -221,16 +224,6 @@ pub(crate) fn expanded_names(name: &str, count: Option<u64>) -> Vec<String> {
         None => vec![name.to_owned()],
         Some(count) => (1..=count).map(|i| format!("{name}-{i}")).collect(),
     }
-}
-
-/// A tool that may touch a body.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ContactPair {
-    /// Slot of the tool.
-    pub tool: String,
-    /// Name of the body.
-    pub body: String,
 }
 
 /// What drives all bodies.

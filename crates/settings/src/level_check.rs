@@ -2,6 +2,7 @@
 
 use crate::body_check::{check_bodies, check_held};
 use crate::check::{items, refers, texts, unique};
+use crate::contact_check::{check_contacts, check_rigid};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::level::{KnownMetric, expanded_names};
@@ -20,6 +21,7 @@ pub(crate) fn check(reading: &mut Reading, manifest: &Manifest, known_metrics: &
     check_bodies(reading);
     check_method(reading, &KeyPath::root().key("method"));
     check_held(reading);
+    check_rigid(reading);
     check_contacts(reading);
     check_physics(reading);
     check_limits(reading, manifest, known_metrics);
@@ -40,10 +42,10 @@ fn check_tick(reading: &mut Reading) {
     }
 }
 
-/// Tools, objects and bodies stand in one scene graph: no two have the same name.
+/// Tools, objects, bodies and rigid things stand in one scene graph: no two have the same name.
 fn check_names(reading: &mut Reading) {
     let mut taken: Vec<String> = Vec::new();
-    for list in ["tool", "object", "body"] {
+    for list in ["tool", "object", "body", "rigid"] {
         for (i, names) in scene_names(reading.value(), list) {
             if let Some(twice) = names.iter().find(|name| taken.contains(name)) {
                 let found = format!("`{twice}` a second time");
@@ -51,7 +53,7 @@ fn check_names(reading: &mut Reading) {
                 reading.complain(
                     &key,
                     &found,
-                    "a name that no other tool, object or body has",
+                    "a name that no other tool, object, body or rigid thing has",
                 );
             }
             taken.extend(names);
@@ -128,31 +130,6 @@ fn check_parents(reading: &mut Reading) {
             }
             let next = parents.iter().find(|(child, _)| Some(*child) == above);
             above = next.and_then(|(_, parent)| owner(parent));
-        }
-    }
-}
-
-fn check_contacts(reading: &mut Reading) {
-    let tools = texts(reading.value(), "tool", "name");
-    let bodies = texts(reading.value(), "body", "name");
-    for (field, thing, known) in [("tool", "a tool", &tools), ("body", "a body", &bodies)] {
-        let known: Vec<&str> = known.iter().map(|(_, name)| name.as_str()).collect();
-        for (i, name) in texts(reading.value(), "contact", field) {
-            let key = KeyPath::root().key("contact").at(i).key(field);
-            refers(reading, &key, &name, thing, &known);
-        }
-    }
-    let pairs: Vec<(usize, Value)> = items(reading.value(), "contact")
-        .map(|(i, pair)| (i, pair.clone()))
-        .collect();
-    for (i, pair) in &pairs {
-        if !pair.is_null() && pairs[..*i].iter().any(|(_, earlier)| earlier == pair) {
-            let key = KeyPath::root().key("contact").at(*i);
-            reading.complain(
-                &key,
-                "the same pair a second time",
-                "each pair of tool and body once",
-            );
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The keys of a level.
 
 use crate::body_schema::{body_keys, point, size, size3};
+use crate::contact_schema::{contact_list, rigid_list};
 use crate::manifest::Manifest;
 use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::schema::{Form, Key, Kind, Schema};
@@ -61,12 +62,8 @@ pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
                 "Virtual objects.",
             ),
             Key::list("body", Kind::Table(body_keys()), 64, "Tetrahedral bodies."),
-            Key::list(
-                "contact",
-                Kind::Table(contact_keys()),
-                64,
-                "Which tool may touch which body; others pass through each other.",
-            ),
+            rigid_list(),
+            contact_list(),
             Key::optional(
                 "physics",
                 Kind::Table(physics_keys()),
@@ -211,13 +208,6 @@ fn object_keys() -> Vec<Key> {
             "Whether it is there from the start.",
             true,
         ),
-    ]
-}
-
-fn contact_keys() -> Vec<Key> {
-    vec![
-        Key::required("tool", Kind::Name(Form::Identifier), "Slot of the tool."),
-        Key::required("body", Kind::Name(Form::Identifier), "Name of the body."),
     ]
 }
 

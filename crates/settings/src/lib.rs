@@ -14,6 +14,9 @@ mod body_schema;
 mod chart;
 mod chart_schema;
 mod check;
+mod contact;
+mod contact_check;
+mod contact_schema;
 mod describe;
 mod discover;
 mod document;
@@ -51,6 +54,7 @@ pub use chart::{
     ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
 };
 pub use chart_schema::chart_schema;
+pub use contact::{ContactPair, Rigid, RigidShape, SceneTool, ToolKey};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
 pub use document::{Document, Loaded};
@@ -61,8 +65,8 @@ pub use host::{
     read_host,
 };
 pub use level::{
-    Clock, ContactPair, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape,
-    ToolSlot, View, load_level, read_level,
+    Clock, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape, ToolSlot, View,
+    load_level, read_level,
 };
 pub use level_schema::level_schema;
 pub use manifest::{

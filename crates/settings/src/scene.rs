@@ -4,6 +4,7 @@
 //! Frame: the world's, right-handed, z up. Everything is in SI.
 
 use crate::body::{Body, Nodes};
+use crate::contact::{ContactPair, Rigid, SceneTool};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::method::{Accuracy, Method, Tuned};
@@ -29,6 +30,12 @@ pub struct Scene {
     pub method: Method,
     /// Tetrahedral bodies.
     pub body: Vec<Body>,
+    /// Tools and how they move.
+    pub tool: Vec<SceneTool>,
+    /// Rigid things that stand.
+    pub rigid: Vec<Rigid>,
+    /// What touches what.
+    pub contact: Vec<ContactPair>,
     /// What is watched.
     pub probe: Vec<Probe>,
     /// What must come out.
@@ -86,9 +93,11 @@ pub struct Probe {
     pub body: String,
     /// Nodes of the body.
     pub nodes: Nodes,
+    /// The other side: another body, a tool or a rigid thing.
+    pub with: Option<String>,
     /// What of them.
     pub quantity: Quantity,
-    /// Direction of a displacement or force, of length 1.
+    /// Direction of a displacement, force or gap, of length 1.
     pub direction: Option<[f64; 3]>,
     /// A point of the axis of a radius or torque, in the body's frame \[m\].
     pub point: Option<[f64; 3]>,
@@ -118,11 +127,21 @@ pub enum Quantity {
     SmallestVolume,
     /// Kinetic, elastic and potential energy of the body, the last one 0 at rest.
     Energy,
+    /// Force of another side on the body along a direction, mean over the sample before.
+    ContactForce,
+    /// How far another body is ahead of this one along a direction: its least coordinate less the largest one of the nodes.
+    Gap,
+    /// Share of the nodes that are inside other bodies, tools and rigid things that the body touches.
+    Inside,
+    /// Depth of the deepest of these.
+    Depth,
+    /// Number of edges of the body's surface through triangles of another body's, and the other way round.
+    Crossings,
 }
 
 impl Quantity {
     /// As files write them.
-    pub const NAMES: [&str; 9] = [
+    pub const NAMES: [&str; 14] = [
         "displacement",
         "centre",
         "radius",
@@ -132,16 +151,27 @@ impl Quantity {
         "volume",
         "smallest-volume",
         "energy",
+        "contact-force",
+        "gap",
+        "inside",
+        "depth",
+        "crossings",
     ];
 
     /// Unit of its values.
     pub fn unit(self) -> Unit {
         match self {
-            Self::Displacement | Self::Centre | Self::Radius | Self::Distance => Unit::Length,
-            Self::Force => Unit::Force,
+            Self::Displacement
+            | Self::Centre
+            | Self::Radius
+            | Self::Distance
+            | Self::Gap
+            | Self::Depth => Unit::Length,
+            Self::Force | Self::ContactForce => Unit::Force,
             Self::Torque => Unit::Torque,
-            Self::Volume | Self::SmallestVolume => Unit::Ratio,
+            Self::Volume | Self::SmallestVolume | Self::Inside => Unit::Ratio,
             Self::Energy => Unit::Energy,
+            Self::Crossings => Unit::Count,
         }
     }
 }

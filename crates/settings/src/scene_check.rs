@@ -2,6 +2,7 @@
 
 use crate::body_check::{check_bodies, check_box, check_held};
 use crate::check::{items, refers, texts, unique};
+use crate::contact_check::{check_contacts, check_rigid, check_scene_tools};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::method::check_method;
@@ -13,16 +14,36 @@ use serde_json::Value;
 /// Complains about all that is wrong in a scene that was read by its schema.
 pub(crate) fn check(reading: &mut Reading) {
     let root = KeyPath::root();
-    for list in ["body", "probe"] {
-        let names = texts(reading.value(), list, "name");
-        unique(reading, &root, &names, list, "name");
-    }
+    let names = texts(reading.value(), "probe", "name");
+    unique(reading, &root, &names, "probe", "name");
+    check_names(reading);
     check_run(reading);
     check_method(reading, &root.key("method"));
     check_bodies(reading);
     check_held(reading);
+    check_scene_tools(reading);
+    check_rigid(reading);
+    check_contacts(reading);
     check_probes(reading);
     check_expectations(reading);
+}
+
+/// Bodies, tools and rigid things: pairs and probes name them, so no two have the same name.
+fn check_names(reading: &mut Reading) {
+    let mut taken: Vec<String> = Vec::new();
+    for list in ["body", "tool", "rigid"] {
+        for (i, name) in texts(reading.value(), list, "name") {
+            if taken.contains(&name) {
+                let key = KeyPath::root().key(list).at(i).key("name");
+                reading.complain(
+                    &key,
+                    &format!("`{name}` a second time"),
+                    "a name that no other body, tool or rigid thing has",
+                );
+            }
+            taken.push(name);
+        }
+    }
 }
 
 fn check_run(reading: &mut Reading) {
@@ -54,15 +75,18 @@ fn check_probes(reading: &mut Reading) {
     }
     for (i, quantity) in texts(reading.value(), "probe", "quantity") {
         let key = KeyPath::root().key("probe").at(i);
-        let (directed, about) = match quantity.as_str() {
-            "displacement" | "centre" | "force" => (true, false),
-            "radius" | "torque" => (false, true),
-            _ => (false, false),
+        let (directed, about, paired) = match quantity.as_str() {
+            "displacement" | "centre" | "force" => (true, false, false),
+            "contact-force" | "gap" => (true, false, true),
+            "crossings" => (false, false, true),
+            "radius" | "torque" => (false, true, false),
+            _ => (false, false, false),
         };
         for (name, needed, allowed) in [
             ("direction", directed, directed),
             ("axis", about, about),
             ("point", false, about),
+            ("with", paired, paired),
         ] {
             let key = key.key(name);
             match (reading.is_written(&key), needed, allowed) {
@@ -77,13 +101,46 @@ fn check_probes(reading: &mut Reading) {
                 _ => {}
             }
         }
+        check_with(reading, &key, &quantity);
         let nodes = key.key("nodes");
-        if matches!(quantity.as_str(), "volume" | "smallest-volume" | "energy")
-            && reading.is_written(&nodes)
+        if matches!(
+            quantity.as_str(),
+            "volume" | "smallest-volume" | "energy" | "contact-force" | "crossings"
+        ) && reading.is_written(&nodes)
         {
             let expected = format!("no `nodes`, as the {quantity} is that of the body");
             reading.complain(&nodes, "`nodes`", &expected);
         }
+    }
+}
+
+/// The other side of a probe is there, and a contact-force is that of a pair.
+fn check_with(reading: &mut Reading, key: &KeyPath, quantity: &str) {
+    let text = |name: &str| {
+        let value = reading.value_at(&key.key(name));
+        value.and_then(|value| value.as_str()).map(str::to_owned)
+    };
+    let (Some(body), Some(with)) = (text("body"), text("with")) else {
+        return;
+    };
+    if quantity != "contact-force" {
+        let bodies = texts(reading.value(), "body", "name");
+        let bodies: Vec<&str> = bodies.iter().map(|(_, name)| name.as_str()).collect();
+        refers(reading, &key.key("with"), &with, "a body", &bodies);
+        return;
+    }
+    let touches = items(reading.value(), "contact").any(|(_, pair)| {
+        let own = pair["body"] == body.as_str();
+        let other = ["tool", "rigid", "with"]
+            .iter()
+            .any(|field| pair[field] == with.as_str());
+        let turned = pair["body"] == with.as_str() && pair["with"] == body.as_str();
+        (own && other) || turned
+    });
+    if !touches {
+        let expected =
+            format!("a tool, rigid thing or body that `{body}` touches by a [[contact]]");
+        reading.complain(&key.key("with"), &format!("`{with}`"), &expected);
     }
 }
 

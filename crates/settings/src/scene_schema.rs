@@ -1,6 +1,7 @@
 //! The keys of a scene.
 
 use crate::body_schema::{body_keys, nodes_keys, point};
+use crate::contact_schema::{contact_list, rigid_list, tool_list};
 use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::scene::{End, Feature, Quantity};
 use crate::schema::{Form, Key, Kind, Schema};
@@ -32,6 +33,9 @@ pub fn scene_schema() -> Schema {
                 "How the bodies are advanced.",
             ),
             Key::required("body", bodies, "Tetrahedral bodies."),
+            tool_list(),
+            rigid_list(),
+            contact_list(),
             Key::list(
                 "probe",
                 Kind::Table(probe_keys()),
@@ -122,12 +126,17 @@ fn probe_keys() -> Vec<Key> {
         Key::required(
             "quantity",
             Kind::choice(&Quantity::NAMES),
-            "What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest `distance` from rest, `force` or `torque` with which clamps hold those that they hold now, relative change of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`.",
+            "What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest `distance` from rest, `force` or `torque` with which clamps hold those that they hold now, relative change of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`; `contact-force` of the other side, `gap` to the other body, share of nodes `inside` what the body touches and the `depth` of the deepest, `crossings` of edges of its surface and the other body's with triangles.",
         ),
         Key::optional(
             "direction",
             Kind::Direction,
-            "Of a displacement, centre or force, and only there.",
+            "Of a displacement, centre, force, contact-force or gap, and only there.",
+        ),
+        Key::optional(
+            "with",
+            Kind::Name(Form::Identifier),
+            "The other side: a tool, rigid thing or body of a contact-force, a body of a gap or of crossings, and only there.",
         ),
         Key::optional(
             "point",

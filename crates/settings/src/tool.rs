@@ -62,10 +62,9 @@ pub enum Jaw {
     Right,
 }
 
-/// The schema of a tool.
-pub fn tool_schema() -> Schema {
-    let point = || Kind::vector3(Unit::Length, 0.5);
-    let capsule = vec![
+/// The keys of a part.
+pub(crate) fn capsule_keys() -> Vec<Key> {
+    vec![
         Key::required("name", Kind::Name(Form::Identifier), "Its name."),
         Key::required(
             "a",
@@ -90,20 +89,45 @@ pub fn tool_schema() -> Schema {
             "Whether it can touch tissue; a handle, far above the field, is only drawn.",
             true,
         ),
-    ];
+    ]
+}
+
+/// The keys of the hinge.
+pub(crate) fn jaw_keys() -> [Key; 2] {
+    [
+        Key::optional(
+            "hinge",
+            point(),
+            "A point of the axis about which the jaws turn; the axis is along y. Only and always with jaws.",
+        ),
+        Key::optional(
+            "opening_angle",
+            Kind::quantity(Unit::Angle, 0.0, 90_f64.to_radians()),
+            "Angle between the jaws when fully open. Only and always with jaws.",
+        ),
+    ]
+}
+
+fn point() -> Kind {
+    Kind::vector3(Unit::Length, 0.5)
+}
+
+/// The schema of a tool.
+pub fn tool_schema() -> Schema {
     let parts = Kind::List {
-        of: Box::new(Kind::Table(capsule)),
+        of: Box::new(Kind::Table(capsule_keys())),
         min: 1,
         max: 32,
     };
+    let [hinge, opening_angle] = jaw_keys();
     Schema {
         name: "tool".to_owned(),
         doc: "config/tools/NAME.toml: the shape of an instrument. Tool frame: origin at the tip, +z from tip to handle.".to_owned(),
         keys: vec![
             Key::required("doc", Kind::Text, "What it is and where its sizes come from."),
             Key::required("title", Kind::LocalText, "Its name for people."),
-            Key::optional("hinge", point(), "A point of the axis about which the jaws turn; the axis is along y. Only and always with jaws."),
-            Key::optional("opening_angle", Kind::quantity(Unit::Angle, 0.0, 90_f64.to_radians()), "Angle between the jaws when fully open. Only and always with jaws."),
+            hinge,
+            opening_angle,
             Key::with_default("colour", Kind::Colour, "Colour, sRGB.", "#b8bcc2"),
             Key::with_default("finish", Kind::choice(&Finish::NAMES), "How its surface answers light.", "metal"),
             Key::required("capsule", parts, "Its parts."),
@@ -111,17 +135,18 @@ pub fn tool_schema() -> Schema {
     }
 }
 
-/// Reads a tool from a text; `file` is the name that complaints use.
-pub fn read_tool(text: &str, file: &str) -> Result<Loaded<Tool>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &tool_schema())?;
-    let root = KeyPath::root();
-    let names = texts(reading.value(), "capsule", "name");
-    unique(&mut reading, &root, &names, "capsule", "name");
-
-    let jaws = items(reading.value(), "capsule")
-        .any(|(_, part)| matches!(part["jaw"].as_str(), Some("left" | "right")));
+/// Complains about a hinge without jaws, and about jaws without one, in the tool at `tool`.
+pub(crate) fn check_jaws(reading: &mut Reading, tool: &KeyPath) {
+    let value = match tool == &KeyPath::root() {
+        true => Some(reading.value()),
+        false => reading.value_at(tool),
+    };
+    let jaws = value.is_some_and(|value| {
+        items(value, "capsule")
+            .any(|(_, part)| matches!(part["jaw"].as_str(), Some("left" | "right")))
+    });
     for field in ["hinge", "opening_angle"] {
-        let key = root.key(field);
+        let key = tool.key(field);
         match (jaws, reading.is_written(&key)) {
             (true, false) => {
                 reading.complain(&key, "nothing", &format!("`{field}`, which jaws need"))
@@ -134,6 +159,15 @@ pub fn read_tool(text: &str, file: &str) -> Result<Loaded<Tool>, ConfigErrors> {
             _ => {}
         }
     }
+}
+
+/// Reads a tool from a text; `file` is the name that complaints use.
+pub fn read_tool(text: &str, file: &str) -> Result<Loaded<Tool>, ConfigErrors> {
+    let mut reading = Reading::new(text, file, &tool_schema())?;
+    let root = KeyPath::root();
+    let names = texts(reading.value(), "capsule", "name");
+    unique(&mut reading, &root, &names, "capsule", "name");
+    check_jaws(&mut reading, &root);
     reading.finish()
 }
 

@@ -7,13 +7,22 @@ use std::collections::BTreeSet;
 
 /// Keys that are optional in the schema, but needed by the type where they stand in the examples: one of a few must be
 /// there, which the checks see to.
-const CONDITIONAL: [&str; 6] = [
+const CONDITIONAL: [&str; 15] = [
     "object[].radius",
     "object[].length",
     "object[].tube",
     "object[].half_size",
     "tool[].key[].direction",
     "tool[].key[].orientation",
+    "rigid[].half_size",
+    "rigid[].wall",
+    "rigid[].gap",
+    "rigid[].radius",
+    "rigid[].length",
+    "tool[].motion[].axis",
+    "tool[].motion[].angle",
+    "tool[].motion[].orientation",
+    "rigid[].rounding",
 ];
 
 /// Keys that the example cannot have: a method has some of the parameters, and a file one method.

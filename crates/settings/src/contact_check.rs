@@ -1,0 +1,206 @@
+//! What pairs, rigid things and tools of scenes must fulfil beyond their single values.
+
+use crate::check::{items, refers, texts, unique};
+use crate::document::Reading;
+use crate::error::KeyPath;
+use crate::tool::check_jaws;
+use crate::unit::Unit;
+use serde_json::Value;
+
+/// Sizes of rigid things: which shape needs them, and which may have them.
+const SIZES: [(&str, &[&str], bool); 6] = [
+    ("half_size", &["box", "tray", "clamp"], true),
+    ("rounding", &["box", "tray", "clamp"], false),
+    ("wall", &["tray"], true),
+    ("gap", &["clamp"], true),
+    ("radius", &["cylinder"], true),
+    ("length", &["cylinder"], true),
+];
+
+/// Complains about rigid things whose sizes do not fit their shape.
+pub(crate) fn check_rigid(reading: &mut Reading) {
+    for (i, shape) in texts(reading.value(), "rigid", "shape") {
+        let thing = KeyPath::root().key("rigid").at(i);
+        for (size, of, needed) in SIZES {
+            let key = thing.key(size);
+            match (of.contains(&shape.as_str()), reading.is_written(&key)) {
+                (true, false) if needed => {
+                    reading.complain(&key, "nothing", &format!("`{size}`, which a {shape} needs"));
+                }
+                (false, true) => reading.complain(
+                    &key,
+                    &format!("`{size}`"),
+                    &format!("no `{size}`, as the thing is a {shape}"),
+                ),
+                _ => {}
+            }
+        }
+        let value = reading.value()["rigid"][i].clone();
+        let rounding = value["rounding"].as_f64().unwrap_or_default();
+        // Walls are boxes too: what is thinnest bounds the rounding.
+        let sides = value["half_size"].as_array().into_iter().flatten();
+        let sides = sides.filter_map(Value::as_f64);
+        let thinnest = sides
+            .chain(value["wall"].as_f64().map(|wall| 0.5 * wall))
+            .fold(f64::INFINITY, f64::min);
+        if rounding > thinnest {
+            let expected = format!(
+                "at most half of the thinnest side, {}",
+                Unit::Length.describe(thinnest)
+            );
+            reading.complain(
+                &thing.key("rounding"),
+                &Unit::Length.describe(rounding),
+                &expected,
+            );
+        }
+    }
+}
+
+/// Complains about pairs that are none: nobody or several on the other side, unknown names, the same two again.
+pub(crate) fn check_contacts(reading: &mut Reading) {
+    let known = ["tool", "rigid", "body"].map(|list| texts(reading.value(), list, "name"));
+    let [tools, rigid, bodies] = &known;
+    for (field, thing, known) in [
+        ("tool", "a tool", tools),
+        ("rigid", "a rigid thing", rigid),
+        ("body", "a body", bodies),
+        ("with", "a body", bodies),
+    ] {
+        let known: Vec<&str> = known.iter().map(|(_, name)| name.as_str()).collect();
+        for (i, name) in texts(reading.value(), "contact", field) {
+            let key = KeyPath::root().key("contact").at(i).key(field);
+            refers(reading, &key, &name, thing, &known);
+        }
+    }
+    let pairs: Vec<(usize, Value)> = items(reading.value(), "contact")
+        .filter(|(_, pair)| !pair.is_null())
+        .map(|(i, pair)| (i, pair.clone()))
+        .collect();
+    let mut seen: Vec<[String; 3]> = Vec::new();
+    for (i, pair) in &pairs {
+        let key = KeyPath::root().key("contact").at(*i);
+        let mut partners: Vec<&str> = ["tool", "rigid", "with"]
+            .into_iter()
+            .filter(|field| reading.is_written(&key.key(field)))
+            .collect();
+        if pair["self"] == true {
+            partners.push("self");
+        }
+        match partners.as_slice() {
+            [_] => {}
+            [] => reading.complain(
+                &key,
+                "a body that touches nothing",
+                "one of `tool`, `rigid`, `with` and `self = true`",
+            ),
+            several => {
+                let quoted: Vec<String> = several.iter().map(|p| format!("`{p}`")).collect();
+                reading.complain(
+                    &key,
+                    &quoted.join(" and "),
+                    "one of them: a pair has two sides",
+                );
+            }
+        }
+        if pair["end_planes"] == true && !partners.contains(&"with") {
+            reading.complain(
+                &key.key("end_planes"),
+                "`end_planes`",
+                "no `end_planes`, which are those of two vessels",
+            );
+        }
+        let (body, with) = (pair["body"].as_str(), pair["with"].as_str());
+        if body.is_some() && body == with {
+            let found = format!("`{}` itself", body.unwrap_or_default());
+            reading.complain(&key.key("with"), &found, "another body, or `self = true`");
+        }
+        let Some(body) = body else { continue };
+        let partner = partners.first().copied().unwrap_or_default();
+        let other = pair[partner].as_str().unwrap_or_default();
+        // Two bodies are the same pair from either side.
+        let (one, two) = match partner == "with" && other < body {
+            true => (other, body),
+            false => (body, other),
+        };
+        let names = [partner, one, two].map(str::to_owned);
+        if !partner.is_empty() && seen.contains(&names) {
+            reading.complain(&key, "the same pair a second time", "each pair once");
+        }
+        seen.push(names);
+    }
+}
+
+/// Complains about tools of a scene with no shape or two, and with motions that do not go forward.
+pub(crate) fn check_scene_tools(reading: &mut Reading) {
+    let tools: Vec<(usize, Value)> = items(reading.value(), "tool")
+        .map(|(i, tool)| (i, tool.clone()))
+        .collect();
+    for (i, tool) in &tools {
+        let key = KeyPath::root().key("tool").at(*i);
+        let capsules = reading.is_written(&key.key("capsule"));
+        match (reading.is_written(&key.key("model")), capsules) {
+            (false, false) => reading.complain(
+                &key,
+                "a tool without a shape",
+                "`model`, or capsules of its own",
+            ),
+            (true, true) => {
+                reading.complain(&key.key("capsule"), "`capsule` and `model`", "one of them")
+            }
+            _ => {}
+        }
+        if reading.is_written(&key.key("model")) {
+            for field in ["hinge", "opening_angle"] {
+                let key = key.key(field);
+                if reading.is_written(&key) {
+                    let expected = format!("no `{field}`, which the model has");
+                    reading.complain(&key, &format!("`{field}`"), &expected);
+                }
+            }
+        } else {
+            let names = texts(tool, "capsule", "name");
+            unique(reading, &key, &names, "capsule", "name");
+            check_jaws(reading, &key);
+        }
+        check_tool_motion(reading, &key, tool);
+    }
+}
+
+fn check_tool_motion(reading: &mut Reading, tool: &KeyPath, value: &Value) {
+    let mut latest = f64::NEG_INFINITY;
+    for (k, at) in items(value, "motion") {
+        let key = tool.key("motion").at(k);
+        if let Some(time) = at["time"].as_f64() {
+            if time <= latest {
+                let expected = format!(
+                    "a time after that of the key before, {}",
+                    Unit::Time.describe(latest)
+                );
+                reading.complain(&key.key("time"), &Unit::Time.describe(time), &expected);
+            }
+            latest = time;
+        }
+        let [orientation, axis, angle] =
+            ["orientation", "axis", "angle"].map(|field| reading.is_written(&key.key(field)));
+        if axis != angle {
+            let (there, missing) = if axis {
+                ("axis", "angle")
+            } else {
+                ("angle", "axis")
+            };
+            reading.complain(
+                &key.key(there),
+                &format!("`{there}` without `{missing}`"),
+                "both or neither",
+            );
+        }
+        if orientation && (axis || angle) {
+            reading.complain(
+                &key.key("orientation"),
+                "`orientation` besides `axis` and `angle`",
+                "one of them",
+            );
+        }
+    }
+}
