@@ -102,8 +102,8 @@ pub struct RunArgs {
     /// Pace ticks by the wall clock; late ticks are counted, none is left out
     #[arg(long)]
     pub realtime: bool,
-    /// Leave a kind of plugin out, for tests; such a run is no result
-    #[arg(long, value_name = "KIND", value_parser = ["physics"])]
+    /// Leave something out, for tests: a kind of plugin, or friction; such a run is no result
+    #[arg(long, value_name = "WHAT", value_parser = ["physics", "friction"])]
     pub without: Vec<String>,
     /// Say what would be loaded and computed, and why; runs nothing
     #[arg(long)]

@@ -138,6 +138,7 @@ pub fn check_level(
         physics,
         method,
         bodies: &of.body,
+        rigid: &of.rigid,
         contacts: if known { &of.contact } else { &[] },
         tools: if known { &of.tool } else { &[] },
         models,
@@ -357,6 +358,7 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
             index,
             ..
         } if *what != "origin" => body(name).key(what).at(*index),
+        SceneError::Contacts { index, .. } => root.key("contact").at(*index),
         SceneError::HeldTwice { body: name, clamps } => body(name).key("clamp").at(clamps[1]),
         SceneError::NeverStable { .. } => root.key("method").key("name"),
         SceneError::Name { .. } => root.key("body"),

@@ -69,10 +69,11 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     let bar = progress_bar();
     let mut cpu = 0.0;
     loop {
-        // Export is not counted.
+        // What is measured and exported is not counted.
         let before = cpu_seconds();
-        let goes_on = scene.runner.advance(exec);
+        let sampled = scene.runner.compute(exec);
         cpu += cpu_seconds() - before;
+        let goes_on = sampled && scene.runner.observe();
         bar.set_position((scene.runner.progress() * PROGRESS as f64) as u64);
         if let Some(frames) = &mut frames {
             frames.after_sample(&scene.runner)?;

@@ -82,7 +82,7 @@ pub struct Request {
     pub input: Input,
     /// Seed.
     pub seed: u64,
-    /// Kinds of plugins to leave out (`physics`); such a run is no result.
+    /// What to leave out: kinds of plugins (`physics`), or `friction`; such a run is no result.
     pub without: Vec<String>,
     /// Whether pictures are wanted.
     pub pictures: bool,
@@ -506,7 +506,9 @@ impl Planner<'_> {
                     "physics": level["physics"],
                     "method": level["method"],
                     "bodies": level["body"],
+                    "rigid": level["rigid"],
                     "contacts": level["contact"],
+                    "friction": !self.leaves_out("friction"),
                     "tools": level["tool"],
                     "models": self.models,
                 });
@@ -576,6 +578,11 @@ impl Planner<'_> {
         }
     }
 
+    /// Whether something is to be left out.
+    fn leaves_out(&self, what: &str) -> bool {
+        self.request.without.iter().any(|without| without == what)
+    }
+
     fn parts(&self) -> Vec<PlannedPart> {
         let level = &self.level.settings;
         let part = |what: &str, name: String, why: String| PlannedPart {
@@ -596,10 +603,14 @@ impl Planner<'_> {
                 parts.push(part("object", name, "the level names it".into()));
             }
         }
-        if let (Some(physics), false) = (
-            &level.physics,
-            self.request.without.iter().any(|w| w == "physics"),
-        ) {
+        if let (Some(physics), false) = (&level.physics, self.leaves_out("physics")) {
+            for thing in &level.rigid {
+                parts.push(part(
+                    "rigid",
+                    thing.name.clone(),
+                    "the level names it".into(),
+                ));
+            }
             for body in &level.body {
                 let mesh = match (body.elements(), &body.file) {
                     (Some(elements), _) => format!("{elements} tetrahedra"),
@@ -614,7 +625,7 @@ impl Planner<'_> {
                 ));
             }
             for pair in &level.contact {
-                let name = format!("{} on {}", pair.tool, pair.body);
+                let name = format!("{} on {}", pair.partner(), pair.body);
                 parts.push(part(
                     "contact",
                     name,

@@ -65,9 +65,9 @@ impl Message for ToolStates {
 }
 
 /// Force of one tool on one body, mean over a tick.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactForce {
-    /// Tool slot.
+    /// Tool slot; in [`ContactForces::between`] the name of the rigid thing or other body, that of the body itself in self-contact.
     pub tool: String,
     /// Body.
     pub body: String,
@@ -83,13 +83,46 @@ pub struct ContactForce {
     pub depth: f64,
     /// Largest displacement of a touched node from its rest position along the force \[m\].
     pub indentation: f64,
+    /// Time within the tick with a force above the level's limit for this pair \[s\].
+    #[serde(default)]
+    pub over_limit: f64,
+    /// Share of the normal force that acts where nothing slides, from 0 to 1.
+    #[serde(default)]
+    pub stick: f64,
+    /// The jaws that touch, of a tool that has jaws.
+    #[serde(default)]
+    pub jaws: Vec<JawForce>,
+}
+
+/// The grip of one jaw, mean over a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JawForce {
+    /// Which jaw.
+    pub jaw: Jaw,
+    /// Sum of the sizes of its normal forces \[N\].
+    pub force: f64,
+    /// Pressure over the surface that it touches \[Pa\].
+    pub pressure: f64,
+}
+
+/// A jaw of a tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Jaw {
+    /// The one that opens towards +x of the tool.
+    Left,
+    /// The one that opens towards −x.
+    Right,
 }
 
 /// All contacts of a tick; published while there are any, and once more, empty, when the last one ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactForces {
-    /// The contacts, in the order of the level's pairs.
+    /// The contacts of tools, in the order of the level's pairs.
     pub contacts: Vec<ContactForce>,
+    /// Those of bodies with rigid things, with each other and with themselves.
+    #[serde(default)]
+    pub between: Vec<ContactForce>,
 }
 
 impl Message for ContactForces {

@@ -83,7 +83,9 @@ fn tick(tick: u64) -> Vec<u8> {
                     point: [0.0; 3],
                     depth: 2e-5,
                     indentation: 5e-4,
+                    ..ContactForce::default()
                 }],
+                ..ContactForces::default()
             },
         );
     }

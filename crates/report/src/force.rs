@@ -80,6 +80,7 @@ mod tests {
         let forces = |force| {
             log(&[&ContactForces {
                 contacts: vec![contact("right", "strip", force)],
+                ..ContactForces::default()
             }])
         };
         let logs = [

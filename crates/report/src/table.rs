@@ -202,6 +202,7 @@ mod tests {
         };
         let forces = ContactForces {
             contacts: vec![contact("right", "strip", [0.0, 3.0, 4.0])],
+            ..ContactForces::default()
         };
         let log = log(&[&sample(0.0, 1.0), &sample(0.5, 2.0), &forces]);
         let csv = Report::build(&input(), [(0, &log[..])]).series_csv();

@@ -125,5 +125,6 @@ pub fn contact(tool: &str, body: &str, force: [f64; 3]) -> ContactForce {
         point: [0.0; 3],
         depth: 1e-4,
         indentation: 0.0,
+        ..ContactForce::default()
     }
 }

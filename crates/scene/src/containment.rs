@@ -1,6 +1,7 @@
 //! When a body has diverged: it is rolled back and computed again with shorter steps, or held.
 
 use crate::scene::{Body, Scene, SceneState};
+use crate::tally::Work;
 use microsim_geometry::{Aabb, signed_volume};
 use microsim_tissue::{State, StepFailure};
 use nalgebra::Vector3;
@@ -75,10 +76,10 @@ impl std::error::Error for Diverged {}
 pub(crate) struct Watch {
     /// Energy at the start [J].
     start_energy: f64,
-    /// Work of contact, each step and node counted positive [J].
-    pub work: f64,
+    /// Work of contact, each step and point counted positive [J].
+    work: f64,
     /// Whether an old overlap was undone: it changes the energy by an amount that is not followed.
-    pub overlap_undone: bool,
+    overlap_undone: bool,
     /// Whether clamps or grips move in the tick: they bring energy that is not followed either.
     driven: bool,
 }
@@ -92,6 +93,12 @@ impl Watch {
             overlap_undone: false,
             driven: body.drive.moves(time, time + tick_s),
         }
+    }
+
+    /// Adds what contact did in a step.
+    pub fn add(&mut self, work: &Work) {
+        self.work += work.work;
+        self.overlap_undone |= work.overlap_undone;
     }
 
     /// Looks at a body at the end of a tick, at `time` [s].

@@ -102,6 +102,11 @@ impl Drive {
         !self.grips.is_empty()
     }
 
+    /// Whether a clamp that stays closed moves at any time.
+    pub fn moves_clamps(&self) -> bool {
+        self.clamps.iter().any(|(motion, _)| motion.is_some())
+    }
+
     /// Whether anything that holds the body moves, closes or lets go between two times [s].
     pub fn moves(&self, from: f64, to: f64) -> bool {
         let still = |motion: &Option<Motion>| {
@@ -121,7 +126,7 @@ impl Drive {
             gravity: *gravity,
             ..Control::default()
         };
-        if self.clamps.iter().any(|(motion, _)| motion.is_some()) {
+        if self.moves_clamps() {
             control.clamped_positions = vec![Vector3::zeros(); self.clamped];
             for (motion, places) in &self.clamps {
                 for (place, rest) in places {

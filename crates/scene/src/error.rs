@@ -8,7 +8,7 @@ use microsim_tissue::{BuildError, MethodError};
 pub enum SceneError {
     /// Two bodies or two tools have one name, or a name is empty.
     Name {
-        /// `body` or `tool`.
+        /// `body`, `tool` or `rigid thing`.
         kind: &'static str,
         /// The name.
         name: String,
@@ -68,7 +68,7 @@ pub enum SceneError {
         /// Why.
         source: MethodError,
     },
-    /// The method cannot treat a body that tools touch.
+    /// The method cannot treat a body that is touched.
     Contact {
         /// The body.
         body: String,
@@ -89,12 +89,26 @@ pub enum SceneError {
         /// Index of the part; `None` when there is none.
         part: Option<usize>,
     },
-    /// A contact pair names something that is not in the scene, or stands twice.
-    ContactPair {
-        /// The tool's name.
+    /// A tool's motion has times that do not ascend, or numbers that are not finite.
+    ToolMotion {
+        /// The tool.
         tool: String,
+        /// Index of the key.
+        key: usize,
+    },
+    /// A rigid thing has no part, or a part with numbers that are not finite or sizes that are none.
+    Rigid {
+        /// The thing.
+        name: String,
+    },
+    /// A contact pair names something that is not in the scene, stands twice, or has a number out of range.
+    Contacts {
+        /// Index of the pair.
+        index: usize,
         /// The body's name.
         body: String,
+        /// The partner's name.
+        with: String,
         /// What is wrong.
         reason: &'static str,
     },
@@ -155,7 +169,7 @@ impl std::fmt::Display for SceneError {
             Self::Method { body, source } => write!(f, "body '{body}': {source}"),
             Self::Contact { body, method } => write!(
                 f,
-                "tools touch body '{body}', which {method} cannot treat yet: use stoermer-verlet"
+                "body '{body}' is touched, and {method} cannot keep a gap: its force moves a node one step later only; use another method"
             ),
             Self::Grip { body, method } => write!(
                 f,
@@ -169,8 +183,18 @@ impl std::fmt::Display for SceneError {
                 f,
                 "capsule {part} of tool '{tool}' needs finite ends, a radius above 0 m and a hinge axis that is not zero"
             ),
-            Self::ContactPair { tool, body, reason } => {
-                write!(f, "contact pair ('{tool}', '{body}'): {reason}")
+            Self::ToolMotion { tool, key } => write!(
+                f,
+                "key {key} of the motion of tool '{tool}' needs finite numbers and a time after that of the key before"
+            ),
+            Self::Rigid { name } => write!(
+                f,
+                "rigid thing '{name}' needs parts with finite numbers, sizes above 0 m and a rounding within them"
+            ),
+            Self::Contacts {
+                body, with, reason, ..
+            } => {
+                write!(f, "contact of body '{body}' with '{with}': {reason}")
             }
             Self::Gravity => write!(f, "gravity must be three finite numbers in m/s²"),
             Self::Tick { tick_s } => write!(f, "a tick must be longer than 0 s, not {tick_s} s"),

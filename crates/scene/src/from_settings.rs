@@ -4,13 +4,14 @@
 //! the caller brings. What is not: checks of single values (crate `settings`) and of the whole (when the scene is built).
 
 mod body;
+mod contact;
 mod error;
 mod material;
 mod method;
 
 pub use error::{FromSettingsCause, FromSettingsError};
 
-use crate::spec::{BodySpec, CapsuleSpec, HingeSpec, SceneSpec, Selection, ToolSpec};
+use crate::spec::{BodySpec, SceneSpec, Selection, ToolSpec};
 use error::missing;
 use microsim_settings as settings;
 use settings::KeyPath;
@@ -38,8 +39,9 @@ pub fn scene_spec(
     let (bodies, notes) = bodies(&scene.body, load)?;
     let spec = SceneSpec {
         bodies,
-        tools: Vec::new(),
-        contact_pairs: Vec::new(),
+        tools: contact::tools(&scene.tool, load)?,
+        rigid: contact::rigid(&scene.rigid),
+        contacts: contact::contacts(&scene.contact)?,
         gravity: scene.run.gravity,
         method: method::method(&scene.method),
         containment: scene.run.containment,
@@ -56,7 +58,9 @@ pub struct LevelParts<'a> {
     pub method: &'a settings::Method,
     /// The bodies.
     pub bodies: &'a [settings::Body],
-    /// Which tool may touch which body.
+    /// Rigid things that stand.
+    pub rigid: &'a [settings::Rigid],
+    /// What touches what.
     pub contacts: &'a [settings::ContactPair],
     /// The tool slots.
     pub tools: &'a [settings::ToolSlot],
@@ -75,13 +79,17 @@ pub fn level_spec(
         let key = || KeyPath::root().key("tool").at(index).key("model");
         let model = level.models.get(&slot.model);
         let model = model.ok_or_else(|| missing(key(), "a tool model of this name"))?;
-        tools.push(tool(slot, model));
+        tools.push(ToolSpec {
+            name: slot.name.clone(),
+            capsules: contact::capsules(&model.capsule, model.hinge, model.opening_angle),
+            motion: Vec::new(),
+        });
     }
-    let pairs = level.contacts.iter();
     let spec = SceneSpec {
         bodies,
         tools,
-        contact_pairs: pairs.map(|c| (c.tool.clone(), c.body.clone())).collect(),
+        rigid: contact::rigid(level.rigid),
+        contacts: contact::contacts(level.contacts)?,
         gravity: level.physics.gravity,
         method: method::method(level.method),
         containment: true,
@@ -116,35 +124,6 @@ pub(crate) fn selections(nodes: &settings::Nodes) -> Vec<Selection> {
     }
     all.extend(nodes.nearest.map(Selection::Nearest));
     all
-}
-
-/// A tool as physics sees it: the level's slot name, the model's capsules. The left jaw opens towards +x, about an axis
-/// along y through the hinge, each jaw by half of the opening angle.
-fn tool(slot: &settings::ToolSlot, model: &settings::Tool) -> ToolSpec {
-    let half = model.opening_angle.unwrap_or_default() / 2.0;
-    let hinge = |angle| {
-        model.hinge.map(|pivot| HingeSpec {
-            pivot,
-            axis: [0.0, 1.0, 0.0],
-            angle,
-        })
-    };
-    let touching = model.capsule.iter().filter(|part| part.touches);
-    let capsules = touching.map(|part| CapsuleSpec {
-        a: part.a,
-        b: part.b,
-        radius: part.radius,
-        hinge: match part.jaw {
-            settings::Jaw::Fixed => None,
-            // Below the hinge a right-handed turn about +y moves the jaw towards −x.
-            settings::Jaw::Left => hinge(-half),
-            settings::Jaw::Right => hinge(half),
-        },
-    });
-    ToolSpec {
-        name: slot.name.clone(),
-        capsules: capsules.collect(),
-    }
 }
 
 #[cfg(test)]

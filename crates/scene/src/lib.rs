@@ -1,14 +1,16 @@
 //! Bodies, tools and contact coupled into one step.
 //!
 //! What is here: the description of a scene and its checks, the tick with its sub-steps, forces in newtons, containment of a
-//! body that diverges, exact saving and restoring. What is not: the mathematics of tissue and contact (crates `tissue`,
-//! `contact`), files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
+//! body that diverges, exact saving and restoring. Crate `contact` finds where bodies touch, `tissue` keeps the gaps; here one is
+//! translated into the other. What is not: the mathematics of both, files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
 
 mod check;
 mod containment;
 mod drive;
 mod error;
 mod from_settings;
+mod group;
+mod overlap;
 mod report;
 mod run;
 mod save;
@@ -16,26 +18,31 @@ mod scene;
 mod select;
 mod spec;
 mod stress;
+mod tally;
 mod tick;
 mod tool;
+mod touching;
 
 pub use containment::{Diverged, Divergence};
 pub use error::SceneError;
 pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
 };
+pub use microsim_contact::{Rigid, RigidShape};
 pub use microsim_geometry::Pose;
 pub use microsim_mesh::{Surface, TetMesh};
 pub use microsim_tissue::{
     Behaviour, BuildError, Energies, Executor, Material, Method, Serial, State, TissueModel,
 };
-pub use report::{ContactReport, Recovery, TickReport};
-pub use run::{End, ProbeError, Runner, Series, Verdict};
+pub use overlap::Overlap;
+pub use report::{ContactPartner, ContactReport, JawReport, MANY_SUBSTEPS, Recovery, TickReport};
+pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{
-    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, CouplingSpec, HingeSpec, LoadKind, LoadSpec,
-    MotionKey, MotionSpec, SceneSpec, Selection, StartSpec, ToolSpec,
+    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, HingeSpec, Jaw, LoadKind,
+    LoadSpec, MotionKey, MotionSpec, PartnerSpec, RigidSpec, SceneSpec, Selection, StartSpec,
+    ToolKeySpec, ToolSpec,
 };
 pub use stress::von_mises;
 pub use tool::ToolMotion;

@@ -1,6 +1,7 @@
 //! What a tick tells.
 
 use crate::containment::Divergence;
+use crate::spec::Jaw;
 
 /// The report of one tick.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,8 +10,11 @@ pub struct TickReport {
     pub contacts: Vec<ContactReport>,
     /// By how much the solver's step was divided so that no tool moves too far in one: 1 when it was not.
     pub substeps: u32,
-    /// Whether a tool was so fast that more sub-steps than the limit were needed; it may then have passed through tissue.
-    pub capped: bool,
+    /// Whether a tool was so fast that it took more than [`MANY_SUBSTEPS`].
+    pub many_substeps: bool,
+    /// The tools that moved so far near tissue that they cannot have been moved by a hand: they were not swept through what lies
+    /// between, but are at once where they went, and push from there.
+    pub jumped: Vec<usize>,
     /// Whether plastic flow has made a body so stiff that it needs more steps than were asked for.
     pub stiffened: bool,
     /// Ticks that had to be repeated with more sub-steps.
@@ -19,14 +23,30 @@ pub struct TickReport {
     pub invalid_motions: Vec<usize>,
 }
 
-/// What one tool did to one body in a tick.
+/// Sub-steps from which on a tick says so (NUMERICS 6).
+pub const MANY_SUBSTEPS: u32 = 16;
+
+/// What a body touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactPartner {
+    /// A tool, by its index.
+    Tool(usize),
+    /// A rigid thing, by its index.
+    Rigid(usize),
+    /// Another body, by its index.
+    Body(usize),
+    /// Itself.
+    Itself,
+}
+
+/// What a tool, a rigid thing or another body did to a body in a tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactReport {
-    /// Index of the tool.
-    pub tool: usize,
     /// Index of the body.
     pub body: usize,
-    /// Force of the tool on the tissue, mean over the tick, in the world [N].
+    /// What it touched.
+    pub with: ContactPartner,
+    /// Force on the body, mean over the tick, in the world [N].
     pub force_on_tissue: [f64; 3],
     /// Largest size of the force in a solver's step [N]. A landing acts over one step: its peak grows as steps get shorter.
     pub peak_force_n: f64,
@@ -34,12 +54,29 @@ pub struct ContactReport {
     pub impulse_ns: f64,
     /// Where the force acts, in the world: mean of the touched nodes' positions, weighted by their forces [m].
     pub point: [f64; 3],
-    /// Depth of the deepest surface point that was still inside the tool after a step [m].
+    /// Depth of the deepest point that was still inside after a step [m].
     pub max_depth_m: f64,
     /// Largest displacement of a touched node from its rest position along the mean force, at the end of the tick [m].
     pub indentation_m: f64,
     /// Number of different nodes that were touched.
     pub nodes: usize,
+    /// How long the force was above the limit of the pair [s].
+    pub over_limit_s: f64,
+    /// Share of the normal force that acted where nothing slid, 0 (all slides, or there is no friction) to 1 (all sticks).
+    pub stick_share: f64,
+    /// What each jaw did that touched; empty of a tool without jaws.
+    pub jaws: Vec<JawReport>,
+}
+
+/// The grip of one jaw in a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JawReport {
+    /// Which jaw.
+    pub jaw: Jaw,
+    /// Sum of the sizes of its normal forces, mean over the tick [N].
+    pub normal_force_n: f64,
+    /// Mean pressure over the surface that it touched [Pa], by the areas at rest.
+    pub pressure_pa: f64,
 }
 
 /// A tick that was repeated because a body diverged.

@@ -7,7 +7,8 @@ mod feature;
 mod probe;
 
 use crate::containment::Diverged;
-use crate::report::Recovery;
+use crate::overlap::Overlap;
+use crate::report::{Recovery, TickReport};
 use crate::scene::Scene;
 use microsim_settings as settings;
 use microsim_tissue::Executor;
@@ -28,8 +29,31 @@ pub struct Series {
     pub kinetic: Vec<f64>,
     /// Elastic energy of all bodies [J].
     pub elastic: Vec<f64>,
+    /// Momentum of all bodies [kg m/s].
+    pub momentum: Vec<[f64; 3]>,
+    /// Share of all nodes that are inside what their bodies touch ([`Overlap`](crate::Overlap)); empty without contact.
+    pub inside_share: Vec<f64>,
+    /// Depth of the deepest of them [m]; empty without contact.
+    pub max_depth: Vec<f64>,
+    /// The forces between two that touch, in the order of the settings.
+    pub contacts: Vec<ContactSeries>,
     /// Values of each probe, in the order of the settings, in SI.
     pub probes: Vec<Vec<f64>>,
+}
+
+/// What was sampled of two that touch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactSeries {
+    /// Force on the body, mean over the sample before [N].
+    pub force: Vec<[f64; 3]>,
+    /// Largest size of the force in a step of it [N].
+    pub peak: Vec<f64>,
+    /// Time with a force above the limit in it [s].
+    pub over_limit: Vec<f64>,
+    /// Share of the normal force that acted where nothing slid.
+    pub stick_share: Vec<f64>,
+    /// Largest mean pressure of a jaw [Pa].
+    pub grip_pressure: Vec<f64>,
 }
 
 /// Why a run has ended.
@@ -73,7 +97,34 @@ pub struct Runner {
     expect: Vec<settings::Expect>,
     series: Series,
     recoveries: Vec<(f64, Recovery)>,
+    /// What contact did since the last sample, an entry per pair.
+    contacts: Vec<Contact>,
+    /// Positions at the last sample, if the scene ends at rest.
+    before: Vec<Vec<Vector3<f64>>>,
+    /// What else is to be known of the run.
+    remarks: Remarks,
     end: Option<End>,
+}
+
+/// What contact did to a pair since the last sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Contact {
+    /// [N·s].
+    pub impulse: Vector3<f64>,
+    peak: f64,
+    over_limit: f64,
+    stick: f64,
+    weight: f64,
+    pressure: f64,
+}
+
+/// What should be known of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Remarks {
+    /// Largest number of sub-steps that a fast tool took.
+    pub most_substeps: u32,
+    /// Tools that jumped, with the time at the end of the tick [s].
+    pub jumps: Vec<(f64, usize)>,
 }
 
 impl Runner {
@@ -96,9 +147,16 @@ impl Runner {
             expect: settings.expect.clone(),
             series: Series {
                 probes: vec![Vec::new(); settings.probe.len()],
+                contacts: vec![ContactSeries::default(); scene.pair_count()],
                 ..Series::default()
             },
             recoveries: Vec::new(),
+            contacts: vec![Contact::default(); scene.pair_count()],
+            before: Vec::new(),
+            remarks: Remarks {
+                most_substeps: 1,
+                jumps: Vec::new(),
+            },
             end: None,
             scene,
         };
@@ -151,31 +209,92 @@ impl Runner {
         self.end.as_ref()
     }
 
-    /// Advances to the next sample; returns whether there is more to come. After a divergence the scene stands at the sample
-    /// before.
+    /// What else should be known of the run so far.
+    pub fn remarks(&self) -> &Remarks {
+        &self.remarks
+    }
+
+    /// Advances to the next sample and takes it; returns whether there is more to come. After a divergence the scene stands at the
+    /// sample before, or, where tools turn at times within a sample, at the last of these.
     pub fn advance(&mut self, exec: &dyn Executor) -> bool {
+        self.compute(exec) && self.observe()
+    }
+
+    /// The first half of [`advance`](Self::advance), which is what a simulation costs: to the next sample. Returns whether there is
+    /// a sample to be taken.
+    pub fn compute(&mut self, exec: &dyn Executor) -> bool {
         if self.end.is_some() {
             return false;
         }
-        let before: Vec<Vec<Vector3<f64>>> = match self.rest {
-            Some(_) => self.positions().map(<[_]>::to_vec).collect(),
-            None => Vec::new(),
-        };
-        match self.scene.tick(&[], self.sample, self.steps, exec) {
-            Ok(report) => {
-                let time = self.scene.time();
-                let recoveries = report.recoveries.into_iter();
-                self.recoveries.extend(recoveries.map(|r| (time, r)));
-            }
-            Err(diverged) => {
-                self.end = Some(End::Diverged(diverged));
-                return false;
+        if self.rest.is_some() {
+            self.before = self.positions().map(<[_]>::to_vec).collect();
+        }
+        self.contacts.fill(Contact::default());
+        let from = self.taken as f64 * self.sample;
+        for (start, length) in self.parts(from) {
+            // Between two keys of a motion a tool moves evenly.
+            let motions = self.scene.own_motions(start, start + length);
+            let steps = f64::from(self.steps) * length / self.sample;
+            let steps = (steps * (1.0 - ROUNDING)).ceil().max(1.0) as u32;
+            match self.scene.tick(&motions, length, steps, exec) {
+                Ok(report) => self.note(report, length),
+                Err(diverged) => {
+                    self.end = Some(End::Diverged(diverged));
+                    return false;
+                }
             }
         }
         self.taken += 1;
+        true
+    }
+
+    /// The parts of the sample that begins at `from` [s]: their starts and lengths [s]. It is divided where tools turn.
+    fn parts(&self, from: f64) -> Vec<(f64, f64)> {
+        let least = ROUNDING * self.sample;
+        let keys = self.scene.tools.iter().flat_map(|tool| &tool.motion);
+        let mut turns: Vec<f64> = keys
+            .map(|key| key.time - from)
+            .filter(|turn| (least..self.sample - least).contains(turn))
+            .collect();
+        turns.sort_by(f64::total_cmp);
+        turns.dedup_by(|later, first| *later - *first < least);
+        turns.push(self.sample);
+        let mut start = 0.0;
+        let parts = turns.into_iter().map(|turn| {
+            let part = (from + start, turn - start);
+            start = turn;
+            part
+        });
+        parts.collect()
+    }
+
+    fn note(&mut self, report: TickReport, length: f64) {
+        let time = self.scene.time();
+        let recoveries = report.recoveries.into_iter();
+        self.recoveries.extend(recoveries.map(|r| (time, r)));
+        self.remarks.most_substeps = self.remarks.most_substeps.max(report.substeps);
+        let jumps = report.jumped.into_iter();
+        self.remarks.jumps.extend(jumps.map(|tool| (time, tool)));
+        for contact in &report.contacts {
+            let index = self.scene.pair_of(contact.body, contact.with);
+            let Some(sum) = index.map(|index| &mut self.contacts[index]) else {
+                continue;
+            };
+            sum.impulse += Vector3::from(contact.force_on_tissue) * length;
+            sum.peak = sum.peak.max(contact.peak_force_n);
+            sum.over_limit += contact.over_limit_s;
+            sum.stick += contact.stick_share * contact.impulse_ns;
+            sum.weight += contact.impulse_ns;
+            let pressures = contact.jaws.iter().map(|jaw| jaw.pressure_pa);
+            sum.pressure = pressures.fold(sum.pressure, f64::max);
+        }
+    }
+
+    /// The second half of [`advance`](Self::advance): takes the sample; returns whether there is more to come.
+    pub fn observe(&mut self) -> bool {
         self.take_sample();
         let rests = self.rest.is_some_and(|(speed, not_before)| {
-            self.scene.time() >= not_before && self.rests(&before, speed)
+            self.scene.time() >= not_before && self.rests(&self.before, speed)
         });
         self.end = if rests {
             Some(End::Rest)
@@ -243,21 +362,48 @@ impl Runner {
 
     fn take_sample(&mut self) {
         self.series.time.push(self.scene.time());
-        let (mut kinetic, mut elastic) = (0.0, 0.0);
+        let (mut kinetic, mut elastic, mut momentum) = (0.0, 0.0, Vector3::zeros());
         for body in 0..self.scene.body_count() {
             let energies = self.scene.energies(body);
             kinetic += energies.kinetic;
             elastic += energies.elastic();
+            momentum += self.scene.momentum(body);
         }
         self.series.kinetic.push(kinetic);
         self.series.elastic.push(elastic);
+        self.series.momentum.push(momentum.into());
+        if self.scene.pair_count() > 0 {
+            let bodies = 0..self.scene.body_count();
+            let overlaps: Vec<Overlap> = bodies.map(|body| self.scene.overlap(body)).collect();
+            let inside: usize = overlaps.iter().map(|overlap| overlap.nodes).sum();
+            let nodes: usize = self.positions().map(<[_]>::len).sum();
+            let depths = overlaps.iter().map(|overlap| overlap.depth);
+            let depth = depths.fold(0.0, f64::max);
+            self.series.inside_share.push(inside as f64 / nodes as f64);
+            self.series.max_depth.push(depth);
+        }
+        for (series, contact) in self.series.contacts.iter_mut().zip(&self.contacts) {
+            series.force.push((contact.impulse / self.sample).into());
+            series.peak.push(contact.peak);
+            series.over_limit.push(contact.over_limit);
+            let share = contact.stick / contact.weight;
+            series
+                .stick_share
+                .push(if contact.weight > 0.0 { share } else { 0.0 });
+            series.grip_pressure.push(contact.pressure);
+        }
+        let forces: Vec<Vector3<f64>> = self
+            .contacts
+            .iter()
+            .map(|contact| contact.impulse / self.sample)
+            .collect();
         for (probe, values) in self.probes.iter().zip(&mut self.series.probes) {
-            values.push(probe.value(&self.scene));
+            values.push(probe.value(&self.scene, &forces));
         }
     }
 }
 
-/// When the last thing happens that disturbs a rest [s]: a load has grown, a clamp has moved or lets go.
+/// When the last thing happens that disturbs a rest [s]: a load has grown, a clamp or tool has moved, a clamp lets go.
 fn last_event(settings: &settings::Scene) -> f64 {
     let bodies = settings.body.iter();
     let times = bodies.flat_map(|body| {
@@ -267,6 +413,8 @@ fn last_event(settings: &settings::Scene) -> f64 {
         });
         clamps.chain(body.load.iter().map(|load| load.ramp))
     });
+    let tools = settings.tool.iter().flat_map(|tool| &tool.motion);
+    let times = times.chain(tools.map(|key| key.time));
     times.fold(0.0, f64::max)
 }
 

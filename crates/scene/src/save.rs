@@ -2,17 +2,19 @@
 //!
 //! Little-endian, in this order: magic, version u32, time f64, number of bodies u32; per body the number of nodes u32, the last
 //! step f64, longest stable step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
-//! f64 and f64 each); number of pairs u32; per pair the number of remembered normals u32
-//! and per normal capsule u32, node u32, 3 × f64. What does not evolve is not saved: bytes are restored into a scene built from
+//! f64 and f64 each); number of groups of bodies that touch one another u32; per group the number of remembered normals u32 and per
+//! normal partner, node u32, 3 × f64; the number of remembered forces u32 and per force body u32, partner, five nodes u32, force along
+//! the normal f64 and across it 3 × f64. A partner is three u32: kind (0 tool, 1 rigid, 2 body), index, capsule (0 but for a tool). What does not evolve is not saved: bytes are restored into a scene built from
 //! the same description.
 
 use crate::scene::{Scene, SceneState};
-use microsim_contact::ContactMemory;
+use crate::touching::{ContactMemory, Remembered};
+use microsim_contact::{Key, Partner, Sides};
 use microsim_tissue::State;
 use nalgebra::Vector3;
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +26,7 @@ pub enum RestoreError {
         /// That version.
         found: u32,
     },
-    /// They belong to another scene: numbers of bodies, nodes or pairs differ.
+    /// They belong to another scene: numbers of bodies, nodes or groups differ.
     OtherScene,
     /// They end too early or go on too long.
     Length,
@@ -79,12 +81,21 @@ impl Scene {
         }
         put_u32(&mut bytes, self.state.memories.len() as u32);
         for memory in &self.state.memories {
-            let entries = memory.entries();
+            let entries = memory.sides.entries();
             put_u32(&mut bytes, entries.len() as u32);
-            for (capsule, node, normal) in entries {
-                put_u32(&mut bytes, capsule);
-                put_u32(&mut bytes, node);
+            for (partner, node, normal) in entries {
+                put_partner(&mut bytes, partner);
+                put_u32(&mut bytes, *node);
                 put_vector(&mut bytes, normal);
+            }
+            put_u32(&mut bytes, memory.forces.len() as u32);
+            for force in &memory.forces {
+                put_u32(&mut bytes, force.key.body);
+                put_partner(&mut bytes, &force.key.partner);
+                let nodes = force.key.first.iter().chain(&force.key.second);
+                nodes.for_each(|&node| put_u32(&mut bytes, node));
+                put_f64(&mut bytes, force.pressure);
+                put_vector(&mut bytes, &force.traction);
             }
         }
         bytes
@@ -135,15 +146,24 @@ impl Scene {
                 internal,
             });
         }
-        reader.expect(self.pairs.len())?;
-        let mut memories = Vec::with_capacity(self.pairs.len());
-        for _ in &self.pairs {
-            let mut memory = ContactMemory::new();
+        reader.expect(self.groups.len())?;
+        let mut memories = Vec::with_capacity(self.groups.len());
+        for _ in &self.groups {
+            let mut entries = Vec::new();
             for _ in 0..reader.u32()? {
-                let (capsule, node) = (reader.u32()?, reader.u32()?);
-                memory.remember(capsule, node, reader.vector()?);
+                entries.push((reader.partner()?, reader.u32()?, reader.vector()?));
             }
-            memories.push(memory);
+            let mut forces = Vec::new();
+            for _ in 0..reader.u32()? {
+                forces.push(reader.force()?);
+            }
+            if !forces.is_sorted_by(|a: &Remembered, b| a.key < b.key) {
+                return Err(RestoreError::OtherScene);
+            }
+            memories.push(ContactMemory {
+                sides: Sides::from_entries(entries),
+                forces,
+            });
         }
         if !reader.bytes.is_empty() {
             return Err(RestoreError::Length);
@@ -168,6 +188,15 @@ fn put_f64(bytes: &mut Vec<u8>, value: f64) {
 
 fn put_vector(bytes: &mut Vec<u8>, vector: &Vector3<f64>) {
     vector.iter().for_each(|&c| put_f64(bytes, c));
+}
+
+fn put_partner(bytes: &mut Vec<u8>, partner: &Partner) {
+    let numbers = match *partner {
+        Partner::Tool { tool, capsule } => [0, tool, capsule],
+        Partner::Rigid { thing } => [1, thing, 0],
+        Partner::Body { body } => [2, body, 0],
+    };
+    numbers.into_iter().for_each(|n| put_u32(bytes, n));
 }
 
 struct Reader<'a> {
@@ -215,6 +244,36 @@ impl<'a> Reader<'a> {
 
     fn vector(&mut self) -> Result<Vector3<f64>, RestoreError> {
         Ok(Vector3::new(self.f64()?, self.f64()?, self.f64()?))
+    }
+
+    fn partner(&mut self) -> Result<Partner, RestoreError> {
+        let [kind, index, capsule] = [self.u32()?, self.u32()?, self.u32()?];
+        Ok(match (kind, capsule) {
+            (0, capsule) => Partner::Tool {
+                tool: index,
+                capsule,
+            },
+            (1, 0) => Partner::Rigid { thing: index },
+            (2, 0) => Partner::Body { body: index },
+            _ => return Err(RestoreError::OtherScene),
+        })
+    }
+
+    fn force(&mut self) -> Result<Remembered, RestoreError> {
+        let body = self.u32()?;
+        let partner = self.partner()?;
+        let first = [self.u32()?, self.u32()?, self.u32()?];
+        let second = [self.u32()?, self.u32()?];
+        Ok(Remembered {
+            key: Key {
+                body,
+                partner,
+                first,
+                second,
+            },
+            pressure: self.f64()?,
+            traction: self.vector()?,
+        })
     }
 
     /// A number that has to be `count`.

@@ -3,17 +3,20 @@
 use crate::check;
 use crate::drive::Drive;
 use crate::error::SceneError;
+use crate::group::Group;
+use crate::report::ContactPartner;
 use crate::select;
-use crate::spec::{BodySpec, SceneSpec, Selection};
-use crate::tool::Tool;
-use microsim_contact::ContactMemory;
+use crate::spec::{BodySpec, PartnerSpec, RigidSpec, SceneSpec, Selection};
+use crate::tool::{Tool, ToolMotion};
+use crate::touching::ContactMemory;
+use microsim_contact::{Rigid, RigidShape};
 use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::elements::{CouplingConstants, couple};
 use microsim_tissue::{
-    Elements, Energies, Forces, Method, Serial, Solver, SolverVerlet, State, TissueModel,
-    build_model, stability,
+    Elements, Energies, Forces, Method, Serial, State, TissueModel, build_model, stability,
 };
 use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A body: constant parts and working memory.
@@ -23,7 +26,6 @@ pub(crate) struct Body {
     pub mesh: TetMesh,
     pub surface: Surface,
     pub model: TissueModel,
-    pub advance: Advance,
     pub drive: Drive,
     /// Where it is at the start.
     pub start: State,
@@ -33,24 +35,43 @@ pub(crate) struct Body {
     pub stable_step: f64,
     /// Energy below which growth is not worth a look [J]: that of the whole body stretched by 1 %.
     pub energy_scale: f64,
-    /// Iterations of its solver since the scene was built; no part of what evolves.
-    pub iterations: u64,
+    /// A third of the area of the surface's triangles at each node, at rest [m²].
+    pub node_areas: Vec<f64>,
+    /// The faces at the open ends of a vessel.
+    pub ends: Vec<Vec<[u32; 3]>>,
 }
 
-/// How a body is advanced.
-#[derive(Clone, Debug)]
-pub(crate) enum Advance {
-    /// With a step in two halves, between which contact is sought.
-    Contact(SolverVerlet),
-    /// In one step.
-    Plain(Box<dyn Solver>),
-}
-
-/// Indices of a tool and a body that touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Two that touch.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pair {
-    pub tool: usize,
     pub body: usize,
+    pub with: PairPartner,
+    /// μ.
+    pub friction: f64,
+    /// [N].
+    pub force_limit: f64,
+    pub end_planes: bool,
+}
+
+/// What a body touches, by indices.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum PairPartner {
+    Tool(usize),
+    Rigid {
+        thing: usize,
+        /// Its parts among those of all things.
+        parts: Range<usize>,
+    },
+    Body(usize),
+    Itself,
+}
+
+/// A rigid thing.
+#[derive(Clone, Debug)]
+pub(crate) struct Thing {
+    pub name: String,
+    /// Its parts among those of all things.
+    pub parts: Range<usize>,
 }
 
 /// All that evolves. A copy of it is all that is needed to go back.
@@ -58,7 +79,7 @@ pub(crate) struct Pair {
 pub(crate) struct SceneState {
     /// One per body.
     pub bodies: Vec<State>,
-    /// One per contact pair.
+    /// One per group of bodies.
     pub memories: Vec<ContactMemory>,
     /// Longest step of each body as it is now [s]: plastic flow makes it shorter.
     pub stable_steps: Vec<f64>,
@@ -71,7 +92,11 @@ pub(crate) struct SceneState {
 pub struct Scene {
     pub(crate) bodies: Vec<Body>,
     pub(crate) tools: Vec<Tool>,
+    pub(crate) things: Vec<Thing>,
+    /// The parts of all rigid things.
+    pub(crate) rigid: Vec<Rigid>,
     pub(crate) pairs: Vec<Pair>,
+    pub(crate) groups: Vec<Group>,
     pub(crate) gravity: Vector3<f64>,
     pub(crate) method: Method,
     pub(crate) containment: bool,
@@ -87,7 +112,15 @@ impl Scene {
         if !gravity.iter().all(|g| g.is_finite()) {
             return Err(SceneError::Gravity);
         }
-        let touched = |body: &BodySpec| spec.contact_pairs.iter().any(|(_, b)| *b == body.name);
+        check_names(
+            "rigid thing",
+            spec.rigid.iter().map(|thing| thing.name.as_str()),
+        )?;
+        let touched = |body: &BodySpec| {
+            let other = |with: &PartnerSpec| matches!(with, PartnerSpec::Body { name, .. } if *name == body.name);
+            let mut pairs = spec.contacts.iter();
+            pairs.any(|pair| pair.body == body.name || other(&pair.with))
+        };
         let bodies = spec
             .bodies
             .iter()
@@ -98,17 +131,22 @@ impl Scene {
             .iter()
             .map(Tool::new)
             .collect::<Result<Vec<_>, _>>()?;
-        let pairs = find_pairs(spec)?;
+        let (things, rigid) = rigid(&spec.rigid)?;
+        let pairs = find_pairs(spec, &things)?;
+        let groups = Group::all(&bodies, &pairs, &rigid, &spec.method)?;
         let state = SceneState {
             bodies: bodies.iter().map(|body| body.start.clone()).collect(),
-            memories: vec![ContactMemory::new(); pairs.len()],
+            memories: vec![ContactMemory::default(); groups.len()],
             stable_steps: bodies.iter().map(|body| body.stable_step).collect(),
             time: 0.0,
         };
         Ok(Self {
             bodies,
             tools,
+            things,
+            rigid,
             pairs,
+            groups,
             gravity,
             method: spec.method,
             containment: spec.containment,
@@ -122,7 +160,7 @@ impl Scene {
         self.state
             .memories
             .iter_mut()
-            .for_each(ContactMemory::clear);
+            .for_each(|memory| *memory = ContactMemory::default());
         self.state.stable_steps = self.bodies.iter().map(|body| body.stable_step).collect();
         self.state.time = 0.0;
     }
@@ -183,6 +221,80 @@ impl Scene {
     /// Name of a tool.
     pub fn tool_name(&self, tool: usize) -> &str {
         &self.tools[tool].name
+    }
+
+    /// Number of rigid things.
+    pub fn thing_count(&self) -> usize {
+        self.things.len()
+    }
+
+    /// Name of a rigid thing.
+    pub fn thing_name(&self, thing: usize) -> &str {
+        &self.things[thing].name
+    }
+
+    /// Number of groups of bodies that are advanced together, as they touch one another.
+    pub fn group_count(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// The motions of the tools that have one of their own, from one time to another [s].
+    pub fn own_motions(&self, from: f64, to: f64) -> Vec<ToolMotion> {
+        let tools = self.tools.iter().enumerate();
+        let motions = tools.filter_map(|(index, tool)| {
+            let (start, end) = (tool.own_place(from)?, tool.own_place(to)?);
+            Some(ToolMotion {
+                tool: index,
+                from: start.0,
+                to: end.0,
+                opening_from: start.1,
+                opening_to: end.1,
+                active: true,
+            })
+        });
+        motions.collect()
+    }
+
+    /// Momentum of a body [kg m/s]; nodes that are clamped have none.
+    pub fn momentum(&self, body: usize) -> Vector3<f64> {
+        let model = &self.bodies[body].model;
+        let free = model.inverse_masses().iter().map(|w| *w > 0.0);
+        let both = self.velocities(body).iter().zip(model.masses()).zip(free);
+        both.filter(|(_, free)| *free)
+            .map(|((v, m), _)| v * *m)
+            .sum()
+    }
+
+    /// Number of pairs that can touch.
+    pub fn pair_count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Body and partner of a pair.
+    pub fn pair(&self, pair: usize) -> (usize, ContactPartner) {
+        let of = &self.pairs[pair];
+        let with = match &of.with {
+            PairPartner::Tool(tool) => ContactPartner::Tool(*tool),
+            PairPartner::Rigid { thing, .. } => ContactPartner::Rigid(*thing),
+            PairPartner::Body(body) => ContactPartner::Body(*body),
+            PairPartner::Itself => ContactPartner::Itself,
+        };
+        (of.body, with)
+    }
+
+    /// The pair of a body and a partner, in the order of the description.
+    pub fn pair_of(&self, body: usize, with: ContactPartner) -> Option<usize> {
+        (0..self.pairs.len()).find(|&pair| self.pair(pair) == (body, with))
+    }
+
+    /// Name of a body's partner.
+    pub fn partner_name(&self, with: ContactPartner) -> &str {
+        match with {
+            ContactPartner::Tool(tool) => self.tool_name(tool),
+            ContactPartner::Rigid(thing) => self.thing_name(thing),
+            ContactPartner::Body(body) => self.body_name(body),
+            ContactPartner::Itself => "itself",
+        }
     }
 
     /// Node positions of a body in the world [m].
@@ -301,10 +413,10 @@ impl Scene {
         &self.state.bodies[body]
     }
 
-    /// Iterations of the solvers of all bodies since the scene was built, repeated ticks included; 1 per step for a method
-    /// without any.
+    /// Iterations of the solvers of all groups of bodies that touch one another since the scene was built, repeated ticks
+    /// included; 1 per step for a method without any.
     pub fn iterations(&self) -> u64 {
-        self.bodies.iter().map(|body| body.iterations).sum()
+        self.groups.iter().map(|group| group.iterations).sum()
     }
 
     /// How the bodies are advanced.
@@ -373,25 +485,18 @@ impl Body {
                 source,
             })?;
         let drive = Drive::new(mesh, &origin, &clamps, &loads, model.clamped());
-        let advance = match method {
-            Method::StoermerVerlet if touched => Advance::Contact(SolverVerlet::new(&model)),
-            _ if touched => {
-                return Err(SceneError::Contact {
-                    body: name,
-                    method: method.name(),
-                });
-            }
-            _ if drive.has_grips() && !method.leads_nodes() => {
-                return Err(SceneError::Grip {
-                    body: name,
-                    method: method.name(),
-                });
-            }
-            _ => Advance::Plain(method.solver(&model).map_err(|source| SceneError::Method {
-                body: name.clone(),
-                source,
-            })?),
-        };
+        if touched && !method.keeps_gaps() {
+            return Err(SceneError::Contact {
+                body: name,
+                method: method.name(),
+            });
+        }
+        if drive.has_grips() && !method.leads_nodes() {
+            return Err(SceneError::Grip {
+                body: name,
+                method: method.name(),
+            });
+        }
         let mut start = State::at_rest(&model);
         for (index, part) in spec.start.iter().enumerate() {
             let matrix = Matrix3::from_fn(|row, column| part.matrix[row][column]);
@@ -406,11 +511,16 @@ impl Body {
             }
         }
         let stable_step = stable_step(method, &model, &State::at_rest(&model));
+        let mut node_areas = vec![0.0; mesh.positions.len()];
+        let areas = surface.node_areas(&mesh.positions);
+        for (&node, area) in surface.nodes.iter().zip(areas) {
+            node_areas[node as usize] = area;
+        }
         Ok(Self {
             energy_scale: energy_scale(&model),
-            iterations: 0,
+            node_areas,
+            ends: spec.ends.clone(),
             surface,
-            advance,
             drive,
             start,
             origin,
@@ -478,30 +588,111 @@ fn check_names<'a>(
     Ok(())
 }
 
-fn find_pairs(spec: &SceneSpec) -> Result<Vec<Pair>, SceneError> {
+/// The rigid things, and the parts of all of them.
+fn rigid(specs: &[RigidSpec]) -> Result<(Vec<Thing>, Vec<Rigid>), SceneError> {
+    let (mut things, mut all) = (Vec::new(), Vec::new());
+    for spec in specs {
+        let sized = |part: &Rigid| match part.shape {
+            RigidShape::HalfSpace => true,
+            RigidShape::Cuboid {
+                half_size,
+                rounding,
+            } => {
+                let least = half_size.into_iter().fold(f64::INFINITY, f64::min);
+                half_size.iter().all(|s| s.is_finite() && *s > 0.0)
+                    && (0.0..=least).contains(&rounding)
+            }
+            RigidShape::Cylinder {
+                radius,
+                half_length,
+            } => [radius, half_length]
+                .iter()
+                .all(|s| s.is_finite() && *s > 0.0),
+        };
+        let right = |part: &Rigid| part.pose.is_finite() && sized(part);
+        if spec.parts.is_empty() || !spec.parts.iter().all(right) {
+            return Err(SceneError::Rigid {
+                name: spec.name.clone(),
+            });
+        }
+        let first = all.len();
+        all.extend_from_slice(&spec.parts);
+        things.push(Thing {
+            name: spec.name.clone(),
+            parts: first..all.len(),
+        });
+    }
+    Ok((things, all))
+}
+
+fn find_pairs(spec: &SceneSpec, things: &[Thing]) -> Result<Vec<Pair>, SceneError> {
     let mut pairs: Vec<Pair> = Vec::new();
-    for (tool, body) in &spec.contact_pairs {
-        let wrong = |reason| SceneError::ContactPair {
-            tool: tool.clone(),
-            body: body.clone(),
+    for (index, contact) in spec.contacts.iter().enumerate() {
+        let wrong = |reason| SceneError::Contacts {
+            index,
+            body: contact.body.clone(),
+            with: contact.with.name().to_owned(),
             reason,
         };
-        let pair = Pair {
-            tool: spec
-                .tools
-                .iter()
-                .position(|t| t.name == *tool)
-                .ok_or_else(|| wrong("no such tool"))?,
-            body: spec
-                .bodies
-                .iter()
-                .position(|b| b.name == *body)
-                .ok_or_else(|| wrong("no such body"))?,
+        let body_of = |name: &str| {
+            let place = spec.bodies.iter().position(|b| b.name == name);
+            place.ok_or_else(|| wrong("no such body"))
         };
-        if pairs.contains(&pair) {
+        let body = body_of(&contact.body)?;
+        let mut end_planes = false;
+        let with = match &contact.with {
+            PartnerSpec::Tool(name) => {
+                let tool = spec.tools.iter().position(|t| t.name == *name);
+                PairPartner::Tool(tool.ok_or_else(|| wrong("no such tool"))?)
+            }
+            PartnerSpec::Rigid(name) => {
+                let thing = things.iter().position(|t| t.name == *name);
+                let thing = thing.ok_or_else(|| wrong("no such rigid thing"))?;
+                PairPartner::Rigid {
+                    thing,
+                    parts: things[thing].parts.clone(),
+                }
+            }
+            PartnerSpec::Body {
+                name,
+                end_planes: rule,
+            } => {
+                let other = body_of(name)?;
+                if other == body {
+                    return Err(wrong("a body and itself are no two bodies"));
+                }
+                let ends = [body, other].map(|b| spec.bodies[b].ends.is_empty());
+                if *rule && ends.contains(&true) {
+                    return Err(wrong(
+                        "end planes are those of two bodies from the generator of tubes",
+                    ));
+                }
+                end_planes = *rule;
+                PairPartner::Body(other)
+            }
+            PartnerSpec::Itself => PairPartner::Itself,
+        };
+        let same = |pair: &Pair| {
+            let turned =
+                pair.with == PairPartner::Body(body) && with == PairPartner::Body(pair.body);
+            (pair.body == body && pair.with == with) || turned
+        };
+        if pairs.iter().any(same) {
             return Err(wrong("stands twice"));
         }
-        pairs.push(pair);
+        if !contact.friction.is_finite() || contact.friction < 0.0 {
+            return Err(wrong("friction is a number of at least 0"));
+        }
+        if contact.force_limit.is_nan() || contact.force_limit < 0.0 {
+            return Err(wrong("the limit of the force is at least 0 N"));
+        }
+        pairs.push(Pair {
+            body,
+            with,
+            friction: contact.friction,
+            force_limit: contact.force_limit,
+            end_planes,
+        });
     }
     Ok(pairs)
 }

@@ -1,5 +1,7 @@
 //! What a scene is made of, as plain values. They are checked when the scene is built.
 
+use microsim_contact::Rigid;
+use microsim_geometry::Pose;
 use microsim_mesh::TetMesh;
 use microsim_tissue::{Material, Method};
 
@@ -10,8 +12,10 @@ pub struct SceneSpec {
     pub bodies: Vec<BodySpec>,
     /// The tools; names differ.
     pub tools: Vec<ToolSpec>,
-    /// Which tool touches which body: (tool name, body name). No other contact is computed.
-    pub contact_pairs: Vec<(String, String)>,
+    /// Rigid things that stand; names differ.
+    pub rigid: Vec<RigidSpec>,
+    /// What touches what. No other contact is computed.
+    pub contacts: Vec<ContactSpec>,
     /// Acceleration of gravity in the world [m/s²].
     pub gravity: [f64; 3],
     /// How the bodies are advanced.
@@ -42,6 +46,8 @@ pub struct BodySpec {
     pub loads: Vec<LoadSpec>,
     /// How the body lies and moves at the start, other than at rest; one after the other.
     pub start: Vec<StartSpec>,
+    /// The outward triangles of the faces at the open ends of a vessel; empty for a body that is none.
+    pub ends: Vec<Vec<[u32; 3]>>,
 }
 
 /// Nodes of a body, in the body's frame and at rest.
@@ -161,6 +167,20 @@ pub struct ToolSpec {
     pub name: String,
     /// Its parts; at least one.
     pub capsules: Vec<CapsuleSpec>,
+    /// Where it is in a scene that runs by itself, by ascending time; empty where it is moved from outside.
+    pub motion: Vec<ToolKeySpec>,
+}
+
+/// Where a tool is at a time. Between two keys position and opening are interpolated linearly, the orientation along the shortest
+/// turn; before the first and after the last key it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolKeySpec {
+    /// Time [s].
+    pub time: f64,
+    /// `world_from_tool`.
+    pub pose: Pose,
+    /// Opening in units of the hinges (0 is closed).
+    pub opening: f64,
 }
 
 /// A part of a tool.
@@ -174,6 +194,68 @@ pub struct CapsuleSpec {
     pub radius: f64,
     /// How the part moves when the tool opens; `None` for a rigid part.
     pub hinge: Option<HingeSpec>,
+    /// Which jaw it belongs to.
+    pub jaw: Option<Jaw>,
+}
+
+/// A jaw of a tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Jaw {
+    /// The one that opens towards +x.
+    Left,
+    /// The one that opens towards −x.
+    Right,
+}
+
+/// A rigid thing that stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidSpec {
+    /// Its name.
+    pub name: String,
+    /// What it is made of; at least one part.
+    pub parts: Vec<Rigid>,
+}
+
+/// Two that touch each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactSpec {
+    /// Name of a body.
+    pub body: String,
+    /// What it touches.
+    pub with: PartnerSpec,
+    /// Coefficient of Coulomb friction, ≥ 0.
+    pub friction: f64,
+    /// Size of the force from which on time is counted [N]; infinite for never.
+    pub force_limit: f64,
+}
+
+/// What a body touches.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PartnerSpec {
+    /// A tool, by its name.
+    Tool(String),
+    /// A rigid thing, by its name.
+    Rigid(String),
+    /// Another body.
+    Body {
+        /// Its name.
+        name: String,
+        /// Whether the rule of end planes holds for the two ends that face each other (dissertation 4.3). Both bodies then have
+        /// [`ends`](BodySpec::ends).
+        end_planes: bool,
+    },
+    /// Itself.
+    Itself,
+}
+
+impl PartnerSpec {
+    /// Its name for people.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Tool(name) | Self::Rigid(name) | Self::Body { name, .. } => name,
+            Self::Itself => "itself",
+        }
+    }
 }
 
 /// The hinge of a part.

@@ -1,20 +1,25 @@
 //! One tick: sub-steps, contact, solver, containment.
 
 use crate::containment::{self, Diverged, Divergence, Failure, Watch};
-use crate::report::{ContactReport, Recovery, TickReport};
-use crate::scene::{Advance, Body, Scene};
+use crate::group::Group;
+use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, TickReport};
+use crate::scene::{Body, PairPartner, Scene};
+use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
-use microsim_contact::{BodySurface, CapsuleMotion, Response, respond};
+use crate::touching::ContactMemory;
+use microsim_contact::CapsuleMotion;
 use microsim_geometry::Aabb;
-use microsim_tissue::{Executor, NodeTarget, StepFailure, flow};
+use microsim_tissue::{Executor, State, StepFailure, Touching, flow};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
-/// In one step a tool moves at most this share of its radius or of the mean edge length, whichever is less (NUMERICS 6).
-const TRAVEL_PER_STEP: f64 = 0.25;
+/// In one step a tool moves at most this share of its radius or of the mean edge length, whichever is less: explicit methods
+/// (NUMERICS 6), and implicit ones, which find contact anew as they go.
+const TRAVEL_EXPLICIT: f64 = 0.25;
+const TRAVEL_IMPLICIT: f64 = 1.0;
 
-/// Largest number of sub-steps for fast tools (NUMERICS 6).
-const MAX_SUBSTEPS: u32 = 16;
+/// A tool that needs more sub-steps than this has jumped.
+const MAX_SUBSTEPS: u32 = 256;
 
 /// By how much the steps of a tick are divided when a body diverged: first try, then the repetitions.
 const TRIES: [u32; 4] = [1, 2, 4, 8];
@@ -41,8 +46,12 @@ impl Scene {
         let required = self.required_steps(tick_s);
         let stiffened = self.has_stiffened() && steps < required;
         let steps = if stiffened { required } else { steps };
-        let (motions, invalid_motions) = self.valid_motions(motions);
-        let (substeps, capped) = self.substeps(&motions, tick_s, steps);
+        let (mut motions, invalid_motions) = self.valid_motions(motions);
+        let (substeps, jumped) = self.substeps(&mut motions, tick_s, steps);
+        for &tool in &jumped {
+            let memories = self.state.memories.iter_mut();
+            memories.for_each(|memory| memory.forget_tool(tool as u32));
+        }
         let start = self.state.clone();
         let mut recoveries = Vec::new();
         let mut failure = None;
@@ -59,7 +68,8 @@ impl Scene {
                     return Ok(TickReport {
                         contacts,
                         substeps,
-                        capped,
+                        many_substeps: substeps > MANY_SUBSTEPS,
+                        jumped,
                         stiffened,
                         recoveries,
                         invalid_motions,
@@ -106,13 +116,20 @@ impl Scene {
         (valid, invalid)
     }
 
-    /// Number of sub-steps for the fastest tool near a body that it may touch, and whether it is less than needed.
-    fn substeps(&self, motions: &[ToolMotion], tick_s: f64, steps: u32) -> (u32, bool) {
-        let mut needed = 1.0f64;
+    /// Number of sub-steps for the fastest tool near a body that it may touch. A tool that needs too many is let stand where it
+    /// went, and named.
+    fn substeps(&self, motions: &mut [ToolMotion], tick_s: f64, steps: u32) -> (u32, Vec<usize>) {
+        let share = match self.method.is_explicit() {
+            true => TRAVEL_EXPLICIT,
+            false => TRAVEL_IMPLICIT,
+        };
+        let (mut most, mut jumped) = (1, Vec::new());
         for motion in motions {
             let tool = &self.tools[motion.tool];
             let swept = tool.swept_bounds(motion);
-            for pair in self.pairs.iter().filter(|pair| pair.tool == motion.tool) {
+            let mut needed = 1.0f64;
+            let of_tool = |pair: &&crate::scene::Pair| pair.with == PairPartner::Tool(motion.tool);
+            for pair in self.pairs.iter().filter(of_tool) {
                 let (body, state) = (&self.bodies[pair.body], &self.state.bodies[pair.body]);
                 // Far from the body a tool may be as fast as it likes. The body itself may come nearer by its own speed.
                 let speed = state
@@ -125,15 +142,18 @@ impl Scene {
                 if !reach.overlaps(&swept) {
                     continue;
                 }
-                let per_step = TRAVEL_PER_STEP * tool.smallest_radius().min(edge);
+                let per_step = share * tool.smallest_radius().min(edge);
                 needed = needed.max(tool.travel(motion) / f64::from(steps) / per_step);
             }
+            if needed > f64::from(MAX_SUBSTEPS) {
+                jumped.push(motion.tool);
+                motion.from = motion.to;
+                motion.opening_from = motion.opening_to;
+            } else {
+                most = most.max(needed.ceil() as u32);
+            }
         }
-        let needed = needed.ceil();
-        (
-            needed.min(f64::from(MAX_SUBSTEPS)) as u32,
-            needed > f64::from(MAX_SUBSTEPS),
-        )
+        (most, jumped)
     }
 
     /// One try of a tick in `count` steps.
@@ -152,25 +172,58 @@ impl Scene {
             .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s))
             .collect();
         let mut tallies = vec![Tally::default(); self.pairs.len()];
-        let mut stiffer = vec![false; self.bodies.len()];
+        let mut stiffer = vec![false; self.groups.len()];
         let h = tick_s / f64::from(count);
+        let states = &mut self.state.bodies;
+        let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
+        let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
         for step in 0..count {
             let t0 = f64::from(step) / f64::from(count);
             let t1 = f64::from(step + 1) / f64::from(count);
-            let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
             for motion in motions {
                 tools[motion.tool] = Some(self.tools[motion.tool].step(motion, t0, t1));
             }
             let end = self.state.time + f64::from(step + 1) * h;
-            for (body, watch) in watches.iter_mut().enumerate() {
-                let failure = |what| Failure { body, step, what };
-                stiffer[body] |= self
-                    .step_body(body, &tools, end, h, exec, watch, &mut tallies)
-                    .map_err(|what| failure(Divergence::Step(what)))?;
-                if !self.state.bodies[body].is_finite() {
-                    return Err(failure(Divergence::NotFinite));
-                }
+            for (index, state) in joined.iter_mut().enumerate() {
+                let group = &mut self.groups[index];
+                let stepped = step_group(
+                    group,
+                    &self.bodies,
+                    &mut self.state.memories[index],
+                    state,
+                    &tools,
+                    &self.gravity,
+                    end,
+                    h,
+                    exec,
+                );
+                let (body, what) = match stepped {
+                    Ok(grown) if state.is_finite() => {
+                        stiffer[index] |= grown;
+                        let mut works = vec![Work::default(); group.members.len()];
+                        sum_up(
+                            group,
+                            &self.bodies,
+                            &self.pairs,
+                            &self.tools,
+                            &state.positions,
+                            h,
+                            &mut tallies,
+                            &mut works,
+                        );
+                        for (member, work) in group.members.iter().zip(&works) {
+                            watches[member.body].add(work);
+                        }
+                        continue;
+                    }
+                    Ok(_) => (group.not_finite(state), Divergence::NotFinite),
+                    Err(failure) => group.failed(failure),
+                };
+                return Err(Failure { body, step, what });
             }
+        }
+        for (group, state) in self.groups.iter().zip(joined) {
+            group.split(state, &self.bodies, &mut self.state.bodies);
         }
         for (index, watch) in watches.iter().enumerate() {
             let (body, end) = (&self.bodies[index], &self.state.bodies[index]);
@@ -193,187 +246,53 @@ impl Scene {
                 });
             }
         }
-        for (body, _) in stiffer.iter().enumerate().filter(|(_, stiffer)| **stiffer) {
-            self.renew_stable_step(body);
+        for (group, _) in stiffer.iter().enumerate().filter(|(_, stiffer)| **stiffer) {
+            for member in 0..self.groups[group].members.len() {
+                self.renew_stable_step(self.groups[group].members[member].body);
+            }
         }
         Ok(self.contact_reports(&tallies, tick_s))
     }
-
-    /// One step of one body: forces and prediction, contact with each tool in turn, motion, plastic
-    /// flow. Returns whether the body has become stiffer.
-    #[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
-    fn step_body(
-        &mut self,
-        body_index: usize,
-        tools: &[Option<Vec<CapsuleMotion>>],
-        end: f64,
-        h: f64,
-        exec: &dyn Executor,
-        watch: &mut Watch,
-        tallies: &mut [Tally],
-    ) -> Result<bool, StepFailure> {
-        let Body {
-            model,
-            advance,
-            drive,
-            surface,
-            iterations,
-            ..
-        } = &mut self.bodies[body_index];
-        let state = &mut self.state.bodies[body_index];
-        let control = drive.control(&self.gravity, end);
-        let grips = drive.contacts(end);
-        let solver = match advance {
-            Advance::Contact(solver) => solver,
-            Advance::Plain(solver) => {
-                let report = solver.step(model, state, &control, &grips, h, exec)?;
-                *iterations += u64::from(report.iterations);
-                return Ok(flow(model, state, h));
-            }
-        };
-        *iterations += 1;
-        let predicted = solver.predict(model, state, &control, h, exec);
-
-        // Each tool sees where grips and the tools before it have led the nodes. It cannot move what a grip holds.
-        let mut targets: Vec<Vector3<f64>> = Vec::new();
-        let mut movable = model.inverse_masses().to_vec();
-        for grip in &grips.targets {
-            movable[grip.node as usize] = 0.0;
-        }
-        let mut responses: Vec<(usize, Response)> = Vec::new();
-        for (index, pair) in self
-            .pairs
-            .iter()
-            .enumerate()
-            .filter(|(_, pair)| pair.body == body_index)
-        {
-            let memory = &mut self.state.memories[index];
-            let Some(capsules) = &tools[pair.tool] else {
-                memory.clear();
-                continue;
-            };
-            if targets.is_empty() {
-                targets.extend_from_slice(predicted);
-                for grip in &grips.targets {
-                    targets[grip.node as usize] = grip.target;
-                }
-            }
-            let surface = BodySurface {
-                surface,
-                start: &state.positions,
-                inverse_masses: &movable,
-                mean_edge_length: model.mean_edge_length(),
-            };
-            responses.push((index, respond(&surface, capsules, memory, &mut targets)));
-        }
-
-        let mut contacts = grips;
-        for (_, response) in &responses {
-            for moved in &response.nodes {
-                contacts.targets.push(NodeTarget {
-                    node: moved.node,
-                    target: targets[moved.node as usize],
-                    overlap: moved.overlap,
-                });
-            }
-        }
-        merge_targets(&mut contacts.targets);
-
-        // The share of each tool in the force on a node is its share in the correction.
-        for (index, response) in &responses {
-            let tally = &mut tallies[*index];
-            tally.max_depth = tally.max_depth.max(response.max_depth);
-            let mut total = Vector3::zeros();
-            for moved in &response.nodes {
-                let node = moved.node as usize;
-                let force =
-                    solver.contact_force(model, moved.node, &(moved.correction - moved.overlap));
-                total += force;
-                tally.touched(moved.node, &force, &targets[node], h);
-                watch.work += force.dot(&(targets[node] - state.positions[node])).abs();
-                watch.overlap_undone |= moved.overlap != Vector3::zeros();
-            }
-            tally.impulse += total * h;
-            tally.impulse_size += total.norm() * h;
-            tally.peak = tally.peak.max(total.norm());
-        }
-        solver.finish(model, state, &contacts);
-        Ok(flow(model, state, h))
-    }
-
-    fn contact_reports(&self, tallies: &[Tally], tick_s: f64) -> Vec<ContactReport> {
-        let touched = self
-            .pairs
-            .iter()
-            .zip(tallies)
-            .filter(|(_, tally)| !tally.nodes.is_empty());
-        let reports = touched.map(|(pair, tally)| {
-            let positions = &self.state.bodies[pair.body].positions;
-            let rest = self.bodies[pair.body].model.rest_positions();
-            let direction = tally
-                .impulse
-                .try_normalize(0.0)
-                .unwrap_or_else(Vector3::zeros);
-            let indentation = tally
-                .nodes
-                .iter()
-                .map(|&node| (positions[node as usize] - rest[node as usize]).dot(&direction))
-                .fold(0.0, f64::max);
-            let point = if tally.weight > 0.0 {
-                tally.weighted_point / tally.weight
-            } else {
-                tally.last_point
-            };
-            ContactReport {
-                tool: pair.tool,
-                body: pair.body,
-                force_on_tissue: (tally.impulse / tick_s).into(),
-                peak_force_n: tally.peak,
-                impulse_ns: tally.impulse_size,
-                point: point.into(),
-                max_depth_m: tally.max_depth,
-                indentation_m: indentation,
-                nodes: tally.nodes.len(),
-            }
-        });
-        reports.collect()
-    }
 }
 
-/// What one pair sums up over a tick.
-#[derive(Clone, Debug, Default)]
-struct Tally {
-    /// Σ F h [N·s].
-    impulse: Vector3<f64>,
-    /// Σ |F| h [N·s].
-    impulse_size: f64,
-    peak: f64,
-    /// Σ |F_i| h p_i and Σ |F_i| h over the nodes.
-    weighted_point: Vector3<f64>,
-    weight: f64,
-    last_point: Vector3<f64>,
-    max_depth: f64,
-    nodes: BTreeSet<u32>,
-}
-
-impl Tally {
-    fn touched(&mut self, node: u32, force: &Vector3<f64>, position: &Vector3<f64>, h: f64) {
-        let weight = force.norm() * h;
-        self.weighted_point += position * weight;
-        self.weight += weight;
-        self.last_point = *position;
-        self.nodes.insert(node);
-    }
-}
-
-/// Nodes touched by more than one tool get one target; the overlaps that each tool undid add up.
-fn merge_targets(targets: &mut Vec<NodeTarget>) {
-    targets.sort_by_key(|target| target.node);
-    targets.dedup_by(|later, first| {
-        let same = later.node == first.node;
-        if same {
-            first.overlap += later.overlap;
+/// One step of a group: solver with contact, plastic flow. Returns whether a body has become stiffer.
+#[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
+fn step_group(
+    group: &mut Group,
+    bodies: &[Body],
+    memory: &mut ContactMemory,
+    state: &mut State,
+    tools: &[Option<Vec<CapsuleMotion>>],
+    gravity: &Vector3<f64>,
+    end: f64,
+    h: f64,
+    exec: &dyn Executor,
+) -> Result<bool, StepFailure> {
+    let control = group.control(bodies, gravity, end);
+    let led = group.led(bodies, end);
+    let (model, solver, touching) = group.parts(bodies);
+    let report = match touching {
+        None => solver.step(model, state, &control, &led, h, exec),
+        Some(of) if !of.is_active(tools) => {
+            of.clear();
+            memory.clear();
+            solver.step(model, state, &control, &led, h, exec)
         }
-        same
-    });
+        Some(of) => {
+            let contacts = std::mem::take(&mut of.contacts);
+            let mut source = of.source(&state.positions, tools, memory);
+            let mut touching = Touching {
+                source: &mut source,
+                contacts,
+            };
+            let report = solver.advance(model, state, &control, &led, Some(&mut touching), h, exec);
+            let contacts = touching.contacts;
+            if report.is_ok() {
+                of.finish(contacts, memory);
+            }
+            report
+        }
+    }?;
+    group.iterations += u64::from(report.iterations);
+    Ok(flow(group.model(bodies), state, h))
 }

@@ -1,7 +1,7 @@
 //! Tools: capsules that follow a pose and an opening.
 
 use crate::error::SceneError;
-use crate::spec::ToolSpec;
+use crate::spec::{Jaw, ToolKeySpec, ToolSpec};
 use microsim_contact::CapsuleMotion;
 use microsim_geometry::{Aabb, Capsule, Pose};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
@@ -38,12 +38,15 @@ impl ToolMotion {
 pub(crate) struct Tool {
     pub name: String,
     parts: Vec<Part>,
+    /// Its own motion; empty where it is moved from outside.
+    pub motion: Vec<ToolKeySpec>,
 }
 
 #[derive(Clone, Debug)]
 struct Part {
     capsule: Capsule,
     hinge: Option<Hinge>,
+    jaw: Option<Jaw>,
 }
 
 #[derive(Clone, Debug)]
@@ -86,12 +89,49 @@ impl Tool {
                     })
                 }
             };
-            Ok(Part { capsule, hinge })
+            Ok(Part {
+                capsule,
+                hinge,
+                jaw: part.jaw,
+            })
         });
+        let parts = parts.collect::<Result<_, _>>()?;
+        let mut latest = f64::NEG_INFINITY;
+        for (index, key) in spec.motion.iter().enumerate() {
+            let finite = key.time.is_finite() && key.pose.is_finite() && key.opening.is_finite();
+            if !finite || key.time <= latest {
+                return Err(SceneError::ToolMotion {
+                    tool: spec.name.clone(),
+                    key: index,
+                });
+            }
+            latest = key.time;
+        }
         Ok(Self {
             name: spec.name.clone(),
-            parts: parts.collect::<Result<_, _>>()?,
+            parts,
+            motion: spec.motion.clone(),
         })
+    }
+
+    /// The jaw that a capsule belongs to.
+    pub fn jaw(&self, capsule: u32) -> Option<Jaw> {
+        self.parts.get(capsule as usize).and_then(|part| part.jaw)
+    }
+
+    /// Its own pose and opening at `time` [s].
+    pub fn own_place(&self, time: f64) -> Option<(Pose, f64)> {
+        let next = self.motion.partition_point(|key| key.time <= time);
+        let before = next.checked_sub(1).map(|index| &self.motion[index]);
+        match (before, self.motion.get(next)) {
+            (Some(one), Some(two)) => {
+                let share = (time - one.time) / (two.time - one.time);
+                let opening = one.opening + (two.opening - one.opening) * share;
+                Some((one.pose.interpolate(&two.pose, share), opening))
+            }
+            (Some(key), None) | (None, Some(key)) => Some((key.pose, key.opening)),
+            (None, None) => None,
+        }
     }
 
     /// The capsules in the world at the share `t` (0..1) of a motion.
@@ -203,10 +243,12 @@ mod tests {
             b: [0.0, 0.0, 0.01],
             radius: 1e-4,
             hinge: Some(hinge),
+            jaw: None,
         };
         Tool::new(&ToolSpec {
             name: "jaw".into(),
             capsules: vec![capsule],
+            motion: Vec::new(),
         })
         .unwrap()
     }

@@ -304,6 +304,7 @@ fn add_energy_probes(scene: &mut settings::Scene) {
             name: ENERGY_PROBE.into(),
             body: body.name.clone(),
             nodes: settings::Nodes::default(),
+            with: None,
             quantity: settings::Quantity::Energy,
             direction: None,
             point: None,
@@ -343,17 +344,22 @@ pub(crate) fn advance(context: &Context<'_>, prepared: Prepared, budget: f64) ->
 
 fn advance_once(context: &Context<'_>, prepared: &Prepared, budget: f64) -> Outcome {
     let mut runner = prepared.runner.clone();
-    let start = (context.clock)();
-    let mut cut = false;
-    while runner.advance(context.exec) {
-        if (context.clock)() - start > budget {
+    let (mut cpu, mut cut) = (0.0, false);
+    loop {
+        let start = (context.clock)();
+        let sampled = runner.compute(context.exec);
+        cpu += (context.clock)() - start;
+        // What is measured of a scene is not what it costs.
+        if !sampled || !runner.observe() {
+            break;
+        }
+        if cpu > budget {
             cut = true;
             break;
         }
     }
-    let cpu = (context.clock)() - start;
     let time = runner.scene().time();
-    let steps = runner.steps() * runner.scene().body_count() as u64;
+    let steps = runner.steps() * runner.scene().group_count() as u64;
     let status = match runner.end() {
         _ if cut => Status::OverBudget { time },
         Some(End::Diverged(diverged)) => Status::Diverged {

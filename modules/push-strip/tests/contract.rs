@@ -116,7 +116,9 @@ fn hold(
                 point: [0.0; 3],
                 depth: 0.0,
                 indentation: depth,
+                ..ContactForce::default()
             }],
+            ..ContactForces::default()
         });
         if let Some(result) = host.tick().expect("a good tick").last() {
             return Some(result);

@@ -1,10 +1,12 @@
 //! Tissue: a thin adapter over the crate `scene`. Bodies, materials, clamps, contact pairs and the method come from the
 //! level; tools come as tracked poses once per tick, and the scene moves them in sub-steps.
 
-use microsim_scene::{Executor, LevelParts, Pose, Scene, ToolMotion, level_spec};
+use microsim_scene::{
+    ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, ToolMotion, level_spec,
+};
 use microsim_sdk::message::{
-    ContactForce, ContactForces, TISSUE_SNAPSHOT, TissueRecovery, ToolState, ToolStates,
-    ToolStatus, decode_bytes, encode,
+    ContactForce, ContactForces, Jaw, JawForce, TISSUE_SNAPSHOT, TissueRecovery, ToolState,
+    ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -21,7 +23,10 @@ struct Config {
     physics: settings::Physics,
     method: settings::Method,
     bodies: Vec<settings::Body>,
+    rigid: Vec<settings::Rigid>,
     contacts: Vec<settings::ContactPair>,
+    /// Whether there is any friction.
+    friction: bool,
     tools: Vec<settings::ToolSlot>,
     models: BTreeMap<String, settings::Tool>,
 }
@@ -120,6 +125,35 @@ impl Physics {
     }
 }
 
+/// A contact as a message.
+fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
+    let with = match contact.with {
+        ContactPartner::Itself => scene.body_name(contact.body),
+        other => scene.partner_name(other),
+    };
+    let jaws = contact.jaws.iter().map(|jaw| JawForce {
+        jaw: match jaw.jaw {
+            microsim_scene::Jaw::Left => Jaw::Left,
+            microsim_scene::Jaw::Right => Jaw::Right,
+        },
+        force: jaw.normal_force_n,
+        pressure: jaw.pressure_pa,
+    });
+    ContactForce {
+        tool: with.into(),
+        body: scene.body_name(contact.body).into(),
+        force: contact.force_on_tissue,
+        peak: contact.peak_force_n,
+        impulse: contact.impulse_ns,
+        point: contact.point,
+        depth: contact.max_depth_m,
+        indentation: contact.indentation_m,
+        over_limit: contact.over_limit_s,
+        stick: contact.stick_share,
+        jaws: jaws.collect(),
+    }
+}
+
 impl Plugin for Physics {
     fn new() -> Self {
         Self::default()
@@ -127,11 +161,16 @@ impl Plugin for Physics {
 
     fn initialise(&mut self, setup: &Setup, services: Services) -> Result<(), Fault> {
         let config: Config = serde_json::from_value(setup.config.clone())?;
+        let mut contacts = config.contacts.clone();
+        if !config.friction {
+            contacts.iter_mut().for_each(|pair| pair.friction = 0.0);
+        }
         let level = LevelParts {
             physics: &config.physics,
             method: &config.method,
             bodies: &config.bodies,
-            contacts: &config.contacts,
+            rigid: &config.rigid,
+            contacts: &contacts,
             tools: &config.tools,
             models: &config.models,
         };
@@ -185,20 +224,14 @@ impl Plugin for Physics {
             }
         };
         let mut invalid = Vec::new();
-        let contacts: Vec<ContactForce> = report
-            .contacts
-            .iter()
-            .map(|contact| ContactForce {
-                tool: scene.tool_name(contact.tool).into(),
-                body: scene.body_name(contact.body).into(),
-                force: contact.force_on_tissue,
-                peak: contact.peak_force_n,
-                impulse: contact.impulse_ns,
-                point: contact.point,
-                depth: contact.max_depth_m,
-                indentation: contact.indentation_m,
-            })
-            .collect();
+        let mut forces = ContactForces::default();
+        for contact in &report.contacts {
+            let list = match contact.with {
+                ContactPartner::Tool(_) => &mut forces.contacts,
+                _ => &mut forces.between,
+            };
+            list.push(contact_force(scene, contact));
+        }
         for motion in &report.invalid_motions {
             invalid.push(motions[*motion].tool);
             let tool = &tools[motions[*motion].tool].tool;
@@ -215,16 +248,23 @@ impl Plugin for Physics {
                 substeps: steps * report.substeps * recovery.factor,
             });
         }
-        if report.capped {
+        if report.many_substeps {
             let text = format!(
-                "a tool moved so fast that more than {} sub-steps in a solver step would be needed; it may have passed through tissue",
+                "a tool moved so fast that each solver step was divided into {}",
                 report.substeps
             );
             tick.log(LogLevel::Warn, text);
         }
-        let touching = !contacts.is_empty();
+        for tool in &report.jumped {
+            let text = format!(
+                "tool \"{}\" jumped: it was not led through the tissue on its way",
+                scene.tool_name(*tool)
+            );
+            tick.log(LogLevel::Warn, text);
+        }
+        let touching = !(forces.contacts.is_empty() && forces.between.is_empty());
         if touching || self.memory.touching {
-            tick.publish(&ContactForces { contacts });
+            tick.publish(&forces);
         }
         self.memory.touching = touching;
         // The next valid pose must not be reached from one that is none.

@@ -1,7 +1,7 @@
 //! The JSON document of a run.
 
 use crate::scene_file::SceneFile;
-use microsim_scene::{End, Runner};
+use microsim_scene::{ContactPartner, End, Runner, Scene};
 use microsim_session::digest;
 use microsim_settings as settings;
 use nalgebra::Vector3;
@@ -67,14 +67,17 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
             "what": recovery.what.to_string(),
             "factor": recovery.factor,
         })).collect::<Vec<_>>(),
+        "most_substeps": runner.remarks().most_substeps,
+        "jumps": runner.remarks().jumps.iter().map(|(time, tool)| json!({
+            "time": time,
+            "tool": scene.tool_name(*tool),
+        })).collect::<Vec<_>>(),
         "warnings": warnings,
         "state_hash": hex(&digest([scene.save().as_slice()])),
         "bodies": bodies.collect::<Vec<_>>(),
-        "series": {
-            "t": series.time,
-            "kinetic_J": series.kinetic,
-            "elastic_J": series.elastic,
-        },
+        "series": series_of(runner),
+        "contacts": contacts(runner),
+        "crossings": crossings(scene),
         "probes": settings.probe.iter().zip(&series.probes).map(|(probe, values)| json!({
             "name": probe.name,
             "body": probe.body,
@@ -83,6 +86,59 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
         })).collect::<Vec<_>>(),
         "expectations": expectations(runner, settings),
     })
+}
+
+fn series_of(runner: &Runner) -> Value {
+    let series = runner.series();
+    let mut entries = Map::new();
+    for (key, value) in [
+        ("t", json!(series.time)),
+        ("kinetic_J", json!(series.kinetic)),
+        ("elastic_J", json!(series.elastic)),
+        ("momentum_kg_m_s", json!(series.momentum)),
+    ] {
+        entries.insert(key.to_owned(), value);
+    }
+    if runner.scene().pair_count() > 0 {
+        entries.insert("inside_share".to_owned(), json!(series.inside_share));
+        entries.insert("max_depth_m".to_owned(), json!(series.max_depth));
+    }
+    Value::Object(entries)
+}
+
+/// The forces between two that touch.
+fn contacts(runner: &Runner) -> Vec<Value> {
+    let scene = runner.scene();
+    let series = runner.series().contacts.iter().enumerate();
+    let entries = series.map(|(pair, series)| {
+        let (body, with) = scene.pair(pair);
+        let kind = match with {
+            ContactPartner::Tool(_) => "tool",
+            ContactPartner::Rigid(_) => "rigid",
+            ContactPartner::Body(_) => "body",
+            ContactPartner::Itself => "self",
+        };
+        json!({
+            "body": scene.body_name(body),
+            "with": scene.partner_name(with),
+            "kind": kind,
+            "force_N": series.force,
+            "peak_N": series.peak,
+            "over_limit_s": series.over_limit,
+            "stick_share": series.stick_share,
+            "grip_pressure_Pa": series.grip_pressure,
+        })
+    });
+    entries.collect()
+}
+
+/// Edges of surfaces through triangles of other bodies that they touch, now.
+fn crossings(scene: &Scene) -> usize {
+    let pairs = (0..scene.pair_count()).map(|pair| match scene.pair(pair) {
+        (body, ContactPartner::Body(other)) => scene.crossings(body, other),
+        _ => 0,
+    });
+    pairs.sum()
 }
 
 fn of_body(file: &SceneFile, result: &Result, body: usize) -> Value {

@@ -67,6 +67,7 @@ fn hostile() -> Report {
         &tool_sample(ATTACK, 1.0),
         &ContactForces {
             contacts: vec![contact(ATTACK, ATTACK, [1.0, 0.0, 0.0])],
+            ..ContactForces::default()
         },
         &LevelEvent {
             id: ATTACK.into(),

@@ -7,7 +7,7 @@ use crate::spec::{
     StartSpec,
 };
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
-use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, Tube, fill};
+use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, Tube, TubeSide, fill};
 use microsim_settings as settings;
 use microsim_tissue::Material;
 use nalgebra::Vector3;
@@ -21,7 +21,7 @@ pub(super) fn body(
     load: &mut Load<'_>,
     notes: &mut Vec<String>,
 ) -> Result<BodySpec, FromSettingsError> {
-    let mesh = mesh(body, key, load, notes)?;
+    let (mesh, ends) = mesh(body, key, load, notes)?;
     let materials = materials(body, key, &mesh)?;
     let mut loads = Vec::new();
     for (index, load) in body.load.iter().enumerate() {
@@ -64,6 +64,7 @@ pub(super) fn body(
         couplings: couplings.collect(),
         loads,
         start: starts.collect(),
+        ends,
     })
 }
 
@@ -96,12 +97,13 @@ fn clamp(clamp: &settings::Clamp) -> ClampSpec {
     }
 }
 
+/// The mesh of a body, and the faces at the open ends of a tube.
 fn mesh(
     body: &settings::Body,
     key: &KeyPath,
     load: &mut Load<'_>,
     notes: &mut Vec<String>,
-) -> Result<TetMesh, FromSettingsError> {
+) -> Result<(TetMesh, Vec<Vec<[u32; 3]>>), FromSettingsError> {
     let wrong = |cause| FromSettingsError::new(key.key("generator"), cause);
     let split = match body.split {
         None | Some(settings::Split::Kuhn) => CellSplit::Kuhn,
@@ -121,7 +123,10 @@ fn mesh(
                 cells: cells.map(|n| n as usize),
                 split,
             };
-            block.mesh().map_err(|e| wrong(FromSettingsCause::Block(e)))
+            let mesh = block
+                .mesh()
+                .map_err(|e| wrong(FromSettingsCause::Block(e)))?;
+            Ok((mesh, Vec::new()))
         }
         settings::Generator::Tube => {
             let size = |name: &'static str, value: Option<f64>| {
@@ -152,9 +157,12 @@ fn mesh(
                 },
                 split,
             };
-            tube.mesh().map_err(|e| wrong(FromSettingsCause::Tube(e)))
+            let mesh = tube.mesh().map_err(|e| wrong(FromSettingsCause::Tube(e)))?;
+            let ends =
+                [TubeSide::Start, TubeSide::End].map(|side| tube.side(&mesh, side).triangles);
+            Ok((mesh, ends.into()))
         }
-        settings::Generator::File => from_file(body, key, load, notes),
+        settings::Generator::File => Ok((from_file(body, key, load, notes)?, Vec::new())),
     }
 }
 

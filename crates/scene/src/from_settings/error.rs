@@ -25,6 +25,13 @@ pub enum FromSettingsCause {
         /// What the system says.
         reason: String,
     },
+    /// The shape of a tool cannot be read.
+    Tool {
+        /// The file.
+        file: String,
+        /// Why.
+        reason: String,
+    },
     /// The ending of a mesh file is none of ours.
     Ending {
         /// The file.
@@ -64,6 +71,9 @@ impl std::fmt::Display for FromSettingsCause {
         match self {
             Self::File { file, reason } => {
                 write!(f, "the mesh file `{file}` cannot be read: {reason}")
+            }
+            Self::Tool { file, reason } => {
+                write!(f, "the tool's file `{file}` cannot be read: {reason}")
             }
             Self::Ending { file } => write!(
                 f,

@@ -1,6 +1,7 @@
 //! Probes: numbers taken from a scene.
 
 use crate::from_settings::selections;
+use crate::report::ContactPartner;
 use crate::scene::Scene;
 use microsim_mesh::signed_volume;
 use microsim_settings as settings;
@@ -18,6 +19,10 @@ pub(super) struct Probe {
     /// A point of the axis in the world [m], and its direction.
     point: Vector3<f64>,
     axis: Vector3<f64>,
+    /// The other body of a gap or of crossings.
+    other: usize,
+    /// The pair of a contact force, and the sign of the force on the body.
+    pair: (usize, f64),
     /// Mean distance of the nodes from the axis at rest [m], for a radius; volume of the body at rest [m³], for a volume.
     reference: f64,
 }
@@ -84,8 +89,30 @@ impl Probe {
             direction: vector(settings.direction),
             point: scene.origin(body) + vector(settings.point),
             axis: vector(settings.axis),
+            other: 0,
+            pair: (0, 1.0),
             reference: 0.0,
         };
+        let with = settings.with.as_deref().unwrap_or_default();
+        match settings.quantity {
+            Quantity::Gap | Quantity::Crossings => {
+                let mut bodies = 0..scene.body_count();
+                let other = bodies.find(|&body| scene.body_name(body) == with);
+                probe.other =
+                    other.ok_or_else(|| wrong("is for another body that is not there"))?;
+            }
+            Quantity::ContactForce => {
+                let found = (0..scene.pair_count()).find_map(|index| {
+                    let (of, partner) = scene.pair(index);
+                    let own = of == body && scene.partner_name(partner) == with;
+                    let turned =
+                        partner == ContactPartner::Body(body) && scene.body_name(of) == with;
+                    (own || turned).then_some((index, if own { 1.0 } else { -1.0 }))
+                });
+                probe.pair = found.ok_or_else(|| wrong("is for two that do not touch"))?;
+            }
+            _ => {}
+        }
         probe.reference = match settings.quantity {
             Quantity::Radius => probe.mean_radius(scene.rest_positions(body)),
             Quantity::Volume => scene.model(body).rest_volumes().iter().sum(),
@@ -94,8 +121,8 @@ impl Probe {
         Ok(probe)
     }
 
-    /// The value now, in SI.
-    pub fn value(&self, scene: &Scene) -> f64 {
+    /// The value now, in SI; `forces` are those of the pairs since the last sample [N].
+    pub fn value(&self, scene: &Scene, forces: &[Vector3<f64>]) -> f64 {
         let (now, rest) = (scene.positions(self.body), scene.rest_positions(self.body));
         let moved = |node: &u32| now[*node as usize] - rest[*node as usize];
         let count = self.nodes.len() as f64;
@@ -141,6 +168,19 @@ impl Probe {
                     .sum();
                 -torque.dot(&self.axis)
             }
+            Quantity::ContactForce => {
+                let (pair, sign) = self.pair;
+                sign * forces[pair].dot(&self.direction)
+            }
+            Quantity::Gap => {
+                let along = |p: &Vector3<f64>| p.dot(&self.direction);
+                let own = self.nodes.iter().map(|n| along(&now[*n as usize]));
+                let others = scene.positions(self.other).iter().map(along);
+                others.fold(f64::INFINITY, f64::min) - own.fold(f64::NEG_INFINITY, f64::max)
+            }
+            Quantity::Inside => scene.overlap(self.body).nodes as f64 / now.len() as f64,
+            Quantity::Depth => scene.overlap(self.body).depth,
+            Quantity::Crossings => scene.crossings(self.body, self.other) as f64,
             Quantity::Volume => scene.volume(self.body) / self.reference - 1.0,
             Quantity::SmallestVolume => {
                 let rest = scene.model(self.body).rest_volumes();

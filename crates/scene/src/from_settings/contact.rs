@@ -1,0 +1,193 @@
+//! Tools, rigid things, and what touches what.
+
+use super::Load;
+use super::error::{FromSettingsCause, FromSettingsError, missing};
+use crate::spec::{
+    CapsuleSpec, ContactSpec, HingeSpec, Jaw, PartnerSpec, RigidSpec, ToolKeySpec, ToolSpec,
+};
+use microsim_contact::{Rigid, RigidShape};
+use microsim_geometry::Pose;
+use microsim_settings as settings;
+use nalgebra::Vector3;
+use settings::KeyPath;
+use std::path::Path;
+
+/// Capsules as files have them, to those of a tool. The left jaw opens towards +x, about an axis along y through the hinge, each
+/// jaw by half of the opening angle.
+pub(super) fn capsules(
+    parts: &[settings::ToolCapsule],
+    hinge: Option<[f64; 3]>,
+    opening_angle: Option<f64>,
+) -> Vec<CapsuleSpec> {
+    let half = opening_angle.unwrap_or_default() / 2.0;
+    let about = |angle| {
+        hinge.map(|pivot| HingeSpec {
+            pivot,
+            axis: [0.0, 1.0, 0.0],
+            angle,
+        })
+    };
+    let touching = parts.iter().filter(|part| part.touches);
+    let capsules = touching.map(|part| {
+        // Below the hinge a right-handed turn about +y moves the jaw towards −x.
+        let (hinge, jaw) = match part.jaw {
+            settings::Jaw::Fixed => (None, None),
+            settings::Jaw::Left => (about(-half), Some(Jaw::Left)),
+            settings::Jaw::Right => (about(half), Some(Jaw::Right)),
+        };
+        CapsuleSpec {
+            a: part.a,
+            b: part.b,
+            radius: part.radius,
+            hinge,
+            jaw,
+        }
+    });
+    capsules.collect()
+}
+
+/// The tools of a scene. A model is a file of the folder `tools` beside that of the scene.
+pub(super) fn tools(
+    tools: &[settings::SceneTool],
+    load: &mut Load<'_>,
+) -> Result<Vec<ToolSpec>, FromSettingsError> {
+    let specs = tools.iter().enumerate().map(|(index, tool)| {
+        let key = KeyPath::root().key("tool").at(index).key("model");
+        let parts = match &tool.model {
+            Some(name) => {
+                let model = model(name, &key, load)?;
+                capsules(&model.capsule, model.hinge, model.opening_angle)
+            }
+            None => capsules(&tool.capsule, tool.hinge, tool.opening_angle),
+        };
+        let keys = tool.motion.iter().map(|key| ToolKeySpec {
+            time: key.time,
+            pose: Pose::from_arrays(key.position, key.orientation),
+            opening: key.opening,
+        });
+        Ok(ToolSpec {
+            name: tool.name.clone(),
+            capsules: parts,
+            motion: keys.collect(),
+        })
+    });
+    specs.collect()
+}
+
+fn model(
+    name: &str,
+    key: &KeyPath,
+    load: &mut Load<'_>,
+) -> Result<settings::Tool, FromSettingsError> {
+    let file = format!("../tools/{name}.toml");
+    let wrong = |reason: String| {
+        let cause = FromSettingsCause::Tool {
+            file: file.clone(),
+            reason,
+        };
+        FromSettingsError::new(key.clone(), cause)
+    };
+    let bytes = load(Path::new(&file)).map_err(|error| wrong(error.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|error| wrong(error.to_string()))?;
+    let loaded = settings::read_tool(&text, &file).map_err(|error| wrong(error.to_string()))?;
+    Ok(loaded.settings)
+}
+
+/// Rigid things, those that are hollow in parts.
+pub(super) fn rigid(things: &[settings::Rigid]) -> Vec<RigidSpec> {
+    let specs = things.iter().map(|thing| {
+        let pose = Pose::from_arrays(thing.position, thing.orientation);
+        let part = |shape, at: [f64; 3]| Rigid {
+            shape,
+            pose: Pose {
+                position: pose.apply(&Vector3::from(at)),
+                ..pose
+            },
+        };
+        let cuboid = |half_size, rounding, at| {
+            part(
+                RigidShape::Cuboid {
+                    half_size,
+                    rounding,
+                },
+                at,
+            )
+        };
+        let parts = match thing.shape {
+            settings::RigidShape::Plane => vec![part(RigidShape::HalfSpace, [0.0; 3])],
+            settings::RigidShape::Box {
+                half_size,
+                rounding,
+            } => vec![cuboid(half_size, rounding, [0.0; 3])],
+            settings::RigidShape::Tray {
+                half_size: [x, y, z],
+                wall,
+                rounding,
+            } => {
+                let half = 0.5 * wall;
+                let (outer_x, outer_y) = (x + wall, y + wall);
+                // Walls stand on the floor's level, so that no edge lies on the way along the floor.
+                vec![
+                    cuboid([outer_x, outer_y, half], rounding, [0.0, 0.0, -z - half]),
+                    cuboid([half, outer_y, z + half], rounding, [x + half, 0.0, -half]),
+                    cuboid([half, outer_y, z + half], rounding, [-x - half, 0.0, -half]),
+                    cuboid([outer_x, half, z + half], rounding, [0.0, y + half, -half]),
+                    cuboid([outer_x, half, z + half], rounding, [0.0, -y - half, -half]),
+                ]
+            }
+            settings::RigidShape::Clamp {
+                half_size,
+                gap,
+                rounding,
+            } => {
+                let x = 0.5 * gap + half_size[0];
+                vec![
+                    cuboid(half_size, rounding, [x, 0.0, 0.0]),
+                    cuboid(half_size, rounding, [-x, 0.0, 0.0]),
+                ]
+            }
+            settings::RigidShape::Cylinder { radius, length } => vec![part(
+                RigidShape::Cylinder {
+                    radius,
+                    half_length: 0.5 * length,
+                },
+                [0.0; 3],
+            )],
+        };
+        RigidSpec {
+            name: thing.name.clone(),
+            parts,
+        }
+    });
+    specs.collect()
+}
+
+/// Pairs.
+pub(super) fn contacts(
+    pairs: &[settings::ContactPair],
+) -> Result<Vec<ContactSpec>, FromSettingsError> {
+    let specs = pairs.iter().enumerate().map(|(index, pair)| {
+        let with = match (&pair.tool, &pair.rigid, &pair.with, pair.itself) {
+            (Some(tool), None, None, false) => PartnerSpec::Tool(tool.clone()),
+            (None, Some(thing), None, false) => PartnerSpec::Rigid(thing.clone()),
+            (None, None, Some(body), false) => PartnerSpec::Body {
+                name: body.clone(),
+                end_planes: pair.end_planes,
+            },
+            (None, None, None, true) => PartnerSpec::Itself,
+            _ => {
+                return Err(missing(
+                    KeyPath::root().key("contact").at(index),
+                    "one of `tool`, `rigid`, `with` and `self`",
+                ));
+            }
+        };
+        Ok(ContactSpec {
+            body: pair.body.clone(),
+            with,
+            friction: pair.friction,
+            force_limit: pair.force_limit.unwrap_or(f64::INFINITY),
+        })
+    });
+    specs.collect()
+}

@@ -1,0 +1,249 @@
+//! Bodies that can touch one another are advanced together: one model, one solver, one state while a tick runs.
+
+use crate::containment::Divergence;
+use crate::error::SceneError;
+use crate::scene::{Body, Pair, PairPartner};
+use crate::touching::GroupTouching;
+use microsim_contact::Rigid;
+use microsim_tissue::{
+    Contacts, Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
+};
+use nalgebra::Vector3;
+
+/// Bodies that are advanced together. One that touches no other is alone in its group.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    /// Its bodies, ascending.
+    pub members: Vec<Member>,
+    /// The model of all of them; `None` for a body that is alone and has its own.
+    union: Option<TissueModel>,
+    pub solver: Box<dyn Solver>,
+    /// What is touched; `None` where nothing is.
+    pub touching: Option<GroupTouching>,
+    /// Iterations of the solver since the scene was built; no part of what evolves.
+    pub iterations: u64,
+}
+
+/// A body of a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Member {
+    /// Index of the body in the scene.
+    pub body: usize,
+    /// Number of its first node in the group.
+    pub first_node: usize,
+}
+
+impl Group {
+    /// The groups of a scene, in the order of their first bodies.
+    pub fn all(
+        bodies: &[Body],
+        pairs: &[Pair],
+        rigid: &[Rigid],
+        method: &Method,
+    ) -> Result<Vec<Self>, SceneError> {
+        // Each body is led to the first one of its group; a few passes reach the end of every chain.
+        let mut first: Vec<usize> = (0..bodies.len()).collect();
+        loop {
+            let mut changed = false;
+            for pair in pairs {
+                if let PairPartner::Body(other) = pair.with {
+                    let least = first[pair.body].min(first[other]);
+                    changed |= first[pair.body] != least || first[other] != least;
+                    first[pair.body] = least;
+                    first[other] = least;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        let leaders = (0..bodies.len()).filter(|body| first[*body] == *body);
+        let groups = leaders.map(|leader| {
+            let members: Vec<usize> = (0..bodies.len())
+                .filter(|body| first[*body] == leader)
+                .collect();
+            Self::new(&members, bodies, pairs, rigid, method)
+        });
+        groups.collect()
+    }
+
+    fn new(
+        indices: &[usize],
+        bodies: &[Body],
+        pairs: &[Pair],
+        rigid: &[Rigid],
+        method: &Method,
+    ) -> Result<Self, SceneError> {
+        let mut members = Vec::with_capacity(indices.len());
+        let mut first_node = 0;
+        for &body in indices {
+            members.push(Member { body, first_node });
+            first_node += bodies[body].model.node_count();
+        }
+        let models: Vec<&TissueModel> = indices.iter().map(|&body| &bodies[body].model).collect();
+        let union = (models.len() > 1).then(|| TissueModel::union(&models));
+        let model = union.as_ref().unwrap_or(models[0]);
+        let solver = method.solver(model).map_err(|source| SceneError::Method {
+            body: bodies[indices[0]].name.clone(),
+            source,
+        })?;
+        Ok(Self {
+            solver,
+            touching: GroupTouching::new(&members, bodies, pairs, rigid, method, model),
+            members,
+            union,
+            iterations: 0,
+        })
+    }
+
+    /// The model of its bodies.
+    pub fn model<'a>(&'a self, bodies: &'a [Body]) -> &'a TissueModel {
+        match &self.union {
+            Some(union) => union,
+            None => &bodies[self.members[0].body].model,
+        }
+    }
+
+    /// Its model, its solver, and what is touched.
+    pub fn parts<'a>(
+        &'a mut self,
+        bodies: &'a [Body],
+    ) -> (
+        &'a TissueModel,
+        &'a mut dyn Solver,
+        Option<&'a mut GroupTouching>,
+    ) {
+        let model = match &self.union {
+            Some(union) => union,
+            None => &bodies[self.members[0].body].model,
+        };
+        (model, self.solver.as_mut(), self.touching.as_mut())
+    }
+
+    /// The body to which a failure of the solver belongs, and the failure in its own numbers of nodes.
+    pub fn failed(&self, failure: StepFailure) -> (usize, Divergence) {
+        let (member, failure) = match failure {
+            StepFailure::Singular { node } => {
+                let member = self.members[self.member_of(node)];
+                let node = node - member.first_node as u32;
+                (member, StepFailure::Singular { node })
+            }
+            other => (self.members[0], other),
+        };
+        (member.body, Divergence::Step(failure))
+    }
+
+    /// The body that has a number that is not finite.
+    pub fn not_finite(&self, state: &State) -> usize {
+        let wrong = |p: &Vector3<f64>| !p.iter().all(|c| c.is_finite());
+        let mut both = state.positions.iter().zip(&state.velocities);
+        let node = both.position(|(p, v)| wrong(p) || wrong(v));
+        let node = node.unwrap_or_default() as u32;
+        self.members[self.member_of(node)].body
+    }
+
+    /// Takes the states of its bodies out of those of the scene, joined body after body.
+    pub fn join(&self, states: &mut [State]) -> State {
+        let mut members = self.members.iter();
+        let mut joined = match members.next() {
+            Some(first) => std::mem::replace(&mut states[first.body], EMPTY),
+            None => EMPTY,
+        };
+        for member in members {
+            let state = std::mem::replace(&mut states[member.body], EMPTY);
+            joined.positions.extend(state.positions);
+            joined.velocities.extend(state.velocities);
+            joined.accelerations.extend(state.accelerations);
+            joined.internal.extend(state.internal);
+        }
+        joined
+    }
+
+    /// Puts them back.
+    pub fn split(&self, mut joined: State, bodies: &[Body], states: &mut [State]) {
+        // From the last to the first: what is cut off is the last one's, and the first keeps its memory.
+        for member in self.members.iter().skip(1).rev() {
+            let internal = joined.internal.len() - bodies[member.body].start.internal.len();
+            let accelerations = member.first_node.min(joined.accelerations.len());
+            states[member.body] = State {
+                positions: joined.positions.split_off(member.first_node),
+                velocities: joined.velocities.split_off(member.first_node),
+                step: joined.step,
+                accelerations: joined.accelerations.split_off(accelerations),
+                internal: joined.internal.split_off(internal),
+            };
+        }
+        if let Some(first) = self.members.first() {
+            states[first.body] = joined;
+        }
+    }
+
+    /// The member that has node `node` of the group.
+    pub fn member_of(&self, node: u32) -> usize {
+        let node = node as usize;
+        self.members.partition_point(|m| m.first_node <= node) - 1
+    }
+
+    /// What drives its bodies in the step that ends at `time` [s].
+    pub fn control(&self, bodies: &[Body], gravity: &Vector3<f64>, time: f64) -> Control {
+        let alone = self.union.is_none();
+        let mut all = Control {
+            gravity: *gravity,
+            ..Control::default()
+        };
+        let moved = |member: &Member| bodies[member.body].drive.moves_clamps();
+        let clamps_move = self.members.iter().any(moved);
+        for member in &self.members {
+            let body = &bodies[member.body];
+            let control = body.drive.control(gravity, time);
+            if alone {
+                return control;
+            }
+            let shift = member.first_node as u32;
+            let forces = control.forces.into_iter();
+            all.forces.extend(forces.map(|(node, f)| (node + shift, f)));
+            let pressures = control.pressures.into_iter();
+            all.pressures.extend(pressures.map(|load| {
+                Pressure {
+                    triangles: load
+                        .triangles
+                        .iter()
+                        .map(|triangle| triangle.map(|node| node + shift))
+                        .collect(),
+                    pressure: load.pressure,
+                }
+            }));
+            if control.clamped_positions.is_empty() && clamps_move {
+                let rest = body.model.rest_positions();
+                let clamped = body.model.clamped().iter();
+                all.clamped_positions
+                    .extend(clamped.map(|&node| rest[node as usize]));
+            } else {
+                all.clamped_positions.extend(control.clamped_positions);
+            }
+        }
+        all
+    }
+
+    /// The targets of gripped nodes at the end of the step that ends at `time` [s].
+    pub fn led(&self, bodies: &[Body], time: f64) -> Contacts {
+        let mut all = Contacts::default();
+        for member in &self.members {
+            let targets = bodies[member.body].drive.contacts(time).targets;
+            all.targets
+                .extend(targets.into_iter().map(|target| NodeTarget {
+                    node: target.node + member.first_node as u32,
+                    ..target
+                }));
+        }
+        all
+    }
+}
+
+const EMPTY: State = State {
+    positions: Vec::new(),
+    velocities: Vec::new(),
+    step: 0.0,
+    accelerations: Vec::new(),
+    internal: Vec::new(),
+};

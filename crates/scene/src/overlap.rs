@@ -1,0 +1,144 @@
+//! How far bodies are inside one another, measured on their shapes alone: what contact found and did is not asked.
+
+use crate::scene::{PairPartner, Scene};
+use microsim_geometry::{
+    Aabb, Capsule, closest_on_triangle, edge_through_triangle, point_in_tetrahedron,
+};
+use nalgebra::Vector3;
+
+/// A node counts as inside from this share of its body's mean edge length on: solvers that iterate leave less.
+const INSIDE: f64 = 1e-3;
+
+/// The nodes of a body that are inside what it touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overlap {
+    /// How many are deeper than a thousandth of the body's mean edge length.
+    pub nodes: usize,
+    /// Depth of the deepest [m], however small.
+    pub depth: f64,
+}
+
+impl Scene {
+    /// Overlap of a body with the other bodies, the rigid things and the tools that it touches; of tools only those that have a
+    /// motion of their own.
+    pub fn overlap(&self, body: usize) -> Overlap {
+        let nodes = &self.surface(body).nodes;
+        let mut depths = vec![0.0f64; self.positions(body).len()];
+        for pair in &self.pairs {
+            match &pair.with {
+                PairPartner::Body(other) if pair.body == body => {
+                    self.depths_in(body, *other, &mut depths);
+                }
+                PairPartner::Body(other) if *other == body => {
+                    self.depths_in(body, pair.body, &mut depths);
+                }
+                PairPartner::Rigid { parts, .. } if pair.body == body => {
+                    for part in &self.rigid[parts.clone()] {
+                        for &node in nodes {
+                            let (distance, _) = part.distance(&self.positions(body)[node as usize]);
+                            let depth = &mut depths[node as usize];
+                            *depth = depth.max(-distance);
+                        }
+                    }
+                }
+                PairPartner::Tool(tool) if pair.body == body => {
+                    for capsule in self.own_capsules(*tool) {
+                        for &node in nodes {
+                            let p = &self.positions(body)[node as usize];
+                            let depth = &mut depths[node as usize];
+                            *depth = depth.max(-capsule.signed_distance(p));
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        let least = INSIDE * self.mean_edge_length(body);
+        Overlap {
+            nodes: depths.iter().filter(|depth| **depth > least).count(),
+            depth: depths.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// The capsules of a tool with a motion of its own, as they are now.
+    fn own_capsules(&self, tool: usize) -> Vec<Capsule> {
+        let motions = self.own_motions(self.time(), self.time());
+        let motion = motions.iter().find(|motion| motion.tool == tool);
+        let capsules = motion.map(|motion| self.tools[tool].capsules_at(motion, 0.0).collect());
+        capsules.unwrap_or_default()
+    }
+
+    /// Deepens `depths` by how far the nodes of a body are inside another one [m].
+    fn depths_in(&self, body: usize, other: usize, depths: &mut [f64]) {
+        let (nodes, within) = (self.positions(body), self.positions(other));
+        let Some(common) = common_box(nodes, within) else {
+            return;
+        };
+        let tets = self.tets(other).iter();
+        let tets = tets.map(|tet| tet.map(|node| within[node as usize]));
+        let tets: Vec<(Aabb, [Vector3<f64>; 4])> = tets
+            .map(|corners| (Aabb::of(&corners), corners))
+            .filter(|(bounds, _)| bounds.overlaps(&common))
+            .collect();
+        for &node in &self.surface(body).nodes {
+            let p = &nodes[node as usize];
+            let inside = common.contains(p)
+                && tets.iter().any(|(bounds, corners)| {
+                    bounds.contains(p) && point_in_tetrahedron(p, corners).is_some()
+                });
+            if inside {
+                let distances = self.surface(other).triangles.iter().map(|triangle| {
+                    let corners = triangle.map(|node| within[node as usize]);
+                    (closest_on_triangle(p, &corners).point - p).norm()
+                });
+                let depth = &mut depths[node as usize];
+                *depth = depth.max(distances.fold(f64::INFINITY, f64::min));
+            }
+        }
+    }
+
+    /// Number of edges of one body's surface through triangles of the other's, both ways.
+    pub fn crossings(&self, one: usize, other: usize) -> usize {
+        self.edges_through(one, other) + self.edges_through(other, one)
+    }
+
+    fn edges_through(&self, one: usize, other: usize) -> usize {
+        let (of_edges, of_triangles) = (self.positions(one), self.positions(other));
+        let Some(common) = common_box(of_edges, of_triangles) else {
+            return 0;
+        };
+        let triangles = self.surface(other).triangles.iter();
+        let triangles: Vec<(Aabb, [Vector3<f64>; 3])> = triangles
+            .map(|triangle| triangle.map(|node| of_triangles[node as usize]))
+            .map(|corners| (Aabb::of(&corners), corners))
+            .filter(|(bounds, _)| bounds.overlaps(&common))
+            .collect();
+        let sides = self
+            .surface(one)
+            .triangles
+            .iter()
+            .flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
+        // Each edge of a closed surface stands in two triangles, once in each direction.
+        let edges = sides.filter(|[a, b]| a < b);
+        let mut count = 0;
+        for [a, b] in edges {
+            let (p, q) = (&of_edges[a as usize], &of_edges[b as usize]);
+            let bounds = Aabb::of([p, q]);
+            if bounds.overlaps(&common) {
+                let through = |corners| edge_through_triangle(p, q, corners).is_some();
+                let near = triangles.iter().filter(|(of, _)| of.overlaps(&bounds));
+                count += near.filter(|(_, corners)| through(corners)).count();
+            }
+        }
+        count
+    }
+}
+
+/// What is common to the boxes around two sets of points.
+fn common_box(one: &[Vector3<f64>], other: &[Vector3<f64>]) -> Option<Aabb> {
+    let (a, b) = (Aabb::of(one), Aabb::of(other));
+    a.overlaps(&b).then(|| Aabb {
+        min: a.min.sup(&b.min),
+        max: a.max.inf(&b.max),
+    })
+}

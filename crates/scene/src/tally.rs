@@ -1,0 +1,222 @@
+//! What the pairs sum up over a tick: forces in newtons, with direction and place.
+
+use crate::group::Group;
+use crate::report::{ContactReport, JawReport};
+use crate::scene::{Body, Pair, Scene};
+use crate::spec::Jaw;
+use crate::tool::Tool;
+use microsim_contact::Partner;
+use nalgebra::Vector3;
+use std::collections::BTreeSet;
+
+/// A contact slides when its friction is within this share of what can be held; the rest is what iterations leave.
+const SLIDING: f64 = 1e-3;
+
+/// An overlap from before the step counts as one from this share of the mean edge length on: less is what iterations leave.
+const OLD_OVERLAP: f64 = 1e-2;
+
+/// What one pair sums up over a tick. Forces are those on the pair's body.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tally {
+    /// Σ F h [N·s].
+    impulse: Vector3<f64>,
+    /// Σ |F| h [N·s].
+    impulse_size: f64,
+    peak: f64,
+    /// Σ |F_i| h p_i and Σ |F_i| h over the contacts.
+    weighted_point: Vector3<f64>,
+    weight: f64,
+    last_point: Vector3<f64>,
+    max_depth: f64,
+    nodes: BTreeSet<u32>,
+    /// Time with a force above the limit [s].
+    over_limit: f64,
+    /// Σ λ h over all contacts, and over those that stick [N·s].
+    normal_impulse: f64,
+    stick_impulse: f64,
+    /// Per jaw: Σ λ h [N·s] and Σ A h [m²·s].
+    jaws: [(f64, f64); 2],
+    /// Of the step that is being summed up.
+    step: Vector3<f64>,
+    /// Touched nodes of the step, with the jaw and how much of the node is touched.
+    areas: Vec<(usize, u32, f64)>,
+}
+
+/// What contact did to the bodies of a group in a step, for containment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Work {
+    /// Each contact and body counted positive [J].
+    pub work: f64,
+    /// Whether an old overlap was undone.
+    pub overlap_undone: bool,
+}
+
+/// Sums up the contacts that a step of `h` [s] of a group ended with; `end` are the positions after it [m]. `works` has an entry
+/// per member of the group.
+#[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
+pub(crate) fn sum_up(
+    group: &Group,
+    bodies: &[Body],
+    pairs: &[Pair],
+    tools: &[Tool],
+    end: &[Vector3<f64>],
+    h: f64,
+    tallies: &mut [Tally],
+    works: &mut [Work],
+) {
+    let Some(touching) = &group.touching else {
+        return;
+    };
+    for (point, contact) in touching.points.iter().zip(&touching.contacts) {
+        let Some((index, own)) = touching.pair(&point.key) else {
+            continue;
+        };
+        let gap = contact.gap(end);
+        if contact.pressure <= 0.0 && gap > 0.0 {
+            continue;
+        }
+        let tally = &mut tallies[index];
+        tally.max_depth = tally.max_depth.max(-gap);
+        let force = contact.force();
+        let sign = if own { 1.0 } else { -1.0 };
+        tally.step += force * sign;
+        // Where it is on the first side: the point of the other one is a gap away.
+        let first = usize::from(contact.first);
+        let (mut place, mut way) = (Vector3::zeros(), [Vector3::<f64>::zeros(); 2]);
+        for k in 0..4 {
+            let (node, weight) = (contact.nodes[k] as usize, contact.weights[k]);
+            if weight == 0.0 {
+                continue;
+            }
+            let side = usize::from(k >= first);
+            way[side] += (end[node] - touching.start[node]) * weight;
+            if side == 0 {
+                place += end[node] * weight;
+            }
+        }
+        let size = force.norm();
+        tally.weighted_point += place * (size * h);
+        tally.weight += size * h;
+        tally.last_point = place;
+        tally.normal_impulse += contact.pressure * h;
+        let held = contact.friction * contact.pressure;
+        if contact.traction.norm() < held * (1.0 - SLIDING) {
+            tally.stick_impulse += contact.pressure * h;
+        }
+        let jaw = match point.key.partner {
+            Partner::Tool { tool, capsule } => tools[tool as usize].jaw(capsule),
+            _ => None,
+        };
+        // The nodes of the pair's body: of the first side, or of the other one.
+        for k in 0..4 {
+            let weight = contact.weights[k];
+            if weight == 0.0 || (k < first) != own {
+                continue;
+            }
+            let node = contact.nodes[k];
+            let member = group.members[group.member_of(node)];
+            let local = node - member.first_node as u32;
+            tally.nodes.insert(local);
+            if let Some(jaw) = jaw {
+                tally.areas.push((jaw as usize, local, weight.abs()));
+            }
+        }
+        if let Some(jaw) = jaw {
+            tally.jaws[jaw as usize].0 += contact.pressure * h;
+        }
+        for side in 0..2 {
+            let node = match side {
+                0 => contact.nodes[0],
+                _ if first < 4 && contact.weights[first] != 0.0 => contact.nodes[first],
+                _ => continue,
+            };
+            let member = group.member_of(node);
+            let edge = bodies[group.members[member].body].model.mean_edge_length();
+            let old = contact.start_gap < -OLD_OVERLAP * edge;
+            works[member].work += force.dot(&way[side]).abs();
+            works[member].overlap_undone |= old && gap > contact.start_gap;
+        }
+    }
+    for (tally, pair) in tallies.iter_mut().zip(pairs) {
+        tally.finish_step(&bodies[pair.body], pair.force_limit, h);
+    }
+}
+
+impl Tally {
+    fn finish_step(&mut self, body: &Body, limit: f64, h: f64) {
+        let size = self.step.norm();
+        self.impulse += self.step * h;
+        self.impulse_size += size * h;
+        self.peak = self.peak.max(size);
+        if size > limit {
+            self.over_limit += h;
+        }
+        self.step = Vector3::zeros();
+        // A node that is touched in several places counts once, by the largest share of it.
+        self.areas
+            .sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.total_cmp(&a.2)));
+        self.areas.dedup_by_key(|area| (area.0, area.1));
+        for &(jaw, node, share) in &self.areas {
+            self.jaws[jaw].1 += share * body.node_areas[node as usize] * h;
+        }
+        self.areas.clear();
+    }
+
+    /// The report of a tick of `tick_s` [s]; `None` of a pair that did not touch.
+    fn report(&self, index: usize, scene: &Scene, tick_s: f64) -> Option<ContactReport> {
+        let (body, with) = scene.pair(index);
+        if self.nodes.is_empty() {
+            return None;
+        }
+        let positions = scene.positions(body);
+        let rest = scene.rest_positions(body);
+        let direction = self
+            .impulse
+            .try_normalize(0.0)
+            .unwrap_or_else(Vector3::zeros);
+        let indentation = self
+            .nodes
+            .iter()
+            .map(|&node| (positions[node as usize] - rest[node as usize]).dot(&direction))
+            .fold(0.0, f64::max);
+        let point = match self.weight > 0.0 {
+            true => self.weighted_point / self.weight,
+            false => self.last_point,
+        };
+        let jaws = [Jaw::Left, Jaw::Right].into_iter().zip(self.jaws);
+        let jaws = jaws.filter(|(_, (_, area))| *area > 0.0);
+        Some(ContactReport {
+            body,
+            with,
+            force_on_tissue: (self.impulse / tick_s).into(),
+            peak_force_n: self.peak,
+            impulse_ns: self.impulse_size,
+            point: point.into(),
+            max_depth_m: self.max_depth,
+            indentation_m: indentation,
+            nodes: self.nodes.len(),
+            over_limit_s: self.over_limit,
+            stick_share: match self.normal_impulse > 0.0 {
+                true => self.stick_impulse / self.normal_impulse,
+                false => 0.0,
+            },
+            jaws: jaws
+                .map(|(jaw, (impulse, area))| JawReport {
+                    jaw,
+                    normal_force_n: impulse / tick_s,
+                    pressure_pa: impulse / area,
+                })
+                .collect(),
+        })
+    }
+}
+
+impl Scene {
+    /// The reports of the pairs that touched in a tick of `tick_s` [s].
+    pub(crate) fn contact_reports(&self, tallies: &[Tally], tick_s: f64) -> Vec<ContactReport> {
+        let tallies = tallies.iter().enumerate();
+        tallies
+            .filter_map(|(pair, tally)| tally.report(pair, self, tick_s))
+            .collect()
+    }
+}

@@ -1,0 +1,322 @@
+//! From points of contact to what a solver keeps: friction, remembered forces, how much of an old overlap is undone.
+
+use crate::group::Member;
+use crate::scene::{Body, Pair, PairPartner};
+use microsim_contact::{
+    CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, Touch, VesselEnd,
+};
+use microsim_tissue::{Contact, ContactSource, Method, TissueModel};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// At most this share of the mean edge length of an old overlap is undone in one step (NUMERICS 2.7).
+const OVERLAP_PER_STEP: f64 = 0.2;
+
+/// Points within this share of the mean edge length are given to the solver before they touch: what it moves then finds them.
+const REACH_EXPLICIT: f64 = 0.1;
+const REACH_IMPLICIT: f64 = 0.3;
+
+/// What contact remembers from step to step, of one group.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ContactMemory {
+    /// On which side of things nodes are.
+    pub sides: Sides,
+    /// The forces that the last step ended with, ascending by key; those that are zero are left out.
+    pub forces: Vec<Remembered>,
+}
+
+/// The force of a point of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Remembered {
+    pub key: Key,
+    /// Along the normal [N].
+    pub pressure: f64,
+    /// Across it [N].
+    pub traction: Vector3<f64>,
+}
+
+impl ContactMemory {
+    /// Nothing is touched.
+    pub fn clear(&mut self) {
+        self.sides = Sides::new();
+        self.forces.clear();
+    }
+
+    fn find(&self, key: &Key) -> Option<&Remembered> {
+        let place = self.forces.binary_search_by_key(key, |force| force.key);
+        place.ok().map(|place| &self.forces[place])
+    }
+
+    /// Remembers what a step ended with.
+    fn remember(&mut self, points: &[Point], contacts: &[Contact]) {
+        let touched = |contact: &Contact| contact.pressure > 0.0;
+        self.forces.clear();
+        let both = || points.iter().zip(contacts);
+        let acting = both().filter(|(_, contact)| touched(contact));
+        self.forces
+            .extend(acting.map(|(point, contact)| Remembered {
+                key: point.key,
+                pressure: contact.pressure,
+                traction: contact.traction,
+            }));
+        // A point that is still apart has told its side as well.
+        self.sides.remember(points);
+    }
+
+    /// Forgets a tool that has jumped: from its new place it pushes to the nearest side.
+    pub fn forget_tool(&mut self, tool: u32) {
+        let of_tool =
+            |partner: &Partner| matches!(partner, Partner::Tool { tool: t, .. } if *t == tool);
+        self.forces.retain(|force| !of_tool(&force.key.partner));
+        let entries = self.sides.entries().iter();
+        let others = entries.filter(|(partner, _, _)| !of_tool(partner));
+        self.sides = Sides::from_entries(others.copied().collect());
+    }
+}
+
+/// Contact of a group: what finds it, and working memory.
+#[derive(Clone, Debug)]
+pub(crate) struct GroupTouching {
+    detector: Detector,
+    /// The pair that a point belongs to, by the body of its first side and its partner (of a tool without the capsule), and
+    /// whether the first side is the pair's body.
+    pair_of: BTreeMap<(u32, Partner), (usize, bool)>,
+    /// Friction of each pair of the scene.
+    friction: Vec<f64>,
+    /// The tools that touch anything here.
+    tools: Vec<usize>,
+    /// Whether only tools touch anything here.
+    tools_only: bool,
+    reach: f64,
+    overlap_per_step: f64,
+    /// Positions before the step [m].
+    pub start: Vec<Vector3<f64>>,
+    /// The points of the last search.
+    pub points: Vec<Point>,
+    /// What became of them.
+    pub contacts: Vec<Contact>,
+    guesses: Vec<(Key, f64)>,
+}
+
+impl GroupTouching {
+    /// Of the pairs that concern these bodies; `None` where there is none.
+    pub fn new(
+        members: &[Member],
+        bodies: &[Body],
+        pairs: &[Pair],
+        rigid: &[Rigid],
+        method: &Method,
+        model: &TissueModel,
+    ) -> Option<Self> {
+        let member_of = |body: usize| members.iter().position(|member| member.body == body);
+        let mut touches = Vec::new();
+        let mut pair_of = BTreeMap::new();
+        let mut tools = Vec::new();
+        for (index, pair) in pairs.iter().enumerate() {
+            let Some(own) = member_of(pair.body) else {
+                continue;
+            };
+            let body = own as u32;
+            match &pair.with {
+                PairPartner::Tool(tool) => {
+                    let tool = *tool as u32;
+                    tools.push(tool as usize);
+                    pair_of.insert((body, Partner::Tool { tool, capsule: 0 }), (index, true));
+                    touches.push(Touch::Tool { body, tool });
+                }
+                PairPartner::Rigid { parts, .. } => {
+                    for thing in parts.clone().map(|part| part as u32) {
+                        pair_of.insert((body, Partner::Rigid { thing }), (index, true));
+                        touches.push(Touch::Rigid { body, thing });
+                    }
+                }
+                PairPartner::Body(other) => {
+                    let Some(other) = member_of(*other) else {
+                        continue;
+                    };
+                    let with = other as u32;
+                    pair_of.insert((body, Partner::Body { body: with }), (index, true));
+                    pair_of.insert((with, Partner::Body { body }), (index, false));
+                    let ends = pair.end_planes.then(|| {
+                        facing_ends([own, other].map(|m| (&bodies[members[m].body], members[m])))
+                    });
+                    touches.push(Touch::Bodies { body, with, ends });
+                }
+                PairPartner::Itself => {
+                    pair_of.insert((body, Partner::Body { body }), (index, true));
+                    touches.push(Touch::Itself { body });
+                }
+            }
+        }
+        if touches.is_empty() {
+            return None;
+        }
+        let tools_only = touches.iter().all(|t| matches!(t, Touch::Tool { .. }));
+        let skins = members.iter().map(|member| {
+            let mesh = &bodies[member.body].mesh;
+            Skin::new(mesh, member.first_node as u32)
+        });
+        let edge = model.mean_edge_length();
+        let reach = match method.is_explicit() {
+            true => REACH_EXPLICIT,
+            false => REACH_IMPLICIT,
+        };
+        Some(Self {
+            detector: Detector::new(skins.collect(), rigid.to_vec(), touches),
+            pair_of,
+            friction: pairs.iter().map(|pair| pair.friction).collect(),
+            tools,
+            tools_only,
+            reach: reach * edge,
+            overlap_per_step: OVERLAP_PER_STEP * edge,
+            start: Vec::new(),
+            points: Vec::new(),
+            contacts: Vec::new(),
+            guesses: Vec::new(),
+        })
+    }
+
+    /// Whether there is anything that could touch.
+    pub fn is_active(&self, tools: &[Option<Vec<CapsuleMotion>>]) -> bool {
+        !self.tools_only || self.tools.iter().any(|&tool| tools[tool].is_some())
+    }
+
+    /// Nothing is touched.
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.contacts.clear();
+    }
+
+    /// The pair that a point belongs to, and whether its first side is the pair's body.
+    pub fn pair(&self, key: &Key) -> Option<(usize, bool)> {
+        self.pair_of.get(&(key.body, whole(key.partner))).copied()
+    }
+
+    /// The source of contacts for a step that begins at `start` [m].
+    pub fn source<'a>(
+        &'a mut self,
+        start: &[Vector3<f64>],
+        tools: &'a [Option<Vec<CapsuleMotion>>],
+        memory: &'a ContactMemory,
+    ) -> Source<'a> {
+        self.start.clear();
+        self.start.extend_from_slice(start);
+        self.points.clear();
+        Source {
+            of: self,
+            tools,
+            memory,
+        }
+    }
+
+    /// Takes over what the solver made of the contacts.
+    pub fn finish(&mut self, contacts: Vec<Contact>, memory: &mut ContactMemory) {
+        assert_eq!(
+            contacts.len(),
+            self.points.len(),
+            "a solver gives back the contacts that it was given last"
+        );
+        self.contacts = contacts;
+        memory.remember(&self.points, &self.contacts);
+    }
+}
+
+/// A partner without the part of it.
+fn whole(partner: Partner) -> Partner {
+    match partner {
+        Partner::Tool { tool, .. } => Partner::Tool { tool, capsule: 0 },
+        other => other,
+    }
+}
+
+/// The ends of two vessels that lie nearest to each other at the start.
+fn facing_ends(both: [(&Body, Member); 2]) -> [VesselEnd; 2] {
+    let centres = both.map(|(body, _)| -> Vec<Vector3<f64>> {
+        let ends = body.ends.iter().map(|end| {
+            let nodes = end.iter().flatten();
+            let sum: Vector3<f64> = nodes.map(|&node| body.start.positions[node as usize]).sum();
+            sum / (3 * end.len()).max(1) as f64
+        });
+        ends.collect()
+    });
+    let mut nearest = (f64::INFINITY, [0; 2]);
+    for (i, a) in centres[0].iter().enumerate() {
+        for (j, b) in centres[1].iter().enumerate() {
+            let distance = (a - b).norm();
+            if distance < nearest.0 {
+                nearest = (distance, [i, j]);
+            }
+        }
+    }
+    [0, 1].map(|side| {
+        let (body, member) = &both[side];
+        let shift = member.first_node as u32;
+        let triangles = body.ends[nearest.1[side]].iter();
+        VesselEnd {
+            triangles: triangles.map(|t| t.map(|node| node + shift)).collect(),
+        }
+    })
+}
+
+/// Finds the contacts of one step.
+pub(crate) struct Source<'a> {
+    of: &'a mut GroupTouching,
+    tools: &'a [Option<Vec<CapsuleMotion>>],
+    memory: &'a ContactMemory,
+}
+
+impl ContactSource for Source<'_> {
+    fn find(&mut self, way: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>) {
+        let GroupTouching {
+            detector,
+            pair_of,
+            friction,
+            reach,
+            overlap_per_step,
+            start,
+            points,
+            guesses,
+            ..
+        } = &mut *self.of;
+        guesses.clear();
+        let known = points.iter().zip(contacts.iter());
+        guesses.extend(known.map(|(point, contact)| (point.key, contact.pressure)));
+        let frame = Frame {
+            start,
+            now: positions,
+            tools: self.tools,
+            way,
+            reach: *reach,
+            sides: &self.memory.sides,
+        };
+        detector.find(&frame, points);
+        contacts.clear();
+        contacts.extend(points.iter().map(|point| {
+            let remembered = self.memory.find(&point.key);
+            let guess = guesses.binary_search_by_key(&point.key, |(key, _)| *key);
+            let pressure = match guess {
+                Ok(place) => guesses[place].1,
+                Err(_) => remembered.map_or(0.0, |force| force.pressure),
+            };
+            let traction = remembered.map_or_else(Vector3::zeros, |force| force.traction);
+            let normal = point.normal;
+            let pair = pair_of.get(&(point.key.body, whole(point.key.partner)));
+            let mut contact = Contact {
+                nodes: point.nodes,
+                weights: point.weights,
+                first: point.first,
+                normal,
+                offset: 0.0,
+                floor: (point.start_gap + *overlap_per_step).min(0.0),
+                start_gap: point.start_gap,
+                friction: pair.map_or(0.0, |&(pair, _)| friction[pair]),
+                drift: point.drift,
+                pressure,
+                // The surface has turned since.
+                traction: traction - normal * normal.dot(&traction),
+            };
+            contact.offset = contact.gap(positions) - point.gap;
+            contact
+        }));
+    }
+}
