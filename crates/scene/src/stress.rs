@@ -92,6 +92,7 @@ mod tests {
                 couplings: Vec::new(),
                 loads: Vec::new(),
                 start: Vec::new(),
+                ends: Vec::new(),
             };
             let shear = 1e-5;
             let sheared: Vec<Vector3<f64>> = mesh

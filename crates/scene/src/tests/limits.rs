@@ -126,14 +126,16 @@ fn a_fast_tool_gets_more_substeps_only_near_the_body() {
     let steps = scene.required_steps(TICK);
     let mut substeps = |from: f64, to: f64| {
         let report = scene.tick(&[push(from, to)], TICK, steps, &Serial).unwrap();
-        (report.substeps, report.capped)
+        (report.substeps, report.many_substeps, report.jumped.len())
     };
-    assert_eq!(substeps(-0.3e-3, -0.2e-3), (1, false));
+    assert_eq!(substeps(-0.3e-3, -0.2e-3), (1, false, 0));
     // 0.125 mm per step is allowed: 5 solver's steps' worth of that per step needs 5 sub-steps.
     let way = 5.0 * 0.125e-3 * f64::from(steps);
-    assert_eq!(substeps(-0.3e-3 - way, -0.3e-3), (5, false));
-    assert_eq!(substeps(-100e-3 - way, -100e-3), (1, false), "far away");
-    assert_eq!(substeps(-0.3e-3 - 4.0 * way, -0.3e-3), (16, true));
+    assert_eq!(substeps(-0.3e-3 - way, -0.3e-3), (5, false, 0));
+    assert_eq!(substeps(-100e-3 - way, -100e-3), (1, false, 0), "far away");
+    assert_eq!(substeps(-0.3e-3 - 4.0 * way, -0.3e-3), (20, true, 0));
+    // Further than a hand gets: it is not led through what lies between.
+    assert_eq!(substeps(-0.3e-3 - 52.0 * way, -0.3e-3), (1, false, 1));
 }
 
 #[test]
@@ -163,7 +165,7 @@ fn motions_that_cannot_be_used_are_named() {
 #[test]
 fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
     let good = strip([4, 1, 1], false);
-    let cases: [(fn(&mut SceneSpec), &str); 15] = [
+    let cases: [(fn(&mut SceneSpec), &str); 24] = [
         (
             |s| s.bodies.push(s.bodies[0].clone()),
             "each body needs a name of its own, 'strip'",
@@ -207,10 +209,66 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
             },
             "capsule 0 of tool 'probe'",
         ),
-        (|s| s.contact_pairs[0].1 = "vessel".into(), "no such body"),
+        (|s| s.contacts[0].body = "vessel".into(), "no such body"),
         (
-            |s| s.contact_pairs.push(s.contact_pairs[0].clone()),
+            |s| s.contacts[0].with = PartnerSpec::Tool("knife".into()),
+            "contact of body 'strip' with 'knife': no such tool",
+        ),
+        (
+            |s| s.contacts[0].with = PartnerSpec::Rigid("table".into()),
+            "no such rigid thing",
+        ),
+        (
+            |s| {
+                s.contacts[0].with = PartnerSpec::Body {
+                    name: "strip".into(),
+                    end_planes: false,
+                };
+            },
+            "a body and itself are no two bodies",
+        ),
+        (
+            |s| {
+                s.bodies.push(BodySpec {
+                    name: "other".into(),
+                    ..s.bodies[0].clone()
+                });
+                s.contacts[0].with = PartnerSpec::Body {
+                    name: "other".into(),
+                    end_planes: true,
+                };
+            },
+            "end planes are those of two bodies from the generator of tubes",
+        ),
+        (|s| s.contacts[0].friction = -0.1, "friction is a number of at least 0"),
+        (|s| s.contacts[0].force_limit = f64::NAN, "the limit of the force"),
+        (
+            |s| s.contacts.push(s.contacts[0].clone()),
             "stands twice",
+        ),
+        (
+            |s| {
+                let key = |time| ToolKeySpec {
+                    time,
+                    pose: Pose::identity(),
+                    opening: 0.0,
+                };
+                s.tools[0].motion = vec![key(1.0), key(0.5)];
+            },
+            "key 1 of the motion of tool 'probe'",
+        ),
+        (
+            |s| {
+                s.rigid.push(RigidSpec {
+                    name: "table".into(),
+                    parts: Vec::new(),
+                });
+            },
+            "rigid thing 'table' needs parts",
+        ),
+        (
+            |s| s.method = Method::ExplicitEuler,
+            "explicit-euler cannot keep a gap",
         ),
         (
             |s| {
