@@ -52,6 +52,8 @@ pub struct ContactSeries {
     pub over_limit: Vec<f64>,
     /// Share of the normal force that acted where nothing slid.
     pub stick_share: Vec<f64>,
+    /// Sum of the sizes of the normal forces of the jaws, mean over the sample before [N].
+    pub grip: Vec<f64>,
     /// Largest mean pressure of a jaw [Pa].
     pub grip_pressure: Vec<f64>,
 }
@@ -115,6 +117,8 @@ pub(crate) struct Contact {
     over_limit: f64,
     stick: f64,
     weight: f64,
+    /// Of the jaws [N·s].
+    pub grip: f64,
     pressure: f64,
 }
 
@@ -285,6 +289,8 @@ impl Runner {
             sum.over_limit += contact.over_limit_s;
             sum.stick += contact.stick_share * contact.impulse_ns;
             sum.weight += contact.impulse_ns;
+            let grip: f64 = contact.jaws.iter().map(|jaw| jaw.normal_force_n).sum();
+            sum.grip += grip * length;
             let pressures = contact.jaws.iter().map(|jaw| jaw.pressure_pa);
             sum.pressure = pressures.fold(sum.pressure, f64::max);
         }
@@ -390,12 +396,12 @@ impl Runner {
             series
                 .stick_share
                 .push(if contact.weight > 0.0 { share } else { 0.0 });
+            series.grip.push(contact.grip / self.sample);
             series.grip_pressure.push(contact.pressure);
         }
-        let forces: Vec<Vector3<f64>> = self
-            .contacts
-            .iter()
-            .map(|contact| contact.impulse / self.sample)
+        let forces = self.contacts.iter();
+        let forces: Vec<(Vector3<f64>, f64)> = forces
+            .map(|contact| (contact.impulse / self.sample, contact.grip / self.sample))
             .collect();
         for (probe, values) in self.probes.iter().zip(&mut self.series.probes) {
             values.push(probe.value(&self.scene, &forces));

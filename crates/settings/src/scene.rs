@@ -129,6 +129,8 @@ pub enum Quantity {
     Energy,
     /// Force of another side on the body along a direction, mean over the sample before.
     ContactForce,
+    /// Sum of the sizes of the normal forces of a tool's jaws on the body, mean over the sample before.
+    Grip,
     /// How far another body is ahead of this one along a direction: its least coordinate less the largest one of the nodes.
     Gap,
     /// Share of the nodes that are inside other bodies, tools and rigid things that the body touches.
@@ -141,7 +143,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// As files write them.
-    pub const NAMES: [&str; 14] = [
+    pub const NAMES: [&str; 15] = [
         "displacement",
         "centre",
         "radius",
@@ -152,6 +154,7 @@ impl Quantity {
         "smallest-volume",
         "energy",
         "contact-force",
+        "grip",
         "gap",
         "inside",
         "depth",
@@ -167,7 +170,7 @@ impl Quantity {
             | Self::Distance
             | Self::Gap
             | Self::Depth => Unit::Length,
-            Self::Force | Self::ContactForce => Unit::Force,
+            Self::Force | Self::ContactForce | Self::Grip => Unit::Force,
             Self::Torque => Unit::Torque,
             Self::Volume | Self::SmallestVolume | Self::Inside => Unit::Ratio,
             Self::Energy => Unit::Energy,

@@ -78,7 +78,7 @@ fn check_probes(reading: &mut Reading) {
         let (directed, about, paired) = match quantity.as_str() {
             "displacement" | "centre" | "force" => (true, false, false),
             "contact-force" | "gap" => (true, false, true),
-            "crossings" => (false, false, true),
+            "crossings" | "grip" => (false, false, true),
             "radius" | "torque" => (false, true, false),
             _ => (false, false, false),
         };
@@ -105,7 +105,7 @@ fn check_probes(reading: &mut Reading) {
         let nodes = key.key("nodes");
         if matches!(
             quantity.as_str(),
-            "volume" | "smallest-volume" | "energy" | "contact-force" | "crossings"
+            "volume" | "smallest-volume" | "energy" | "contact-force" | "grip" | "crossings"
         ) && reading.is_written(&nodes)
         {
             let expected = format!("no `nodes`, as the {quantity} is that of the body");
@@ -123,7 +123,7 @@ fn check_with(reading: &mut Reading, key: &KeyPath, quantity: &str) {
     let (Some(body), Some(with)) = (text("body"), text("with")) else {
         return;
     };
-    if quantity != "contact-force" {
+    if !matches!(quantity, "contact-force" | "grip") {
         let bodies = texts(reading.value(), "body", "name");
         let bodies: Vec<&str> = bodies.iter().map(|(_, name)| name.as_str()).collect();
         refers(reading, &key.key("with"), &with, "a body", &bodies);

@@ -126,6 +126,7 @@ fn contacts(runner: &Runner) -> Vec<Value> {
             "peak_N": series.peak,
             "over_limit_s": series.over_limit,
             "stick_share": series.stick_share,
+            "grip_N": series.grip,
             "grip_pressure_Pa": series.grip_pressure,
         })
     });

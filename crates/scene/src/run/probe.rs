@@ -101,7 +101,7 @@ impl Probe {
                 probe.other =
                     other.ok_or_else(|| wrong("is for another body that is not there"))?;
             }
-            Quantity::ContactForce => {
+            Quantity::ContactForce | Quantity::Grip => {
                 let found = (0..scene.pair_count()).find_map(|index| {
                     let (of, partner) = scene.pair(index);
                     let own = of == body && scene.partner_name(partner) == with;
@@ -121,8 +121,8 @@ impl Probe {
         Ok(probe)
     }
 
-    /// The value now, in SI; `forces` are those of the pairs since the last sample [N].
-    pub fn value(&self, scene: &Scene, forces: &[Vector3<f64>]) -> f64 {
+    /// The value now, in SI; `forces` are those of the pairs and of the jaws since the last sample [N].
+    pub fn value(&self, scene: &Scene, forces: &[(Vector3<f64>, f64)]) -> f64 {
         let (now, rest) = (scene.positions(self.body), scene.rest_positions(self.body));
         let moved = |node: &u32| now[*node as usize] - rest[*node as usize];
         let count = self.nodes.len() as f64;
@@ -170,8 +170,9 @@ impl Probe {
             }
             Quantity::ContactForce => {
                 let (pair, sign) = self.pair;
-                sign * forces[pair].dot(&self.direction)
+                sign * forces[pair].0.dot(&self.direction)
             }
+            Quantity::Grip => forces[self.pair.0].1,
             Quantity::Gap => {
                 let along = |p: &Vector3<f64>| p.dot(&self.direction);
                 let own = self.nodes.iter().map(|n| along(&now[*n as usize]));
