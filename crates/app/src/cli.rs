@@ -162,6 +162,9 @@ pub struct SimulateArgs {
     /// Run although the step is beyond what the bodies allow
     #[arg(long)]
     pub any_step: bool,
+    /// Leave something out, to see what it does
+    #[arg(long, value_name = "WHAT", value_parser = ["friction"])]
+    pub without: Vec<String>,
 }
 
 #[derive(Debug, Args)]

@@ -68,15 +68,19 @@ pub fn folder(place: &Place) -> Result<PathBuf, Problem> {
 }
 
 impl SceneFile {
-    /// Reads and builds the scene at `path`; the error is a sentence per line.
-    pub fn open(path: &Path, overrides: &[Override]) -> Result<Self, String> {
+    /// Reads and builds the scene at `path`, with its friction or without; the error is a sentence per line.
+    pub fn open(path: &Path, overrides: &[Override], friction: bool) -> Result<Self, String> {
         let loaded = settings::load_scene(path, overrides).map_err(|e| e.to_string())?;
         let document = &loaded.document;
         let folder = path.parent().unwrap_or(Path::new(""));
         let described = scene_spec(&loaded.settings, &mut |file| {
             std::fs::read(folder.join(file))
         });
-        let described = described.map_err(|e| placed(document, e))?;
+        let mut described = described.map_err(|e| placed(document, e))?;
+        if !friction {
+            let contacts = described.spec.contacts.iter_mut();
+            contacts.for_each(|contact| contact.friction = 0.0);
+        }
         let mut warnings: Vec<String> = described
             .notes
             .iter()

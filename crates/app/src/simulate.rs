@@ -28,7 +28,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         "no scene: name it before the options, as in `microsim simulate cantilever --json result.json`",
     )?;
     let path = find(place, given)?;
-    let mut scene = SceneFile::open(&path, &args.set)?;
+    let mut scene = SceneFile::open(&path, &args.set, args.without.is_empty())?;
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
@@ -88,6 +88,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     let outcome = Outcome {
         given: given.clone(),
         set: args.set.clone(),
+        without: args.without.clone(),
         cpu_s: cpu,
         threads: args.threads,
         start,

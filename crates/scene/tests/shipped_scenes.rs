@@ -109,3 +109,114 @@ fn the_error_against_lame_falls_with_the_square_of_the_size() {
         "{coarse} {fine}: order {order}"
     );
 }
+
+/// What is expected of a scene for the whole of it comes out, whatever part of the time is left out.
+#[test]
+fn what_lies_on_a_table_weighs_what_it_weighs() {
+    assert_met(&["stack"]);
+}
+
+#[test]
+fn friction_holds_below_its_angle_and_yields_above() {
+    assert_met(&["block-on-slope"]);
+}
+
+#[test]
+fn a_grip_lifts_slips_and_lets_go() {
+    assert_met(&["grip-lift", "grip-slip", "grip-open"]);
+}
+
+/// The jaws close on the piece and rise; without friction it stays where it was.
+#[test]
+fn a_grip_without_friction_lifts_nothing() {
+    let runner = run(
+        "grip-lift",
+        &["contact.0.friction=0", "contact.1.friction=0"],
+    );
+    let lifted = runner.series().probes[0].last().copied();
+    assert!(lifted.is_some_and(|way| way < 0.1e-3), "{lifted:?}");
+    assert!(runner.verdicts().iter().any(|verdict| !verdict.met));
+}
+
+/// While it slides all of it slides, and the force is friction times the normal force of the jaws.
+#[test]
+fn a_grip_slips_at_friction_times_its_normal_force() {
+    let runner = run("grip-slip", &[]);
+    let series = runner.series();
+    let last = series.time.len() - 1;
+    let (carried, grip) = (series.probes[1][last], series.probes[2][last]);
+    assert!(
+        (carried / grip / 0.3 - 1.0).abs() < 0.01,
+        "{carried} {grip}"
+    );
+    assert_eq!(series.contacts[0].stick_share[last], 0.0);
+}
+
+/// Contact keeps the momentum of two free bodies, and neither gets into the other.
+#[test]
+fn two_tubes_stay_apart_and_keep_their_momentum() {
+    for method in ["guarded-midpoint", "stoermer-verlet"] {
+        let step = match method {
+            "guarded-midpoint" => "run.step=1ms",
+            _ => "run.step=80us",
+        };
+        let more = match method {
+            "guarded-midpoint" => ",iterations=3,must_converge=false",
+            _ => "",
+        };
+        let method = format!("method={{name=\"{method}\"{more}}}");
+        let runner = run("two-tubes", &[&method, step, "run.duration=20ms"]);
+        let series = runner.series();
+        let wall = 2e-3;
+        let deepest = series.max_depth.iter().copied().fold(0.0, f64::max);
+        assert!(deepest < 0.05 * wall, "{method}: {deepest} m");
+        let first: f64 = (0..1)
+            .map(|b| runner.scene().masses(b).iter().sum::<f64>())
+            .sum();
+        let worst = series
+            .momentum
+            .iter()
+            .flat_map(|p| p.map(f64::abs))
+            .fold(0.0, f64::max);
+        // They meet with equal and opposite momentum.
+        assert!(worst < 1e-9 * first * 0.25, "{method}: {worst}");
+    }
+}
+
+#[test]
+fn a_fast_probe_does_not_pass_a_thin_wall() {
+    assert_met(&["push-through"]);
+}
+
+/// The first part of the scenes that take longer: nothing is inside anything, nothing diverges.
+#[test]
+fn the_beginnings_of_long_scenes_keep_bodies_apart() {
+    for (name, overrides) in [
+        (
+            "five-bodies",
+            &["run.duration=0.15s", "run.end=time", "run.rest_speed="][..],
+        ),
+        ("fold", &["run.duration=0.1s"]),
+        ("jaws-close", &["run.duration=0.3s", "body.0.along=10"]),
+        ("tube-in-tube", &["run.duration=0.2s", "body.0.along=10"]),
+        ("two-tubes-fine", &["run.duration=5ms"]),
+        ("sphere-on-block", &["body.0.cells=[8,8,6]"]),
+    ] {
+        let runner = run(name, overrides);
+        assert!(
+            !matches!(runner.end(), Some(End::Diverged(_))),
+            "{name}: {:?}",
+            runner.end()
+        );
+        let scene = runner.scene();
+        for body in 0..scene.body_count() {
+            let limit = 0.02 * scene.mean_edge_length(body);
+            let depth = scene.overlap(body).depth;
+            assert!(
+                depth < limit,
+                "{name}: {depth} m in {}",
+                scene.body_name(body)
+            );
+        }
+    }
+}

@@ -16,6 +16,8 @@ pub struct Result {
     pub given: PathBuf,
     /// The values that took the place of those of the file.
     pub set: Vec<Override>,
+    /// What was left out.
+    pub without: Vec<String>,
     /// CPU time of all threads from the first step to the last [s].
     pub cpu_s: f64,
     /// Threads.
@@ -50,6 +52,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
     json!({
         "scene": result.given,
         "set": result.set.iter().map(Override::text).collect::<Vec<_>>(),
+        "without": result.without,
         "run": file.loaded.document.value()["run"],
         "method": scene.method().name(),
         "method_settings": file.loaded.document.value()["method"],

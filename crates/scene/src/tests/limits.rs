@@ -240,12 +240,15 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
             },
             "end planes are those of two bodies from the generator of tubes",
         ),
-        (|s| s.contacts[0].friction = -0.1, "friction is a number of at least 0"),
-        (|s| s.contacts[0].force_limit = f64::NAN, "the limit of the force"),
         (
-            |s| s.contacts.push(s.contacts[0].clone()),
-            "stands twice",
+            |s| s.contacts[0].friction = -0.1,
+            "friction is a number of at least 0",
         ),
+        (
+            |s| s.contacts[0].force_limit = f64::NAN,
+            "the limit of the force",
+        ),
+        (|s| s.contacts.push(s.contacts[0].clone()), "stands twice"),
         (
             |s| {
                 let key = |time| ToolKeySpec {
