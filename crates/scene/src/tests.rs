@@ -2,9 +2,10 @@
 
 use crate::*;
 use microsim_mesh::{Block, CellSplit};
-use microsim_tissue::{Behaviour, SpringConstants};
+use microsim_tissue::{Behaviour, Newton, SpringConstants};
 use nalgebra::{UnitQuaternion, Vector3};
 
+mod hard;
 mod limits;
 
 const TICK: f64 = 8e-3;

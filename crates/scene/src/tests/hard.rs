@@ -1,0 +1,424 @@
+//! Hard cases of contact: each ends in a state that recovers, or in a clear report, and nothing explodes.
+
+use super::*;
+
+/// The methods that differ in how they keep gaps; those with a stability limit say so by their steps.
+const METHODS: [Method; 4] = [
+    Method::StoermerVerlet,
+    Method::ImplicitEuler(NEWTON),
+    Method::GuardedMidpoint(NEWTON),
+    Method::QuasiStatic(NEWTON),
+];
+
+/// As levels use it.
+const NEWTON: Newton = Newton {
+    iterations: 2,
+    tolerance: 1e-2,
+    must_converge: false,
+};
+
+const SIDE: f64 = 4e-3;
+
+/// A block with its middle at `centre`, of soft tissue with damping.
+fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> BodySpec {
+    let block = Block {
+        center: centre,
+        size,
+        cells,
+        split: CellSplit::Kuhn,
+    };
+    BodySpec {
+        name: name.into(),
+        mesh: block.mesh().unwrap(),
+        origin: centre,
+        materials: vec![(0, tissue())],
+        drag: 20.0,
+        clamps: Vec::new(),
+        couplings: Vec::new(),
+        loads: Vec::new(),
+        start: Vec::new(),
+        ends: Vec::new(),
+    }
+}
+
+fn tissue() -> Material {
+    Material {
+        density: 1060.0,
+        relaxation_time: 1e-3,
+        behaviour: Behaviour::Springs(SpringConstants::scaled(25e3, 5e4)),
+    }
+}
+
+fn table() -> RigidSpec {
+    RigidSpec {
+        name: "table".into(),
+        parts: vec![Rigid {
+            shape: RigidShape::HalfSpace,
+            pose: Pose::identity(),
+        }],
+    }
+}
+
+fn touches(body: &str, with: PartnerSpec) -> ContactSpec {
+    ContactSpec {
+        body: body.into(),
+        with,
+        friction: 0.3,
+        force_limit: f64::INFINITY,
+    }
+}
+
+fn on_table(body: &str) -> ContactSpec {
+    touches(body, PartnerSpec::Rigid("table".into()))
+}
+
+fn bodies_touch(body: &str, with: &str) -> ContactSpec {
+    let end_planes = false;
+    let name = with.into();
+    touches(body, PartnerSpec::Body { name, end_planes })
+}
+
+fn scene_of(bodies: Vec<BodySpec>, contacts: Vec<ContactSpec>, method: Method) -> SceneSpec {
+    SceneSpec {
+        bodies,
+        tools: Vec::new(),
+        rigid: vec![table()],
+        contacts,
+        gravity: [0.0, 0.0, -9.81],
+        method,
+        containment: true,
+    }
+}
+
+/// A rod along y, `radius` thick.
+fn rod(name: &str, radius: f64) -> ToolSpec {
+    ToolSpec {
+        name: name.into(),
+        capsules: vec![CapsuleSpec {
+            a: [0.0, -8e-3, 0.0],
+            b: [0.0, 8e-3, 0.0],
+            radius,
+            hinge: None,
+            jaw: None,
+        }],
+        motion: Vec::new(),
+    }
+}
+
+fn moved(tool: usize, from: [f64; 3], to: [f64; 3]) -> ToolMotion {
+    let pose = |position: [f64; 3]| Pose {
+        position: position.into(),
+        ..Pose::identity()
+    };
+    ToolMotion {
+        tool,
+        from: pose(from),
+        to: pose(to),
+        opening_from: 0.0,
+        opening_to: 0.0,
+        active: true,
+    }
+}
+
+/// Advances by `ticks`; a tick that fails is one that containment has rolled back and reported. Nothing may be further from its
+/// rest than `reach` [m], at any time. Returns how many ticks failed.
+fn survive(
+    scene: &mut Scene,
+    ticks: usize,
+    reach: f64,
+    case: &str,
+    motions: impl Fn(usize) -> Vec<ToolMotion>,
+) -> usize {
+    let steps = scene.required_steps(TICK);
+    let mut failed = 0;
+    for tick in 0..ticks {
+        let before = scene.save();
+        match scene.tick(&motions(tick), TICK, steps, &Serial) {
+            Ok(_) => {}
+            Err(diverged) => {
+                failed += 1;
+                assert!(!diverged.to_string().is_empty());
+                assert_eq!(scene.save(), before, "{case}: rolled back");
+            }
+        }
+        for body in 0..scene.body_count() {
+            let both = scene.positions(body).iter().zip(scene.rest_positions(body));
+            let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
+            assert!(worst < reach, "{case}, tick {tick}: a node is {worst} m away");
+            assert!(scene.body_state(body).is_finite(), "{case}, tick {tick}");
+        }
+    }
+    failed
+}
+
+fn speed(scene: &Scene) -> f64 {
+    let bodies = 0..scene.body_count();
+    let all = bodies.flat_map(|body| scene.velocities(body).iter().map(|v| v.norm()));
+    all.fold(0.0, f64::max)
+}
+
+/// Whether a method needs what it treats to be held.
+fn needs_clamp(method: &Method) -> bool {
+    matches!(method, Method::QuasiStatic(_))
+}
+
+/// Clamps the lowest layer of a block.
+fn held(mut body: BodySpec, z: f64) -> BodySpec {
+    body.clamps.push(ClampSpec {
+        nodes: Selection::Box(BoxSpec {
+            min: [-1.0, -1.0, -1.0],
+            max: [1.0, 1.0, z],
+        }),
+        motion: None,
+        release: None,
+    });
+    body
+}
+
+/// A rod that is suddenly in the middle of a block, stays, and goes away: the block comes back to rest.
+#[test]
+fn a_tool_that_appears_inside_tissue() {
+    for method in METHODS {
+        let case = method.name();
+        let body = held(
+            block("block", [0.0; 3], [SIDE; 3], [4, 4, 4]),
+            -0.5 * SIDE,
+        );
+        let mut spec = scene_of(vec![body], Vec::new(), method);
+        spec.tools.push(rod("rod", 0.4e-3));
+        spec.contacts
+            .push(touches("block", PartnerSpec::Tool("rod".into())));
+        let mut scene = Scene::new(&spec).unwrap();
+        let place = [0.3e-3, 0.0, 1.2e-3];
+        let there = moved(0, place, place);
+        survive(&mut scene, 20, SIDE, case, |_| vec![there]);
+        let failed = survive(&mut scene, 60, SIDE, case, |_| Vec::new());
+        assert_eq!(failed, 0, "{case}");
+        let both = scene.positions(0).iter().zip(scene.rest_positions(0));
+        let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
+        assert!(worst < 0.05 * SIDE, "{case}: {worst} m from rest");
+    }
+}
+
+/// Two rods that go through one another with the strip between them: what cannot be is reported or yields, and the strip recovers.
+#[test]
+fn two_tools_cross_with_tissue_between() {
+    for method in METHODS {
+        let case = method.name();
+        let mut spec = strip([10, 2, 1], true);
+        spec.bodies[0].materials = vec![(0, tissue())];
+        spec.method = method;
+        spec.tools = vec![rod("above", RADIUS), rod("below", RADIUS)];
+        spec.contacts = ["above", "below"]
+            .map(|tool| touches("strip", PartnerSpec::Tool(tool.into())))
+            .into();
+        let mut scene = Scene::new(&spec).unwrap();
+        let height = |tick: usize| 1.2e-3 - 0.1e-3 * tick as f64;
+        survive(&mut scene, 24, 10e-3, case, |tick| {
+            let (from, to) = (height(tick), height(tick + 1));
+            vec![
+                moved(0, [0.0, 0.0, from], [0.0, 0.0, to]),
+                moved(1, [0.2e-3, 0.0, -from], [0.2e-3, 0.0, -to]),
+            ]
+        });
+        survive(&mut scene, 120, 10e-3, case, |_| Vec::new());
+        let both = scene.positions(0).iter().zip(scene.rest_positions(0));
+        let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
+        assert!(worst < 1e-3, "{case}: {worst} m from rest");
+    }
+}
+
+/// A tool that is somewhere else at once is not swept through the tissue, and the report names it.
+#[test]
+fn a_tool_that_teleports() {
+    for method in METHODS {
+        let case = method.name();
+        let mut spec = strip([10, 2, 1], true);
+        spec.bodies[0].materials = vec![(0, tissue())];
+        spec.method = method;
+        let mut scene = Scene::new(&spec).unwrap();
+        let steps = scene.required_steps(TICK);
+        // Half a metre through the strip in a tick; for explicit methods with their many steps as much more.
+        let far = 0.5 * f64::from(steps);
+        let motion = moved(0, [0.0, 0.0, far], [0.0, 0.0, -far]);
+        let report = scene.tick(&[motion], TICK, steps, &Serial).unwrap();
+        assert_eq!(report.jumped, [0], "{case}");
+        assert!(report.contacts.is_empty(), "{case}");
+        // Into the strip: it pushes from there, by the nearest way.
+        let motion = moved(0, [0.0, 0.0, far], [0.0, 0.0, TOP]);
+        let report = scene.tick(&[motion], TICK, steps, &Serial).unwrap();
+        assert_eq!(report.jumped, [0], "{case}");
+        survive(&mut scene, 60, 10e-3, case, |_| Vec::new());
+        assert!(speed(&scene) < 0.1, "{case}: {}", speed(&scene));
+    }
+}
+
+/// A pose that is no number leaves the tool out for a tick: the strip goes on as if it had been lifted.
+#[test]
+fn a_pose_that_is_not_a_number_for_one_step() {
+    for method in METHODS {
+        let case = method.name();
+        let mut spec = strip([10, 2, 1], true);
+        spec.bodies[0].materials = vec![(0, tissue())];
+        spec.method = method;
+        let mut scene = Scene::new(&spec).unwrap();
+        let steps = scene.required_steps(TICK);
+        for tick in 0..12 {
+            let at = TOP + RADIUS - 0.02e-3 * f64::from(tick);
+            let mut motion = moved(0, [0.0, 0.0, at], [0.0, 0.0, at]);
+            if tick == 8 {
+                motion.to.position.x = f64::NAN;
+            }
+            let report = scene.tick(&[motion], TICK, steps, &Serial).unwrap();
+            assert_eq!(report.invalid_motions.len(), usize::from(tick == 8), "{case}");
+        }
+        assert!(speed(&scene) < 0.1, "{case}");
+    }
+}
+
+/// Jaws that close to nothing on a block: it is squeezed out or flattened, and comes back when they open.
+#[test]
+fn tissue_squeezed_to_nothing_between_jaws() {
+    for method in METHODS {
+        let case = method.name();
+        let body = held(
+            block("block", [0.0; 3], [2e-3, 2e-3, 4e-3], [2, 2, 4]),
+            -0.5 * SIDE,
+        );
+        let mut spec = scene_of(vec![body], Vec::new(), method);
+        for side in ["left", "right"] {
+            spec.tools.push(rod(side, 0.5e-3));
+            spec.contacts
+                .push(touches("block", PartnerSpec::Tool(side.into())));
+        }
+        let mut scene = Scene::new(&spec).unwrap();
+        let half = |tick: usize| (2e-3 - 0.1e-3 * tick as f64).max(0.45e-3);
+        let jaws = |from: f64, to: f64| {
+            vec![
+                moved(0, [from, 0.0, 1e-3], [to, 0.0, 1e-3]),
+                moved(1, [-from, 0.0, 1e-3], [-to, 0.0, 1e-3]),
+            ]
+        };
+        survive(&mut scene, 25, 20e-3, case, |tick| jaws(half(tick), half(tick + 1)));
+        survive(&mut scene, 100, 20e-3, case, |_| Vec::new());
+        let both = scene.positions(0).iter().zip(scene.rest_positions(0));
+        let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
+        assert!(worst < 0.1 * SIDE, "{case}: {worst} m from rest");
+    }
+}
+
+/// One body of a hundred loose plates that lie on one another and on the table: they stay in order.
+#[test]
+fn a_hundred_layers_of_self_contact() {
+    const LAYERS: usize = 100;
+    let (height, apart) = (0.2e-3, 0.205e-3);
+    let mut mesh: Option<TetMesh> = None;
+    for layer in 0..LAYERS {
+        let plate = Block {
+            center: [0.0, 0.0, 0.105e-3 + apart * layer as f64],
+            size: [1e-3, 1e-3, height],
+            cells: [1, 1, 1],
+            split: CellSplit::Kuhn,
+        };
+        let plate = plate.mesh().unwrap();
+        mesh = Some(match mesh {
+            None => plate,
+            Some(mesh) => {
+                let first = mesh.positions.len() as u32;
+                let tets = plate.tets.iter().map(|tet| tet.map(|node| node + first));
+                TetMesh::new(
+                    [mesh.positions.as_slice(), &plate.positions].concat(),
+                    mesh.tets.iter().copied().chain(tets).collect(),
+                    [mesh.regions.as_slice(), &plate.regions].concat(),
+                )
+            }
+        });
+    }
+    for method in [METHODS[0], METHODS[1]] {
+        let case = method.name();
+        let mut body = block("pile", [0.0; 3], [SIDE; 3], [1, 1, 1]);
+        body.mesh = mesh.clone().unwrap();
+        let contacts = vec![on_table("pile"), touches("pile", PartnerSpec::Itself)];
+        let mut scene = Scene::new(&scene_of(vec![body], contacts, method)).unwrap();
+        let failed = survive(&mut scene, 10, 5e-3, case, |_| Vec::new());
+        assert_eq!(failed, 0, "{case}");
+        // Eight nodes per plate; the middle of each is above that of the one before.
+        let middles: Vec<f64> = scene
+            .positions(0)
+            .chunks(8)
+            .map(|nodes| nodes.iter().map(|p| p.z).sum::<f64>() / 8.0)
+            .collect();
+        assert_eq!(middles.len(), LAYERS);
+        assert!(middles.is_sorted(), "{case}: {middles:?}");
+        assert!(middles[0] > 0.4 * height, "{case}: {}", middles[0]);
+    }
+}
+
+/// A small block that is wholly inside a large one: it stays in the neighbourhood, whatever way out is found.
+#[test]
+fn a_body_wholly_inside_another() {
+    for method in METHODS {
+        let case = method.name();
+        let mut inner = block("inner", [0.2e-3, 0.1e-3, 2e-3], [1e-3; 3], [1, 1, 1]);
+        let mut outer = block("outer", [0.0, 0.0, 2e-3], [SIDE; 3], [3, 3, 3]);
+        if needs_clamp(&method) {
+            inner = held(inner, -0.5e-3);
+            outer = held(outer, -0.5 * SIDE);
+        }
+        let contacts = vec![bodies_touch("inner", "outer"), on_table("outer"), on_table("inner")];
+        let mut scene = Scene::new(&scene_of(vec![inner, outer], contacts, method)).unwrap();
+        survive(&mut scene, 60, 50e-3, case, |_| Vec::new());
+        assert!(speed(&scene) < 1.0, "{case}: {}", speed(&scene));
+    }
+}
+
+/// A block pressed flat at the start, on a plane through its triangles: flat elements and triangles of no height, exactly coplanar.
+#[test]
+fn a_flat_body_in_the_plane_that_it_touches() {
+    for method in [METHODS[0], METHODS[1], METHODS[2]] {
+        let case = method.name();
+        let mut body = block("flat", [0.0, 0.0, 0.0], [SIDE, SIDE, 2e-3], [2, 2, 1]);
+        body.start.push(StartSpec {
+            nodes: Selection::All,
+            matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]],
+            pivot: [0.0; 3],
+            shift: [0.0; 3],
+            velocity: [0.0; 3],
+        });
+        let contacts = vec![on_table("flat"), touches("flat", PartnerSpec::Itself)];
+        let mut scene = Scene::new(&scene_of(vec![body], contacts, method)).unwrap();
+        survive(&mut scene, 40, 30e-3, case, |_| Vec::new());
+        assert!(speed(&scene) < 5.0, "{case}: {}", speed(&scene));
+    }
+}
+
+/// Two blocks with a face in common, node on node, on a table that the lower one lies on exactly: nothing moves but under weight.
+#[test]
+fn exactly_touching_bodies_rest() {
+    for method in METHODS {
+        let case = method.name();
+        let mut low = block("low", [0.0, 0.0, 1e-3], [2e-3; 3], [2, 2, 2]);
+        let mut high = block("high", [0.0, 0.0, 3e-3], [2e-3; 3], [2, 2, 2]);
+        if needs_clamp(&method) {
+            low = held(low, -1e-3);
+            // A wall at one side holds the upper one, so that statics has one place for it.
+            high.clamps.push(ClampSpec {
+                nodes: Selection::Box(BoxSpec {
+                    min: [-1e-3, -1.0, -1.0],
+                    max: [-1e-3, 1.0, 1.0],
+                }),
+                motion: None,
+                release: None,
+            });
+        }
+        let contacts = vec![on_table("low"), bodies_touch("high", "low")];
+        let mut scene = Scene::new(&scene_of(vec![low, high], contacts, method)).unwrap();
+        let failed = survive(&mut scene, 40, 0.1e-3, case, |_| Vec::new());
+        assert_eq!(failed, 0, "{case}");
+        assert!(speed(&scene) < 2e-3, "{case}: {}", speed(&scene));
+        for body in 0..2 {
+            let depth = scene.overlap(body).depth;
+            assert!(depth < 2e-3 * 1e-3, "{case}: {depth} m inside");
+        }
+    }
+}
