@@ -1,6 +1,8 @@
 //! Hard cases of contact: each ends in a state that recovers, or in a clear report, and nothing explodes.
 
 use super::*;
+use microsim_tissue::law::LawName;
+use microsim_tissue::{ContinuumConstants, Discretisation};
 
 /// The methods that differ in how they keep gaps; those with a stability limit say so by their steps.
 const METHODS: [Method; 4] = [
@@ -19,7 +21,7 @@ const NEWTON: Newton = Newton {
 
 const SIDE: f64 = 4e-3;
 
-/// A block with its middle at `centre`, of soft tissue with damping.
+/// A block with its middle at `centre`, of soft tissue.
 fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> BodySpec {
     let block = Block {
         center: centre,
@@ -32,7 +34,7 @@ fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Bod
         mesh: block.mesh().unwrap(),
         origin: centre,
         materials: vec![(0, tissue())],
-        drag: 20.0,
+        drag: 100.0,
         clamps: Vec::new(),
         couplings: Vec::new(),
         loads: Vec::new(),
@@ -41,11 +43,17 @@ fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Bod
     }
 }
 
+/// Damped by drag, as viscosity would make the steps of explicit methods far shorter.
 fn tissue() -> Material {
     Material {
         density: 1060.0,
-        relaxation_time: 1e-3,
-        behaviour: Behaviour::Springs(SpringConstants::scaled(25e3, 5e4)),
+        relaxation_time: 0.0,
+        behaviour: Behaviour::Continuum(ContinuumConstants {
+            law: LawName::StableNeoHookean,
+            young: 25e3,
+            poisson: 0.3,
+            discretisation: Discretisation::Tetrahedra,
+        }),
     }
 }
 
@@ -300,7 +308,7 @@ fn tissue_squeezed_to_nothing_between_jaws() {
             ]
         };
         survive(&mut scene, 25, 20e-3, case, |tick| jaws(half(tick), half(tick + 1)));
-        survive(&mut scene, 100, 20e-3, case, |_| Vec::new());
+        survive(&mut scene, 50, 20e-3, case, |_| Vec::new());
         let both = scene.positions(0).iter().zip(scene.rest_positions(0));
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
         assert!(worst < 0.1 * SIDE, "{case}: {worst} m from rest");
@@ -315,7 +323,11 @@ fn a_hundred_layers_of_self_contact() {
     let mut mesh: Option<TetMesh> = None;
     for layer in 0..LAYERS {
         let plate = Block {
-            center: [0.0, 0.0, 0.105e-3 + apart * layer as f64],
+            center: [
+                0.02e-3 * (layer % 3) as f64,
+                0.03e-3 * (layer % 2) as f64,
+                0.105e-3 + apart * layer as f64,
+            ],
             size: [1e-3, 1e-3, height],
             cells: [1, 1, 1],
             split: CellSplit::Kuhn,
@@ -387,8 +399,9 @@ fn a_flat_body_in_the_plane_that_it_touches() {
         });
         let contacts = vec![on_table("flat"), touches("flat", PartnerSpec::Itself)];
         let mut scene = Scene::new(&scene_of(vec![body], contacts, method)).unwrap();
-        survive(&mut scene, 40, 30e-3, case, |_| Vec::new());
-        assert!(speed(&scene) < 5.0, "{case}: {}", speed(&scene));
+        // What it was pressed together by, sqrt(E/rho) = 5 m/s, it may fly by.
+        survive(&mut scene, 20, 0.5, case, |_| Vec::new());
+        assert!(speed(&scene) < 10.0, "{case}: {}", speed(&scene));
     }
 }
 
