@@ -128,7 +128,11 @@ impl Watch {
             .zip(&forces)
             .map(|((from, to), f)| f.dot(&(to - from)));
         let brought = self.start_energy + work.sum::<f64>().abs() + self.work;
-        let overlap = if self.overlap_undone { OVERLAP_ENERGY } else { 0.0 };
+        let overlap = if self.overlap_undone {
+            OVERLAP_ENERGY
+        } else {
+            0.0
+        };
         let scale = body.energy_scale * (1.0 + overlap);
         let allowed = brought * (1.0 + ENERGY_MARGIN) + scale;
         if !energy.is_finite() {

@@ -152,7 +152,10 @@ fn survive(
         for body in 0..scene.body_count() {
             let both = scene.positions(body).iter().zip(scene.rest_positions(body));
             let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
-            assert!(worst < reach, "{case}, tick {tick}: a node is {worst} m away");
+            assert!(
+                worst < reach,
+                "{case}, tick {tick}: a node is {worst} m away"
+            );
             assert!(scene.body_state(body).is_finite(), "{case}, tick {tick}");
         }
     }
@@ -188,10 +191,7 @@ fn held(mut body: BodySpec, z: f64) -> BodySpec {
 fn a_tool_that_appears_inside_tissue() {
     for method in METHODS {
         let case = method.name();
-        let body = held(
-            block("block", [0.0; 3], [SIDE; 3], [4, 4, 4]),
-            -0.5 * SIDE,
-        );
+        let body = held(block("block", [0.0; 3], [SIDE; 3], [4, 4, 4]), -0.5 * SIDE);
         let mut spec = scene_of(vec![body], Vec::new(), method);
         spec.tools.push(rod("rod", 0.4e-3));
         spec.contacts
@@ -278,7 +278,11 @@ fn a_pose_that_is_not_a_number_for_one_step() {
                 motion.to.position.x = f64::NAN;
             }
             let report = scene.tick(&[motion], TICK, steps, &Serial).unwrap();
-            assert_eq!(report.invalid_motions.len(), usize::from(tick == 8), "{case}");
+            assert_eq!(
+                report.invalid_motions.len(),
+                usize::from(tick == 8),
+                "{case}"
+            );
         }
         assert!(speed(&scene) < 0.1, "{case}");
     }
@@ -307,7 +311,9 @@ fn tissue_squeezed_to_nothing_between_jaws() {
                 moved(1, [-from, 0.0, 1e-3], [-to, 0.0, 1e-3]),
             ]
         };
-        survive(&mut scene, 25, 20e-3, case, |tick| jaws(half(tick), half(tick + 1)));
+        survive(&mut scene, 25, 20e-3, case, |tick| {
+            jaws(half(tick), half(tick + 1))
+        });
         survive(&mut scene, 100, 20e-3, case, |_| Vec::new());
         let both = scene.positions(0).iter().zip(scene.rest_positions(0));
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
@@ -346,15 +352,20 @@ fn a_hundred_layers_of_self_contact() {
             }
         });
     }
-    {
-        let method = METHODS[1];
+    for method in [METHODS[0], METHODS[1]] {
         let case = method.name();
         let mut body = block("pile", [0.0; 3], [SIDE; 3], [1, 1, 1]);
         body.mesh = mesh.clone().unwrap();
         let contacts = vec![on_table("pile"), touches("pile", PartnerSpec::Itself)];
         let mut scene = Scene::new(&scene_of(vec![body], contacts, method)).unwrap();
-        let failed = survive(&mut scene, 10, 5e-3, case, |_| Vec::new());
-        assert_eq!(failed, 0, "{case}");
+        // Ticks in which a plate falls by less than its height, as an eighth of a picture.
+        let tick = TICK / 8.0;
+        let steps = scene.required_steps(tick);
+        for _ in 0..6 {
+            let report = scene.tick(&[], tick, steps, &Serial);
+            assert!(report.is_ok(), "{case}: {report:?}");
+            assert!(speed(&scene) < 0.5, "{case}: {} m/s", speed(&scene));
+        }
         // Eight nodes per plate; the middle of each is above that of the one before.
         let middles: Vec<f64> = scene
             .positions(0)
@@ -378,7 +389,11 @@ fn a_body_wholly_inside_another() {
             inner = held(inner, -0.5e-3);
             outer = held(outer, -0.5 * SIDE);
         }
-        let contacts = vec![bodies_touch("inner", "outer"), on_table("outer"), on_table("inner")];
+        let contacts = vec![
+            bodies_touch("inner", "outer"),
+            on_table("outer"),
+            on_table("inner"),
+        ];
         let mut scene = Scene::new(&scene_of(vec![inner, outer], contacts, method)).unwrap();
         survive(&mut scene, 60, 50e-3, case, |_| Vec::new());
         assert!(speed(&scene) < 1.0, "{case}: {}", speed(&scene));
