@@ -149,7 +149,7 @@ fn a_grip_slips_at_friction_times_its_normal_force() {
         (carried / grip / 0.3 - 1.0).abs() < 0.01,
         "{carried} {grip}"
     );
-    assert_eq!(series.contacts[0].stick_share[last], 0.0);
+    assert!(series.contacts[0].stick_share[last] < 0.01);
 }
 
 /// Contact keeps the momentum of two free bodies, and neither gets into the other.
