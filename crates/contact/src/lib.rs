@@ -10,12 +10,10 @@ mod detector;
 mod edges;
 mod ends;
 mod features;
-mod memory;
 mod meshes;
 mod near;
 mod outward;
 mod point;
-mod response;
 mod rigid;
 mod sides;
 mod skin;
@@ -23,14 +21,11 @@ mod standing;
 #[cfg(test)]
 mod tests;
 mod tool;
-mod touch;
 mod tree;
 
 pub use capsule_motion::CapsuleMotion;
 pub use detector::{Detector, Frame, Touch, VesselEnd};
-pub use memory::ContactMemory;
 pub use point::{Key, Partner, Point};
-pub use response::{BodySurface, NodeCorrection, Response, respond};
 pub use rigid::{Rigid, RigidShape};
 pub use sides::Sides;
 pub use skin::Skin;
