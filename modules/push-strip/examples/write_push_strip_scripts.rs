@@ -8,40 +8,167 @@ use std::path::Path;
 /// Height above the strip from which a mark is approached \[m\].
 const APPROACH: f64 = 0.003;
 
+/// A script: the keys of each tool.
 struct Trainee {
-    text: String,
+    doc: String,
+    tools: Vec<(&'static str, String)>,
     time: f64,
 }
 
 impl Trainee {
-    fn new(doc: &str) -> Self {
-        let text = format!(
-            "# {doc}\n# Written by the example write_push_strip_scripts of this module.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n\n[[tool]]\nname = \"right\"\n"
-        );
-        Self { text, time: 0.0 }
+    fn new(doc: &str, tools: &[&'static str]) -> Self {
+        Self {
+            doc: doc.to_owned(),
+            tools: tools.iter().map(|tool| (*tool, String::new())).collect(),
+            time: 0.0,
+        }
     }
 
-    /// Is at a height above (or, negative, below) a mark after `seconds`.
-    fn reach(&mut self, seconds: f64, mark: [f64; 3], height: f64) {
-        self.time += seconds;
-        let [x, y, z] = mark.map(|c| 1e3 * c);
+    /// A key of a tool now.
+    fn key(&mut self, tool: usize, position: [f64; 3], turn: &str, opening: f64) {
+        let [x, y, z] = position.map(|c| 1e3 * c);
         let _ = write!(
-            self.text,
-            "\n[[tool.key]]\nt = \"{:.3} s\"\nposition = [\"{x:.4} mm\", \"{y:.4} mm\", \"{:.4} mm\"]\ndirection = [0, 0, 1]\nopening = 0\n",
+            self.tools[tool].1,
+            "\n[[tool.key]]\nt = \"{:.3} s\"\nposition = [\"{x:.4} mm\", \"{y:.4} mm\", \"{z:.4} mm\"]\n{turn}\nopening = {opening}\n",
             self.time,
-            z + 1e3 * height
         );
-    }
-
-    fn push(&mut self, mark: [f64; 3], depth: f64, stay: f64) {
-        self.reach(1.0, mark, APPROACH);
-        self.reach(2.0, mark, -depth);
-        self.reach(stay, mark, -depth);
-        self.reach(1.0, mark, APPROACH);
     }
 
     fn write(self, folder: &Path, name: &str) {
-        std::fs::write(folder.join(name), self.text).expect("the scripts folder can be written");
+        let mut text = format!(
+            "# {}\n# Written by the example write_push_strip_scripts of this module.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n",
+            self.doc
+        );
+        for (tool, keys) in self.tools {
+            let _ = write!(text, "\n[[tool]]\nname = \"{tool}\"\n{keys}");
+        }
+        std::fs::write(folder.join(name), text).expect("the scripts folder can be written");
+    }
+}
+
+/// Levels in which a probe pushes marks.
+mod push {
+    use super::{APPROACH, Path, Trainee};
+
+    /// Is at a height above (or, negative, below) a mark after `seconds`.
+    fn reach(trainee: &mut Trainee, seconds: f64, mark: [f64; 3], height: f64) {
+        trainee.time += seconds;
+        let [x, y, z] = mark;
+        trainee.key(0, [x, y, z + height], "direction = [0, 0, 1]", 0.0);
+    }
+
+    fn push(trainee: &mut Trainee, mark: [f64; 3], depth: f64, stay: f64) {
+        reach(trainee, 1.0, mark, APPROACH);
+        reach(trainee, 2.0, mark, -depth);
+        reach(trainee, stay, mark, -depth);
+        reach(trainee, 1.0, mark, APPROACH);
+    }
+
+    pub fn write(folder: &Path, level: u32, marks: &[[f64; 3]], depth: f64, dwell: f64) {
+        let begin = |doc: &str| {
+            let mut trainee = Trainee::new(doc, &["right"]);
+            reach(&mut trainee, 0.0, marks[0], 2.0 * APPROACH);
+            trainee
+        };
+
+        let mut pass = begin("Pushes every mark to its depth and holds it there.");
+        for mark in marks {
+            push(&mut pass, *mark, depth, dwell + 0.5);
+        }
+        pass.write(folder, &format!("level{level}-pass.toml"));
+
+        let mut shallow = begin("Pushes to half the depth.");
+        push(&mut shallow, marks[0], 0.5 * depth, dwell + 0.5);
+        shallow.write(folder, &format!("level{level}-fail-not-deep-enough.toml"));
+
+        let mut short = begin("Pushes to the depth, but holds it for less than half of the time.");
+        push(&mut short, marks[0], depth, 0.1 * dwell);
+        short.write(folder, &format!("level{level}-fail-dwell-too-short.toml"));
+
+        let mut hard = begin("Pushes twice too deep before it holds the right depth.");
+        for mark in marks {
+            reach(&mut hard, 1.0, *mark, APPROACH);
+            reach(&mut hard, 2.0, *mark, -2.2 * depth);
+            reach(&mut hard, 1.5, *mark, -depth);
+            reach(&mut hard, dwell + 0.5, *mark, -depth);
+            reach(&mut hard, 1.0, *mark, APPROACH);
+        }
+        hard.write(folder, &format!("level{level}-fail-pushed-too-hard.toml"));
+    }
+}
+
+/// Levels in which two forceps lift the free end into a ring.
+mod hold {
+    use super::{Path, Trainee};
+
+    /// Handles towards +x, jaws above one another: tool z is +x, tool x is up.
+    const TURN: &str = "orientation = [0.7071067811865476, 0, 0.7071067811865476, 0]";
+
+    /// Distance of each forceps from the middle of the strip \[m\].
+    const ASIDE: f64 = 0.0012;
+
+    /// Openings: around the strip, on it, and far into it.
+    const OPEN: f64 = 0.75;
+    const GRIP: f64 = 0.43;
+    const CRUSH: f64 = 0.1;
+
+    /// How far the strip sags where it is gripped \[m\] (level 3, measured).
+    const SAG: f64 = 0.00105;
+
+    fn reach(trainee: &mut Trainee, seconds: f64, x: f64, z: f64, opening: f64) {
+        trainee.time += seconds;
+        trainee.key(0, [x, ASIDE, z], TURN, opening);
+        trainee.key(1, [x, -ASIDE, z], TURN, opening);
+    }
+
+    /// Grips at `x` and goes `out` and up by `height` \[m\].
+    fn lift(trainee: &mut Trainee, x: f64, grip: f64, [out, height]: [f64; 2]) {
+        reach(trainee, 1.5, x, -SAG, OPEN);
+        reach(trainee, 1.0, x, -SAG, grip);
+        reach(trainee, 2.0, x + out, height - SAG, GRIP);
+    }
+
+    fn put_down(trainee: &mut Trainee, x: f64) {
+        reach(trainee, 1.5, x, -SAG, GRIP);
+        reach(trainee, 0.5, x, -SAG, OPEN);
+        reach(trainee, 1.0, x + 0.005, -SAG, OPEN);
+    }
+
+    pub fn write(folder: &Path, level: u32, mark: [f64; 3], ring: [f64; 3], dwell: f64) {
+        let x = mark[0] + 0.0004;
+        let way = [ring[0] - mark[0], ring[2] - (mark[2] - SAG)];
+        let low = [way[0], 0.4 * way[1]];
+        let begin = |doc: &str| {
+            let mut trainee = Trainee::new(doc, &["left", "right"]);
+            reach(&mut trainee, 0.0, x + 0.005, -SAG, OPEN);
+            trainee
+        };
+        let stay = |trainee: &mut Trainee, seconds: f64, [out, height]: [f64; 2]| {
+            reach(trainee, seconds, x + out, height - SAG, GRIP);
+        };
+
+        let mut pass = begin("Grips the free end with both forceps and holds it in the ring.");
+        lift(&mut pass, x, GRIP, way);
+        stay(&mut pass, dwell + 0.5, way);
+        put_down(&mut pass, x);
+        pass.write(folder, &format!("level{level}-pass.toml"));
+
+        let mut too_low = begin("Lifts the end to less than half of the height.");
+        lift(&mut too_low, x, GRIP, low);
+        stay(&mut too_low, dwell + 0.5, low);
+        put_down(&mut too_low, x);
+        too_low.write(folder, &format!("level{level}-fail-not-in-ring.toml"));
+
+        let mut short = begin("Puts the end down again at once.");
+        lift(&mut short, x, GRIP, way);
+        put_down(&mut short, x);
+        short.write(folder, &format!("level{level}-fail-dwell-too-short.toml"));
+
+        let mut hard = begin("Crushes the end before it lifts it.");
+        lift(&mut hard, x, CRUSH, way);
+        stay(&mut hard, dwell + 0.5, way);
+        put_down(&mut hard, x);
+        hard.write(folder, &format!("level{level}-fail-gripped-too-hard.toml"));
     }
 }
 
@@ -58,42 +185,15 @@ fn main() {
         let loaded = microsim_settings::load_level(&path, &manifest.settings, &known_metrics())
             .expect("a good level");
         let key = |name: &str| loaded.settings.module[name].as_f64().expect("a quantity");
-        let (depth, dwell) = (key("depth"), key("dwell"));
-        let marks: Vec<[f64; 3]> = loaded
-            .settings
-            .object
+        let objects = &loaded.settings.object;
+        let marks: Vec<[f64; 3]> = objects
             .iter()
-            .filter(|o| o.name.starts_with("mark-"))
-            .map(|o| o.position)
+            .filter(|object| object.name.starts_with("mark-"))
+            .map(|object| object.position)
             .collect();
-        let begin = |doc: &str| {
-            let mut trainee = Trainee::new(doc);
-            trainee.reach(0.0, marks[0], 2.0 * APPROACH);
-            trainee
-        };
-
-        let mut pass = begin("Pushes every mark to its depth and holds it there.");
-        for mark in &marks {
-            pass.push(*mark, depth, dwell + 0.5);
+        match objects.iter().find(|object| object.name == "ring") {
+            Some(ring) => hold::write(&folder, level, marks[0], ring.position, key("dwell")),
+            None => push::write(&folder, level, &marks, key("depth"), key("dwell")),
         }
-        pass.write(&folder, &format!("level{level}-pass.toml"));
-
-        let mut shallow = begin("Pushes to half the depth.");
-        shallow.push(marks[0], 0.5 * depth, dwell + 0.5);
-        shallow.write(&folder, &format!("level{level}-fail-not-deep-enough.toml"));
-
-        let mut short = begin("Pushes to the depth, but holds it for less than half of the time.");
-        short.push(marks[0], depth, 0.1 * dwell);
-        short.write(&folder, &format!("level{level}-fail-dwell-too-short.toml"));
-
-        let mut hard = begin("Pushes twice too deep before it holds the right depth.");
-        for mark in &marks {
-            hard.reach(1.0, *mark, APPROACH);
-            hard.reach(2.0, *mark, -2.2 * depth);
-            hard.reach(1.5, *mark, -depth);
-            hard.reach(dwell + 0.5, *mark, -depth);
-            hard.reach(1.0, *mark, APPROACH);
-        }
-        hard.write(&folder, &format!("level{level}-fail-pushed-too-hard.toml"));
     }
 }
