@@ -8,6 +8,7 @@
 //! - [`in_process`]: a run in the test's own process;
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
 //! - [`live`]: a tree with a source that has a timer of its own;
+//! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
 //! - [`system`]: the linear system of a body, phase by phase.
 
@@ -16,6 +17,7 @@ pub mod counts;
 pub mod in_process;
 pub mod kill;
 pub mod live;
+pub mod simulated;
 pub mod statistics;
 pub mod system;
 

@@ -40,6 +40,11 @@ pub const BENCHES: &[Program] = &[
         shows: "instructions of kernels under callgrind, compared with the recorded ones",
     },
     Program {
+        name: "contact",
+        example: "bench_contact",
+        shows: "contact: two tubes that collide, a thin wall, a vessel with two tools",
+    },
+    Program {
         name: "peers",
         example: "bench_peers",
         shows: "the reference beam in MuJoCo, Drake and pyPBD (from PyPI) and in ours",

@@ -1,0 +1,3 @@
+//! Contact against closed forms and against solutions that this test computes by other means.
+
+mod hertz;
