@@ -156,6 +156,9 @@ pub struct SimulateArgs {
     /// Write the deformed meshes as a series for ParaView into this folder [without DIR: SCENE-vtu]
     #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = "", value_parser = utf8_path)]
     pub vtu: Option<PathBuf>,
+    /// Draw pictures (PNG) into this folder, one per frame
+    #[arg(long, value_name = "DIR", value_parser = utf8_path)]
+    pub frames: Option<PathBuf>,
     /// Exit with status 1 unless all that was expected came out
     #[arg(long)]
     pub require: bool,

@@ -3,6 +3,7 @@
 mod cpu;
 mod document;
 mod frames;
+mod pictures;
 mod pool;
 mod table;
 
@@ -14,6 +15,7 @@ use document::{Result as Outcome, document};
 use frames::Frames;
 use indicatif::{ProgressBar, ProgressStyle};
 use microsim_scene::{End, Executor, Serial};
+use pictures::Pictures;
 use pool::Pool;
 use std::fs::File;
 use std::io::{IsTerminal, Write};
@@ -66,6 +68,10 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         Some(folder) => Some(Frames::new(&folder_of(folder, &path), &scene)?),
         None => None,
     };
+    let mut pictures = match &args.frames {
+        Some(folder) => Some(Pictures::new(folder, &scene)?),
+        None => None,
+    };
     let bar = progress_bar();
     let mut cpu = 0.0;
     loop {
@@ -78,12 +84,16 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         if let Some(frames) = &mut frames {
             frames.after_sample(&scene.runner)?;
         }
+        if let Some(pictures) = &mut pictures {
+            pictures.after_sample(&scene.runner)?;
+        }
         if !goes_on {
             break;
         }
     }
     bar.finish_and_clear();
     let files = frames.map(Frames::finish).transpose()?;
+    let drawn = pictures.map(Pictures::finish);
 
     let outcome = Outcome {
         given: given.clone(),
@@ -98,7 +108,9 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         match &mut json_file {
             None => say(format!("{document:#}"))?,
             Some(open) => {
-                writeln!(open, "{document:#}").map_err(|e| format!("{}: {e}", file.display()))?;
+                let mut buffered = std::io::BufWriter::new(open);
+                let written = writeln!(buffered, "{document:#}").and_then(|()| buffered.flush());
+                written.map_err(|e| format!("{}: {e}", file.display()))?;
             }
         }
     }
@@ -112,6 +124,9 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
                 "{count} meshes in {}; open the .pvd in ParaView",
                 folder.display()
             ))?;
+        }
+        if let Some((folder, count)) = drawn {
+            say(format!("{count} pictures in {}", folder.display()))?;
         }
     }
     let diverged = matches!(scene.runner.end(), Some(End::Diverged(_)));

@@ -61,7 +61,7 @@ impl Scene {
     }
 
     /// The capsules of a tool with a motion of its own, as they are now.
-    fn own_capsules(&self, tool: usize) -> Vec<Capsule> {
+    pub fn own_capsules(&self, tool: usize) -> Vec<Capsule> {
         let motions = self.own_motions(self.time(), self.time());
         let motion = motions.iter().find(|motion| motion.tool == tool);
         let capsules = motion.map(|motion| self.tools[tool].capsules_at(motion, 0.0).collect());

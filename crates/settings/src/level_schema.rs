@@ -116,7 +116,7 @@ fn clock_keys() -> Vec<Key> {
     ]
 }
 
-fn view_keys() -> Vec<Key> {
+pub(crate) fn view_keys() -> Vec<Key> {
     vec![
         Key::with_default(
             "field",

@@ -7,6 +7,7 @@ use crate::body::{Body, Nodes};
 use crate::contact::{ContactPair, Rigid, SceneTool};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
+use crate::level::View;
 use crate::method::{Accuracy, Method, Tuned};
 use crate::overrides::Override;
 use crate::scene_check::check;
@@ -26,6 +27,8 @@ pub struct Scene {
     pub summary: LocalText,
     /// How long, in which steps.
     pub run: SceneRun,
+    /// What pictures show; `None` for all bodies.
+    pub view: Option<View>,
     /// How the bodies are advanced.
     pub method: Method,
     /// Tetrahedral bodies.

@@ -2,6 +2,7 @@
 
 use crate::body_schema::{body_keys, nodes_keys, point};
 use crate::contact_schema::{contact_list, rigid_list, tool_list};
+use crate::level_schema::view_keys;
 use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::scene::{End, Feature, Quantity};
 use crate::schema::{Form, Key, Kind, Schema};
@@ -27,6 +28,11 @@ pub fn scene_schema() -> Schema {
                 "What it shows, in a sentence for people.",
             ),
             Key::required("run", Kind::Table(run_keys()), "How long, in which steps."),
+            Key::optional(
+                "view",
+                Kind::Table(view_keys()),
+                "What pictures show; all bodies as they lie at the start without it.",
+            ),
             Key::required(
                 "method",
                 Kind::Table(method_keys()),
