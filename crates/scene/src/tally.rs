@@ -129,7 +129,7 @@ pub(crate) fn sum_up(
             pairs[index].with,
             PairPartner::Tool(_) | PairPartner::Body(_)
         );
-        for side in 0..2 {
+        for (side, way) in way.iter().enumerate() {
             let node = match side {
                 0 => contact.nodes[0],
                 _ if first < 4 && contact.weights[first] != 0.0 => contact.nodes[first],
@@ -139,7 +139,7 @@ pub(crate) fn sum_up(
             let edge = bodies[group.members[member].body].model.mean_edge_length();
             let old = contact.start_gap < -OLD_OVERLAP * edge;
             if brings {
-                works[member].work += force.dot(&way[side]).abs();
+                works[member].work += force.dot(way).abs();
             }
             works[member].overlap_undone |= old && gap > contact.start_gap;
         }

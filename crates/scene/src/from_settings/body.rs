@@ -97,13 +97,16 @@ fn clamp(clamp: &settings::Clamp) -> ClampSpec {
     }
 }
 
+/// Outward triangles.
+type Face = Vec<[u32; 3]>;
+
 /// The mesh of a body, and the faces at the open ends of a tube.
 fn mesh(
     body: &settings::Body,
     key: &KeyPath,
     load: &mut Load<'_>,
     notes: &mut Vec<String>,
-) -> Result<(TetMesh, Vec<Vec<[u32; 3]>>), FromSettingsError> {
+) -> Result<(TetMesh, Vec<Face>), FromSettingsError> {
     let wrong = |cause| FromSettingsError::new(key.key("generator"), cause);
     let split = match body.split {
         None | Some(settings::Split::Kuhn) => CellSplit::Kuhn,

@@ -206,7 +206,7 @@ fn shipped_files_are_right() {
         }
     }
 
-    for name in ["forceps", "micro-scissors", "probe"] {
+    for name in ["dilator", "forceps", "micro-scissors", "probe"] {
         let tool = load_tool(&config.join(format!("tools/{name}.toml")))
             .expect(name)
             .settings;
