@@ -169,7 +169,7 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held() {
             .into_iter()
             .filter(|(reason, _)| reason.is_none())
         {
-            let mut fails_without = |what: &str| {
+            let fails_without = |what: &str| {
                 let said = level.run(folder.path(), what, &script, &["--without", what]);
                 assert_eq!(said["verdict"], "failed", "{said}");
                 assert_eq!(said["targets_done"], 0, "{said}");
@@ -183,7 +183,11 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held() {
             }
         }
     }
-    assert_eq!(tried, [3, 1], "levels, and those in which something is held");
+    assert_eq!(
+        tried,
+        [3, 1],
+        "levels, and those in which something is held"
+    );
 }
 
 /// Samples, segments, gaps and path of the file, counted by hand from its rows when the project was set up (the issue

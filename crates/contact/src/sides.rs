@@ -23,6 +23,10 @@ impl Sides {
     pub fn remember<'a>(&mut self, points: impl IntoIterator<Item = &'a Point>) {
         self.entries.clear();
         for point in points {
+            // Of two bodies the meshes themselves tell what is inside.
+            if matches!(point.key.partner, Partner::Body { .. }) {
+                continue;
+            }
             for k in 0..usize::from(point.first) {
                 if point.weights[k] > 0.0 {
                     let normal = point.normal * point.weights[k];
@@ -50,11 +54,6 @@ impl Sides {
         self.entries
             .binary_search_by_key(&(*partner, node), |&(partner, node, _)| (partner, node))
             .map_or_else(|_| Vector3::zeros(), |place| self.entries[place].2)
-    }
-
-    /// Whether nothing is remembered.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
     }
 
     /// All entries in ascending order: partner, node and normal, for [`Self::from_entries`].

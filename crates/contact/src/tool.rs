@@ -206,7 +206,8 @@ impl Search<'_> {
         let mut others = corners.iter().enumerate();
         others.all(|(k, a)| {
             let rest = corners[k + 1..].iter();
-            rest.into_iter().all(|b| (a - b).norm_squared() <= most * most)
+            rest.into_iter()
+                .all(|b| (a - b).norm_squared() <= most * most)
         })
     }
 

@@ -211,11 +211,6 @@ impl<const N: usize> Motion<N> {
         std::array::from_fn(|k| self.start[k] + (self.end[k] - self.start[k]) * time)
     }
 
-    /// The smallest box around the motion.
-    pub fn bounds(&self) -> crate::Aabb {
-        crate::Aabb::of(self.start.iter().chain(&self.end))
-    }
-
     /// The motion relative to a point that moves from the first to the second of `origins`.
     fn seen_from(&self, origins: &[Vector3<f64>; 2]) -> Self {
         Self {

@@ -4,7 +4,9 @@
 //! What is here: free functions and small value types on `f64` coordinates [m]. What is not: meshes, time, physics,
 //! files. Nothing here can fail: degenerate input (a segment of length zero, a triangle without area) gives the closest
 //! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input. What is decided (which
-//! side, through or not) is decided without rounding ([`orientation`]); what is measured is rounded in its last digits.
+//! side, through or not) is decided without rounding ([`orientation`]); what is measured is rounded in its last digits. Of the two broad phases
+//! contact uses [`Bvh`]: [`SpatialHash`] costs as much or more in what was measured (`cargo run --example broad_phase`), and is better only where
+//! everything is new in every step.
 
 mod aabb;
 mod broad_phase;

@@ -46,7 +46,8 @@ pub struct ContactReport {
     pub body: usize,
     /// What it touched.
     pub with: ContactPartner,
-    /// Force on the body, mean over the tick, in the world [N].
+    /// Force on the body, mean over the tick, in the world [N]; zero of a body that touches itself, of which peak and impulse are sums
+    /// of sizes.
     pub force_on_tissue: [f64; 3],
     /// Largest size of the force in a solver's step [N]. A landing acts over one step: its peak grows as steps get shorter.
     pub peak_force_n: f64,

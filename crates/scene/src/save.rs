@@ -7,6 +7,7 @@
 //! the normal f64 and across it 3 × f64. A partner is three u32: kind (0 tool, 1 rigid, 2 body), index, capsule (0 but for a tool). What does not evolve is not saved: bytes are restored into a scene built from
 //! the same description.
 
+use crate::group::{Group, Member};
 use crate::scene::{Scene, SceneState};
 use crate::touching::{ContactMemory, Remembered};
 use microsim_contact::{Key, Partner, Sides};
@@ -145,6 +146,15 @@ impl Scene {
                 accelerations,
                 internal,
             });
+        }
+        // Bodies that are advanced together have come to them together.
+        let carried = |member: &Member| bodies[member.body].accelerations.is_empty();
+        let same = |group: &Group| {
+            let mut members = group.members.windows(2);
+            members.all(|two| carried(&two[0]) == carried(&two[1]))
+        };
+        if !self.groups.iter().all(same) {
+            return Err(RestoreError::OtherScene);
         }
         reader.expect(self.groups.len())?;
         let mut memories = Vec::with_capacity(self.groups.len());

@@ -36,8 +36,9 @@ pub(crate) struct Tally {
     stick_impulse: f64,
     /// Per jaw: Σ λ h [N·s] and Σ A h [m²·s].
     jaws: [(f64, f64); 2],
-    /// Of the step that is being summed up.
+    /// Of the step that is being summed up, and of a body on itself the sum of sizes.
     step: Vector3<f64>,
+    step_size: f64,
     /// Touched nodes of the step, with the jaw and how much of the node is touched.
     areas: Vec<(usize, u32, f64)>,
 }
@@ -78,8 +79,12 @@ pub(crate) fn sum_up(
         let tally = &mut tallies[index];
         tally.max_depth = tally.max_depth.max(-gap);
         let force = contact.force();
-        let sign = if own { 1.0 } else { -1.0 };
-        tally.step += force * sign;
+        // A body's forces on itself have no direction.
+        match (&pairs[index].with, own) {
+            (PairPartner::Itself, _) => tally.step_size += force.norm(),
+            (_, true) => tally.step += force,
+            (_, false) => tally.step -= force,
+        }
         // Where it is on the first side: the point of the other one is a gap away.
         let first = usize::from(contact.first);
         let (mut place, mut way) = (Vector3::zeros(), [Vector3::<f64>::zeros(); 2]);
@@ -117,7 +122,7 @@ pub(crate) fn sum_up(
             let member = group.members[group.member_of(node)];
             let local = node - member.first_node as u32;
             tally.nodes.insert(local);
-            if let Some(jaw) = jaw {
+            if let Some(jaw) = jaw.filter(|_| contact.pressure > 0.0) {
                 tally.areas.push((jaw as usize, local, weight.abs()));
             }
         }
@@ -151,7 +156,7 @@ pub(crate) fn sum_up(
 
 impl Tally {
     fn finish_step(&mut self, body: &Body, limit: f64, h: f64) {
-        let size = self.step.norm();
+        let size = self.step.norm() + self.step_size;
         self.impulse += self.step * h;
         self.impulse_size += size * h;
         self.peak = self.peak.max(size);
@@ -159,6 +164,7 @@ impl Tally {
             self.over_limit += h;
         }
         self.step = Vector3::zeros();
+        self.step_size = 0.0;
         // A node that is touched in several places counts once, by the largest share of it.
         self.areas
             .sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.total_cmp(&a.2)));

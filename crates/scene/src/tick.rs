@@ -48,11 +48,8 @@ impl Scene {
         let steps = if stiffened { required } else { steps };
         let (mut motions, invalid_motions) = self.valid_motions(motions);
         let (substeps, jumped) = self.substeps(&mut motions, tick_s, steps);
-        for &tool in &jumped {
-            let memories = self.state.memories.iter_mut();
-            memories.for_each(|memory| memory.forget_tool(tool as u32));
-        }
         let start = self.state.clone();
+        self.forget(&jumped);
         let mut recoveries = Vec::new();
         let mut failure = None;
         let tries = if self.containment {
@@ -77,6 +74,7 @@ impl Scene {
                 }
                 Err(found) => {
                     self.state.clone_from(&start);
+                    self.forget(&jumped);
                     failure = Some((found, tick_s / f64::from(count)));
                     if let Some(&next) = tries.get(index + 1) {
                         recoveries.push(Recovery {
@@ -91,6 +89,14 @@ impl Scene {
         match failure {
             Some((failure, step_s)) => Err(self.diverged(start, failure, step_s)),
             None => unreachable!("there is at least one try, and each returns or fails"),
+        }
+    }
+
+    /// Forgets where tissue was to these tools, which have jumped.
+    fn forget(&mut self, tools: &[usize]) {
+        for &tool in tools {
+            let memories = self.state.memories.iter_mut();
+            memories.for_each(|memory| memory.forget_tool(tool as u32));
         }
     }
 

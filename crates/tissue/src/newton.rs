@@ -130,10 +130,29 @@ pub(crate) struct Equation {
 /// Contact in one equation.
 pub(crate) struct Touch<'a> {
     pub source: &'a mut dyn ContactSource,
-    /// Positions at the start of the step [m].
-    pub start: &'a [Vector3<f64>],
+    /// Since when sliding counts.
+    pub since: Since<'a>,
     /// The share of the step at which the equation is.
     pub way: f64,
+}
+
+/// A time in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Since<'a> {
+    /// Positions then [m].
+    pub positions: &'a [Vector3<f64>],
+    /// The share of the way of rigid things up to the equation that comes after it.
+    pub drift: f64,
+}
+
+impl<'a> Since<'a> {
+    /// The start of the step.
+    pub fn all(positions: &'a [Vector3<f64>]) -> Self {
+        Self {
+            positions,
+            drift: 1.0,
+        }
+    }
 }
 
 /// Working memory for one model.

@@ -51,7 +51,7 @@
 use crate::contact::{Contact, Touching};
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver, Touch};
+use crate::newton::{Equation, Newton, NewtonSolver, Since, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
@@ -133,7 +133,7 @@ impl SolverImplicit {
         way: f64,
         start: &[Vector3<f64>],
         near: &[Vector3<f64>],
-        touch: Option<&mut Touching<'_>>,
+        touch: Option<(&mut Touching<'_>, Since<'_>)>,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         self.equation.rate = 1.0 / span;
@@ -147,9 +147,9 @@ impl SolverImplicit {
                 start + (self.prescribed.ends[node] - start) * way
             };
         }
-        let touch = touch.map(|touching| Touch {
+        let touch = touch.map(|(touching, since)| Touch {
             source: &mut *touching.source,
-            start,
+            since,
             way,
         });
         self.solver.solve(
@@ -225,6 +225,14 @@ impl SolverImplicit {
             }
         }
         let near = std::mem::take(&mut self.first_positions);
+        // What has slid in the first stage, whose forces are spent, is not to slide back.
+        let since = match touched {
+            true => Since {
+                positions: &near,
+                drift: 1.0 - GAMMA,
+            },
+            false => Since::all(&state.positions),
+        };
         let result = self.stage(
             model,
             control,
@@ -232,18 +240,23 @@ impl SolverImplicit {
             1.0,
             &state.positions,
             &near,
-            touching.as_deref_mut(),
+            touching.as_deref_mut().map(|touching| (touching, since)),
             exec,
         );
         self.first_positions = near;
         if touching.is_some() {
             // The mean over the step.
             for contact in self.solver.contacts() {
-                let same =
-                    |first: &&Contact| first.nodes == contact.nodes && first.first == contact.first;
+                // Two partners may touch the same nodes, from different sides.
+                let same = |first: &Contact| {
+                    first.nodes == contact.nodes
+                        && first.first == contact.first
+                        && first.normal.dot(&contact.normal) > 0.0
+                };
                 contact.pressure *= span;
                 contact.traction *= span;
-                if let Some(first) = self.first.iter().find(same) {
+                if let Some(place) = self.first.iter().position(same) {
+                    let first = self.first.remove(place);
                     contact.pressure += GAMMA * first.pressure;
                     contact.traction += first.traction * GAMMA;
                 }
@@ -296,7 +309,9 @@ impl SolverImplicit {
             way,
             start,
             start,
-            touching.as_deref_mut(),
+            touching
+                .as_deref_mut()
+                .map(|touching| (touching, Since::all(start))),
             exec,
         )?;
         if scheme == ImplicitScheme::Sdirk2 {

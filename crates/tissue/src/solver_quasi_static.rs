@@ -15,7 +15,7 @@ use crate::components::components;
 use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver, Touch};
+use crate::newton::{Equation, Newton, NewtonSolver, Since, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
@@ -161,7 +161,7 @@ impl Solver for SolverQuasiStatic {
                 &[&self.solved],
                 touching.as_deref_mut().map(|touching| Touch {
                     source: &mut *touching.source,
-                    start: &state.positions,
+                    since: Since::all(&state.positions),
                     way: s,
                 }),
                 &self.newton,

@@ -108,7 +108,7 @@ impl SolverXpbd {
     }
 
     /// Finds the contacts where the nodes have flown, as they are for a sub-step of `h` [s]: rigid things move evenly. Those of the step
-    /// gather the mean of their pressures.
+    /// are told the forces of its last sub-step.
     fn find(
         &mut self,
         touching: &mut Touching<'_>,
@@ -125,11 +125,6 @@ impl SolverXpbd {
         let way = f64::from(substep) / f64::from(self.substeps);
         let source = &mut touching.source;
         source.find(way, &self.positions, &mut touching.contacts);
-        if substep == 1 {
-            for contact in &mut touching.contacts {
-                contact.pressure = 0.0;
-            }
-        }
         self.contacts.clear();
         for contact in &touching.contacts {
             let drift = contact.drift / f64::from(substep);
@@ -229,9 +224,8 @@ impl Solver for SolverXpbd {
                 let held = |node: usize| self.inverse_masses[node] == 0.0;
                 self.projection
                     .undo(&self.contacts, held, small, &mut self.positions);
-                let share = 1.0 / f64::from(self.substeps);
                 for (contact, kept) in touching.contacts.iter_mut().zip(&self.contacts) {
-                    contact.pressure += kept.pressure * share;
+                    contact.pressure = kept.pressure;
                     contact.traction = kept.traction;
                 }
             }

@@ -219,7 +219,7 @@ impl PushStrip {
         let held = self
             .tools
             .iter()
-            .all(|tool| contacts.iter().any(|contact| contact.tool == *tool));
+            .all(|tool| contacts.iter().any(|c| c.tool == *tool && grip(c) > 0.0));
         if course.running() {
             state.drops += u32::from(state.held && !held);
             for contact in contacts {

@@ -11,7 +11,9 @@ const BELOW: f64 = 50.0;
 /// Height of a line of the legend.
 const LETTER: f64 = 15.0;
 
-const COLOURS: [&str; 6] = ["#c0392b", "#2471a3", "#1e8449", "#7d3c98", "#b9770e", "#34495e"];
+const COLOURS: [&str; 6] = [
+    "#c0392b", "#2471a3", "#1e8449", "#7d3c98", "#b9770e", "#34495e",
+];
 
 /// A line.
 pub struct Line {
@@ -55,13 +57,11 @@ fn panel(out: &mut String, left: f64, title: &str, x_title: &str, lines: &[Line]
         let values = lines.iter().flat_map(|line| of(line).iter().copied());
         values.filter(|v| v.is_finite()).fold(0.0, f64::max)
     };
-    let (x_end, y_end) = (largest(|line| &line.x), largest(|line| &line.y).max(1e-9) * 1.05);
-    let place = |x: f64, y: f64| {
-        (
-            left + WIDTH * x / x_end,
-            TOP + HEIGHT * (1.0 - y / y_end),
-        )
-    };
+    let (x_end, y_end) = (
+        largest(|line| &line.x),
+        largest(|line| &line.y).max(1e-9) * 1.05,
+    );
+    let place = |x: f64, y: f64| (left + WIDTH * x / x_end, TOP + HEIGHT * (1.0 - y / y_end));
     let _ = writeln!(
         out,
         "<text x=\"{left}\" y=\"{}\" font-weight=\"bold\">{title}</text>\n\

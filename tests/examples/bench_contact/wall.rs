@@ -16,10 +16,22 @@ const TICKS: [u32; 5] = [1, 2, 4, 8, 16];
 const WAY: f64 = 3.05e-3;
 
 const METHODS: [(&str, &str); 4] = [
-    ("quasi-static, 1 iteration", r#"{name="quasi-static",iterations=1,tolerance=1e-2,must_converge=false}"#),
-    ("backward Euler, 1 iteration", r#"{name="implicit-euler",iterations=1,tolerance=1e-2,must_converge=false}"#),
-    ("SDIRK2, 1 iteration", r#"{name="sdirk2",iterations=1,tolerance=1e-2,must_converge=false}"#),
-    ("XPBD, 10 iterations", r#"{name="xpbd",substeps=1,iterations=10}"#),
+    (
+        "quasi-static, 1 iteration",
+        r#"{name="quasi-static",iterations=1,tolerance=1e-2,must_converge=false}"#,
+    ),
+    (
+        "backward Euler, 1 iteration",
+        r#"{name="implicit-euler",iterations=1,tolerance=1e-2,must_converge=false}"#,
+    ),
+    (
+        "SDIRK2, 1 iteration",
+        r#"{name="sdirk2",iterations=1,tolerance=1e-2,must_converge=false}"#,
+    ),
+    (
+        "XPBD, 10 iterations",
+        r#"{name="xpbd",substeps=1,iterations=10}"#,
+    ),
 ];
 
 /// How many nodes are not where they belong: in the probe, or behind its lowest point within its width; and whether its axis passes
@@ -35,9 +47,12 @@ fn wrong(document: &Value) -> (usize, bool) {
         let deep = (off(p).powi(2) + (p[2] - centre).powi(2)).sqrt() < RADIUS - slack;
         within && (!below || deep)
     };
-    let surface = document["bodies"][0]["surface"].as_array().expect("triangles");
+    let surface = document["bodies"][0]["surface"]
+        .as_array()
+        .expect("triangles");
     let pierced = surface.iter().any(|triangle| {
-        let corners: [[f64; 3]; 3] = std::array::from_fn(|k| nodes[triangle[k].as_u64().expect("an index") as usize]);
+        let corners: [[f64; 3]; 3] =
+            std::array::from_fn(|k| nodes[triangle[k].as_u64().expect("an index") as usize]);
         holds_axis(&corners) && corners.iter().map(|p| p[2]).sum::<f64>() / 3.0 > END + slack
     });
     (nodes.iter().filter(is_wrong).count(), pierced)
@@ -60,7 +75,9 @@ fn run(method: &str, speed: f64, tick: u32) -> Result<String, String> {
         format!("run.sample={tick}ms"),
         format!("run.frame={tick}ms"),
         format!("run.duration={}ms", ticks * f64::from(tick)),
-        format!("tool.0.motion=[{{time=0,position=[0,0,0.00105]}},{{time={end},position=[0,0,-0.002]}}]"),
+        format!(
+            "tool.0.motion=[{{time=0,position=[0,0,0.00105]}},{{time={end},position=[0,0,-0.002]}}]"
+        ),
     ];
     let document = simulate("push-through", &set)?;
     if document["status"] != "ok" {

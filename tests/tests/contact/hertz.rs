@@ -6,8 +6,8 @@
 use microsim_geometry::Pose;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_scene::{
-    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, PartnerSpec, Scene, SceneSpec, Selection, Serial, ToolMotion,
-    ToolSpec,
+    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, PartnerSpec, Scene, SceneSpec,
+    Selection, Serial, ToolMotion, ToolSpec,
 };
 use microsim_tests::system::System;
 use microsim_tissue::elements::Tangent;

@@ -93,7 +93,13 @@ impl Pictures {
             height: SIZE,
             view: self.view,
             background: BACKGROUND,
-            items: self.rigid.iter().cloned().chain(bodies).chain(tools).collect(),
+            items: self
+                .rigid
+                .iter()
+                .cloned()
+                .chain(bodies)
+                .chain(tools)
+                .collect(),
         };
         let image = self.renderer.draw(&picture).map_err(|e| e.to_string())?;
         let path = self.folder.join(format!("frame-{:06}.png", self.count));
@@ -144,12 +150,23 @@ fn rigid(told: &settings::Rigid, thing: &RigidSpec, field: f64) -> Vec<Item> {
         let (shape, sunk) = match part.shape {
             microsim_scene::RigidShape::HalfSpace => {
                 let half = PLANE * field;
-                (Shape::Box { half: [half, half, 0.01 * half] }, 0.01 * half)
+                (
+                    Shape::Box {
+                        half: [half, half, 0.01 * half],
+                    },
+                    0.01 * half,
+                )
             }
-            microsim_scene::RigidShape::Cuboid { half_size, .. } => {
-                (Shape::Box { half: half_size.into() }, 0.0)
-            }
-            microsim_scene::RigidShape::Cylinder { radius, half_length } => (
+            microsim_scene::RigidShape::Cuboid { half_size, .. } => (
+                Shape::Box {
+                    half: half_size.into(),
+                },
+                0.0,
+            ),
+            microsim_scene::RigidShape::Cylinder {
+                radius,
+                half_length,
+            } => (
                 Shape::Cylinder {
                     radius,
                     height: 2.0 * half_length,
@@ -162,7 +179,12 @@ fn rigid(told: &settings::Rigid, thing: &RigidSpec, field: f64) -> Vec<Item> {
         let position = part.pose.position - down;
         Item {
             orientation: [turn.x, turn.y, turn.z, turn.w],
-            ..Item::new(shape, position.into(), colour(told.colour), finish(told.finish))
+            ..Item::new(
+                shape,
+                position.into(),
+                colour(told.colour),
+                finish(told.finish),
+            )
         }
     };
     thing.parts.iter().map(item).collect()

@@ -26,17 +26,21 @@ impl NewtonSolver {
         if self.finds < FINDS {
             let contacts = &mut self.gaps.contacts;
             touch.source.find(touch.way, positions, contacts);
+            for contact in contacts.iter_mut() {
+                contact.drift *= touch.since.drift;
+            }
             self.finds += 1;
         }
         let Equation { rate, hold, .. } = problem.equation;
         let (stiffness, drags) = (&self.stiffness, &self.drags);
-        self.gaps.set(touch.start, positions, *rate == 0.0, |node| {
-            if problem.fixed[node] {
-                return 0.0;
-            }
-            let inertia = rate * (rate + drags[node]) * problem.model.masses()[node];
-            stiffness[node] + inertia + hold.get(node).unwrap_or(&0.0)
-        });
+        self.gaps
+            .set(touch.since.positions, positions, *rate == 0.0, |node| {
+                if problem.fixed[node] {
+                    return 0.0;
+                }
+                let inertia = rate * (rate + drags[node]) * problem.model.masses()[node];
+                stiffness[node] + inertia + hold.get(node).unwrap_or(&0.0)
+            });
     }
 
     /// Tells the contacts their forces. With inertia the momentum of each part that is free is kept to rounding with these: the whole part
