@@ -45,6 +45,10 @@ fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Bod
 
 /// Damped by drag, as viscosity would make the steps of explicit methods far shorter.
 fn tissue() -> Material {
+    tissue_in(Discretisation::Tetrahedra)
+}
+
+fn tissue_in(discretisation: Discretisation) -> Material {
     Material {
         density: 1060.0,
         relaxation_time: 0.0,
@@ -52,7 +56,7 @@ fn tissue() -> Material {
             law: LawName::StableNeoHookean,
             young: 25e3,
             poisson: 0.3,
-            discretisation: Discretisation::Tetrahedra,
+            discretisation,
         }),
     }
 }
@@ -128,6 +132,13 @@ fn moved(tool: usize, from: [f64; 3], to: [f64; 3]) -> ToolMotion {
     }
 }
 
+/// How many ticks of a run ended at their start, and in how many something touched.
+#[derive(Clone, Copy, Debug, Default)]
+struct Went {
+    failed: usize,
+    touched: usize,
+}
+
 /// Advances by `ticks`; a tick that fails is one that containment has rolled back and reported. Nothing may be further from its
 /// rest than `reach` [m], at any time. Returns how many ticks failed.
 fn survive(
@@ -136,15 +147,15 @@ fn survive(
     reach: f64,
     case: &str,
     motions: impl Fn(usize) -> Vec<ToolMotion>,
-) -> usize {
+) -> Went {
     let steps = scene.required_steps(TICK);
-    let mut failed = 0;
+    let mut went = Went::default();
     for tick in 0..ticks {
         let before = scene.save();
         match scene.tick(&motions(tick), TICK, steps, &Serial) {
-            Ok(_) => {}
+            Ok(report) => went.touched += usize::from(!report.contacts.is_empty()),
             Err(diverged) => {
-                failed += 1;
+                went.failed += 1;
                 assert!(!diverged.to_string().is_empty());
                 assert_eq!(scene.save(), before, "{case}: rolled back");
             }
@@ -159,7 +170,7 @@ fn survive(
             assert!(scene.body_state(body).is_finite(), "{case}, tick {tick}");
         }
     }
-    failed
+    went
 }
 
 fn speed(scene: &Scene) -> f64 {
@@ -199,9 +210,10 @@ fn a_tool_that_appears_inside_tissue() {
         let mut scene = Scene::new(&spec).unwrap();
         let place = [0.3e-3, 0.0, 1.2e-3];
         let there = moved(0, place, place);
-        survive(&mut scene, 20, SIDE, case, |_| vec![there]);
-        let failed = survive(&mut scene, 60, SIDE, case, |_| Vec::new());
-        assert_eq!(failed, 0, "{case}");
+        let went = survive(&mut scene, 20, SIDE, case, |_| vec![there]);
+        assert!(went.touched > 0, "{case}: {went:?}");
+        let went = survive(&mut scene, 60, SIDE, case, |_| Vec::new());
+        assert_eq!(went.failed, 0, "{case}");
         let both = scene.positions(0).iter().zip(scene.rest_positions(0));
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
         assert!(worst < 0.05 * SIDE, "{case}: {worst} m from rest");
@@ -209,12 +221,13 @@ fn a_tool_that_appears_inside_tissue() {
 }
 
 /// Two rods that go through one another with the strip between them: what cannot be is reported or yields, and the strip recovers.
+/// It may be turned inside out: patches find back from that with every method, single tetrahedra not always.
 #[test]
 fn two_tools_cross_with_tissue_between() {
     for method in METHODS {
         let case = method.name();
         let mut spec = strip([10, 2, 1], true);
-        spec.bodies[0].materials = vec![(0, tissue())];
+        spec.bodies[0].materials = vec![(0, tissue_in(Discretisation::PatchPressure))];
         spec.method = method;
         spec.tools = vec![rod("above", RADIUS), rod("below", RADIUS)];
         spec.contacts = ["above", "below"]
@@ -222,13 +235,14 @@ fn two_tools_cross_with_tissue_between() {
             .into();
         let mut scene = Scene::new(&spec).unwrap();
         let height = |tick: usize| 1.2e-3 - 0.1e-3 * tick as f64;
-        survive(&mut scene, 24, 40e-3, case, |tick| {
+        let went = survive(&mut scene, 24, 40e-3, case, |tick| {
             let (from, to) = (height(tick), height(tick + 1));
             vec![
                 moved(0, [0.0, 0.0, from], [0.0, 0.0, to]),
                 moved(1, [0.2e-3, 0.0, -from], [0.2e-3, 0.0, -to]),
             ]
         });
+        assert!(went.touched > 0, "{case}: {went:?}");
         survive(&mut scene, 120, 40e-3, case, |_| Vec::new());
         let both = scene.positions(0).iter().zip(scene.rest_positions(0));
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
@@ -311,9 +325,10 @@ fn tissue_squeezed_to_nothing_between_jaws() {
                 moved(1, [-from, 0.0, 1e-3], [-to, 0.0, 1e-3]),
             ]
         };
-        survive(&mut scene, 25, 20e-3, case, |tick| {
+        let went = survive(&mut scene, 25, 20e-3, case, |tick| {
             jaws(half(tick), half(tick + 1))
         });
+        assert!(went.touched > 0, "{case}: {went:?}");
         survive(&mut scene, 100, 20e-3, case, |_| Vec::new());
         let both = scene.positions(0).iter().zip(scene.rest_positions(0));
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
@@ -395,7 +410,8 @@ fn a_body_wholly_inside_another() {
             on_table("inner"),
         ];
         let mut scene = Scene::new(&scene_of(vec![inner, outer], contacts, method)).unwrap();
-        survive(&mut scene, 60, 50e-3, case, |_| Vec::new());
+        let went = survive(&mut scene, 60, 50e-3, case, |_| Vec::new());
+        assert!(went.touched > 0 && went.failed < 30, "{case}: {went:?}");
         assert!(speed(&scene) < 1.0, "{case}: {}", speed(&scene));
     }
 }
@@ -416,7 +432,8 @@ fn a_flat_body_in_the_plane_that_it_touches() {
         let contacts = vec![on_table("flat"), touches("flat", PartnerSpec::Itself)];
         let mut scene = Scene::new(&scene_of(vec![body], contacts, method)).unwrap();
         // What it was pressed together by, sqrt(E/rho) = 5 m/s, it may fly by.
-        survive(&mut scene, 20, 0.5, case, |_| Vec::new());
+        let went = survive(&mut scene, 20, 0.5, case, |_| Vec::new());
+        assert!(went.failed < 10, "{case}: {went:?}");
         assert!(speed(&scene) < 10.0, "{case}: {}", speed(&scene));
     }
 }
@@ -442,8 +459,8 @@ fn exactly_touching_bodies_rest() {
         }
         let contacts = vec![on_table("low"), bodies_touch("high", "low")];
         let mut scene = Scene::new(&scene_of(vec![low, high], contacts, method)).unwrap();
-        let failed = survive(&mut scene, 40, 0.1e-3, case, |_| Vec::new());
-        assert_eq!(failed, 0, "{case}");
+        let went = survive(&mut scene, 40, 0.1e-3, case, |_| Vec::new());
+        assert!(went.touched > 0 && went.failed == 0, "{case}: {went:?}");
         assert!(speed(&scene) < 2e-3, "{case}: {}", speed(&scene));
         for body in 0..2 {
             let depth = scene.overlap(body).depth;
