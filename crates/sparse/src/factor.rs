@@ -11,7 +11,8 @@ use nalgebra::Vector3;
 use crate::BlockMatrix;
 use crate::assembly::{Part, Places, assemble};
 use crate::kernels::{
-    Octet, WIDTH, factor_panel, outer_product, solve_backward, solve_forward, triangle_start,
+    Octet, WIDTH, factor_panel, outer_product, solve_backward, solve_forward, solve_strip,
+    triangle_start,
 };
 use crate::real::Real;
 use crate::symbolic::{Front, Symbolic};
@@ -51,6 +52,8 @@ pub struct Factor<T = f64> {
     own: Vec<Octet<T>>,
     below: Vec<Octet<T>>,
     sums: Vec<Octet<T>>,
+    /// L⁻¹ Jᵀ for a compliance, eight columns at a time.
+    halves: Vec<Octet<T>>,
 }
 
 impl<T: Real> Factor<T> {
@@ -70,6 +73,7 @@ impl<T: Real> Factor<T> {
             own: vec![Octet::ZERO; triangle],
             below: vec![Octet::ZERO; below],
             sums: vec![Octet::ZERO; WIDTH * triangle],
+            halves: Vec::new(),
             symbolic,
         }
     }
@@ -139,6 +143,91 @@ impl<T: Real> Factor<T> {
         }
         self.valid = true;
         Ok(())
+    }
+
+    /// Solves L y = b in place for eight right-hand sides at once, in the order of elimination: one octet per number of a node. Fronts
+    /// that have nothing to do with them are passed over.
+    ///
+    /// # Panics
+    /// When the last factorisation failed or there was none, or `x` does not have three octets per node.
+    pub(crate) fn solve_half(&mut self, x: &mut [Octet<T>]) {
+        assert!(self.valid, "factorised before");
+        let symbolic = &*self.symbolic;
+        assert_eq!(
+            x.len(),
+            3 * symbolic.sequence.len(),
+            "three octets per node"
+        );
+        for front in &symbolic.fronts {
+            let columns = 3 * front.columns.start..3 * front.columns.end;
+            if x[columns.clone()].iter().all(|octet| *octet == Octet::ZERO) {
+                continue;
+            }
+            let panel = &self.panels[front.panel..][..front.panel_octets()];
+            let width = WIDTH * front.triangle();
+            // Eight right-hand sides are a strip of rows below the triangle.
+            let strip = &mut self.sums[..width];
+            strip[..columns.len()].copy_from_slice(&x[columns.clone()]);
+            strip[columns.len()..].fill(Octet::ZERO);
+            solve_strip(panel, strip);
+            x[columns.clone()].copy_from_slice(&strip[..columns.len()]);
+            let below = panel[triangle_start(front.triangle())..].chunks_exact(width);
+            let rows = &symbolic.rows[front.rows.clone()];
+            for (index, below) in below.enumerate() {
+                let tile = T::product(strip, below);
+                let first = WIDTH * index;
+                for (row, sums) in (first..3 * rows.len()).zip(&tile) {
+                    let place = &mut x[3 * rows[row / 3] as usize + row % 3];
+                    for (x, sum) in place.0.iter_mut().zip(&sums.0) {
+                        *x -= *sum;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sets `compliance` to J A⁻¹ Jᵀ = (L⁻¹ Jᵀ)ᵀ (L⁻¹ Jᵀ), row by row; each row of J has the vectors of up to four nodes, of which those
+    /// marked in `fixed` are left out.
+    ///
+    /// # Panics
+    /// When the last factorisation failed or there was none.
+    pub(crate) fn set_compliance(
+        &mut self,
+        rows: &[[(u32, Vector3<f64>); 4]],
+        fixed: &[bool],
+        compliance: &mut Vec<f64>,
+    ) {
+        let symbolic = self.symbolic.clone();
+        let length = 3 * symbolic.sequence.len();
+        let mut halves = std::mem::take(&mut self.halves);
+        halves.clear();
+        halves.resize(rows.len().div_ceil(WIDTH) * length, Octet::ZERO);
+        for (rows, half) in rows.chunks(WIDTH).zip(halves.chunks_exact_mut(length)) {
+            for (lane, row) in rows.iter().enumerate() {
+                for (node, vector) in row.iter().filter(|(node, _)| !fixed[*node as usize]) {
+                    let place = 3 * symbolic.place[*node as usize] as usize;
+                    for (octet, value) in half[place..].iter_mut().zip(vector.iter()) {
+                        octet.0[lane] += T::from_f64(*value);
+                    }
+                }
+            }
+            self.solve_half(half);
+        }
+        compliance.clear();
+        compliance.resize(rows.len() * rows.len(), 0.0);
+        for (i, a) in halves.chunks_exact(length).enumerate() {
+            for (j, b) in halves.chunks_exact(length).take(i + 1).enumerate() {
+                let tile = T::product(a, b);
+                for (row, lane) in (WIDTH * i..rows.len()).zip(0..WIDTH) {
+                    for (column, values) in (WIDTH * j..rows.len()).zip(&tile) {
+                        let value = values.0[lane].to_f64();
+                        compliance[row * rows.len() + column] = value;
+                        compliance[column * rows.len() + row] = value;
+                    }
+                }
+            }
+        }
+        self.halves = halves;
     }
 
     /// Solves A x = b in place, in the numbering of the nodes.

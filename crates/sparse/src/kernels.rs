@@ -158,6 +158,13 @@ fn eliminate<T: Real>(strip: &mut [Octet<T>], pivot: &[Octet<T>], j: usize) {
     tile.copy_from_slice(&solved(reduced(tile, before, pivot), corner));
 }
 
+/// Solves X Lᵀ = B in place for a strip B, with the triangle L of a factored panel.
+pub(crate) fn solve_strip<T: Real>(panel: &[Octet<T>], strip: &mut [Octet<T>]) {
+    for j in 0..strip.len() / WIDTH {
+        eliminate(strip, &panel[triangle_start(j)..][..WIDTH * (j + 1)], j);
+    }
+}
+
 /// Writes −B Bᵀ into the lower triangle of strips `update`; `below` are the strips B, `width` columns each.
 pub(crate) fn outer_product<T: Real>(below: &[Octet<T>], width: usize, update: &mut [Octet<T>]) {
     let strips = below.len() / width;
@@ -239,8 +246,13 @@ pub(crate) fn solve_backward<T: Real>(
     // Lane by lane, so that the sums over the lanes are formed once, at the end.
     let sums = &mut sums[..width];
     sums.fill(Octet::ZERO);
-    let strips = panel[triangle_start(own.len())..].chunks_exact(width);
-    for (strip, x) in strips.zip(below) {
+    let strips = &panel[triangle_start(own.len())..];
+    let (blocks, rest) = below.as_chunks::<BLOCK>();
+    for (block, x) in strips.chunks_exact((BLOCK * width).max(1)).zip(blocks) {
+        add_lanes_of_block(sums, block, x);
+    }
+    let strips = strips[BLOCK * width * blocks.len()..].chunks_exact(width.max(1));
+    for (strip, x) in strips.zip(rest) {
         add_lanes(sums, strip, x);
     }
     for i in (0..own.len()).rev() {
@@ -257,6 +269,22 @@ pub(crate) fn solve_backward<T: Real>(
         }
         own[i].0 = x;
         add_lanes(&mut sums[..WIDTH * i], before, &own[i]);
+    }
+}
+
+/// As [`add_lanes`] for one strip after the other, but the sums are read and written once.
+#[inline(always)]
+fn add_lanes_of_block<T: Real>(sums: &mut [Octet<T>], block: &[Octet<T>], x: &[Octet<T>; BLOCK]) {
+    let width = sums.len();
+    let strips: [&[Octet<T>]; BLOCK] = std::array::from_fn(|k| &block[k * width..][..width]);
+    for (column, sum) in sums.iter_mut().enumerate() {
+        let mut total = sum.0;
+        for (strip, x) in strips.iter().zip(x) {
+            for lane in 0..WIDTH {
+                total[lane] += strip[column].0[lane] * x.0[lane];
+            }
+        }
+        sum.0 = total;
     }
 }
 

@@ -195,6 +195,23 @@ impl LinearSolver {
         Ok(())
     }
 
+    /// Sets `compliance` to J A⁻¹ Jᵀ, row by row, with the matrix A of the last [`factorise`](Self::factorise), to the accuracy of its
+    /// factor; each row of J has the vectors of up to four nodes. Those at fixed nodes count as 0. Says whether there is a factor;
+    /// if not nothing is done.
+    pub fn set_compliance(
+        &mut self,
+        rows: &[[(u32, Vector3<f64>); 4]],
+        compliance: &mut Vec<f64>,
+    ) -> bool {
+        let fixed = &self.fixed;
+        match (self.way, &mut self.single, &mut self.double) {
+            (Way::Single, Some(factor), _) => factor.set_compliance(rows, fixed, compliance),
+            (Way::Double, _, Some(factor)) => factor.set_compliance(rows, fixed, compliance),
+            _ => return false,
+        }
+        true
+    }
+
     fn next_way(&self) -> Way {
         match self.way {
             Way::TwoLevel => Way::Single,

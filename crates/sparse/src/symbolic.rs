@@ -17,6 +17,8 @@ pub struct Symbolic {
     pub(crate) pattern: Arc<Pattern>,
     /// The nodes in the order of elimination.
     pub(crate) sequence: Vec<u32>,
+    /// The place of each node among them.
+    pub(crate) place: Vec<u32>,
     pub(crate) fronts: Vec<Front>,
     /// Per front in turn: the places of its rows below the triangle.
     pub(crate) rows: Vec<u32>,
@@ -122,9 +124,14 @@ impl Symbolic {
             rows,
             parent,
         } = fronts(&pattern.graph(), ordering.sequence());
+        let mut place = vec![0; sequence.len()];
+        for (k, &node) in sequence.iter().enumerate() {
+            place[node as usize] = k as u32;
+        }
         let mut symbolic = Self {
             pattern: pattern.clone(),
             sequence,
+            place,
             fronts: Vec::with_capacity(rows.len()),
             rows: Vec::new(),
             in_parent: Vec::new(),
@@ -196,19 +203,16 @@ impl Symbolic {
 
     /// The way of the matrix' blocks into the panels.
     fn map_entries(&mut self) {
-        let mut place = vec![0; self.sequence.len()];
-        for (k, &node) in self.sequence.iter().enumerate() {
-            place[node as usize] = k;
-        }
+        let place = |node: u32| self.place[node as usize] as usize;
         // The blocks (slot and nodes) by the place of their column, which is the earlier of their two nodes.
-        let mut columns: Vec<Vec<(u32, [u32; 2])>> = vec![Vec::new(); place.len()];
+        let mut columns: Vec<Vec<(u32, [u32; 2])>> = vec![Vec::new(); self.sequence.len()];
         for i in 0..self.pattern.nodes() {
             for (k, &j) in self.pattern.row(i).iter().enumerate() {
                 let slot = (self.pattern.first_slot(i) + k) as u32;
-                columns[place[i].min(place[j as usize])].push((slot, [i as u32, j]));
+                columns[place(i as u32).min(place(j))].push((slot, [i as u32, j]));
             }
         }
-        let mut below = vec![0; place.len()];
+        let mut below = vec![0; self.sequence.len()];
         for front in &mut self.fronts {
             assert!(
                 front.panel_octets() < u32::MAX as usize / WIDTH,
@@ -220,7 +224,7 @@ impl Symbolic {
             let start = self.entries.len();
             for (k, blocks) in columns[front.columns.clone()].iter().enumerate() {
                 for &(slot, nodes) in blocks {
-                    let [i, j] = nodes.map(|node| place[node as usize]);
+                    let [i, j] = nodes.map(&place);
                     let targets = std::array::from_fn(|a| {
                         let row = i.max(j);
                         let (octet, lane) = if row < front.columns.end {

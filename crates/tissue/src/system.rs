@@ -151,6 +151,15 @@ impl System {
         self.solver.solve(&self.matrix, x, tolerance)
     }
 
+    /// Sets `compliance` to J A⁻¹ Jᵀ with the matrix as it was factored, to the accuracy of the factor; says whether there is one.
+    pub fn set_compliance(
+        &mut self,
+        rows: &[[(u32, Vector3<f64>); 4]],
+        compliance: &mut Vec<f64>,
+    ) -> bool {
+        self.solver.set_compliance(rows, compliance)
+    }
+
     /// As [`solve`](Self::solve), for the matrix and what `add` adds: q += (…) p.
     pub fn solve_with(
         &mut self,

@@ -331,3 +331,37 @@ fn a_chain_has_no_filling() {
     assert!(symbolic.fronts.iter().all(|front| front.rows.len() <= 1));
     assert_eq!(symbolic.rows.len(), symbolic.fronts.len() - 1);
 }
+
+#[test]
+fn compliance_is_that_of_the_dense_inverse() {
+    let (positions, edges) = grid([5, 3, 3]);
+    let mut matrix = elastic(&positions, &edges);
+    let nodes = positions.len();
+    let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
+    let mut random = Random(31);
+    // More than two strips of eight; among the nodes fixed ones, and the same one twice.
+    let rows: Vec<[(u32, Vector3<f64>); 4]> = (0..19)
+        .map(|_| std::array::from_fn(|_| (random.below(nodes) as u32, random.vector())))
+        .collect();
+    let mut factor = factor(
+        matrix.pattern(),
+        &Ordering::nested_dissection(matrix.pattern(), Some(&positions)),
+    );
+    factor.factorise(&matrix, Some(&fixed)).unwrap();
+    let mut compliance = Vec::new();
+    factor.set_compliance(&rows, &fixed, &mut compliance);
+    matrix.constrain(&fixed);
+    let dense = dense(&matrix);
+    let mut transposed = DMatrix::zeros(3 * nodes, rows.len());
+    for (column, row) in rows.iter().enumerate() {
+        for (node, vector) in row.iter().filter(|(node, _)| !fixed[*node as usize]) {
+            for a in 0..3 {
+                transposed[(3 * *node as usize + a, column)] += vector[a];
+            }
+        }
+    }
+    let expected = transposed.transpose() * dense.clone().cholesky().unwrap().solve(&transposed);
+    let found = DMatrix::from_row_slice(rows.len(), rows.len(), &compliance);
+    let bound = error_bound(&dense);
+    assert!((found - &expected).norm() <= bound * expected.norm());
+}

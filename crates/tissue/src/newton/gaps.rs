@@ -15,20 +15,24 @@
 //! inner iterations of Newton's method, each by conjugate gradients on K and the contacts that are closed now, with the factor of K and
 //! the contacts that were closed first; then multipliers and bounds are updated, until the gaps are kept and nothing slides that sticks.
 //!
+//! Where contacts are few all of this is done among them alone first (`reduced`), and conjugate gradients only see to what is left.
+//!
 //! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a softer ρ
 //! and more updates.
+
+mod reduced;
+mod row;
 
 use crate::contact::Contact;
 use crate::system::System;
 use microsim_sparse::NotPositive;
 use nalgebra::{Matrix3, Vector3};
+use reduced::{Reduced, size};
+use row::Row;
 
 /// ρ and k over the stiffness of the nodes at a contact by themselves: where the factor has it, and where not.
 const STIFF: f64 = 100.0;
 const SOFT: f64 = 8.0;
-/// k over ρ.
-const TANGENTIAL: f64 = 0.1;
-
 /// Most inner iterations with the same multipliers, and most updates of those.
 const INNER: u32 = 12;
 const UPDATES: u32 = 12;
@@ -36,99 +40,6 @@ const UPDATES: u32 = 12;
 const HALVES: u32 = 30;
 /// Sweeps over the contacts in which single nodes are put on surfaces that have moved, to begin with.
 const SWEEPS: u32 = 4;
-
-/// A contact as an iteration sees it.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    /// ρ [N/m]; 0 for a contact that can move nothing.
-    stiffness: f64,
-    /// λ [N].
-    multiplier: f64,
-    /// t [N].
-    traction: Vector3<f64>,
-    /// μ λ [N].
-    bound: f64,
-    /// Whether both sides can move.
-    joint: bool,
-    floor: f64,
-    /// g₀ [m].
-    gap: f64,
-    /// u₀ [m].
-    slide: Vector3<f64>,
-    /// How far each of its nodes goes for a force, all others at rest [m/N], and the gap with them.
-    responses: [f64; 4],
-    compliance: f64,
-    /// What of its second derivative is in the factored matrix.
-    factored: Option<Matrix3<f64>>,
-    /// The second derivative now.
-    hessian: Matrix3<f64>,
-}
-
-/// Force and energy of a contact.
-#[derive(Clone, Copy, Debug)]
-struct Law {
-    pressure: f64,
-    traction: Vector3<f64>,
-    energy: f64,
-}
-
-impl Row {
-    /// The state after the sides have come closer by `y`.
-    fn law(&self, contact: &Contact, y: &Vector3<f64>) -> Law {
-        let along = contact.normal.dot(y);
-        let pressure =
-            (self.multiplier - self.stiffness * (self.gap + along - self.floor)).max(0.0);
-        let mut energy = pressure * pressure / (2.0 * self.stiffness);
-        let mut traction = Vector3::zeros();
-        if self.bound > 0.0 {
-            let k = TANGENTIAL * self.stiffness;
-            let trial = self.trial(contact, y, along);
-            let size = trial.norm();
-            if size <= self.bound {
-                traction = trial;
-                energy += size * size / (2.0 * k);
-            } else {
-                traction = trial * (self.bound / size);
-                energy += self.bound * (size - 0.5 * self.bound) / k;
-            }
-        }
-        Law {
-            pressure,
-            traction,
-            energy,
-        }
-    }
-
-    /// t − k u.
-    fn trial(&self, contact: &Contact, y: &Vector3<f64>, along: f64) -> Vector3<f64> {
-        let slide = self.slide + y - contact.normal * along;
-        self.traction - slide * (TANGENTIAL * self.stiffness)
-    }
-
-    /// The second derivative of ψ.
-    fn curvature(&self, contact: &Contact, y: &Vector3<f64>) -> Matrix3<f64> {
-        let n = contact.normal;
-        let along = n.dot(y);
-        let normal = n * n.transpose();
-        let mut curvature = Matrix3::zeros();
-        if self.multiplier - self.stiffness * (self.gap + along - self.floor) > 0.0 {
-            curvature += normal * self.stiffness;
-        }
-        if self.bound > 0.0 {
-            let k = TANGENTIAL * self.stiffness;
-            let across = Matrix3::identity() - normal;
-            let trial = self.trial(contact, y, along);
-            let size = trial.norm();
-            curvature += if size <= self.bound {
-                across * k
-            } else {
-                let unit = trial / size;
-                (across - unit * unit.transpose()) * (k * self.bound / size)
-            };
-        }
-        curvature
-    }
-}
 
 /// Working memory: the contacts of an iteration.
 #[derive(Clone, Debug)]
@@ -145,6 +56,7 @@ pub(super) struct Gaps {
     /// What is left of all forces [N], then an inner direction [m].
     inner: Vec<Vector3<f64>>,
     product: Vec<Vector3<f64>>,
+    reduced: Reduced,
 }
 
 impl Gaps {
@@ -160,6 +72,7 @@ impl Gaps {
             others: zeros.clone(),
             inner: zeros.clone(),
             product: zeros,
+            reduced: Reduced::default(),
         }
     }
 
@@ -319,6 +232,15 @@ impl Gaps {
         [tolerance, rough, slack]: [f64; 3],
         direction: &mut [Vector3<f64>],
     ) -> Result<(), NotPositive> {
+        self.others.copy_from_slice(others);
+        if direction.iter().any(|d| *d != Vector3::zeros()) {
+            let (left, product) = (&mut self.others, &mut self.product);
+            multiply_others(system, &self.contacts, &self.rows, direction, product);
+            left.iter_mut().zip(&*product).for_each(|(l, p)| *l -= p);
+        }
+        let scale = size(others, fixed);
+        let most = self.settle(fixed, system, [tolerance, rough, slack], scale, direction)?;
+        let mut first = most.is_none();
         let Self {
             contacts,
             rows,
@@ -328,36 +250,17 @@ impl Gaps {
             product,
             ..
         } = self;
-        left.copy_from_slice(others);
-        if direction.iter().any(|d| *d != Vector3::zeros()) {
-            multiply_others(system, contacts, rows, direction, product);
-            left.iter_mut().zip(&*product).for_each(|(l, p)| *l -= p);
-        }
-        let size = |forces: &[Vector3<f64>]| {
-            let free = forces.iter().zip(fixed).filter(|(_, fixed)| !**fixed);
-            free.map(|(f, _)| f.norm_squared()).sum::<f64>().sqrt()
-        };
-        let scale = size(others);
-        let mut first = true;
         let mut enough = 0.0;
         for _ in 0..UPDATES {
             for _ in 0..INNER {
                 // What is left of all forces, and the curvature of contacts, at the direction so far.
                 inner.copy_from_slice(left);
-                let mut pushed = 0.0;
-                for (contact, row) in contacts.iter().zip(&mut *rows) {
-                    if row.stiffness > 0.0 {
-                        let y = contact.blend(direction);
-                        let force = row.law(contact, &y).force(contact);
-                        row.hessian = row.curvature(contact, &y);
-                        pushed += force.norm_squared();
-                        scatter(contact, &force, inner);
-                    }
-                }
-                let missing = size(inner);
-                let allowed = tolerance * scale.max(pushed.sqrt());
+                let pushed = add_forces_along(contacts, rows, direction, inner);
+                let missing = size(inner, fixed);
+                let allowed = tolerance * scale.max(pushed);
                 // What is left at the start may be little against all forces, and still all that a small load is to move.
                 enough = rough.max(tolerance) / tolerance * allowed;
+                enough = enough.min(most.unwrap_or(f64::INFINITY));
                 if missing <= enough && (!first || missing == 0.0) {
                     break;
                 }
@@ -388,19 +291,12 @@ impl Gaps {
                 }
             }
             let (mut worst, mut changes) = (0.0f64, 0.0);
-            for (contact, row) in contacts.iter_mut().zip(&mut *rows) {
+            for (contact, row) in contacts.iter().zip(&mut *rows) {
                 if row.stiffness > 0.0 {
-                    let law = row.law(contact, &contact.blend(direction));
-                    let bound = contact.friction * law.pressure;
-                    let miss = (law.pressure - row.multiplier).abs() / row.stiffness;
-                    // What sticks must not slide, and what slides must do so against all that there is.
-                    let change = (law.traction - row.traction).norm() + (bound - row.bound).abs();
-                    let pressure = law.pressure - row.multiplier;
-                    changes += pressure * pressure + change * change;
-                    worst = worst.max(miss).max(change / (TANGENTIAL * row.stiffness));
-                    row.multiplier = law.pressure;
-                    row.traction = law.traction;
-                    row.bound = bound;
+                    let (updated, [miss, change]) = row.updated(contact, &contact.blend(direction));
+                    *row = updated;
+                    worst = worst.max(miss);
+                    changes += change;
                 }
             }
             // In short steps forces are the sharper measure.
@@ -434,12 +330,6 @@ impl Gaps {
             any |= row.stiffness > 0.0 && row.gap < row.floor - slack * self.edge;
         }
         any
-    }
-}
-
-impl Law {
-    fn force(&self, contact: &Contact) -> Vector3<f64> {
-        contact.normal * self.pressure + self.traction
     }
 }
 
@@ -526,6 +416,27 @@ fn subtract(
             q[contact.nodes[k] as usize] -= force * contact.weights[k];
         }
     }
+}
+
+/// Adds the forces of contacts, where the nodes go `direction`, to those of the nodes [N], and sets their second derivatives; returns
+/// their size [N].
+fn add_forces_along(
+    contacts: &[Contact],
+    rows: &mut [Row],
+    direction: &[Vector3<f64>],
+    forces: &mut [Vector3<f64>],
+) -> f64 {
+    let mut pushed = 0.0;
+    for (contact, row) in contacts.iter().zip(rows) {
+        if row.stiffness > 0.0 {
+            let y = contact.blend(direction);
+            let force = row.law(contact, &y).force(contact);
+            row.hessian = row.curvature(contact, &y);
+            pushed += force.norm_squared();
+            scatter(contact, &force, forces);
+        }
+    }
+    pushed.sqrt()
 }
 
 /// Adds a force on the first side, and its opposite on the other, to the nodes.

@@ -1,0 +1,125 @@
+//! The law of one contact: what it does when its sides have come closer.
+
+use crate::contact::Contact;
+use nalgebra::{Matrix3, Vector3};
+
+/// k over ρ.
+const TANGENTIAL: f64 = 0.1;
+
+/// A contact as an iteration sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// ρ [N/m]; 0 for a contact that can move nothing.
+    pub stiffness: f64,
+    /// λ [N].
+    pub multiplier: f64,
+    /// t [N].
+    pub traction: Vector3<f64>,
+    /// μ λ [N].
+    pub bound: f64,
+    /// Whether both sides can move.
+    pub joint: bool,
+    pub floor: f64,
+    /// g₀ [m].
+    pub gap: f64,
+    /// u₀ [m].
+    pub slide: Vector3<f64>,
+    /// How far each of its nodes goes for a force, all others at rest [m/N], and the gap with them.
+    pub responses: [f64; 4],
+    pub compliance: f64,
+    /// What of its second derivative is in the factored matrix.
+    pub factored: Option<Matrix3<f64>>,
+    /// The second derivative now.
+    pub hessian: Matrix3<f64>,
+}
+
+/// Force and energy of a contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law {
+    pub pressure: f64,
+    pub traction: Vector3<f64>,
+    pub energy: f64,
+}
+
+impl Row {
+    /// The state after the sides have come closer by `y`.
+    pub fn law(&self, contact: &Contact, y: &Vector3<f64>) -> Law {
+        let along = contact.normal.dot(y);
+        let pressure =
+            (self.multiplier - self.stiffness * (self.gap + along - self.floor)).max(0.0);
+        let mut energy = pressure * pressure / (2.0 * self.stiffness);
+        let mut traction = Vector3::zeros();
+        if self.bound > 0.0 {
+            let k = TANGENTIAL * self.stiffness;
+            let trial = self.trial(contact, y, along);
+            let size = trial.norm();
+            if size <= self.bound {
+                traction = trial;
+                energy += size * size / (2.0 * k);
+            } else {
+                traction = trial * (self.bound / size);
+                energy += self.bound * (size - 0.5 * self.bound) / k;
+            }
+        }
+        Law {
+            pressure,
+            traction,
+            energy,
+        }
+    }
+
+    /// t − k u.
+    fn trial(&self, contact: &Contact, y: &Vector3<f64>, along: f64) -> Vector3<f64> {
+        let slide = self.slide + y - contact.normal * along;
+        self.traction - slide * (TANGENTIAL * self.stiffness)
+    }
+
+    /// The second derivative of ψ.
+    pub fn curvature(&self, contact: &Contact, y: &Vector3<f64>) -> Matrix3<f64> {
+        let n = contact.normal;
+        let along = n.dot(y);
+        let normal = n * n.transpose();
+        let mut curvature = Matrix3::zeros();
+        if self.multiplier - self.stiffness * (self.gap + along - self.floor) > 0.0 {
+            curvature += normal * self.stiffness;
+        }
+        if self.bound > 0.0 {
+            let k = TANGENTIAL * self.stiffness;
+            let across = Matrix3::identity() - normal;
+            let trial = self.trial(contact, y, along);
+            let size = trial.norm();
+            curvature += if size <= self.bound {
+                across * k
+            } else {
+                let unit = trial / size;
+                (across - unit * unit.transpose()) * (k * self.bound / size)
+            };
+        }
+        curvature
+    }
+
+    /// With the multipliers and the bound updated after the sides have come closer by `y`; how far the sides are from where they
+    /// should be [m], and the square of the change of the forces [N²].
+    pub fn updated(&self, contact: &Contact, y: &Vector3<f64>) -> (Self, [f64; 2]) {
+        let law = self.law(contact, y);
+        let bound = contact.friction * law.pressure;
+        let pressure = law.pressure - self.multiplier;
+        // What sticks must not slide, and what slides must do so against all that there is.
+        let change = (law.traction - self.traction).norm() + (bound - self.bound).abs();
+        let miss = (pressure.abs() / self.stiffness).max(change / (TANGENTIAL * self.stiffness));
+        let row = Self {
+            multiplier: law.pressure,
+            traction: law.traction,
+            bound,
+            ..*self
+        };
+        (row, [miss, pressure * pressure + change * change])
+    }
+}
+
+impl Law {
+    /// On the first side [N].
+    pub fn force(&self, contact: &Contact) -> Vector3<f64> {
+        contact.normal * self.pressure + self.traction
+    }
+}
