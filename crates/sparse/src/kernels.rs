@@ -280,8 +280,8 @@ fn add_lanes_of_block<T: Real>(sums: &mut [Octet<T>], block: &[Octet<T>], x: &[O
     for (column, sum) in sums.iter_mut().enumerate() {
         let mut total = sum.0;
         for (strip, x) in strips.iter().zip(x) {
-            for lane in 0..WIDTH {
-                total[lane] += strip[column].0[lane] * x.0[lane];
+            for ((total, l), x) in total.iter_mut().zip(&strip[column].0).zip(&x.0) {
+                *total += *l * *x;
             }
         }
         sum.0 = total;

@@ -33,7 +33,7 @@ fn host() -> TestHost<PushStrip> {
         }],
         "reasons": [],
         "module": {
-            "depth": DEPTH, "depth_tolerance": TOLERANCE, "dwell": 0.2, "mark_radius": 0.0011,
+            "task": "push", "depth": DEPTH, "depth_tolerance": TOLERANCE, "dwell": 0.2, "mark_radius": 0.0011,
         },
         "objects": [
             { "name": "mat", "position": [0.0, 0.0, -0.005] },

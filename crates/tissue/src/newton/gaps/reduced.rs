@@ -62,7 +62,8 @@ pub(super) struct Reduced {
 }
 
 impl Gaps {
-    /// Adds to `direction` what is missing of it, and sets the multipliers, if there are few contacts enough and the system has a factor;
+    /// Adds to `direction` what is missing of it, and sets the multipliers, if there are few contacts enough, none between two bodies that
+    /// can move, and the system has a factor;
     /// returns what may be left of all forces then [N], else none. There may be more, if the factor has too few digits.
     pub(super) fn settle(
         &mut self,
@@ -74,6 +75,10 @@ impl Gaps {
     ) -> Result<Option<f64>, NotPositive> {
         self.reduced.members.clear();
         self.reduced.directions.clear();
+        // Contacts between two bodies that can move are soft here, and a stack of them does not come to its last digits.
+        if self.rows.iter().any(|row| row.joint) {
+            return Ok(None);
+        }
         let rough = rough.max(tolerance);
         let mut most = None;
         for _ in 0..ROUNDS {
