@@ -56,7 +56,13 @@ fn cases() -> Vec<Case> {
         case(coarse, "SDIRK2, 1 iteration", "sdirk2", 1000, false),
         case(coarse, "SDIRK2, 1 iteration", "sdirk2", 2000, false),
         case(coarse, "SDIRK2, 1 iteration", "sdirk2", 4000, true),
-        case(fine, "SDIRK2, 1 iteration", "sdirk2", 2000, false),
+        case(
+            fine,
+            "Störmer–Verlet",
+            r#"{name="stoermer-verlet"}"#,
+            40,
+            false,
+        ),
         case(fine, "SDIRK2, 1 iteration", "sdirk2", 4000, true),
     ]
 }
@@ -86,10 +92,9 @@ fn method(name: &str) -> String {
     }
 }
 
-fn run(case: &Case, part: u32) -> Result<Found, String> {
+fn run(case: &Case, part: u32, every_step: bool) -> Result<Found, String> {
     let step = f64::from(case.step) / f64::from(part);
-    // A sample per step; finer runs are only asked where they end.
-    let sample = if part == 1 { step } else { step.max(1000.0) };
+    let sample = if every_step { step } else { step.max(1000.0) };
     let set = [
         method(case.method),
         format!("run.step={step}us"),
@@ -153,10 +158,14 @@ pub fn measure(text: &mut String) -> Result<String, String> {
     );
     let mut lines = Vec::new();
     for case in cases() {
-        let found = run(&case, 1)?;
+        // Samples cost: what each step leaves is asked in a run of its own.
+        let found = Found {
+            cpu: run(&case, 1, false)?.cpu,
+            ..run(&case, 1, true)?
+        };
         let eighth = match case.shown {
             true => {
-                let finer = run(&case, 8)?;
+                let finer = run(&case, 8, false)?;
                 format!(
                     "{:.1} mm ({:+.0} %)",
                     1e3 * finer.gap,

@@ -53,17 +53,25 @@ fn wrong(document: &Value) -> (usize, bool) {
     let pierced = surface.iter().any(|triangle| {
         let corners: [[f64; 3]; 3] =
             std::array::from_fn(|k| nodes[triangle[k].as_u64().expect("an index") as usize]);
-        holds_axis(&corners) && corners.iter().map(|p| p[2]).sum::<f64>() / 3.0 > END + slack
+        on_axis(&corners).is_some_and(|z| z > END + slack)
     });
     (nodes.iter().filter(is_wrong).count(), pierced)
 }
 
-/// Whether the axis of the probe, x = y = 0, passes through a triangle seen from above.
-fn holds_axis(corners: &[[f64; 3]; 3]) -> bool {
+/// The height at which the axis of the probe, x = y = 0, passes through a triangle [m].
+fn on_axis(corners: &[[f64; 3]; 3]) -> Option<f64> {
     let cross = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[1] - a[1] * b[0];
     let [a, b, c] = corners;
-    let signs = [cross(a, b), cross(b, c), cross(c, a)];
-    signs.iter().all(|s| *s > 0.0) || signs.iter().all(|s| *s < 0.0)
+    let shares = [cross(b, c), cross(c, a), cross(a, b)];
+    let sum: f64 = shares.iter().sum();
+    let inside = sum != 0.0 && shares.iter().all(|share| share / sum >= 0.0);
+    inside.then(|| {
+        shares
+            .iter()
+            .zip(corners)
+            .map(|(s, p)| s / sum * p[2])
+            .sum()
+    })
 }
 
 fn run(method: &str, speed: f64, tick: u32) -> Result<String, String> {
