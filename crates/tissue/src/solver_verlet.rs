@@ -70,7 +70,7 @@ impl SolverVerlet {
 
     /// First half of a step of length `h` [s]: where each node would be after it without contact [m]. Contact is
     /// sought there, so that a node is stopped at a surface before it is inside.
-    pub fn predict(
+    fn predict(
         &mut self,
         model: &TissueModel,
         state: &State,
@@ -106,7 +106,7 @@ impl SolverVerlet {
 
     /// Second half of the step begun by [`predict`](Self::predict) on the same state: adds the forces that lead the nodes
     /// of `contacts` to their targets, and moves all nodes.
-    pub fn finish(&self, model: &TissueModel, state: &mut State, contacts: &Contacts) {
+    fn finish(&self, model: &TissueModel, state: &mut State, contacts: &Contacts) {
         for node in 0..model.node_count() {
             state.positions[node] = self.predicted[node];
         }
@@ -166,7 +166,7 @@ impl SolverVerlet {
 
     /// The force F̂ [N] that moves a node by `correction` [m] from where the step begun by [`predict`](Self::predict) would
     /// bring it. Zero for a clamped node.
-    pub fn contact_force(
+    fn contact_force(
         &self,
         model: &TissueModel,
         node: u32,

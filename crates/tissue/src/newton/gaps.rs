@@ -355,7 +355,13 @@ fn search(
         }
         slope
     };
-    if slope_at(1.0) <= 0.1 * slope.abs() {
+    lowest(slope, slope_at)
+}
+
+/// Where an energy that is convex along a step is lowest, from 0 to 1, by its slope at the start and along the way; 1 where it hardly rises
+/// there.
+fn lowest(start: f64, slope_at: impl Fn(f64) -> f64) -> f64 {
+    if slope_at(1.0) <= 0.1 * start.abs() {
         return 1.0;
     }
     let (mut low, mut high) = (0.0, 1.0);

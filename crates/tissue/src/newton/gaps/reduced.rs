@@ -12,7 +12,7 @@
 //! whose gradient is G (p − f − F η).
 
 use super::row::Row;
-use super::{Gaps, HALVES, INNER, UPDATES, add_forces_along, multiply_others, scatter};
+use super::{Gaps, INNER, UPDATES, add_forces_along, lowest, multiply_others, scatter};
 use crate::contact::Contact;
 use crate::system::System;
 use microsim_sparse::NotPositive;
@@ -359,19 +359,7 @@ impl Reduced {
             }
             slope
         };
-        if slope_at(1.0) <= 0.1 * slope_at(0.0).abs() {
-            return 1.0;
-        }
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..HALVES {
-            let middle = 0.5 * (low + high);
-            if slope_at(middle) > 0.0 {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        0.5 * (low + high)
+        lowest(slope_at(0.0), slope_at)
     }
 }
 
