@@ -64,7 +64,7 @@ impl Message for ToolStates {
     const OVERFLOW: Overflow = Overflow::DropOldest;
 }
 
-/// Force of one tool on one body, mean over a tick.
+/// Force of a tool, a rigid thing or another body on one body, mean over a tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactForce {
     /// Tool slot; in [`ContactForces::between`] the name of the rigid thing or other body, that of the body itself in self-contact.
