@@ -1,0 +1,5 @@
+//! Cutting.
+mod pattern;
+#[cfg(test)]
+mod testing;
+pub use pattern::*;
