@@ -258,10 +258,10 @@ impl Scene {
     /// Momentum of a body [kg m/s]; nodes that are clamped have none.
     pub fn momentum(&self, body: usize) -> Vector3<f64> {
         let model = &self.bodies[body].model;
-        let free = model.inverse_masses().iter().map(|w| *w > 0.0);
-        let both = self.velocities(body).iter().zip(model.masses()).zip(free);
-        both.filter(|(_, free)| *free)
-            .map(|((v, m), _)| v * *m)
+        let nodes = self.velocities(body).iter().enumerate();
+        nodes
+            .filter(|(node, _)| !model.is_clamped(*node))
+            .map(|(node, v)| v * model.inertia(node))
             .sum()
     }
 

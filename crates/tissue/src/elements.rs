@@ -14,17 +14,22 @@ mod matrix;
 mod measure;
 mod plasticity;
 mod smoothed;
+pub mod splice;
 
 pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Smoothed};
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
+pub(crate) use coupling::{Followed, coordinates};
 pub use domains::{Domains, Tetrahedra};
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;
 pub use smoothed::SmoothingDomains;
+pub(crate) use smoothed::{EDGE_SHARE, NODE_SHARE, patches};
 
 use nalgebra::Vector3;
+use splice::{Inherited, Key};
+use std::any::Any;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
@@ -65,7 +70,7 @@ pub enum Tangent {
 }
 
 /// A set of elements of one kind.
-pub trait Elements: Debug + Send + Sync {
+pub trait Elements: Any + Debug + Send + Sync {
     /// Which energy it is.
     fn kind(&self) -> EnergyKind;
 
@@ -127,6 +132,21 @@ pub trait Elements: Debug + Send + Sync {
     /// step.
     fn flow(&self, _positions: &[Vector3<f64>], _internal: &mut [f64], _h: f64) -> bool {
         false
+    }
+
+    /// Calls `visit` with each [`Key`] by which an edit of the mesh finds an element: its nodes, unless it says otherwise.
+    fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
+        visit(splice::key(self.nodes(element)));
+    }
+
+    /// Takes the elements `removed`, ascending, out, and puts those of `added` in, as [`splice::splice`] does. Returns false, with
+    /// nothing changed, where `added` is a set of another kind.
+    fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool;
+
+    /// The internal variables that the elements of `added` inherit from elements `ancestors[i]` of this set, in the order of those of
+    /// `added`; empty for elements without any.
+    fn inherited(&self, _added: &dyn Elements, _ancestors: &[Vec<u32>]) -> Vec<Inherited> {
+        Vec::new()
     }
 
     /// The set as constraints with compliance, if position-based methods can treat it.

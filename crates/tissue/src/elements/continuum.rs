@@ -8,6 +8,7 @@ use super::continuum_constraints::{ELASTIC, VISCOUS};
 use super::continuum_matrix::{set_positive_tangent, set_tangent};
 use super::domains::{Domains, Tetrahedra, product};
 use super::smoothed::SmoothingDomains;
+use super::splice::Key;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent,
@@ -15,6 +16,7 @@ use crate::elements::{
 use crate::law::decomposition::cofactor;
 use crate::law::{Lame, Law, viscosity};
 use nalgebra::Vector3;
+use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Arc;
@@ -168,6 +170,15 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         let mut shifted = self.clone();
         shifted.domains.shift_nodes(nodes);
         Arc::new(shifted)
+    }
+
+    fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
+        self.domains.keys(element, visit);
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool {
+        let added = (added as &dyn Any).downcast_ref::<Self>();
+        added.is_some_and(|added| self.domains.splice(removed, &added.domains))
     }
 
     fn constraints(&self) -> Option<&dyn Constraints> {

@@ -1,5 +1,6 @@
 //! Domains with a constant deformation gradient, and the plain ones: tetrahedra.
 
+use super::splice::{Key, key, splice};
 use crate::elements::NodeWindow;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
@@ -21,6 +22,12 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
 
     /// Takes each node so many further on.
     fn shift_nodes(&mut self, by: u32);
+
+    /// Calls `visit` with each key of a domain, as [`Elements::keys`](super::Elements::keys).
+    fn keys(&self, domain: usize, visit: &mut dyn FnMut(Key));
+
+    /// Takes domains out and puts others in, as [`Elements::splice`](super::Elements::splice).
+    fn splice(&mut self, removed: &[u32], added: &Self) -> bool;
 
     /// b_i [1/m] of the i-th node of a domain.
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64>;
@@ -95,6 +102,17 @@ impl Domains for Tetrahedra {
 
     fn shift_nodes(&mut self, by: u32) {
         self.nodes.iter_mut().flatten().for_each(|n| *n += by);
+    }
+
+    fn keys(&self, domain: usize, visit: &mut dyn FnMut(Key)) {
+        visit(key(&self.nodes[domain]));
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &Self) -> bool {
+        splice(&mut self.nodes, removed, &added.nodes);
+        splice(&mut self.gradients, removed, &added.gradients);
+        splice(&mut self.volumes, removed, &added.volumes);
+        true
     }
 
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {
