@@ -23,7 +23,7 @@ pub use level::{
 pub use object::{Colour, Finish, ObjectScene, ObjectSet, ObjectState, Shape};
 pub use setup::{Log, LogLevel, PictureRequest, Progress, SessionRecord, Setup, SetupFile};
 pub use tool::{
-    ContactForce, ContactForces, Jaw, JawForce, TissueRecovery, ToolSample, ToolState, ToolStates,
+    ContactForce, ContactForces, Jaw, JawForce, TissueCut, TissueRecovery, ToolSample, ToolState, ToolStates,
     ToolStatus,
 };
 

@@ -2,6 +2,7 @@
 
 use crate::containment::{self, Diverged, Divergence, Failure, Watch};
 use crate::group::Group;
+use crate::lonor::EdgeLoads;
 use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, TickReport};
 use crate::scene::{Body, PairPartner, Scene};
 use crate::tally::{Tally, Work, sum_up};
@@ -60,10 +61,13 @@ impl Scene {
         for (index, &factor) in tries.iter().enumerate() {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             match self.attempt(&motions, tick_s, count, exec) {
-                Ok(contacts) => {
+                Ok((contacts, loads)) => {
+                    let (cuts, rejected) = self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
                     self.state.time = start.time + tick_s;
                     return Ok(TickReport {
                         contacts,
+                        cuts,
+                        rejected,
                         substeps,
                         many_substeps: substeps > MANY_SUBSTEPS,
                         jumped,
@@ -169,8 +173,11 @@ impl Scene {
         tick_s: f64,
         count: u32,
         exec: &dyn Executor,
-    ) -> Result<Vec<ContactReport>, Failure> {
+    ) -> Result<(Vec<ContactReport>, EdgeLoads), Failure> {
         let start = self.state.bodies.clone();
+        let edges = self.edges(motions);
+        let mut loads = EdgeLoads::default();
+        self.let_through(motions);
         let mut watches: Vec<Watch> = self
             .bodies
             .iter()
@@ -220,6 +227,9 @@ impl Scene {
                         for (member, work) in group.members.iter().zip(&works) {
                             watches[member.body].add(work);
                         }
+                        if let Some(touching) = group.touching.as_ref().filter(|_| !edges.is_empty()) {
+                            loads.add(index, touching, &tools, &edges, h);
+                        }
                         continue;
                     }
                     Ok(_) => (group.not_finite(state), Divergence::NotFinite),
@@ -257,7 +267,7 @@ impl Scene {
                 self.renew_stable_step(self.groups[group].members[member].body);
             }
         }
-        Ok(self.contact_reports(&tallies, tick_s))
+        Ok((self.contact_reports(&tallies, tick_s), loads))
     }
 }
 
