@@ -121,9 +121,33 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// no negative eigenvalue.
     fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix);
 
-    /// The same set with the energy and the viscous forces of each element times its factor, > 0: the stiffness cap of NUMERICS
-    /// 3.5 d.
-    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements>;
+    /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row [N/m].
+    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let at = Configuration {
+            positions: rest_positions,
+            velocities: rest_positions,
+            internal: &[],
+        };
+        let mut matrix = ElementMatrix::new();
+        self.stiffness(element, &at, Tangent::Exact, &mut matrix);
+        let blocks = (0..matrix.nodes()).flat_map(|i| (0..matrix.nodes()).map(move |j| (i, j)));
+        out.clear();
+        out.extend(blocks.map(|(i, j)| matrix.block(i, j).norm()));
+    }
+
+    /// Takes the energy and the viscous forces of an element times a factor, > 0: the stiffness cap of NUMERICS 3.5 d.
+    fn scale(&mut self, element: usize, factor: f64);
+
+    /// The same set with each element [scaled](Self::scale) by its factor.
+    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
+        let mut scaled = self.shifted(0);
+        if let Some(set) = Arc::get_mut(&mut scaled) {
+            for (element, factor) in factors.iter().enumerate() {
+                set.scale(element, *factor);
+            }
+        }
+        scaled
+    }
 
     /// The same set with all its nodes so many further on: for a model of several bodies.
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements>;

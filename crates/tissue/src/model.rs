@@ -231,6 +231,28 @@ impl TissueModel {
         self
     }
 
+    /// Makes the inertia of a node beyond that of its mass this [kg].
+    pub(crate) fn add_inertia(&mut self, node: usize, added: f64) {
+        self.added_inertia[node] = added;
+        self.update_inverse_mass(node);
+    }
+
+    /// Scales elements of a set by their factors.
+    pub(crate) fn scale_elements(&mut self, set: usize, factors: &[(u32, f64)]) {
+        let elements = self.own_set(set);
+        for (element, factor) in factors {
+            elements.scale(*element as usize, *factor);
+        }
+    }
+
+    /// A set to be changed: a copy first, where others share it.
+    pub(crate) fn own_set(&mut self, set: usize) -> &mut dyn Elements {
+        if Arc::get_mut(&mut self.sets[set]).is_none() {
+            self.sets[set] = self.sets[set].shifted(0);
+        }
+        Arc::get_mut(&mut self.sets[set]).expect("a copy has no other owner")
+    }
+
     /// Makes the inverse mass of a node that of its inertia, unless it is clamped.
     pub(crate) fn update_inverse_mass(&mut self, node: usize) {
         let inertia = self.inertia(node);

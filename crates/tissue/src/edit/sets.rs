@@ -380,12 +380,7 @@ impl TissueModel {
         index
             .set_mut(set)
             .before_splice(&*self.sets[set], removed, added.count());
-        if Arc::get_mut(&mut self.sets[set]).is_none() {
-            self.sets[set] = self.sets[set].shifted(0);
-        }
-        if let Some(elements) = Arc::get_mut(&mut self.sets[set]) {
-            elements.splice(removed, &**added);
-        }
+        self.own_set(set).splice(removed, &**added);
         placed.extend(moves.iter().map(|[_, to]| *to));
         index.set_mut(set).after_splice(&*self.sets[set], &placed);
         self.put_index(index);

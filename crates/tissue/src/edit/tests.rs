@@ -1,6 +1,7 @@
 //! Edited models against models built of the mesh after the edit, for every material; what is refused.
 
 mod by_hand;
+mod remedies;
 mod states;
 
 use super::*;
@@ -126,6 +127,12 @@ fn answer(model: &TissueModel, internal: &[f64]) -> Answer {
         *p += by;
     }
     state.velocities = cloud(0.5);
+    answer_at(model, &state, internal)
+}
+
+fn answer_at(model: &TissueModel, state: &State, internal: &[f64]) -> Answer {
+    let mut state = state.clone();
+    let n = model.node_count();
     state.internal = internal.to_vec();
     let (mut energies, mut forces) = (Vec::new(), vec![Vector3::zeros(); n]);
     let mut stiffness = DMatrix::zeros(3 * n, 3 * n);

@@ -87,11 +87,8 @@ impl<M: Measure<N>, const N: usize> ConstraintSet<M, N> {
 
     /// The same set with stiffness and damping of each element times its factor: the stiffness cap of NUMERICS 3.5 d.
     pub fn with_factors(mut self, factors: &[f64]) -> Self {
-        for (stiffness, factor) in self.stiffness.iter_mut().zip(factors) {
-            *stiffness *= factor;
-        }
-        for (damping, factor) in self.damping.iter_mut().zip(factors) {
-            *damping *= factor;
+        for (element, factor) in factors.iter().enumerate() {
+            self.scale(element, *factor);
         }
         self
     }
@@ -218,8 +215,19 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         out.add_outer(&g, damping);
     }
 
-    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
-        Arc::new(self.clone().with_factors(factors))
+    /// k |g_i| |g_j|.
+    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let (_, g) = M::gradient(self.corners(element, rest_positions));
+        let sizes = g.map(|g| g.norm());
+        out.clear();
+        for a in &sizes {
+            out.extend(sizes.iter().map(|b| self.stiffness[element] * a * b));
+        }
+    }
+
+    fn scale(&mut self, element: usize, factor: f64) {
+        self.stiffness[element] *= factor;
+        self.damping[element] *= factor;
     }
 
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {

@@ -217,12 +217,8 @@ impl Elements for Coupling {
         out.reset(self.stencils[element].count);
     }
 
-    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
-        let mut scaled = self.clone();
-        for (stiffness, factor) in scaled.stiffness.iter_mut().zip(factors) {
-            *stiffness *= factor;
-        }
-        Arc::new(scaled)
+    fn scale(&mut self, element: usize, factor: f64) {
+        self.stiffness[element] *= factor;
     }
 
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {

@@ -17,8 +17,8 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// Volume at rest [m³].
     fn volume(&self, domain: usize) -> f64;
 
-    /// Takes each volume times its factor; all that a domain does is in proportion to its volume.
-    fn scale_volumes(&mut self, factors: &[f64]);
+    /// Takes a volume times a factor; all that a domain does is in proportion to its volume.
+    fn scale_volume(&mut self, domain: usize, factor: f64);
 
     /// Takes each node so many further on.
     fn shift_nodes(&mut self, by: u32);
@@ -94,10 +94,8 @@ impl Domains for Tetrahedra {
         self.volumes[domain]
     }
 
-    fn scale_volumes(&mut self, factors: &[f64]) {
-        for (volume, factor) in self.volumes.iter_mut().zip(factors) {
-            *volume *= factor;
-        }
+    fn scale_volume(&mut self, domain: usize, factor: f64) {
+        self.volumes[domain] *= factor;
     }
 
     fn shift_nodes(&mut self, by: u32) {

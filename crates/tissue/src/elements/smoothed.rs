@@ -260,10 +260,8 @@ impl Domains for SmoothingDomains {
         self.volumes[domain]
     }
 
-    fn scale_volumes(&mut self, factors: &[f64]) {
-        for (volume, factor) in self.volumes.iter_mut().zip(factors) {
-            *volume *= factor;
-        }
+    fn scale_volume(&mut self, domain: usize, factor: f64) {
+        self.volumes[domain] *= factor;
     }
 
     fn shift_nodes(&mut self, by: u32) {
