@@ -171,8 +171,12 @@ impl Scene {
         exec: &dyn Executor,
     ) -> Result<Vec<ContactReport>, Failure> {
         let start = self.state.bodies.clone();
-        let mut watches: Vec<Watch> = self
-            .bodies
+        // Without containment nobody asks what was there at the start: energies of all elements are not free.
+        let watched = match self.containment {
+            true => self.bodies.as_slice(),
+            false => &[],
+        };
+        let mut watches: Vec<Watch> = watched
             .iter()
             .zip(&start)
             .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s))
@@ -218,7 +222,9 @@ impl Scene {
                             &mut works,
                         );
                         for (member, work) in group.members.iter().zip(&works) {
-                            watches[member.body].add(work);
+                            if let Some(watch) = watches.get_mut(member.body) {
+                                watch.add(work);
+                            }
                         }
                         continue;
                     }
@@ -231,18 +237,17 @@ impl Scene {
         for (group, state) in self.groups.iter().zip(joined) {
             group.split(state, &self.bodies, &mut self.state.bodies);
         }
-        for (index, watch) in watches.iter().enumerate() {
-            let (body, end) = (&self.bodies[index], &self.state.bodies[index]);
-            let found = if self.containment {
-                watch.judge(
+        for (index, body) in self.bodies.iter().enumerate() {
+            let end = &self.state.bodies[index];
+            let found = match watches.get(index) {
+                Some(watch) => watch.judge(
                     body,
                     &start[index],
                     end,
                     &self.gravity,
                     self.state.time + tick_s,
-                )
-            } else {
-                containment::escaped(body, end)
+                ),
+                None => containment::escaped(body, end),
             };
             if let Some(what) = found {
                 return Err(Failure {
