@@ -323,11 +323,7 @@ pub(crate) fn farthest(first: &Body, second: &Body, reach: f64) -> f64 {
 
 /// Whether the boxes around two edges are at most `limit` apart on every axis.
 #[inline]
-fn are_boxes_within(
-    [p, q]: &[Vector3<f64>; 2],
-    [a, b]: &[Vector3<f64>; 2],
-    limit: f64,
-) -> bool {
+fn are_boxes_within([p, q]: &[Vector3<f64>; 2], [a, b]: &[Vector3<f64>; 2], limit: f64) -> bool {
     let near = |k: usize| {
         p[k].min(q[k]) - a[k].max(b[k]) <= limit && a[k].min(b[k]) - p[k].max(q[k]) <= limit
     };

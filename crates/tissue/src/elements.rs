@@ -20,7 +20,7 @@ pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Smoothed};
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
 pub use domains::{Domains, Tetrahedra};
-pub use lanes::{FourVectors, LANES, Lanes};
+pub use lanes::Lanes;
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;

@@ -25,7 +25,7 @@ pub use principal::PrincipalTangent;
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 
-use crate::elements::{FourVectors, LANES, Lanes};
+use crate::elements::Lanes;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::fmt::Debug;
 
@@ -66,20 +66,14 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// First Piola–Kirchhoff stress P = ∂Ψ/∂F [Pa].
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64>;
 
-    /// P [Pa] of four F at once, all as columns: to the bit what [`stress`](Self::stress) says of each.
+    /// 2a' and b' [Pa] of four F at once, for a law of the form Ψ = a(tr FᵀF) + b(det F), from tr FᵀF and det F.
     #[inline(always)]
-    fn stress_of_four(f: &[FourVectors; 3], lame: &Lame) -> [FourVectors; 3] {
-        let mut stress = [[Lanes::splat(0.0); 3]; 3];
-        for lane in 0..LANES {
-            let single = Matrix3::from_fn(|i, k| f[k][i].0[lane]);
-            let single = Self::stress(&single, lame);
-            for (k, column) in stress.iter_mut().enumerate() {
-                for (i, value) in column.iter_mut().enumerate() {
-                    value.0[lane] = single[(i, k)];
-                }
-            }
-        }
-        stress
+    fn slopes_of_four(
+        _trace: impl FnOnce() -> Lanes,
+        _j: Lanes,
+        _lame: &Lame,
+    ) -> Option<[Lanes; 2]> {
+        None
     }
 
     /// ∂P/∂F [Pa].

@@ -1,6 +1,6 @@
 //! Domains with a constant deformation gradient, and the plain ones: tetrahedra.
 
-use super::lanes::{FourVectors, LANES, Lanes, product_of_four};
+use super::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
 use crate::elements::NodeWindow;
 use crate::law::{Lame, Law};
 use microsim_mesh::TetMesh;
@@ -57,6 +57,18 @@ pub struct Tetrahedra {
     /// Gradients of the last three corners, of four elements each; that of the first is minus their sum.
     gradients: Vec<[FourVectors; 3]>,
     volumes: Vec<Lanes>,
+    shapes: Vec<FourShapes>,
+}
+
+/// What the forces of laws of invariants need of four elements.
+#[derive(Clone, Copy, Debug)]
+struct FourShapes {
+    /// V g_i·g_j of the last three corners [m]: 11, 22, 33, 23, 31, 12.
+    metric: [Lanes; 6],
+    /// Reciprocal of six volumes, before any factor [1/m³].
+    per_volume: Lanes,
+    /// A sixth of the factor.
+    sixth: Lanes,
 }
 
 /// Blocks of four elements that are gathered before they are worked on: a whole register is read only when the single numbers in it have
@@ -70,17 +82,26 @@ impl Tetrahedra {
             nodes: Vec::with_capacity(elements.len()),
             gradients: vec![[[Lanes::splat(0.0); 3]; 3]; elements.len().div_ceil(LANES)],
             volumes: vec![Lanes::splat(0.0); elements.len().div_ceil(LANES)],
+            shapes: vec![FourShapes::NONE; elements.len().div_ceil(LANES)],
         };
         for (index, &element) in elements.iter().enumerate() {
             let (gradients, volume) = shape(&mesh.corners(element as usize));
             tetrahedra.nodes.push(mesh.tets[element as usize]);
             let lanes = &mut tetrahedra.gradients[index / LANES];
-            for (lanes, gradient) in lanes.iter_mut().zip(gradients) {
-                for (lanes, component) in lanes.iter_mut().zip(&gradient) {
+            for (lanes, gradient) in lanes.iter_mut().zip(&gradients) {
+                for (lanes, component) in lanes.iter_mut().zip(gradient) {
                     lanes.0[index % LANES] = *component;
                 }
             }
             tetrahedra.volumes[index / LANES].0[index % LANES] = volume;
+            let [g1, g2, g3] = &gradients;
+            let products = [(g1, g1), (g2, g2), (g3, g3), (g2, g3), (g3, g1), (g1, g2)];
+            let shapes = &mut tetrahedra.shapes[index / LANES];
+            for (lanes, (a, b)) in shapes.metric.iter_mut().zip(products) {
+                lanes.0[index % LANES] = volume * a.dot(b);
+            }
+            shapes.per_volume.0[index % LANES] = 1.0 / (6.0 * volume);
+            shapes.sixth.0[index % LANES] = 1.0 / 6.0;
         }
         tetrahedra
     }
@@ -91,7 +112,11 @@ impl Tetrahedra {
         let lanes = &self.gradients[element / LANES];
         let lane = element % LANES;
         let gradient = |g: &FourVectors| Vector3::new(g[0].0[lane], g[1].0[lane], g[2].0[lane]);
-        [gradient(&lanes[0]), gradient(&lanes[1]), gradient(&lanes[2])]
+        [
+            gradient(&lanes[0]),
+            gradient(&lanes[1]),
+            gradient(&lanes[2]),
+        ]
     }
 
     /// Adds the forces of the elements of some blocks of four, of which those in `range` count.
@@ -118,10 +143,11 @@ impl Tetrahedra {
                 }
             }
         }
-        let gradients = &self.gradients[blocks.clone()];
-        let volumes = &self.volumes[blocks];
-        for ((corners, gradients), volumes) in corners.iter_mut().zip(gradients).zip(volumes) {
-            forces_of_four::<L>(corners, gradients, volumes, lame);
+        for (corners, block) in corners.iter_mut().zip(blocks) {
+            let (shapes, volumes) = (&self.shapes[block], &self.volumes[block]);
+            if !forces_by_invariants::<L>(corners, shapes, volumes, lame) {
+                forces_by_stress::<L>(corners, &self.gradients[block], volumes, lame);
+            }
         }
         let mut element = end - nodes.len();
         for (fours, corners) in nodes.chunks(LANES).zip(&*corners) {
@@ -138,44 +164,97 @@ impl Tetrahedra {
     }
 }
 
-/// Replaces the corners of four elements by the forces on them.
+impl FourShapes {
+    const NONE: Self = Self {
+        metric: [Lanes([0.0; LANES]); 6],
+        per_volume: Lanes([0.0; LANES]),
+        sixth: Lanes([0.0; LANES]),
+    };
+}
+
+/// Differences of the last three corners to the first.
+#[inline(always)]
+fn edges_of_four(corners: &[FourVectors; 4]) -> [FourVectors; 3] {
+    let edge = |k: usize| {
+        let (to, from) = (&corners[k], &corners[0]);
+        [to[0] - from[0], to[1] - from[1], to[2] - from[2]]
+    };
+    [edge(1), edge(2), edge(3)]
+}
+
+/// Replaces the corners by the forces on them, of which three are given.
+#[inline(always)]
+fn set_forces(corners: &mut [FourVectors; 4], [f1, f2, f3]: [FourVectors; 3]) {
+    let sum = |i: usize| -(f1[i] + f2[i] + f3[i]);
+    *corners = [[sum(0), sum(1), sum(2)], f1, f2, f3];
+}
+
+/// Replaces the corners of four elements by the forces on them, by P = 2a' F + b' cof F; returns false for a law of another form.
+/// With the edges e_j from the first corner, V F g_i = Σ_j V g_i·g_j e_j and V cof(F) g_i is a third of the area vector of
+/// the face opposite to the corner: half the arithmetic of P.
 ///
 /// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers, while next to the
 /// gathering of single numbers it does not.
 #[inline(never)]
-fn forces_of_four<L: Law>(
+fn forces_by_invariants<L: Law>(
+    corners: &mut [FourVectors; 4],
+    shapes: &FourShapes,
+    volumes: &Lanes,
+    lame: &Lame,
+) -> bool {
+    let [e1, e2, e3] = edges_of_four(corners);
+    let areas = [
+        cross_of_four(&e2, &e3),
+        cross_of_four(&e3, &e1),
+        cross_of_four(&e1, &e2),
+    ];
+    let j = dot_of_four(&e1, &areas[0]) * shapes.per_volume;
+    let [k11, k22, k33, k23, k31, k12] = shapes.metric;
+    let row = |a: Lanes, b: Lanes, c: Lanes| -> FourVectors {
+        let entry = |i: usize| e1[i] * a + e2[i] * b + e3[i] * c;
+        [entry(0), entry(1), entry(2)]
+    };
+    let rows = [row(k11, k12, k31), row(k12, k22, k23), row(k31, k23, k33)];
+    let trace = || {
+        let sum = dot_of_four(&e1, &rows[0]) + dot_of_four(&e2, &rows[1]);
+        (sum + dot_of_four(&e3, &rows[2])) / *volumes
+    };
+    let Some([twice_a1, b1]) = L::slopes_of_four(trace, j, lame) else {
+        return false;
+    };
+    let (along, across) = (-twice_a1, -(b1 * shapes.sixth));
+    let force = |corner: usize| {
+        let (row, area): (&FourVectors, &FourVectors) = (&rows[corner], &areas[corner]);
+        let entry = |i: usize| row[i] * along + area[i] * across;
+        [entry(0), entry(1), entry(2)]
+    };
+    set_forces(corners, [force(0), force(1), force(2)]);
+    true
+}
+
+/// Replaces the corners of four elements by the forces on them.
+#[inline(never)]
+fn forces_by_stress<L: Law>(
     corners: &mut [FourVectors; 4],
     [g1, g2, g3]: &[FourVectors; 3],
     volumes: &Lanes,
     lame: &Lame,
 ) {
-    let [origin, ..] = *corners;
-    let factor = -*volumes;
-    let along = |k: usize| -> FourVectors {
-        let other = &corners[k];
-        [
-            other[0] - origin[0],
-            other[1] - origin[1],
-            other[2] - origin[2],
-        ]
-    };
-    let along = [along(1), along(2), along(3)];
-    let column = |k: usize| product_of_four(&along, &[g1[k], g2[k], g3[k]]);
-    let stress = L::stress_of_four(&[column(0), column(1), column(2)], lame);
-    let scaled = |k: usize| -> FourVectors {
-        let column: &FourVectors = &stress[k];
-        [
-            column[0] * factor,
-            column[1] * factor,
-            column[2] * factor,
-        ]
-    };
-    let scaled = [scaled(0), scaled(1), scaled(2)];
-    let f1 = product_of_four(&scaled, g1);
-    let f2 = product_of_four(&scaled, g2);
-    let f3 = product_of_four(&scaled, g3);
-    let sum = |i: usize| -(f1[i] + f2[i] + f3[i]);
-    *corners = [[sum(0), sum(1), sum(2)], f1, f2, f3];
+    let edges = edges_of_four(corners);
+    let column = |k: usize| product_of_four(&edges, &[g1[k], g2[k], g3[k]]);
+    let f = [column(0), column(1), column(2)];
+    let mut scaled = [[Lanes::splat(0.0); 3]; 3];
+    for lane in 0..LANES {
+        let f = Matrix3::from_fn(|i, k| f[k][i].0[lane]);
+        let stress = L::stress(&f, lame) * -volumes.0[lane];
+        for (k, column) in scaled.iter_mut().enumerate() {
+            for (i, value) in column.iter_mut().enumerate() {
+                value.0[lane] = stress[(i, k)];
+            }
+        }
+    }
+    let forces = [g1, g2, g3].map(|g| product_of_four(&scaled, g));
+    set_forces(corners, forces);
 }
 
 /// m·v, written out so that it is inlined.
@@ -211,6 +290,12 @@ impl Domains for Tetrahedra {
         for (volume, factor) in volumes.zip(factors) {
             *volume *= factor;
         }
+        for (place, factor) in factors.iter().enumerate() {
+            let FourShapes { metric, sixth, .. } = &mut self.shapes[place / LANES];
+            for lanes in metric.iter_mut().chain([sixth]) {
+                lanes.0[place % LANES] *= factor;
+            }
+        }
     }
 
     fn shift_nodes(&mut self, by: u32) {
@@ -240,7 +325,11 @@ impl Domains for Tetrahedra {
         let [a, b, c, d] = self.nodes[domain];
         let scaled = stress * -self.volume(domain);
         let [g1, g2, g3] = self.gradients(domain);
-        let (f1, f2, f3) = (product(&scaled, &g1), product(&scaled, &g2), product(&scaled, &g3));
+        let (f1, f2, f3) = (
+            product(&scaled, &g1),
+            product(&scaled, &g2),
+            product(&scaled, &g3),
+        );
         forces.add(a, -(f1 + f2 + f3));
         forces.add(b, f1);
         forces.add(c, f2);
@@ -262,3 +351,6 @@ impl Domains for Tetrahedra {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

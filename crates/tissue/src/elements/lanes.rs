@@ -2,7 +2,7 @@
 //!
 //! Every operation is that of the single numbers, rounded alike: a result does not depend on which element stands beside which.
 
-use std::ops::{Add, AddAssign, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Numbers worked on together: as many as fill a register of 256 bits.
 pub const LANES: usize = 4;
@@ -32,13 +32,6 @@ impl Add for Lanes {
     }
 }
 
-impl AddAssign for Lanes {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
 impl Sub for Lanes {
     type Output = Self;
 
@@ -58,6 +51,18 @@ impl Mul for Lanes {
     fn mul(mut self, other: Self) -> Self {
         for (a, b) in self.0.iter_mut().zip(&other.0) {
             *a *= b;
+        }
+        self
+    }
+}
+
+impl Div for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(mut self, other: Self) -> Self {
+        for (a, b) in self.0.iter_mut().zip(&other.0) {
+            *a /= b;
         }
         self
     }
@@ -84,4 +89,20 @@ pub fn product_of_four(columns: &[FourVectors; 3], v: &FourVectors) -> FourVecto
     let [a, b, c] = columns;
     let row = |i: usize| a[i] * v[0] + b[i] * v[1] + c[i] * v[2];
     [row(0), row(1), row(2)]
+}
+
+/// Scalar products.
+#[inline(always)]
+pub fn dot_of_four(a: &FourVectors, b: &FourVectors) -> Lanes {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Vector products.
+#[inline(always)]
+pub fn cross_of_four(a: &FourVectors, b: &FourVectors) -> FourVectors {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }

@@ -1,7 +1,6 @@
 //! Laws of the form Ψ = a(I) + b(J), I = tr FᵀF, J = det F: stress and tangent from the derivatives of a and b.
 
 use super::Matrix9;
-use crate::elements::{FourVectors, Lanes};
 use nalgebra::{Matrix3, Vector3};
 
 /// Derivatives of a and b at some F [Pa].
@@ -21,28 +20,6 @@ pub struct InvariantDerivatives {
 #[inline]
 pub(super) fn stress(f: &Matrix3<f64>, cofactor: &Matrix3<f64>, a1: f64, b1: f64) -> Matrix3<f64> {
     f * (2.0 * a1) + cofactor * b1
-}
-
-/// [`stress`] of four F at once: `slopes` gives 2a' and b' of F and J.
-#[inline(always)]
-pub(super) fn stress_of_four(
-    f: &[FourVectors; 3],
-    slopes: impl FnOnce(Lanes) -> [Lanes; 2],
-) -> [FourVectors; 3] {
-    let [a, b, c] = f;
-    let cross = |a: &FourVectors, b: &FourVectors| {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    };
-    let bc = cross(b, c);
-    let cofactor = [bc, cross(c, a), cross(a, b)];
-    let [twice_a1, b1] = slopes(a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2]);
-    let entry = |k: usize, i: usize| f[k][i] * twice_a1 + cofactor[k][i] * b1;
-    let column = |k: usize| [entry(k, 0), entry(k, 1), entry(k, 2)];
-    [column(0), column(1), column(2)]
 }
 
 /// ∂P/∂F = 2a' 1 + 4a'' F⊗F + b'' cof⊗cof + b' ∂cof/∂F.

@@ -3,7 +3,7 @@
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
 use super::{Lame, Law, Matrix9};
-use crate::elements::{FourVectors, Lanes};
+use crate::elements::Lanes;
 use nalgebra::Matrix3;
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ+μ)/2 (J − 1)², J = det F: the simplest form of Smith, de Goes, Kim 2018 (with
@@ -36,12 +36,10 @@ impl Law for NeoHookeanPolynomial {
     }
 
     #[inline(always)]
-    fn stress_of_four(f: &[FourVectors; 3], lame: &Lame) -> [FourVectors; 3] {
+    fn slopes_of_four(_trace: impl FnOnce() -> Lanes, j: Lanes, lame: &Lame) -> Option<[Lanes; 2]> {
         let of = Lanes::splat;
-        invariants::stress_of_four(f, |j| {
-            let b1 = of(lame.lambda + lame.mu) * (j - of(1.0)) - of(lame.mu);
-            [of(lame.mu), b1]
-        })
+        let b1 = of(lame.lambda + lame.mu) * (j - of(1.0)) - of(lame.mu);
+        Some([of(lame.mu), b1])
     }
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
