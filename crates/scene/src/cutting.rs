@@ -121,7 +121,10 @@ impl Scene {
     /// The group of a body and its place in it.
     fn place_of(&self, body: usize) -> (usize, u32) {
         let places = self.groups.iter().enumerate().find_map(|(index, group)| {
-            let place = group.members.iter().position(|member| member.body == body)?;
+            let place = group
+                .members
+                .iter()
+                .position(|member| member.body == body)?;
             Some((index, place as u32))
         });
         places.expect("each body is in a group")
@@ -179,12 +182,10 @@ impl Scene {
                 }
             }
             before[body] = Some(before_now);
-            let force = contacts.iter().find(|contact| {
-                (contact.body, contact.with) == (body, ContactPartner::Tool(tool))
-            });
-            let force = force.map_or(0.0, |contact| {
-                Vector3::from(contact.force_on_tissue).norm()
-            });
+            let force = contacts
+                .iter()
+                .find(|contact| (contact.body, contact.with) == (body, ContactPartner::Tool(tool)));
+            let force = force.map_or(0.0, |contact| Vector3::from(contact.force_on_tissue).norm());
             reports.extend(sum.report(body, tool, force));
         }
         (reports, rejected)
@@ -324,7 +325,11 @@ impl Body {
         let parents: Vec<u32> = edit.elements.iter().flat_map(children).collect();
         let change = self.model.edit(&ModelEdit {
             mesh: &self.mesh,
-            replaced: &edit.elements.iter().map(|of| of.element).collect::<Vec<_>>(),
+            replaced: &edit
+                .elements
+                .iter()
+                .map(|of| of.element)
+                .collect::<Vec<_>>(),
             parents: &parents,
             new_nodes: &edit
                 .nodes
@@ -338,10 +343,11 @@ impl Body {
         });
         let change = change.map_err(|_| Misfit)?;
         if method.is_explicit() {
-            //TMP stability::floor_nodes(&mut self.model, &change.touched, self.stable_step, FLOOR);
+            stability::floor_nodes(&mut self.model, &change.touched, self.stable_step, FLOOR);
         }
         self.start.edit(&change);
-        self.drive.follow(edit, old, &self.mesh, self.model.clamped());
+        self.drive
+            .follow(edit, old, &self.mesh, self.model.clamped());
         let number = renumbering(edit, old);
         let mut pieces = self.pieces.of_nodes.clone();
         for node in &edit.nodes {
@@ -385,9 +391,13 @@ fn inside(mesh: &TetMesh, positions: &[Vector3<f64>], segment: [Vector3<f64>; 2]
         }
         let within = |end: &Vector3<f64>| point_in_tetrahedron(end, &corners).is_some();
         let through = |face: [usize; 3]| {
-            closest_segment_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).distance() == 0.0
+            closest_segment_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).distance()
+                == 0.0
         };
-        within(&segment[0]) || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]].into_iter().any(through)
+        within(&segment[0])
+            || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
+                .into_iter()
+                .any(through)
     })
 }
 
@@ -415,7 +425,11 @@ impl Sum {
             self.centroids[k] += opened.centroid * opened.area;
             // One blade may come from either side.
             let turned = self.normals[k].dot(&opened.normal) < 0.0;
-            let normal = if turned { -opened.normal } else { opened.normal };
+            let normal = if turned {
+                -opened.normal
+            } else {
+                opened.normal
+            };
             self.normals[k] += normal * opened.area;
         }
         self.pieces.extend(pieces);

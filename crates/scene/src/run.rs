@@ -286,7 +286,9 @@ impl Runner {
         let cuts = report.cuts.into_iter();
         self.remarks.cuts.extend(cuts.map(|cut| (time, cut)));
         let rejected = report.rejected.into_iter();
-        self.remarks.rejected.extend(rejected.map(|cut| (time, cut)));
+        self.remarks
+            .rejected
+            .extend(rejected.map(|cut| (time, cut)));
         for contact in &report.contacts {
             let index = self.scene.pair_of(contact.body, contact.with);
             let Some(sum) = index.map(|index| &mut self.contacts[index]) else {

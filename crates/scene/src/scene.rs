@@ -16,7 +16,7 @@ use microsim_cutting::Topology;
 use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::elements::{CouplingConstants, couple};
 use microsim_tissue::{
-    Elements, Energies, Forces, Material, Method, Serial, State, TissueModel, build_model, stability,
+    Elements, Energies, Forces, Method, Serial, State, TissueModel, build_model, stability,
 };
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
@@ -42,7 +42,6 @@ pub(crate) struct Body {
     pub node_areas: Vec<f64>,
     /// The faces at the open ends of a vessel.
     pub ends: Vec<Vec<[u32; 3]>>,
-    pub materials: Vec<(u32, Material)>,
     /// Who is next to whom, of a body that can be cut.
     pub topology: Option<Topology>,
     /// Of each triangle of the surface whether a cut has opened it.
@@ -408,7 +407,10 @@ impl Scene {
     pub fn uncut(&self, body: usize) -> (f64, f64) {
         let uncut = self.uncut.as_deref().map(|(bodies, _)| &bodies[body]);
         let model = &uncut.unwrap_or(&self.bodies[body]).model;
-        (model.rest_volumes().iter().sum(), model.masses().iter().sum())
+        (
+            model.rest_volumes().iter().sum(),
+            model.masses().iter().sum(),
+        )
     }
 
     /// Topology generation of a body's mesh.
@@ -523,12 +525,7 @@ impl Scene {
 }
 
 impl Body {
-    fn new(
-        spec: &BodySpec,
-        method: &Method,
-        touched: bool,
-        cut: bool,
-    ) -> Result<Self, SceneError> {
+    fn new(spec: &BodySpec, method: &Method, touched: bool, cut: bool) -> Result<Self, SceneError> {
         check::check(spec)?;
         let name = spec.name.clone();
         let (mesh, origin) = (&spec.mesh, Vector3::from(spec.origin));
@@ -563,7 +560,7 @@ impl Body {
             }
             loads.push((load, triangles));
         }
-        let mut model = build_model(mesh, &spec.materials, &clamped, spec.drag, couplings(spec)?)
+        let model = build_model(mesh, &spec.materials, &clamped, spec.drag, couplings(spec)?)
             .map_err(|source| SceneError::Build {
                 body: name.clone(),
                 source,
@@ -609,7 +606,6 @@ impl Body {
             origin,
             stable_step,
             name,
-            materials: spec.materials.clone(),
             topology: cut.then(|| Topology::new(mesh)),
             pieces: Pieces {
                 of_nodes: vec![0; mesh.positions.len()],

@@ -62,7 +62,8 @@ impl Scene {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             match self.attempt(&motions, tick_s, count, exec) {
                 Ok((contacts, loads)) => {
-                    let (cuts, rejected) = self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
+                    let (cuts, rejected) =
+                        self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
                     self.state.time = start.time + tick_s;
                     return Ok(TickReport {
                         contacts,
@@ -178,8 +179,12 @@ impl Scene {
         let edges = self.edges(motions);
         let mut loads = EdgeLoads::default();
         self.let_through(motions);
-        let mut watches: Vec<Watch> = self
-            .bodies
+        // Without containment nobody asks what was there at the start: energies of all elements are not free.
+        let watched = match self.containment {
+            true => self.bodies.as_slice(),
+            false => &[],
+        };
+        let mut watches: Vec<Watch> = watched
             .iter()
             .zip(&start)
             .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s))
@@ -225,9 +230,13 @@ impl Scene {
                             &mut works,
                         );
                         for (member, work) in group.members.iter().zip(&works) {
-                            watches[member.body].add(work);
+                            if let Some(watch) = watches.get_mut(member.body) {
+                                watch.add(work);
+                            }
                         }
-                        if let Some(touching) = group.touching.as_ref().filter(|_| !edges.is_empty()) {
+                        if let Some(touching) =
+                            group.touching.as_ref().filter(|_| !edges.is_empty())
+                        {
                             loads.add(index, touching, &tools, &edges, h);
                         }
                         continue;
@@ -241,18 +250,17 @@ impl Scene {
         for (group, state) in self.groups.iter().zip(joined) {
             group.split(state, &self.bodies, &mut self.state.bodies);
         }
-        for (index, watch) in watches.iter().enumerate() {
-            let (body, end) = (&self.bodies[index], &self.state.bodies[index]);
-            let found = if self.containment {
-                watch.judge(
+        for (index, body) in self.bodies.iter().enumerate() {
+            let end = &self.state.bodies[index];
+            let found = match watches.get(index) {
+                Some(watch) => watch.judge(
                     body,
                     &start[index],
                     end,
                     &self.gravity,
                     self.state.time + tick_s,
-                )
-            } else {
-                containment::escaped(body, end)
+                ),
+                None => containment::escaped(body, end),
             };
             if let Some(what) = found {
                 return Err(Failure {

@@ -38,8 +38,6 @@ impl ToolMotion {
 pub(crate) struct Tool {
     pub name: String,
     parts: Vec<Part>,
-    /// From 0, blunt, to 1.
-    pub sharpness: f64,
     /// Its own motion; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
 }
@@ -138,7 +136,6 @@ impl Tool {
         Ok(Self {
             name: spec.name.clone(),
             parts,
-            sharpness: spec.sharpness,
             motion: spec.motion.clone(),
         })
     }
@@ -174,11 +171,6 @@ impl Tool {
         self.parts
             .iter()
             .map(move |part| part.at(opening).posed(&world_from_tool))
-    }
-
-    /// Whether it has a line of no return.
-    pub fn has_lines(&self) -> bool {
-        self.parts.iter().any(|part| part.lonor)
     }
 
     /// Its lines of no return in the world at the share `t` (0..1) of a motion.

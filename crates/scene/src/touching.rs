@@ -88,7 +88,8 @@ impl ContactMemory {
         forces.sort_unstable_by_key(|force| force.key);
         self.forces = forces;
         let entries = self.sides.entries().iter();
-        let entries = entries.filter_map(|(partner, node, normal)| Some((*partner, of(*node)?, *normal)));
+        let entries =
+            entries.filter_map(|(partner, node, normal)| Some((*partner, of(*node)?, *normal)));
         self.sides = Sides::from_entries(entries.collect());
     }
 

@@ -5,8 +5,8 @@ use microsim_scene::{
     ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    ContactForce, ContactForces, Jaw, JawForce, TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolState,
-    ToolStates, ToolStatus, decode_bytes, encode,
+    ContactForce, ContactForces, Jaw, JawForce, TISSUE_SNAPSHOT, TissueCut, TissueRecovery,
+    ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -253,7 +253,10 @@ impl Plugin for Physics {
         }
         for cut in &report.rejected {
             let (body, tool) = (scene.body_name(cut.body), scene.tool_name(cut.tool));
-            tick.log(LogLevel::Warn, format!("body \"{body}\", tool \"{tool}\": {}", cut.why));
+            tick.log(
+                LogLevel::Warn,
+                format!("body \"{body}\", tool \"{tool}\": {}", cut.why),
+            );
         }
         for motion in &report.invalid_motions {
             invalid.push(motions[*motion].tool);

@@ -3,7 +3,8 @@
 use super::Load;
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use crate::spec::{
-    CapsuleSpec, ContactSpec, CutSpec, HingeSpec, Jaw, PartnerSpec, RigidSpec, ToolKeySpec, ToolSpec,
+    CapsuleSpec, ContactSpec, CutSpec, HingeSpec, Jaw, PartnerSpec, RigidSpec, ToolKeySpec,
+    ToolSpec,
 };
 use microsim_contact::{Rigid, RigidShape};
 use microsim_geometry::Pose;

@@ -34,7 +34,9 @@ pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
     });
     put_list(bytes, elements, |bytes, replacement| {
         put_u32(bytes, replacement.element);
-        put_list(bytes, &replacement.children, |bytes, child| put_numbers(bytes, child));
+        put_list(bytes, &replacement.children, |bytes, child| {
+            put_numbers(bytes, child)
+        });
     });
     put_list(bytes, removed, |bytes, element| put_u32(bytes, *element));
     put_list(bytes, removed_nodes, |bytes, node| put_u32(bytes, *node));
@@ -89,7 +91,9 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
 
 /// What decides and what is under way of a cut: capsules in tissue (u32), closing points (u32 whether there is one, f64), strokes.
 pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeMemory) {
-    put_list(bytes, &blade.inside, |bytes, capsule| put_u32(bytes, *capsule));
+    put_list(bytes, &blade.inside, |bytes, capsule| {
+        put_u32(bytes, *capsule)
+    });
     put_list(bytes, &blade.closed, |bytes, closed| {
         put_u32(bytes, u32::from(closed.is_some()));
         put_f64(bytes, closed.unwrap_or_default());
