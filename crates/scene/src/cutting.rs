@@ -6,7 +6,7 @@
 use crate::error::SceneError;
 use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
-use crate::scene::{Body, Pair, PairPartner, Scene, node_areas};
+use crate::scene::{Body, Pair, PairPartner, Pieces, Scene, node_areas};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};
@@ -252,16 +252,7 @@ impl Scene {
         self.state.bodies[body].edit(&change);
         let of = &mut self.bodies[body];
         of.renew_surface();
-        let first = of.pieces.count;
-        for piece in &made.pieces {
-            for &element in piece {
-                for node in of.mesh.tets[element as usize] {
-                    of.pieces.of_nodes[node as usize] = of.pieces.count;
-                }
-            }
-            of.pieces.count += 1;
-        }
-        let pieces = (first..of.pieces.count).collect();
+        let pieces = of.number_pieces(&made.pieces);
         of.tally.divided += made.divided as u64;
         of.tally.lost_volume += made.lost_volume;
         self.edits.push(Edit {
@@ -361,6 +352,35 @@ impl Body {
         }
         self.pieces.of_nodes = of_nodes;
         Ok(change)
+    }
+
+    /// Gives parts that have come off numbers: those that leave something of their old piece behind. Returns the new numbers.
+    fn number_pieces(&mut self, parts: &[Vec<u32>]) -> Vec<u32> {
+        let piece_of = |pieces: &Pieces, element: u32| {
+            let node = self.mesh.tets[element as usize][0];
+            pieces.of_nodes[node as usize]
+        };
+        let mut new = Vec::new();
+        for part in parts {
+            let Some(old) = part.first().map(|&first| piece_of(&self.pieces, first)) else {
+                continue;
+            };
+            let elements = 0..self.mesh.tets.len() as u32;
+            let count = elements
+                .filter(|&element| piece_of(&self.pieces, element) == old)
+                .count();
+            if count == part.len() {
+                continue;
+            }
+            for &element in part {
+                for node in self.mesh.tets[element as usize] {
+                    self.pieces.of_nodes[node as usize] = self.pieces.count;
+                }
+            }
+            new.push(self.pieces.count);
+            self.pieces.count += 1;
+        }
+        new
     }
 
     /// Takes the surface from the topology, and what goes with it.
