@@ -14,6 +14,7 @@ use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
 use microsim_mesh::{Replacement, Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// A tool that cuts a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub(crate) struct Cut {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Edit {
     pub body: usize,
+    /// Number of nodes before it.
+    pub nodes: usize,
     pub edit: TopologyEdit,
 }
 
@@ -80,6 +83,23 @@ pub(crate) fn renumbering(edit: &TopologyEdit, old: usize) -> impl Fn(u32) -> Op
         let follow = |node, (from, to): &(u32, u32)| if node == *from { *to } else { node };
         stays.then(|| moves.iter().fold(node, follow))
     }
+}
+
+/// What becomes of a selection of nodes: a new node is in it if both nodes are that it comes from.
+pub(crate) fn follow_nodes(
+    nodes: impl IntoIterator<Item = u32>,
+    edit: &TopologyEdit,
+    old: usize,
+) -> Vec<u32> {
+    let mut all: BTreeSet<u32> = nodes.into_iter().collect();
+    for (new, node) in (old as u32..).zip(&edit.nodes) {
+        if node.between.iter().all(|parent| all.contains(parent)) {
+            all.insert(new);
+        }
+    }
+    let mut all: Vec<u32> = all.into_iter().filter_map(renumbering(edit, old)).collect();
+    all.sort_unstable();
+    all
 }
 
 impl Scene {
@@ -257,6 +277,7 @@ impl Scene {
         of.tally.lost_volume += made.lost_volume;
         self.edits.push(Edit {
             body,
+            nodes: old,
             edit: made.edit.clone(),
         });
         self.follow_in_groups(body, &made.edit, old);
