@@ -153,15 +153,10 @@ impl<'a> Editor<'a> {
         self.touched.is_empty()
     }
 
-    /// The elements on both sides of what came apart.
-    pub(crate) fn opened_elements(&self) -> Vec<u32> {
-        let faces = self.opened.iter().flat_map(|o| o.faces);
-        faces.map(|(element, _)| element).collect()
-    }
-
     /// The parts that came off.
     pub(crate) fn pieces(&self) -> Vec<Vec<u32>> {
-        pieces::come_off(self.topology, self.opened_elements())
+        let pairs = self.opened.iter().map(|o| o.faces.map(|(element, _)| element));
+        pieces::come_off(self.topology, &pairs.collect::<Vec<_>>())
     }
 
     /// Whether a part is too small to be kept: by its volume over the mean element's, or its longest edge over the mean
@@ -250,9 +245,10 @@ impl<'a> Editor<'a> {
     ) {
         edit.removed = crumbs.to_vec();
         let moves = edit.element_moves(self.mesh.tets.len());
-        for &(from, _) in &moves {
-            // Its triangles are those of another element from now on.
-            self.touch(from);
+        let from = moves.iter().map(|&(from, _)| from);
+        for element in crumbs.iter().copied().chain(from) {
+            // Its triangles leave, or are those of another number from now on.
+            self.touch(element);
         }
         // The touched ones' corners as the edit gives them, to see which nodes bring new numbers.
         let nodes_before = self.topology.node_elements.len();

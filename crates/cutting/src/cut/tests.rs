@@ -77,3 +77,69 @@ fn planes_separate_a_block_into_two() {
         assert_eq!((cut.dropped, cut.snapped, cut.joined), (0, 0, 0));
     }
 }
+
+impl Body {
+    fn sweep(&mut self, stroke: &mut Stroke, sweep: &Sweep) -> Option<Cut> {
+        let positions = self.mesh.positions.clone();
+        let blade = Blade::Sweep {
+            sweep,
+            before: &positions,
+            now: &positions,
+        };
+        let cut = self
+            .topology
+            .cut(&self.mesh, stroke, &blade, &Settings::default())
+            .unwrap();
+        if let Some(cut) = &cut {
+            self.mesh.apply(&cut.edit).unwrap();
+        }
+        cut
+    }
+}
+
+#[test]
+fn a_blade_that_passes_step_by_step_separates_as_a_plane_does() {
+    let mut random = Random(4);
+    for n in 0..200 {
+        let mut mesh = block([3, 3, 3]);
+        for p in &mut mesh.positions {
+            *p += random.vector() * 0.12;
+        }
+        let originals = mesh.positions.len();
+        let mut body = Body::new(mesh);
+        let before = body.check().unwrap();
+        let normal = random.vector().normalize();
+        let center = random.vector() * 0.5;
+        let along = normal.cross(&random.vector()).normalize();
+        let across = normal.cross(&along);
+        let steps = 5 + random.below(60);
+        let at = |t: f64| {
+            let middle = center + along * (t * 8.0 - 4.0);
+            [middle - across * 6.0, middle + across * 6.0]
+        };
+        let mut stroke = Stroke::new();
+        let mut pieces = 0;
+        for step in 0..steps {
+            let sweep = Sweep {
+                before: at(step as f64 / steps as f64),
+                now: at((step + 1) as f64 / steps as f64),
+            };
+            if let Some(cut) = body.sweep(&mut stroke, &sweep) {
+                pieces += cut.pieces.len();
+                let after = body.check().unwrap_or_else(|e| panic!("{n} {step} {e:?}"));
+                assert!((after.volume / before.volume - 1.0).abs() < 1e-12);
+                assert!((after.outer_area / before.outer_area - 1.0).abs() < 1e-12);
+                assert!(after.sheets[0].1 < 1e-12);
+            }
+        }
+        assert_eq!((body.check().unwrap().parts, pieces), (2, 1), "{n}");
+        // No part has nodes of the whole mesh on both sides.
+        let side = |node: usize| (body.mesh.positions[node] - center).dot(&normal) > 0.0;
+        for tet in &body.mesh.tets {
+            let mut old = tet.iter().map(|&n| n as usize).filter(|&n| n < originals);
+            if let Some(first) = old.next() {
+                assert!(old.all(|n| side(n) == side(first)));
+            }
+        }
+    }
+}
