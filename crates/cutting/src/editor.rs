@@ -102,7 +102,9 @@ impl<'a> Editor<'a> {
     /// on the negative side. What is left of them hangs together at nodes on the edge of the cut and stays marked.
     /// Returns the copies: node and copy.
     pub(crate) fn open(&mut self, faces: &[(u32, usize, bool)], sheet: u32) -> Vec<[u32; 2]> {
-        let mut nodes = BTreeSet::new();
+        // A new node on an edge at which fans of elements meet that share no face belongs to one of them.
+        let first = self.mesh.positions.len() as u32;
+        let mut nodes: BTreeSet<u32> = (first..self.next_node()).collect();
         let mut negative: BTreeSet<(u32, u32)> = BTreeSet::new();
         for &(element, corner, is_negative) in faces {
             let Some(other) = self.topology.neighbour(element, corner) else {

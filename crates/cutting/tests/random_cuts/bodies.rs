@@ -150,8 +150,9 @@ impl Body {
         edges.iter().map(length).fold(0.0, f64::max)
     }
 
-    /// No part has corners on both sides of a plane and further from it than the tolerance; new nodes lie on the cut.
-    pub fn separated(&self, center: &V3, normal: &V3, tolerance: f64) -> Result<(), String> {
+    /// No part has corners on both sides of a plane and further from it than the tolerance. In the `first` stroke the nodes that were there
+    /// before count: new ones lie on the cut.
+    pub fn separated(&self, center: &V3, normal: &V3, tolerance: f64, first: bool) -> Result<(), String> {
         let count = self.mesh.tets.len();
         let mut part = vec![usize::MAX; count];
         for start in 0..count {
@@ -164,7 +165,7 @@ impl Body {
             while let Some(element) = open.pop() {
                 for corner in 0..4 {
                     let node = self.mesh.tets[element][corner] as usize;
-                    if tolerance > 0.0 || self.is_original(node) {
+                    if !first || self.is_original(node) {
                         let height = (self.mesh.positions[node] - center).dot(normal);
                         least = least.min(height);
                         most = most.max(height);
