@@ -196,11 +196,12 @@ impl Topology {
             Aabb::of(places.flat_map(|n| [&positions[0][n], &positions[1][n]]))
         };
         let mut edges = Vec::new();
-        for tet in self.near(bounds, positions) {
+        self.clusters.near(bounds, &self.tets, positions, |element| {
+            let tet = self.tets[element as usize];
             for [i, j] in pattern::EDGES {
                 edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
             }
-        }
+        });
         edges.sort_unstable();
         edges.dedup();
         // Not a number is near everything: it is found out later.
@@ -209,16 +210,6 @@ impl Topology {
             !around.is_valid() || around.overlaps(bounds)
         });
         edges
-    }
-
-    /// The elements whose way in the step comes into `bounds`.
-    fn near(&self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 4]> {
-        let is_near = |tet: &&[u32; 4]| {
-            let places = tet.iter().map(|&n| n as usize);
-            let around = Aabb::of(places.flat_map(|n| [&positions[0][n], &positions[1][n]]));
-            !around.is_valid() || around.overlaps(bounds)
-        };
-        self.tets.iter().filter(is_near).copied().collect()
     }
 
     /// Enters into the stroke on which sides the ends of crossed edges lie.
@@ -308,20 +299,7 @@ impl Topology {
                 stroke.path.insert(copy);
             }
         }
-        if editor.is_unchanged() {
-            return None;
-        }
-        let mut pieces = editor.pieces();
-        let mut crumbs = Vec::new();
-        pieces.retain(|piece| {
-            let crumb = editor.is_crumb(piece, settings.crumb_volume, settings.least_share);
-            if crumb {
-                crumbs.extend_from_slice(piece);
-            }
-            !crumb
-        });
-        crumbs.sort_unstable();
-        Some(editor.finish(&crumbs, pieces))
+        editor.conclude(settings)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Changes to a topology, recorded as one edit.
 
+use crate::cut::Settings;
 use crate::pieces;
 use crate::report::{Cut, Opened, SurfaceChange};
 use crate::topology::{Child, SurfaceTriangle, Topology};
@@ -150,20 +151,28 @@ impl<'a> Editor<'a> {
         copies
     }
 
-    /// Whether nothing was changed.
-    pub(crate) fn is_unchanged(&self) -> bool {
-        self.touched.is_empty()
-    }
-
-    /// The parts that came off.
-    pub(crate) fn pieces(&self) -> Vec<Vec<u32>> {
+    /// The edit and all there is to say of it; `None` when nothing was changed.
+    pub(crate) fn conclude(self, settings: &Settings) -> Option<Cut> {
+        if self.touched.is_empty() {
+            return None;
+        }
         let pairs = self.opened.iter().map(|o| o.faces.map(|(element, _)| element));
-        pieces::come_off(self.topology, &pairs.collect::<Vec<_>>())
+        let mut pieces = pieces::come_off(self.topology, &pairs.collect::<Vec<_>>());
+        let mut crumbs = Vec::new();
+        pieces.retain(|piece| {
+            let crumb = self.is_crumb(piece, settings.crumb_volume, settings.least_share);
+            if crumb {
+                crumbs.extend_from_slice(piece);
+            }
+            !crumb
+        });
+        crumbs.sort_unstable();
+        Some(self.finish(&crumbs, pieces))
     }
 
     /// Whether a part is too small to be kept: by its volume over the mean element's, or its longest edge over the mean
     /// one.
-    pub(crate) fn is_crumb(&self, piece: &[u32], least_volume: f64, least_edge: f64) -> bool {
+    fn is_crumb(&self, piece: &[u32], least_volume: f64, least_edge: f64) -> bool {
         // A crumb has few elements: what is larger in number has the volume as well.
         let volume: f64 = piece.iter().map(|&e| self.rest_volume(e)).sum();
         let longest = || {
@@ -178,13 +187,13 @@ impl<'a> Editor<'a> {
     }
 
     /// Rest volume of an element [m³].
-    pub(crate) fn rest_volume(&self, element: u32) -> f64 {
+    fn rest_volume(&self, element: u32) -> f64 {
         let [a, b, c, d] = self.topology.tets[element as usize].map(|n| self.place(n)[0]);
         microsim_geometry::signed_volume(&a, &b, &c, &d)
     }
 
     /// The edit, without `crumbs` (ascending), and all there is to say of it.
-    pub(crate) fn finish(mut self, crumbs: &[u32], mut pieces: Vec<Vec<u32>>) -> Cut {
+    fn finish(mut self, crumbs: &[u32], mut pieces: Vec<Vec<u32>>) -> Cut {
         let mut lists: BTreeMap<u32, Vec<[u32; 4]>> = BTreeMap::new();
         for &slot in self.touched.keys() {
             lists.insert(slot, vec![self.topology.tets[slot as usize]]);
@@ -269,8 +278,7 @@ impl<'a> Editor<'a> {
         let gone = self.topology.remove(crumbs);
         debug_assert_eq!(gone, leaving);
         let moved = |element: u32| {
-            let chain = moves.iter().fold(element, |e, &(from, to)| if e == from { to } else { e });
-            chain
+            moves.iter().fold(element, |e, &(from, to)| if e == from { to } else { e })
         };
         let is_crumb = |e: &u32| crumbs.binary_search(e).is_ok();
         let renumbered = renumbered.into_iter().filter(|e| !is_crumb(e)).map(moved);
