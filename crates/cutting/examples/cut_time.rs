@@ -62,7 +62,7 @@ fn measure(cells: usize) {
         let side = (random.vector() - V3::z() * 0.3).cross(&V3::z()).normalize();
         let (way, width) = (0.35, 4.0);
         let foot = random.vector() * (0.5 * size - 2.5).max(0.0);
-        let top = V3::new(foot.x, foot.y, 0.5 * size + 0.5);
+        let top = V3::new(foot.x, foot.y, 0.5 * size + 0.1 * random.below(6) as f64);
         let place = |k: usize| {
             let middle = top - V3::z() * (way * k as f64);
             [middle - side * (width / 2.0), middle + side * (width / 2.0)]

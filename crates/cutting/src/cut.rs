@@ -159,6 +159,7 @@ impl Topology {
         let mut crossings = BTreeMap::new();
         match blade {
             Blade::Sheet { sheet, positions } => {
+                let sheet = sheet.displaced(self.mean_edge);
                 let (bounds, boxes) = (sheet.bounds(), sheet.triangle_bounds());
                 for [a, b] in self.edges_near(&bounds, [positions, positions]) {
                     let [u, v] = [a, b].map(|n| &positions[n as usize]);

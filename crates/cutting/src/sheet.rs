@@ -1,5 +1,9 @@
 //! A blade that stands still: a sheet of triangles.
+//!
+//! It is displaced a little as a moving blade is, so that a sheet through nodes of the mesh, along its edges or in its faces is on one side of
+//! them; what is decided then is decided without rounding.
 
+use crate::sweep::displacement;
 use microsim_geometry::{Aabb, orientation};
 use nalgebra::Vector3;
 
@@ -62,6 +66,15 @@ impl Sheet {
             }
         }
         sheet
+    }
+
+    /// The sheet as it is tested against a mesh with this mean edge [m].
+    pub(crate) fn displaced(&self, mean_edge: f64) -> Self {
+        let by = displacement(mean_edge);
+        Self {
+            points: self.points.iter().map(|p| p + by).collect(),
+            triangles: self.triangles.clone(),
+        }
     }
 
     /// Corners of a triangle.
@@ -134,3 +147,6 @@ impl Sheet {
     }
 }
 
+
+#[cfg(test)]
+mod tests;

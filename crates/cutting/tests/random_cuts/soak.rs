@@ -105,12 +105,12 @@ impl Swing {
     }
 }
 
-/// Cuts one body several times.
-pub fn cut_body(seed: u64, summary: &mut Summary) -> Result<usize, String> {
+/// Cuts one body several times; one in eight up to `most` times.
+pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, String> {
     let mut random = Random(seed);
     let kind = [Kind::Block, Kind::Block, Kind::Tube, Kind::Filled][random.below(4) as usize];
     let mut body = Body::new(kind, &mut random);
-    let strokes = if random.below(8) == 0 { 12 } else { 1 + random.below(5) };
+    let strokes = if random.below(8) == 0 { most } else { 1 + random.below(4) };
     summary.bodies += 1;
     for number in 0..strokes {
         let way = random.below(5);
@@ -230,15 +230,16 @@ impl Body {
     }
 }
 
-/// At least `strokes` strokes.
-pub fn run(strokes: usize, seed: u64, mut told: impl FnMut(&Summary)) -> Result<Summary, String> {
+/// At least `strokes` strokes, up to `most` in a body.
+pub fn run(strokes: usize, seed: u64, most: u64, mut told: impl FnMut(&Summary)) -> Result<Summary, String> {
     let mut summary = Summary {
         least_volume: f64::INFINITY,
         ..Summary::default()
     };
     let mut body = 0;
     while summary.strokes < strokes {
-        cut_body(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(body), &mut summary)?;
+        let seed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(body);
+        cut_body(seed, most, &mut summary)?;
         body += 1;
         told(&summary);
     }
