@@ -5,13 +5,19 @@ use crate::model::TissueModel;
 /// For each node the lowest node that elements couple it to, directly or through others.
 pub(crate) fn components(model: &TissueModel) -> Vec<u32> {
     let mut lowest: Vec<u32> = (0..model.node_count() as u32).collect();
-    for set in model.sets() {
-        for element in 0..set.count() {
-            for pair in set.nodes(element).windows(2) {
-                let ends = [root(&mut lowest, pair[0]), root(&mut lowest, pair[1])];
-                lowest[ends[0].max(ends[1]) as usize] = ends[0].min(ends[1]);
-            }
+    let mut join = |nodes: &[u32]| {
+        for pair in nodes.windows(2) {
+            let ends = [root(&mut lowest, pair[0]), root(&mut lowest, pair[1])];
+            lowest[ends[0].max(ends[1]) as usize] = ends[0].min(ends[1]);
         }
+    };
+    // What is made of materials couples the nodes of each tetrahedron, and no others.
+    let made = model.parts_made().len();
+    if made > 0 {
+        model.tets().iter().for_each(|tet| join(tet));
+    }
+    for set in &model.sets()[made..] {
+        (0..set.count()).for_each(|element| join(set.nodes(element)));
     }
     for node in 0..lowest.len() as u32 {
         lowest[node as usize] = root(&mut lowest, node);

@@ -219,6 +219,10 @@ impl Solver for SolverQuasiStatic {
         })
     }
 
+    fn follow(&mut self, model: &TissueModel) {
+        *self = Self::new(model, self.newton);
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

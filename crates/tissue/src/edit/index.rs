@@ -154,6 +154,7 @@ impl TissueModel {
     /// with the body; done by the first of them otherwise.
     pub fn prepare_edits(&self) {
         self.index();
+        self.rate_bound();
     }
 
     /// What edits look up.

@@ -67,8 +67,8 @@ impl TissueModel {
         self.follow_parts(&placed);
         ModelChange {
             touched,
-            new_nodes: edit.new_nodes.to_vec(),
-            removed_nodes: edit.removed_nodes.to_vec(),
+            new_nodes: edit.new_nodes.clone(),
+            removed_nodes: edit.removed_nodes.clone(),
             moved: plan.moved.clone(),
             sets: changes,
         }
@@ -89,7 +89,7 @@ impl TissueModel {
             }
         }
         let all = self.rest_positions.len();
-        let removed = edit.removed_nodes;
+        let removed = &edit.removed_nodes;
         splice(&mut self.rest_positions, removed, &[]);
         splice(&mut self.masses, removed, &[]);
         splice(&mut self.added_inertia, removed, &[]);

@@ -371,13 +371,12 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
         error
     };
     let first = edit.replaced[0];
-    for replaced in [&[first, first][..], &[10_000]] {
-        let error = refused(&ModelEdit { replaced, ..good });
+    for replaced in [vec![first, first], vec![10_000]] {
+        let error = refused(&ModelEdit { replaced, ..good.clone() });
         assert!(matches!(error, EditError::Number { of: "element", .. }));
     }
-    let share = [([edge[0], edge[1]], 1.5)];
-    let new_nodes = &share[..];
-    let error = refused(&ModelEdit { new_nodes, ..good });
+    let new_nodes = vec![(edge, 1.5)];
+    let error = refused(&ModelEdit { new_nodes, ..good.clone() });
     assert!(matches!(
         error,
         EditError::Share {
@@ -386,8 +385,8 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
         }
     ));
     let error = refused(&ModelEdit {
-        clamped: &[],
-        ..good
+        clamped: Vec::new(),
+        ..good.clone()
     });
     assert!(matches!(
         error,
@@ -398,14 +397,14 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     ));
     let error = refused(&ModelEdit {
         mesh: &mesh,
-        ..good
+        ..good.clone()
     });
     assert!(matches!(error, EditError::Count { of: "nodes", .. }));
     let mut other = after.clone();
     other.regions[first as usize] = 5;
     let error = refused(&ModelEdit {
         mesh: &other,
-        ..good
+        ..good.clone()
     });
     assert_eq!(
         error,
@@ -423,7 +422,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     *flat.positions.last_mut().unwrap() = flat.positions[*corner as usize] + (node - node);
     let error = refused(&ModelEdit {
         mesh: &flat,
-        ..good
+        ..good.clone()
     });
     assert!(matches!(error, EditError::Volume { .. }), "{error}");
     // A new node that nothing uses.
