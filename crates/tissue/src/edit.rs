@@ -21,6 +21,7 @@
 
 mod error;
 mod index;
+mod pieces;
 mod plan;
 mod sets;
 mod state;

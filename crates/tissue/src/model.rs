@@ -6,6 +6,7 @@ mod parallel;
 pub use error::ModelError;
 pub(crate) use parallel::Part;
 
+use crate::components::Components;
 use crate::edit::Index;
 use crate::elements::Elements;
 use crate::material;
@@ -37,6 +38,9 @@ pub struct TissueModel {
     /// What edits look up; made at the first one.
     pub(crate) index: OnceLock<Arc<Index>>,
     rate_bound: OnceLock<f64>,
+    pub(crate) components: OnceLock<Arc<Components>>,
+    /// S_i of NUMERICS 3.2 at rest [N/m], once it was asked for.
+    pub(crate) row_sums: OnceLock<Vec<f64>>,
 }
 
 impl TissueModel {
@@ -135,6 +139,8 @@ impl TissueModel {
             parts,
             index: OnceLock::new(),
             rate_bound: OnceLock::new(),
+            components: OnceLock::new(),
+            row_sums: OnceLock::new(),
         }
     }
 
@@ -158,6 +164,8 @@ impl TissueModel {
             parts: Vec::new(),
             index: OnceLock::new(),
             rate_bound: OnceLock::new(),
+            components: OnceLock::new(),
+            row_sums: OnceLock::new(),
         };
         let sets: usize = bodies.iter().map(|body| body.sets.len()).sum();
         for body in bodies {
@@ -249,10 +257,14 @@ impl TissueModel {
 
     /// Scales elements of a set by their factors.
     pub(crate) fn scale_elements(&mut self, set: usize, factors: &[(u32, f64)]) {
-        let elements = self.own_set(set);
+        let mut sums = self.row_sums.take();
         for (element, factor) in factors {
-            elements.scale(*element as usize, *factor);
+            if let Some(sums) = &mut sums {
+                self.add_rows(set, [*element], *factor - 1.0, sums);
+            }
+            self.own_set(set).scale(*element as usize, *factor);
         }
+        self.row_sums = sums.map_or_else(OnceLock::new, OnceLock::from);
     }
 
     /// A set to be changed: a copy first, where others share it.
@@ -276,7 +288,7 @@ impl TissueModel {
         let sets = self.sets.iter().zip(factors);
         self.sets = sets.map(|(set, factors)| set.scaled(factors)).collect();
         self.rate_bound = OnceLock::new();
-        self.index = OnceLock::new();
+        self.row_sums = OnceLock::new();
         self
     }
 
@@ -361,7 +373,9 @@ impl TissueModel {
     /// A bound of λ_max at rest [1/s²], that of Gershgorin: how fast the body answers. Edits leave it what it was at the start, as the
     /// characteristic length.
     pub(crate) fn rate_bound(&self) -> f64 {
-        *self.rate_bound.get_or_init(|| gershgorin_bound(self, stability::Part::Stiffness))
+        *self
+            .rate_bound
+            .get_or_init(|| gershgorin_bound(self, stability::Part::Stiffness))
     }
 
     /// The parts in which forces are computed; one for a small body.

@@ -42,6 +42,11 @@ impl Leaving {
         Some(moved.map_or(place, |index| self.moves[index][1]))
     }
 
+    /// Whether nothing leaves.
+    pub fn is_same(&self) -> bool {
+        self.removed.is_empty()
+    }
+
     /// Which entry is at a place then.
     pub fn before(&self, place: u32) -> u32 {
         let moved = self.moves.iter().find(|m| m[1] == place);

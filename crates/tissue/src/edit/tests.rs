@@ -5,6 +5,7 @@ mod remedies;
 mod states;
 
 use super::*;
+use crate::elements::key::Key;
 use crate::elements::{Elements, NodeWindow, Plasticity, Tangent};
 use crate::law::LawName;
 use crate::material::{
@@ -265,8 +266,8 @@ fn an_edited_body_is_the_one_built_of_the_mesh_after_the_edit() {
 /// Every element of the region is in one patch; puts the same patches into the model built anew, which forms its own.
 fn check_patches(edited: &TissueModel, anew: &mut TissueModel, mesh: &TetMesh) {
     let (part, set) = (edited.parts_made()[1], &edited.sets()[1]);
-    let place = |tet: &crate::elements::splice::Key| {
-        let same = |t: &&[u32; 4]| crate::elements::splice::key(*t) == *tet;
+    let place = |tet: &Key| {
+        let same = |t: &&[u32; 4]| Key::new(*t) == *tet;
         mesh.tets.iter().position(|t| same(&t)).unwrap() as u32
     };
     let mut members: Vec<(u32, u32)> = Vec::new();
@@ -372,11 +373,17 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     };
     let first = edit.replaced[0];
     for replaced in [vec![first, first], vec![10_000]] {
-        let error = refused(&ModelEdit { replaced, ..good.clone() });
+        let error = refused(&ModelEdit {
+            replaced,
+            ..good.clone()
+        });
         assert!(matches!(error, EditError::Number { of: "element", .. }));
     }
     let new_nodes = vec![(edge, 1.5)];
-    let error = refused(&ModelEdit { new_nodes, ..good.clone() });
+    let error = refused(&ModelEdit {
+        new_nodes,
+        ..good.clone()
+    });
     assert!(matches!(
         error,
         EditError::Share {

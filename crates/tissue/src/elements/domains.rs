@@ -1,6 +1,7 @@
 //! Domains with a constant deformation gradient, and the plain ones: tetrahedra.
 
-use super::splice::{Key, key, splice};
+use super::key::Key;
+use super::splice::splice;
 use crate::elements::NodeWindow;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
@@ -103,7 +104,7 @@ impl Domains for Tetrahedra {
     }
 
     fn keys(&self, domain: usize, visit: &mut dyn FnMut(Key)) {
-        visit(key(&self.nodes[domain]));
+        visit(Key::new(&self.nodes[domain]));
     }
 
     fn splice(&mut self, removed: &[u32], added: &Self) -> bool {

@@ -1,13 +1,15 @@
 //! Remedies after edits, where they touched, against those of the whole body and dense eigenvalues.
 
 use super::*;
-use crate::stability::{
-    Part, cap_nodes, floor_nodes, gershgorin_bound, mass_floor, stiffness_cap,
-};
+use crate::stability::{Part, cap_nodes, floor_nodes, gershgorin_bound, mass_floor, stiffness_cap};
 
 /// Largest eigenvalue of M⁻¹K at rest [1/s²].
 fn largest(model: &TissueModel) -> f64 {
-    let internal: Vec<f64> = model.sets().iter().flat_map(|s| s.initial_internal()).collect();
+    let internal: Vec<f64> = model
+        .sets()
+        .iter()
+        .flat_map(|s| s.initial_internal())
+        .collect();
     let mut matrix = answer_at(model, &State::at_rest(model), &internal).stiffness;
     for (node, w) in model.inverse_masses().iter().enumerate() {
         for k in 3 * node..3 * node + 3 {
@@ -75,7 +77,9 @@ fn added_inertia_has_no_weight() {
     let mesh = layers([1, 1, 1]);
     let material = continuum(Discretisation::Tetrahedra);
     let light = build(&mesh, [material; 2], &vec![false; mesh.positions.len()]);
-    let heavy = light.clone().with_added_inertia(light.masses().iter().map(|m| 2.0 * m).collect());
+    let heavy = light
+        .clone()
+        .with_added_inertia(light.masses().iter().map(|m| 2.0 * m).collect());
     let mut state = State::at_rest(&light);
     state.velocities.fill(Vector3::new(1.0, 2.0, 3.0));
     let kinetic = |model: &TissueModel| state.energies(model).kinetic;
@@ -85,7 +89,9 @@ fn added_inertia_has_no_weight() {
         ..Control::default()
     };
     let weight = |model: &TissueModel| {
-        Forces::new(model).compute(model, &state, &control, &Serial).to_vec()
+        Forces::new(model)
+            .compute(model, &state, &control, &Serial)
+            .to_vec()
     };
     assert_eq!(weight(&heavy), weight(&light));
     assert_eq!(heavy.masses(), light.masses());
