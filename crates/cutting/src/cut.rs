@@ -295,7 +295,9 @@ impl Topology {
                     corners: child.map(node),
                     marks: child_marks(&child, &marks),
                 });
-                stroke.sides.insert(slot, child.map(|[near, _]| sides[near as usize]));
+                stroke
+                    .sides
+                    .insert(slot, child.map(|[near, _]| sides[near as usize]));
                 touched.insert(slot);
             }
             replaced.push((element, children));

@@ -55,7 +55,15 @@ pub(crate) fn decide(
 ) -> Decisions {
     let mut decisions = Decisions::default();
     for (edge, crossing) in crossings {
-        let fate = first_fate(topology, mesh, stroke, edge, &crossing, settings, &mut decisions);
+        let fate = first_fate(
+            topology,
+            mesh,
+            stroke,
+            edge,
+            &crossing,
+            settings,
+            &mut decisions,
+        );
         decisions.edges.insert(edge, CrossedEdge { crossing, fate });
     }
     decisions.legalise(topology, mesh);
@@ -234,7 +242,13 @@ impl Decisions {
     }
 
     /// Rest place of a node of a pattern: a corner, or the new node on an edge.
-    fn new_place(&self, tet: &[u32; 4], corners: &[Vector3<f64>; 4], i: usize, j: usize) -> Vector3<f64> {
+    fn new_place(
+        &self,
+        tet: &[u32; 4],
+        corners: &[Vector3<f64>; 4],
+        i: usize,
+        j: usize,
+    ) -> Vector3<f64> {
         if i == j {
             return corners[i];
         }

@@ -64,7 +64,9 @@ pub(crate) fn come_off(topology: &Topology, seeds: impl IntoIterator<Item = u32>
                 };
                 let Search { found, done } = std::mem::take(&mut searches[from]);
                 let target = &mut searches[into];
-                target.found.splice(target.done..target.done, found[..done].iter().copied());
+                target
+                    .found
+                    .splice(target.done..target.done, found[..done].iter().copied());
                 target.done += done;
                 target.found.extend(&found[done..]);
                 root[from] = into;
@@ -85,7 +87,10 @@ pub(crate) fn come_off(topology: &Topology, seeds: impl IntoIterator<Item = u32>
     if alive.is_empty() || searches.is_empty() {
         // All ended: the largest is the body.
         let size = |s: &usize| searches[*s].found.len();
-        if let Some(at) = (0..finished.len()).rev().max_by_key(|&i| size(&finished[i])) {
+        if let Some(at) = (0..finished.len())
+            .rev()
+            .max_by_key(|&i| size(&finished[i]))
+        {
             finished.remove(at);
         }
     }

@@ -290,7 +290,9 @@ impl Topology {
         }
         for &element in group {
             let tet = &mut self.tets[element as usize];
-            tet.iter_mut().filter(|n| **n == node).for_each(|n| *n = copy);
+            tet.iter_mut()
+                .filter(|n| **n == node)
+                .for_each(|n| *n = copy);
         }
         self.node_elements[node as usize].retain(|e| group.binary_search(e).is_err());
         self.node_elements.push(group.to_vec());
@@ -357,7 +359,10 @@ impl Topology {
             for other in self.neighbours[gone as usize] {
                 if other != NONE {
                     let places = &mut self.neighbours[other as usize];
-                    places.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
+                    places
+                        .iter_mut()
+                        .filter(|n| **n == last)
+                        .for_each(|n| *n = gone);
                 }
             }
         }
@@ -369,7 +374,9 @@ impl Topology {
             }
             for e in self.node_elements[gone as usize].clone() {
                 let tet = &mut self.tets[e as usize];
-                tet.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
+                tet.iter_mut()
+                    .filter(|n| **n == last)
+                    .for_each(|n| *n = gone);
             }
         }
         nodes

@@ -10,7 +10,11 @@ mod continuum_constraints;
 mod continuum_matrix;
 mod coupling;
 mod domains;
+<<<<<<< HEAD
 pub mod key;
+=======
+mod lanes;
+>>>>>>> origin/main
 mod matrix;
 mod measure;
 mod plasticity;
@@ -22,6 +26,7 @@ pub use continuum::{Continuum, ContinuumSet, Smoothed};
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
 pub(crate) use coupling::{Followed, coordinates};
 pub use domains::{Domains, Tetrahedra};
+pub use lanes::Lanes;
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;

@@ -18,10 +18,19 @@ fn block(cells: [usize; 3]) -> TetMesh {
 /// A square around `center` with this normal, far over the body.
 fn plane(center: V3, normal: V3) -> Sheet {
     let normal = normal.normalize();
-    let side = normal.cross(&if normal.x.abs() < 0.7 { V3::x() } else { V3::y() }).normalize();
+    let side = normal
+        .cross(&if normal.x.abs() < 0.7 {
+            V3::x()
+        } else {
+            V3::y()
+        })
+        .normalize();
     let up = normal.cross(&side);
     let at = |a: f64, b: f64| center + (side * a + up * b) * 40.0;
-    Sheet::quad([at(-1.0, -1.0), at(1.0, -1.0)], [at(-1.0, 1.0), at(1.0, 1.0)])
+    Sheet::quad(
+        [at(-1.0, -1.0), at(1.0, -1.0)],
+        [at(-1.0, 1.0), at(1.0, 1.0)],
+    )
 }
 
 struct Body {

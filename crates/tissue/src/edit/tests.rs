@@ -2,6 +2,7 @@
 
 mod by_hand;
 mod remedies;
+mod solvers;
 mod states;
 
 use super::*;
@@ -246,7 +247,7 @@ fn an_edited_body_is_the_one_built_of_the_mesh_after_the_edit() {
             mesh = after;
             let mut anew = build(&mesh, [material, other], &clamped);
             if patches {
-                check_patches(&edited, &mut anew, &mesh);
+                check_patches(&edited, &mut anew, &mesh, 1);
             }
             check_same(&edited, &anew, &state.internal);
             check_index(&edited);
@@ -264,8 +265,8 @@ fn an_edited_body_is_the_one_built_of_the_mesh_after_the_edit() {
 }
 
 /// Every element of the region is in one patch; puts the same patches into the model built anew, which forms its own.
-fn check_patches(edited: &TissueModel, anew: &mut TissueModel, mesh: &TetMesh) {
-    let (part, set) = (edited.parts_made()[1], &edited.sets()[1]);
+fn check_patches(edited: &TissueModel, anew: &mut TissueModel, mesh: &TetMesh, set: usize) {
+    let (number, part, set) = (set, edited.parts_made()[set], &edited.sets()[set]);
     let place = |tet: &Key| {
         let same = |t: &&[u32; 4]| Key::new(*t) == *tet;
         mesh.tets.iter().position(|t| same(&t)).unwrap() as u32
@@ -288,7 +289,7 @@ fn check_patches(edited: &TissueModel, anew: &mut TissueModel, mesh: &TetMesh) {
         set.count()
     );
     members.sort_unstable();
-    anew.sets[1] = part.build_patches(mesh, &members).unwrap();
+    anew.sets[number] = part.build_patches(mesh, &members).unwrap();
 }
 
 /// The index of an edited body is the one built anew, up to the order of its entries.

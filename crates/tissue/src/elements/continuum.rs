@@ -87,11 +87,8 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
                 self.domains.add_forces(element, &stress, forces);
             }
         } else {
-            for element in range {
-                let f = self.domains.deformation(element, at.positions);
-                let stress = L::stress(&f, &self.lame);
-                self.domains.add_forces(element, &stress, forces);
-            }
+            self.domains
+                .add_elastic_forces::<L>(range, at.positions, &self.lame, forces);
         }
     }
 
