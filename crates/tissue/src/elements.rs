@@ -10,11 +10,8 @@ mod continuum_constraints;
 mod continuum_matrix;
 mod coupling;
 mod domains;
-<<<<<<< HEAD
 pub mod key;
-=======
 mod lanes;
->>>>>>> origin/main
 mod matrix;
 mod measure;
 mod plasticity;
