@@ -11,7 +11,7 @@ use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};
 use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
-use microsim_mesh::{Replacement, Surface, TetMesh, TopologyEdit};
+use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -322,37 +322,10 @@ impl Body {
         edit: &TopologyEdit,
         method: &Method,
     ) -> Result<ModelChange, Misfit> {
-        let (old, model) = (self.mesh.positions.len(), &self.model);
-        let mut clamped: Vec<bool> = Vec::with_capacity(edit.nodes.len());
-        for node in &edit.nodes {
-            let held = |parent: &u32| match (*parent as usize).checked_sub(old) {
-                None => model.is_clamped(*parent as usize),
-                Some(new) => clamped[new],
-            };
-            let both = node.between.iter().all(held);
-            clamped.push(both);
-        }
+        let old = self.mesh.positions.len();
         self.mesh.apply(edit).map_err(|_| Misfit)?;
-        let children = |of: &Replacement| vec![of.element; of.children.len() - 1];
-        let parents: Vec<u32> = edit.elements.iter().flat_map(children).collect();
-        let change = self.model.edit(&ModelEdit {
-            mesh: &self.mesh,
-            replaced: &edit
-                .elements
-                .iter()
-                .map(|of| of.element)
-                .collect::<Vec<_>>(),
-            parents: &parents,
-            new_nodes: &edit
-                .nodes
-                .iter()
-                .map(|node| (node.between, node.share))
-                .collect::<Vec<_>>(),
-            clamped: &clamped,
-            moved: &edit.moved.iter().map(|(node, _)| *node).collect::<Vec<_>>(),
-            removed_elements: &edit.removed,
-            removed_nodes: &edit.removed_nodes,
-        });
+        let edit_of_model = ModelEdit::new(&self.mesh, edit, self.model.clamped());
+        let change = self.model.edit(&edit_of_model);
         let change = change.map_err(|_| Misfit)?;
         if method.is_explicit() {
             stability::floor_nodes(&mut self.model, &change.touched, self.stable_step, FLOOR);

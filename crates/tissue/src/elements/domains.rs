@@ -1,7 +1,8 @@
 //! Domains with a constant deformation gradient, and the plain ones: tetrahedra.
 
+use super::key::Key;
 use super::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
-use super::splice::{Key, key, splice};
+use super::splice::splice;
 use crate::elements::NodeWindow;
 use crate::law::{Lame, Law};
 use microsim_mesh::TetMesh;
@@ -355,7 +356,7 @@ impl Domains for Tetrahedra {
     }
 
     fn keys(&self, domain: usize, visit: &mut dyn FnMut(Key)) {
-        visit(key(&self.nodes[domain]));
+        visit(Key::new(&self.nodes[domain]));
     }
 
     fn splice(&mut self, removed: &[u32], added: &Self) -> bool {
