@@ -5,6 +5,7 @@
 
 mod level;
 mod plot;
+mod size;
 mod tubes;
 mod wall;
 
@@ -14,11 +15,12 @@ use std::process::ExitCode;
 /// What the sections say, and the drawing.
 fn measure() -> Result<(String, String), String> {
     let mut text = String::from(
-        "# Contact\n\n`cargo xtask bench contact`; two tubes, a thin wall, a vessel with two tools. One core; times of single runs.\n",
+        "# Contact\n\n`cargo xtask bench contact`; two tubes, a thin wall, a vessel with two tools, cost over size. One core; times of single runs.\n",
     );
     let tubes = tubes::measure(&mut text)?;
     wall::measure(&mut text)?;
     level::measure(&mut text)?;
+    size::measure(&mut text)?;
     Ok((text, tubes))
 }
 
