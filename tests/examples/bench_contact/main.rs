@@ -14,7 +14,10 @@ mod wall;
 use std::process::ExitCode;
 
 /// A section: its name and what measures it; some come with a drawing.
-type Section = (&'static str, fn(&mut String) -> Result<Option<String>, String>);
+type Section = (
+    &'static str,
+    fn(&mut String) -> Result<Option<String>, String>,
+);
 
 const SECTIONS: [Section; 4] = [
     ("tubes", |text| tubes::measure(text).map(Some)),
@@ -28,7 +31,9 @@ fn measure(names: &[String]) -> Result<(), String> {
     let known = |name: &&String| SECTIONS.iter().all(|(section, _)| section != name);
     if let Some(unknown) = names.iter().find(known) {
         let all = SECTIONS.map(|(name, _)| name).join(", ");
-        return Err(format!("there is no section \"{unknown}\"; there are: {all}"));
+        return Err(format!(
+            "there is no section \"{unknown}\"; there are: {all}"
+        ));
     }
     let mut text = String::from(
         "# Contact\n\n`cargo xtask bench contact`; two tubes, a thin wall, a vessel with two tools, cost over size. One core; times of single runs.\n",

@@ -273,7 +273,11 @@ fn table(text: &mut String, titles: &[&str], rows: &[Row]) {
             false => "–".to_owned(),
         };
         let all = first.times.iter().zip(&last.times).map(growth);
-        let _ = writeln!(text, "| **growth** | {} | |", all.collect::<Vec<_>>().join(" | "));
+        let _ = writeln!(
+            text,
+            "| **growth** | {} | |",
+            all.collect::<Vec<_>>().join(" | ")
+        );
     }
 }
 
@@ -323,8 +327,14 @@ pub fn measure(text: &mut String) -> Result<(), String> {
         "response",
     ];
     for (with, name) in [
-        (With::Layer, "Two layers, face to face: what touches grows with them"),
-        (With::Tool, "A layer and a tool of four capsules: what touches stays"),
+        (
+            With::Layer,
+            "Two layers, face to face: what touches grows with them",
+        ),
+        (
+            With::Tool,
+            "A layer and a tool of four capsules: what touches stays",
+        ),
     ] {
         let few: Vec<usize> = sizes.into_iter().filter(|s| *s <= IMPLICIT).collect();
         for (method, of, sizes) in [

@@ -93,7 +93,10 @@ impl World {
                 .collect();
             build_model(mesh, &[(0, material)], &held, 50.0, Vec::new()).expect("a body")
         };
-        let (below, above) = (model_of(&lower, -0.5 * SIDE), model_of(&upper, 1.505 * SIDE));
+        let (below, above) = (
+            model_of(&lower, -0.5 * SIDE),
+            model_of(&upper, 1.505 * SIDE),
+        );
         let model = TissueModel::union(&[&below, &above]);
         let rod = Capsule {
             a: V3::new(-SIDE, -0.62 * SIDE, 0.1 * SIDE),
@@ -151,7 +154,11 @@ impl World {
         let lower = self.model.node_count() / 2;
         for &node in self.model.clamped() {
             let place = self.model.rest_positions()[node as usize];
-            let moved = if node as usize >= lower { shift } else { V3::zeros() };
+            let moved = if node as usize >= lower {
+                shift
+            } else {
+                V3::zeros()
+            };
             self.control.clamped_positions.push(place + moved);
         }
         let before = count();
