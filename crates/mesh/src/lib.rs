@@ -3,13 +3,14 @@
 //! What is here: the mesh with stable ids and regions; blocks, tubes of layers, closed surfaces filled with tetrahedra;
 //! the boundary and parts of it; the quality of elements; reports on what is wrong with a mesh or surface, with place and
 //! remedy; points that follow a mesh. What is not: physics, reading and writing of disks (formats turn bytes into meshes
-//! and back), topology edits (they come with cutting; ids and the generation are here for them). Pure: same input, same
+//! and back), deciding what is cut (edits of the topology are carried out here, made elsewhere). Pure: same input, same
 //! bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
 
 mod block;
 mod box_grid;
 mod cell_split;
 mod defects;
+mod edit;
 mod fill;
 pub mod format;
 mod mapping;
@@ -24,6 +25,7 @@ mod tube;
 pub use block::{Block, BlockError};
 pub use cell_split::CellSplit;
 pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
+pub use edit::{Applied, CutFace, EditError, NewNode, Replaced, Replacement, Side, TopologyEdit};
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
 pub use mapping::{Location, Locator, Mapping, MappingError};
 pub use microsim_geometry::signed_volume;

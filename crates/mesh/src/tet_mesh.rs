@@ -28,13 +28,18 @@ pub struct TetMesh {
     pub element_ids: Vec<u32>,
     /// Grows with every topology edit.
     pub generation: u64,
+    /// Id of the next new node: above all that were ever given.
+    pub(crate) next_node_id: u32,
+    /// Id of the next new element.
+    pub(crate) next_element_id: u32,
 }
 
 impl TetMesh {
     /// A first-generation mesh; ids are the indices. Nothing is checked here.
     pub fn new(positions: Vec<Vector3<f64>>, tets: Vec<[u32; 4]>, regions: Vec<u32>) -> Self {
-        let node_ids = (0..positions.len() as u32).collect();
-        let element_ids = (0..tets.len() as u32).collect();
+        let (nodes, elements) = (positions.len() as u32, tets.len() as u32);
+        let node_ids = (0..nodes).collect();
+        let element_ids = (0..elements).collect();
         Self {
             positions,
             tets,
@@ -42,6 +47,8 @@ impl TetMesh {
             node_ids,
             element_ids,
             generation: 0,
+            next_node_id: nodes,
+            next_element_id: elements,
         }
     }
 
@@ -123,8 +130,10 @@ impl TetMesh {
     /// ids above all ids so far. Nothing is joined where the two touch.
     pub fn append(&mut self, other: &Self, region_offset: u32) {
         let first_node = self.positions.len() as u32;
+        // Ids may have been given from outside.
         let free = |ids: &[u32]| ids.iter().max().map_or(0, |id| id + 1);
-        let (node_id, element_id) = (free(&self.node_ids), free(&self.element_ids));
+        let node_id = free(&self.node_ids).max(self.next_node_id);
+        let element_id = free(&self.element_ids).max(self.next_element_id);
         self.positions.extend(&other.positions);
         self.tets
             .extend(other.tets.iter().map(|tet| tet.map(|n| n + first_node)));
@@ -134,6 +143,8 @@ impl TetMesh {
             .extend((node_id..).take(other.positions.len()));
         self.element_ids
             .extend((element_id..).take(other.tets.len()));
+        self.next_node_id = node_id + other.positions.len() as u32;
+        self.next_element_id = element_id + other.tets.len() as u32;
         self.generation += 1;
     }
 

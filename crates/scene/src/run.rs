@@ -8,7 +8,7 @@ mod probe;
 
 use crate::containment::Diverged;
 use crate::overlap::Overlap;
-use crate::report::{Recovery, TickReport};
+use crate::report::{CutReport, Recovery, RejectedCut, TickReport};
 use crate::scene::Scene;
 use microsim_settings as settings;
 use microsim_tissue::Executor;
@@ -129,6 +129,10 @@ pub struct Remarks {
     pub most_substeps: u32,
     /// Tools that jumped, with the time at the end of the tick [s].
     pub jumps: Vec<(f64, usize)>,
+    /// What was cut, with the time at the end of the tick [s].
+    pub cuts: Vec<(f64, CutReport)>,
+    /// What could not be cut.
+    pub rejected: Vec<(f64, RejectedCut)>,
 }
 
 impl Runner {
@@ -159,7 +163,7 @@ impl Runner {
             before: Vec::new(),
             remarks: Remarks {
                 most_substeps: 1,
-                jumps: Vec::new(),
+                ..Remarks::default()
             },
             end: None,
             scene,
@@ -279,6 +283,12 @@ impl Runner {
         self.remarks.most_substeps = self.remarks.most_substeps.max(report.substeps);
         let jumps = report.jumped.into_iter();
         self.remarks.jumps.extend(jumps.map(|tool| (time, tool)));
+        let cuts = report.cuts.into_iter();
+        self.remarks.cuts.extend(cuts.map(|cut| (time, cut)));
+        let rejected = report.rejected.into_iter();
+        self.remarks
+            .rejected
+            .extend(rejected.map(|cut| (time, cut)));
         for contact in &report.contacts {
             let index = self.scene.pair_of(contact.body, contact.with);
             let Some(sum) = index.map(|index| &mut self.contacts[index]) else {

@@ -4,7 +4,7 @@
 //! Frame: the world's, right-handed, z up. Everything is in SI.
 
 use crate::body::{Body, Nodes};
-use crate::contact::{ContactPair, Rigid, SceneTool};
+use crate::contact::{ContactPair, CutPair, Rigid, SceneTool};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level::View;
@@ -39,6 +39,8 @@ pub struct Scene {
     pub rigid: Vec<Rigid>,
     /// What touches what.
     pub contact: Vec<ContactPair>,
+    /// What cuts what.
+    pub cut: Vec<CutPair>,
     /// What is watched.
     pub probe: Vec<Probe>,
     /// What must come out.

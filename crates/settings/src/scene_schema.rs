@@ -1,7 +1,7 @@
 //! The keys of a scene.
 
 use crate::body_schema::{body_keys, nodes_keys, point};
-use crate::contact_schema::{contact_list, rigid_list, tool_list};
+use crate::contact_schema::{contact_list, cut_list, rigid_list, tool_list};
 use crate::level_schema::view_keys;
 use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::scene::{End, Feature, Quantity};
@@ -42,6 +42,7 @@ pub fn scene_schema() -> Schema {
             tool_list(),
             rigid_list(),
             contact_list(),
+            cut_list(),
             Key::list(
                 "probe",
                 Kind::Table(probe_keys()),

@@ -25,6 +25,7 @@ pub use principal::PrincipalTangent;
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 
+use crate::elements::Lanes;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::fmt::Debug;
 
@@ -64,6 +65,16 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
 
     /// First Piola–Kirchhoff stress P = ∂Ψ/∂F [Pa].
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64>;
+
+    /// 2a' and b' [Pa] of four F at once, for a law of the form Ψ = a(tr FᵀF) + b(det F), from tr FᵀF and det F.
+    #[inline(always)]
+    fn slopes_of_four(
+        _trace: impl FnOnce() -> Lanes,
+        _j: Lanes,
+        _lame: &Lame,
+    ) -> Option<[Lanes; 2]> {
+        None
+    }
 
     /// ∂P/∂F [Pa].
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9;

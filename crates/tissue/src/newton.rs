@@ -467,7 +467,7 @@ impl NewtonSolver {
             return Vector3::zeros();
         }
         let v = self.trial.velocities[node];
-        ((v - base_velocities[node]) * *rate + v * self.drags[node]) * problem.model.masses()[node]
+        ((v - base_velocities[node]) * *rate + v * self.drags[node]) * problem.model.inertia(node)
     }
 
     /// Computes the residual at `trial`; returns its size as a share of the forces, 0 where it is not above `noise`.

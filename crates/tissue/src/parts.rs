@@ -54,8 +54,8 @@ impl Parts {
             inertia: 0.0,
         };
         let mut parts = vec![none; model.node_count()];
-        for (&lowest, mass) in components.iter().zip(model.masses()) {
-            parts[lowest as usize].mass += mass;
+        for (node, &lowest) in components.iter().enumerate() {
+            parts[lowest as usize].mass += model.inertia(node);
         }
         Self {
             edge: model.mean_edge_length(),

@@ -85,7 +85,8 @@ impl Projection {
     }
 
     /// Keeps gaps where a step without contact brings the nodes to `positions`, from `start`; afterwards they are where the step
-    /// ends, and [`ways`](Self::ways) holds what forces had to do with it. `mobility` as in [`begin`](Self::begin).
+    /// ends, and [`ways`](Self::ways) holds what forces had to do with it. `mobility` as in [`begin`](Self::begin). Returns whether
+    /// there is any contact; where there is none nothing is moved.
     pub fn touch(
         &mut self,
         touching: &mut Touching<'_>,
@@ -93,13 +94,15 @@ impl Projection {
         mobility: impl Fn(usize) -> f64,
         h: f64,
         positions: &mut [Vector3<f64>],
-    ) {
+    ) -> bool {
         touching.source.find(1.0, positions, &mut touching.contacts);
-        self.before.copy_from_slice(positions);
-        if !touching.contacts.is_empty() {
-            self.begin(&mut touching.contacts, &mobility);
-            self.keep(Kept::Gaps(start), SWEEPS, &mut touching.contacts, positions);
+        if touching.contacts.is_empty() {
+            self.before.fill(Vector3::zeros());
+            return false;
         }
+        self.before.copy_from_slice(positions);
+        self.begin(&mut touching.contacts, &mobility);
+        self.keep(Kept::Gaps(start), SWEEPS, &mut touching.contacts, positions);
         for (way, x) in self.before.iter_mut().zip(&*positions) {
             *way = x - *way;
         }
@@ -109,6 +112,7 @@ impl Projection {
             h,
             positions,
         );
+        true
     }
 
     /// How far the forces of the last [`touch`](Self::touch) have moved each node [m].

@@ -95,7 +95,10 @@ impl SolverXpbd {
             for node in nodes.clone() {
                 let w = self.inverse_masses[node];
                 self.positions[node] = if w > 0.0 {
-                    let acceleration = control.gravity + self.loads[node] * w;
+                    // Added inertia has no weight.
+                    let weightless = model.added_inertia()[node] * w;
+                    let acceleration =
+                        control.gravity - control.gravity * weightless + self.loads[node] * w;
                     let velocity = self.velocities[node] * factor + acceleration * kick;
                     self.positions[node] + velocity * h
                 } else if way == 1.0 {

@@ -35,6 +35,8 @@ fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Bod
         origin: centre,
         materials: vec![(0, tissue())],
         drag: 100.0,
+        toughness: f64::INFINITY,
+        brittleness: 0.0,
         clamps: Vec::new(),
         couplings: Vec::new(),
         loads: Vec::new(),
@@ -96,6 +98,7 @@ fn scene_of(bodies: Vec<BodySpec>, contacts: Vec<ContactSpec>, method: Method) -
         tools: Vec::new(),
         rigid: vec![table()],
         contacts,
+        cuts: Vec::new(),
         gravity: [0.0, 0.0, -9.81],
         method,
         containment: true,
@@ -112,7 +115,10 @@ fn rod(name: &str, radius: f64) -> ToolSpec {
             radius,
             hinge: None,
             jaw: None,
+            lonor: false,
+            edge: None,
         }],
+        sharpness: 0.0,
         motion: Vec::new(),
     }
 }

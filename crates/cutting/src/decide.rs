@@ -1,0 +1,261 @@
+//! What becomes of each crossed edge: divided at a place that leaves sound elements, or kept with one of its nodes on the path.
+//!
+//! Every decision is that of an edge or a face alone, so all elements at it agree. Whatever is decided, a crossed edge has a
+//! node on the path in the end: no way along edges leads from one side to the other past it.
+
+use crate::Settings;
+use crate::pattern::{self, EDGES, EdgeSet, PatternNode};
+use crate::sheet::Crossing;
+use crate::stroke::Stroke;
+use crate::topology::{FACES, Topology};
+use microsim_geometry::signed_volume;
+use microsim_mesh::TetMesh;
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What becomes of a crossed edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Fate {
+    /// A new node at this share.
+    Divided(f64),
+    /// This node of it is on the path.
+    Kept(u32),
+}
+
+/// A crossed edge, smaller node first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CrossedEdge {
+    pub crossing: Crossing,
+    pub fate: Fate,
+}
+
+/// The crossed edges of a step, and how many were treated in which way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Decisions {
+    pub edges: BTreeMap<[u32; 2], CrossedEdge>,
+    /// Elements to divide, with their divided edges.
+    pub elements: BTreeMap<u32, EdgeSet>,
+    /// Shares that were clamped.
+    pub clamped: usize,
+    /// Kept, as an end is on the path already.
+    pub joined: usize,
+    /// Kept with the nearer end, as division would leave an element or edge too small.
+    pub snapped: usize,
+    /// Kept with the nearer end, as all edges of a face were crossed.
+    pub dropped: usize,
+}
+
+/// Decides for all crossings of a step.
+pub(crate) fn decide(
+    topology: &Topology,
+    mesh: &TetMesh,
+    stroke: &Stroke,
+    crossings: BTreeMap<[u32; 2], Crossing>,
+    settings: &Settings,
+) -> Decisions {
+    let mut decisions = Decisions::default();
+    for (edge, crossing) in crossings {
+        let fate = first_fate(
+            topology,
+            mesh,
+            stroke,
+            edge,
+            &crossing,
+            settings,
+            &mut decisions,
+        );
+        decisions.edges.insert(edge, CrossedEdge { crossing, fate });
+    }
+    decisions.legalise(topology, mesh);
+    decisions.keep_elements_sound(topology, mesh, settings);
+    let divided = decisions.edges.values().filter_map(|e| match e.fate {
+        Fate::Divided(share) => Some((share, e.crossing.share)),
+        Fate::Kept(_) => None,
+    });
+    decisions.clamped = divided.filter(|(used, found)| used != found).count();
+    decisions
+}
+
+fn first_fate(
+    topology: &Topology,
+    mesh: &TetMesh,
+    stroke: &Stroke,
+    edge: [u32; 2],
+    crossing: &Crossing,
+    settings: &Settings,
+    decisions: &mut Decisions,
+) -> Fate {
+    let least = settings.least_share;
+    let share = crossing.share.clamp(least, 1.0 - least);
+    let on_path = edge.map(|node| stroke.path.contains(&node));
+    let end = match on_path {
+        [false, false] => None,
+        [true, true] => Some(nearer(crossing, edge)),
+        // The path goes on past its own node, unless what is behind the edge lies on the other side of it: then the blade comes
+        // a second time.
+        [first, _] => {
+            let (node, far, distance) = if first {
+                (edge[0], edge[1], crossing.share)
+            } else {
+                (edge[1], edge[0], 1.0 - crossing.share)
+            };
+            let side = if crossing.positive == first { 1 } else { -1 };
+            let is_second = distance > least
+                && topology.elements_at_edge(edge).any(|element| {
+                    let tet = &topology.tets[element as usize];
+                    let corner = tet.iter().position(|&n| n == far);
+                    corner.is_some_and(|k| stroke.sides_of(element)[k] == -side)
+                });
+            (!is_second).then_some(node)
+        }
+    };
+    if let Some(node) = end {
+        decisions.joined += 1;
+        return Fate::Kept(node);
+    }
+    let [a, b] = edge.map(|n| mesh.positions[n as usize]);
+    if (b - a).norm() * share.min(1.0 - share) < settings.least_edge * topology.mean_edge {
+        decisions.snapped += 1;
+        return Fate::Kept(nearer(crossing, edge));
+    }
+    Fate::Divided(share)
+}
+
+/// The end nearer to a crossing.
+fn nearer(crossing: &Crossing, [a, b]: [u32; 2]) -> u32 {
+    if crossing.share <= 0.5 { a } else { b }
+}
+
+impl Decisions {
+    /// The divided edges of an element.
+    fn divided(&self, tet: &[u32; 4]) -> EdgeSet {
+        let divided = EDGES.iter().enumerate().filter(|(_, [i, j])| {
+            let edge = [tet[*i].min(tet[*j]), tet[*i].max(tet[*j])];
+            matches!(self.edges.get(&edge), Some(e) if matches!(e.fate, Fate::Divided(_)))
+        });
+        divided.fold(0, |set, (k, _)| set | 1 << k)
+    }
+
+    /// Keeps the edge with the nearer end on the path; the elements at it.
+    fn keep(&mut self, edge: [u32; 2]) {
+        if let Some(crossed) = self.edges.get_mut(&edge) {
+            crossed.fate = Fate::Kept(nearer(&crossed.crossing, edge));
+        }
+    }
+
+    /// Where all three edges of a face would be divided (NUMERICS 4.7), the one crossed nearest to an end is kept.
+    fn legalise(&mut self, topology: &Topology, mesh: &TetMesh) {
+        let mut elements = BTreeSet::new();
+        for (edge, crossed) in &self.edges {
+            if matches!(crossed.fate, Fate::Divided(_)) {
+                elements.extend(topology.elements_at_edge(*edge));
+            }
+        }
+        let mut faces = BTreeSet::new();
+        for &element in &elements {
+            let tet = topology.tets[element as usize];
+            if self.divided(&tet).count_ones() >= 3 {
+                for face in FACES {
+                    let mut nodes = face.map(|k| tet[k]);
+                    nodes.sort_unstable();
+                    faces.insert(nodes);
+                }
+            }
+        }
+        for [a, b, c] in faces {
+            let edges = [[a, b], [a, c], [b, c]];
+            let divided = |edge: &[u32; 2]| {
+                let crossed = self.edges.get(edge)?;
+                matches!(crossed.fate, Fate::Divided(_)).then_some(crossed.crossing.share)
+            };
+            let shares = edges.each_ref().map(divided);
+            if shares.iter().any(Option::is_none) {
+                continue;
+            }
+            let distance = |k: usize| shares[k].map_or(1.0, |s| s.min(1.0 - s));
+            let ids = |k: usize| edges[k].map(|n| mesh.node_ids[n as usize]);
+            let first = (0..3).min_by(|&i, &j| {
+                distance(i)
+                    .total_cmp(&distance(j))
+                    .then(ids(i).cmp(&ids(j)))
+            });
+            if let Some(k) = first {
+                self.keep(edges[k]);
+                self.dropped += 1;
+            }
+        }
+        for element in elements {
+            let set = self.divided(&topology.tets[element as usize]);
+            if set != 0 {
+                self.elements.insert(element, set);
+            }
+        }
+    }
+
+    /// As long as a child would have too little volume, the shortest part of an edge of its parent is not made.
+    fn keep_elements_sound(&mut self, topology: &Topology, mesh: &TetMesh, settings: &Settings) {
+        let least = settings.least_volume * topology.mean_volume;
+        let mut open: BTreeSet<u32> = self.elements.keys().copied().collect();
+        while let Some(element) = open.pop_first() {
+            let Some(&set) = self.elements.get(&element) else {
+                continue;
+            };
+            let tet = topology.tets[element as usize];
+            let ids = tet.map(|n| mesh.node_ids[n as usize]);
+            let corners = tet.map(|n| mesh.positions[n as usize]);
+            let place = |[i, j]: PatternNode| -> Vector3<f64> {
+                let (i, j) = (i as usize, j as usize);
+                self.new_place(&tet, &corners, i, j)
+            };
+            let sound = pattern::divide(set, ids).iter().all(|child| {
+                let [a, b, c, d] = child.map(place);
+                signed_volume(&a, &b, &c, &d) > least
+            });
+            if sound {
+                continue;
+            }
+            let part = |k: usize| {
+                let [i, j] = EDGES[k];
+                let edge = [tet[i].min(tet[j]), tet[i].max(tet[j])];
+                let share = self.edges[&edge].crossing.share;
+                let length = (corners[j] - corners[i]).norm();
+                (edge, share.min(1.0 - share) * length)
+            };
+            let parts = (0..6).filter(|k| set & 1 << k != 0).map(part);
+            let shortest = parts.min_by(|a, b| {
+                let ids = |edge: &[u32; 2]| edge.map(|n| mesh.node_ids[n as usize]);
+                a.1.total_cmp(&b.1).then(ids(&a.0).cmp(&ids(&b.0)))
+            });
+            let Some((edge, _)) = shortest else { continue };
+            self.keep(edge);
+            self.snapped += 1;
+            for other in topology.elements_at_edge(edge) {
+                let set = self.divided(&topology.tets[other as usize]);
+                if set == 0 {
+                    self.elements.remove(&other);
+                } else {
+                    self.elements.insert(other, set);
+                    open.insert(other);
+                }
+            }
+        }
+    }
+
+    /// Rest place of a node of a pattern: a corner, or the new node on an edge.
+    fn new_place(
+        &self,
+        tet: &[u32; 4],
+        corners: &[Vector3<f64>; 4],
+        i: usize,
+        j: usize,
+    ) -> Vector3<f64> {
+        if i == j {
+            return corners[i];
+        }
+        let (low, high) = if tet[i] < tet[j] { (i, j) } else { (j, i) };
+        match self.edges.get(&[tet[low], tet[high]]).map(|e| e.fate) {
+            Some(Fate::Divided(share)) => corners[low] + (corners[high] - corners[low]) * share,
+            _ => corners[i],
+        }
+    }
+}

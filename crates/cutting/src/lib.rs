@@ -1,0 +1,25 @@
+//! Cutting and tearing: from the path of a blade to the edit of a mesh.
+mod check;
+mod cut;
+mod decide;
+mod editor;
+mod pattern;
+mod pieces;
+mod report;
+mod sheet;
+mod stroke;
+mod sweep;
+#[cfg(test)]
+mod testing;
+mod topology;
+
+pub use check::{Flaw, Measures, check};
+pub use cut::{Blade, Settings};
+pub use pattern::{
+    EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide, is_divisible, pattern_of,
+};
+pub use report::{Cut, Opened, Rejected, SurfaceChange};
+pub use sheet::Sheet;
+pub use stroke::Stroke;
+pub use sweep::Sweep;
+pub use topology::{SurfaceTriangle, Topology, TopologyState};

@@ -1,0 +1,69 @@
+//! What a blade has cut so far, as it is on its way.
+//!
+//! A crossed edge gets a node on the blade's path. What the mesh needs to open is a face with all three nodes on it and
+//! elements on both sides; while a blade is under way such faces come one after another. A stroke remembers the nodes on the
+//! path and, for the elements there, on which side their other corners lie, until the blade has left the tissue.
+
+use microsim_mesh::TopologyEdit;
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One pass of a blade through one body. Plain data: it is saved with the mesh between two generations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stroke {
+    /// Number of its sheet in the body, from 1; 0 before the first crossing.
+    pub sheet: u32,
+    /// Nodes on the path.
+    pub path: BTreeSet<u32>,
+    /// For elements at the path: on which side each corner lies. 1 positive, −1 negative, 0 not known. Of a corner on the path
+    /// the side of what it was divided from.
+    pub sides: BTreeMap<u32, [i8; 4]>,
+    /// Towards the positive side, where the blade was last [-]; zero before the first crossing.
+    pub normal: Vector3<f64>,
+}
+
+impl Stroke {
+    /// A blade that has not yet cut.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The sides of the corners of `element`.
+    pub(crate) fn sides_of(&self, element: u32) -> [i8; 4] {
+        self.sides.get(&element).copied().unwrap_or_default()
+    }
+
+    /// Follows an edit that another made to the mesh, which had so many nodes and elements: copies of nodes on the path are on it,
+    /// children know no sides of their own. The edits of its own it has followed already.
+    pub fn follow(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
+        for (k, new) in edit.nodes.iter().enumerate() {
+            if new.share == 0.0 && self.path.contains(&new.between[0]) {
+                self.path.insert((nodes + k) as u32);
+            }
+        }
+        for replaced in edit.elements.iter().filter(|r| r.children.len() > 1) {
+            self.sides.remove(&replaced.element);
+        }
+        self.leave(edit, nodes, elements);
+    }
+
+    /// Follows what leaves with an edit.
+    pub(crate) fn leave(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
+        for gone in &edit.removed {
+            self.sides.remove(gone);
+        }
+        for (from, to) in edit.element_moves(elements) {
+            if let Some(sides) = self.sides.remove(&from) {
+                self.sides.insert(to, sides);
+            }
+        }
+        for gone in &edit.removed_nodes {
+            self.path.remove(gone);
+        }
+        for (from, to) in edit.node_moves(nodes) {
+            if self.path.remove(&from) {
+                self.path.insert(to);
+            }
+        }
+    }
+}
