@@ -260,8 +260,24 @@ impl Scene {
             return Ok(None);
         };
         made.edit.carry_nodes(before);
+        self.tell_strokes(body, (cut, path.line), &made.edit);
         let pieces = self.follow(body, &made);
         Ok(Some((made, pieces)))
+    }
+
+    /// Tells the other lines that are under way in a body of an edit that one of them has made, before the body follows it.
+    fn tell_strokes(&mut self, body: usize, own: (usize, u32), edit: &TopologyEdit) {
+        let mesh = &self.bodies[body].mesh;
+        let (nodes, elements) = (mesh.positions.len(), mesh.tets.len());
+        for (cut, memory) in self.state.blades.iter_mut().enumerate() {
+            if self.cuts[cut].body != body {
+                continue;
+            }
+            let others = memory.strokes.iter_mut();
+            for (_, stroke) in others.filter(|(line, _)| (cut, *line) != own) {
+                stroke.follow(edit, nodes, elements);
+            }
+        }
     }
 
     /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off.

@@ -109,6 +109,11 @@ pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeMemory) {
             put_u32(bytes, **element);
             bytes.extend(sides.iter().flat_map(|side| side.to_le_bytes()));
         });
+        let given: Vec<_> = stroke.given.iter().collect();
+        put_list(bytes, &given, |bytes, (element, side)| {
+            put_u32(bytes, **element);
+            bytes.extend(side.to_le_bytes());
+        });
         put_vector(bytes, &stroke.normal);
     });
 }
@@ -128,6 +133,10 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeMemory, RestoreError
                 path: r.list(Reader::u32)?.into_iter().collect::<BTreeSet<_>>(),
                 sides: r
                     .list(|r| Ok((r.u32()?, r.array()?.map(|side: u8| side as i8))))?
+                    .into_iter()
+                    .collect::<BTreeMap<_, _>>(),
+                given: r
+                    .list(|r| Ok((r.u32()?, i8::from_le_bytes(r.array()?))))?
                     .into_iter()
                     .collect::<BTreeMap<_, _>>(),
                 normal: r.vector()?,
