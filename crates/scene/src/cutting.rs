@@ -228,9 +228,9 @@ impl Scene {
         (reports, rejected)
     }
 
-    /// The capsules among `inside` that still reach into a body at the end of a motion.
-    fn reaching(&self, body: usize, motion: &ToolMotion, inside: &[u32]) -> Vec<u32> {
-        if inside.is_empty() {
+    /// The capsules among `edges` that still reach into a body at the end of a motion.
+    fn reaching(&self, body: usize, motion: &ToolMotion, edges: &[u32]) -> Vec<u32> {
+        if edges.is_empty() {
             return Vec::new();
         }
         let positions = &self.state.bodies[body].positions;
@@ -244,7 +244,7 @@ impl Scene {
             let within = || inside(&self.bodies[body].mesh, positions, [line.a, line.b]);
             triangles.iter().any(near) || within()
         };
-        let of_edges = lines.iter().filter(|line| inside.contains(&line.capsule));
+        let of_edges = lines.iter().filter(|line| edges.contains(&line.capsule));
         of_edges.filter(reaches).map(|line| line.capsule).collect()
     }
 

@@ -1,7 +1,6 @@
 //! Tearing: inner faces of tissue that is stretched too far across them come apart.
 //!
-//! The stretch across a face is that of the rest normal n of the face in the elements on both sides: |F⁻ᵀ n|⁻¹, how far apart planes parallel to
-//! the face have moved, as a share of how far they were. A face gives way when the mean of both sides exceeds 1 + the strain that its
+//! The stretch across a face is that of the fibre along its rest normal n in the elements on both sides, |F n|. A face gives way when the mean of both sides exceeds 1 + the strain that its
 //! region bears; between two regions the weaker one counts. Of the faces that do in one tick only those near the worst give way:
 //! what is torn takes the load off the others.
 
@@ -71,12 +70,11 @@ fn normal(topology: &Topology, rest: &[Vector3<f64>], element: u32, corner: usiz
     (b - a).cross(&(c - a)).normalize()
 }
 
-/// How far planes across `normal` have moved apart in an element, 1 at rest; 0 of one without volume.
+/// The stretch of an element's fibre along `normal`, 1 at rest.
 fn stretch(body: &Body, positions: &[Vector3<f64>], element: u32, normal: &Vector3<f64>) -> f64 {
     let edges = |[a, b, c, d]: [Vector3<f64>; 4]| Matrix3::from_columns(&[b - a, c - a, d - a]);
     let now = edges(body.mesh.tets[element as usize].map(|node| positions[node as usize]));
-    // F⁻ᵀ n with F = D D₀⁻¹ is D⁻ᵀ D₀ᵀ n.
-    let rest = edges(body.mesh.corners(element as usize));
-    let inverse = now.try_inverse();
-    inverse.map_or(0.0, |inverse| 1.0 / (inverse.transpose() * (rest.transpose() * normal)).norm())
+    let rest = edges(body.mesh.corners(element as usize)).try_inverse();
+    // No mesh has an element without volume at rest.
+    rest.map_or(1.0, |rest| (now * (rest * normal)).norm())
 }
