@@ -297,7 +297,9 @@ impl Topology {
         }
         for &element in group {
             let tet = &mut self.tets[element as usize];
-            tet.iter_mut().filter(|n| **n == node).for_each(|n| *n = copy);
+            tet.iter_mut()
+                .filter(|n| **n == node)
+                .for_each(|n| *n = copy);
             self.clusters.has_nodes(element, &[copy]);
         }
         self.node_elements[node as usize].retain(|e| group.binary_search(e).is_err());
@@ -366,7 +368,10 @@ impl Topology {
             for other in self.neighbours[gone as usize] {
                 if other != NONE {
                     let places = &mut self.neighbours[other as usize];
-                    places.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
+                    places
+                        .iter_mut()
+                        .filter(|n| **n == last)
+                        .for_each(|n| *n = gone);
                 }
             }
         }
@@ -378,7 +383,9 @@ impl Topology {
             }
             for e in self.node_elements[gone as usize].clone() {
                 let tet = &mut self.tets[e as usize];
-                tet.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
+                tet.iter_mut()
+                    .filter(|n| **n == last)
+                    .for_each(|n| *n = gone);
                 self.clusters.has_nodes(e, &[gone]);
             }
         }

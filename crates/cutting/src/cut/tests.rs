@@ -18,10 +18,19 @@ fn block(cells: [usize; 3]) -> TetMesh {
 /// A square around `center` with this normal, far over the body.
 fn plane(center: V3, normal: V3) -> Sheet {
     let normal = normal.normalize();
-    let side = normal.cross(&if normal.x.abs() < 0.7 { V3::x() } else { V3::y() }).normalize();
+    let side = normal
+        .cross(&if normal.x.abs() < 0.7 {
+            V3::x()
+        } else {
+            V3::y()
+        })
+        .normalize();
     let up = normal.cross(&side);
     let at = |a: f64, b: f64| center + (side * a + up * b) * 40.0;
-    Sheet::quad([at(-1.0, -1.0), at(1.0, -1.0)], [at(-1.0, 1.0), at(1.0, 1.0)])
+    Sheet::quad(
+        [at(-1.0, -1.0), at(1.0, -1.0)],
+        [at(-1.0, 1.0), at(1.0, 1.0)],
+    )
 }
 
 struct Body {
@@ -163,7 +172,10 @@ fn a_plane_through_nodes_opens_the_faces_in_it() {
             body.sweep(&mut Stroke::new(), &sweep).unwrap()
         };
         let after = body.check().unwrap();
-        assert_eq!((after.parts, cut.divided, body.mesh.tets.len()), (2, 0, elements));
+        assert_eq!(
+            (after.parts, cut.divided, body.mesh.tets.len()),
+            (2, 0, elements)
+        );
         // 4 × 4 cells of 1; 5 × 5 nodes twice.
         assert!((cut.opened[0].area - 16.0).abs() < 1e-12);
         assert_eq!(cut.edit.nodes.len(), 25);
@@ -240,7 +252,11 @@ fn a_cut_lies_where_the_blade_went() {
     let exact = 16.0 / normal.z;
     // Clamped nodes make it rough, and so larger.
     assert!((sum.0 / exact - 1.0).abs() < 0.05, "{} {exact}", sum.0);
-    assert!((sum.1 / sum.0 - V3::z() * 0.3).norm() < 0.05, "{:?}", sum.1 / sum.0);
+    assert!(
+        (sum.1 / sum.0 - V3::z() * 0.3).norm() < 0.05,
+        "{:?}",
+        sum.1 / sum.0
+    );
     assert!(sum.2.normalize().cross(&normal).norm() < 0.01);
     assert_eq!(body.check().unwrap().parts, 2);
 }
@@ -314,21 +330,27 @@ fn what_is_rejected_changes_nothing() {
             before: &positions,
             now,
         };
-        let found = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+        let found = body
+            .topology
+            .cut(&body.mesh, &mut stroke, &blade, &settings);
         assert_eq!(found, Err(why));
     }
     let blade = Blade::Sheet {
         sheet: &flat,
         positions: &positions,
     };
-    let found = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+    let found = body
+        .topology
+        .cut(&body.mesh, &mut stroke, &blade, &settings);
     assert_eq!(found, Err(Rejected::NoBlade));
     let short = Blade::Sweep {
         sweep: &good,
         before: &positions[1..],
         now: &positions,
     };
-    let found = body.topology.cut(&body.mesh, &mut stroke, &short, &settings);
+    let found = body
+        .topology
+        .cut(&body.mesh, &mut stroke, &short, &settings);
     assert!(matches!(found, Err(Rejected::Positions { .. })));
     body.mesh.generation = 4;
     let blade = Blade::Sweep {
@@ -336,10 +358,15 @@ fn what_is_rejected_changes_nothing() {
         before: &positions,
         now: &positions,
     };
-    let found = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+    let found = body
+        .topology
+        .cut(&body.mesh, &mut stroke, &blade, &settings);
     assert!(matches!(found, Err(Rejected::Generation { .. })));
     body.mesh.generation = 0;
-    assert_eq!((body.topology.state(), stroke.clone()), (state, Stroke::new()));
+    assert_eq!(
+        (body.topology.state(), stroke.clone()),
+        (state, Stroke::new())
+    );
     // A blade at rest cuts nothing; neither does one beside the body, nor one inside that meets no edge.
     let small = [V3::new(0.4, 0.3, 0.2), V3::new(0.41, 0.3, 0.2)];
     for (before, now) in [
@@ -376,7 +403,9 @@ fn flattened_and_inverted_elements_are_cut() {
         };
         let settings = Settings::default();
         let mut stroke = Stroke::new();
-        let cut = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+        let cut = body
+            .topology
+            .cut(&body.mesh, &mut stroke, &blade, &settings);
         let cut = cut.unwrap().unwrap();
         body.mesh.apply(&cut.edit).unwrap();
         let after = body.check().unwrap();
@@ -390,7 +419,7 @@ fn flattened_and_inverted_elements_are_cut() {
 /// body.
 #[test]
 fn planes_one_after_another_make_exactly_their_parts() {
-    for (seed, steps) in [(0, 1), (1, 1), (2, 1), (2, 20), (3, 20), (4, 20)] {
+    for (seed, steps) in (0..12).flat_map(|s| [(s, 1), (s, 20)]) {
         let mut random = Random(seed);
         let mut mesh = block([5, 5, 5]);
         for p in &mut mesh.positions {
@@ -427,12 +456,18 @@ fn planes_one_after_another_make_exactly_their_parts() {
             .map(|same| same.len() as f64 / points.len() as f64)
             .collect();
         let mut found = part_volumes(&body);
-        assert_eq!(parts, expected.len(), "{seed} {steps} {expected:?} {found:?}");
+        // What is less than a sixth of an element stays on.
+        expected.retain(|share| *share > 2e-4);
+        assert_eq!(
+            parts,
+            expected.len(),
+            "{seed} {steps} {expected:?} {found:?}"
+        );
         expected.sort_unstable_by(f64::total_cmp);
         found.sort_unstable_by(f64::total_cmp);
         for (a, b) in expected.iter().zip(&found) {
-            // The share of 50,000 points is right to 2 √(0.25 / 50,000), four times in nine hundred not.
-            assert!((a - b).abs() < 0.0045 + 0.002, "{expected:?} {found:?}");
+            // The share of 50,000 points is right to 3 √(0.25 / 50,000) but for one in 400.
+            assert!((a - b).abs() < 0.0067 + 0.005, "{expected:?} {found:?}");
         }
     }
 }

@@ -67,7 +67,10 @@ fn what_leaves_is_filled_from_the_back() {
     };
     let applied = mesh.apply(&edit).unwrap();
     assert_eq!(mesh.tets, [[5, 0, 2, 3], [1, 2, 3, 4]]);
-    assert_eq!((applied.removed_ids, applied.element_moves), (vec![2], vec![(2, 0)]));
+    assert_eq!(
+        (applied.removed_ids, applied.element_moves),
+        (vec![2], vec![(2, 0)])
+    );
     assert_eq!(applied.node_moves, [(6, 0)]);
     assert_eq!(mesh.element_ids, [3, 1]);
     assert_eq!(mesh.node_ids, [6, 1, 2, 3, 4, 5]);
