@@ -1,7 +1,7 @@
 //! Bodies to cut: of size about 1, irregular, with numbers in no order.
 
 use crate::random::Random;
-use microsim_cutting::{Measures, SurfaceChange, SurfaceTriangle, Topology, check};
+use microsim_cutting::{Measures, Settings, SurfaceChange, SurfaceTriangle, Topology, check};
 use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, TriangleSurface, Tube, fill};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -19,6 +19,7 @@ pub struct Body {
     pub mesh: TetMesh,
     pub topology: Topology,
     pub measures: Measures,
+    pub settings: Settings,
     surface: BTreeSet<SurfaceTriangle>,
     /// Number of nodes of the first generation.
     originals: usize,
@@ -141,6 +142,7 @@ impl Body {
             mesh,
             topology,
             measures,
+            settings: Settings::default(),
             surface,
             originals,
         }

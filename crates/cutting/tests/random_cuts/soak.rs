@@ -116,6 +116,16 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
     let mut random = Random(seed);
     let kind = [Kind::Block, Kind::Block, Kind::Tube, Kind::Filled][random.below(4) as usize];
     let mut body = Body::new(kind, &mut random);
+    if random.below(4) == 0 {
+        // Down to small elements, with crumbs.
+        body.settings = Settings {
+            least_edge: 0.01,
+            least_volume: 1e-4,
+            flake_volume: 0.0,
+            crumb_volume: 1e-2,
+            ..Settings::default()
+        };
+    }
     let strokes = if random.below(8) == 0 {
         most
     } else {
@@ -129,6 +139,7 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
         let path = Path::random(&mut random, complete, plane);
         let mut stroke = Stroke::new();
         let before = body.mesh.tets.len();
+        let snapped_before = summary.snapped;
         // How far the blade may leave its plane in the frame of the tissue, within a step.
         let mut off = 0.0_f64;
         let context = |e: String| format!("seed {seed} stroke {number} ({kind:?}, way {way}): {e}");
@@ -191,11 +202,12 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
         summary.strokes += 1;
         if complete && plane {
             summary.complete += 1;
-            // Fresh meshes are separated exactly; where parts are too small to be divided the cut follows their edges.
-            let snapped = if number == 0 {
-                0.0
-            } else {
-                0.5 * body.longest_edge()
+            // Edges of the first stroke are separated exactly but for those that are too short to be divided, where the
+            // path strays by half an edge. Later on flakes stay on, of an edge at most.
+            let snapped = match (number, summary.snapped - snapped_before) {
+                (0, 0) => 0.0,
+                (0, _) => 0.5 * body.longest_edge(),
+                _ => body.longest_edge(),
             };
             let tolerance = snapped + off;
             body.separated(&path.center, &path.normal, tolerance, number == 0)
@@ -219,7 +231,7 @@ impl Body {
         blade: &Blade,
         summary: &mut Summary,
     ) -> Result<(), String> {
-        let settings = Settings::default();
+        let settings = self.settings;
         let before = self.measures.clone();
         let cut = self.topology.cut(&self.mesh, stroke, blade, &settings);
         let Some(cut) = cut.map_err(|e| e.to_string())? else {
