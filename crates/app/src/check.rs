@@ -134,7 +134,7 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
 
 /// Builds a scene without running it.
 fn check_scene(path: &Path) -> Result<Vec<String>, String> {
-    let scene = SceneFile::open(path, &[], true)?;
+    let scene = SceneFile::open(path, &[], &[])?;
     match scene.step_too_long {
         None => Ok(scene.warnings),
         Some(sentence) => Err(sentence),

@@ -102,8 +102,8 @@ pub struct RunArgs {
     /// Pace ticks by the wall clock; late ticks are counted, none is left out
     #[arg(long)]
     pub realtime: bool,
-    /// Leave something out, for tests: a kind of plugin, or friction; such a run is no result
-    #[arg(long, value_name = "WHAT", value_parser = ["physics", "friction"])]
+    /// Leave something out, for tests: a kind of plugin, friction, or lonor (all cutting); such a run is no result
+    #[arg(long, value_name = "WHAT", value_parser = ["physics", "friction", "lonor"])]
     pub without: Vec<String>,
     /// Say what would be loaded and computed, and why; runs nothing
     #[arg(long)]
@@ -166,7 +166,7 @@ pub struct SimulateArgs {
     #[arg(long)]
     pub any_step: bool,
     /// Leave something out, to see what it does
-    #[arg(long, value_name = "WHAT", value_parser = ["friction"])]
+    #[arg(long, value_name = "WHAT", value_parser = ["friction", "lonor"])]
     pub without: Vec<String>,
 }
 

@@ -68,8 +68,8 @@ pub fn folder(place: &Place) -> Result<PathBuf, Problem> {
 }
 
 impl SceneFile {
-    /// Reads and builds the scene at `path`, with its friction or without; the error is a sentence per line.
-    pub fn open(path: &Path, overrides: &[Override], friction: bool) -> Result<Self, String> {
+    /// Reads and builds the scene at `path`, without what is named (`friction`, `lonor`); the error is a sentence per line.
+    pub fn open(path: &Path, overrides: &[Override], without: &[String]) -> Result<Self, String> {
         let loaded = settings::load_scene(path, overrides).map_err(|e| e.to_string())?;
         let document = &loaded.document;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -77,7 +77,11 @@ impl SceneFile {
             std::fs::read(folder.join(file))
         });
         let mut described = described.map_err(|e| placed(document, e))?;
-        if !friction {
+        let left_out = |what: &str| without.iter().any(|named| named == what);
+        if left_out("lonor") {
+            described.spec.cuts.clear();
+        }
+        if left_out("friction") {
             let contacts = described.spec.contacts.iter_mut();
             contacts.for_each(|contact| contact.friction = 0.0);
         }
@@ -144,6 +148,7 @@ pub fn check_level(
         bodies: &of.body,
         rigid: &of.rigid,
         contacts: if known { &of.contact } else { &[] },
+        cuts: if known { &of.cut } else { &[] },
         tools: if known { &of.tool } else { &[] },
         models,
     };
@@ -361,8 +366,9 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
             what,
             index,
             ..
-        } if *what != "origin" => body(name).key(what).at(*index),
+        } if !["origin", "cutting"].contains(what) => body(name).key(what).at(*index),
         SceneError::Contacts { index, .. } => root.key("contact").at(*index),
+        SceneError::Cuts { index, .. } => root.key("cut").at(*index),
         SceneError::HeldTwice { body: name, clamps } => body(name).key("clamp").at(clamps[1]),
         SceneError::NeverStable { .. } => root.key("method").key("name"),
         SceneError::Name { .. } => root.key("body"),

@@ -30,7 +30,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         "no scene: name it before the options, as in `microsim simulate cantilever --json result.json`",
     )?;
     let path = find(place, given)?;
-    let mut scene = SceneFile::open(&path, &args.set, args.without.is_empty())?;
+    let mut scene = SceneFile::open(&path, &args.set, &args.without)?;
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
@@ -61,9 +61,6 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         Some(pool) => pool,
         None => &Serial,
     };
-    let start: Vec<_> = (0..scene.runner.scene().body_count())
-        .map(|body| scene.runner.scene().positions(body).to_vec())
-        .collect();
     let mut frames = match &args.vtu {
         Some(folder) => Some(Frames::new(&folder_of(folder, &path), &scene)?),
         None => None,
@@ -101,7 +98,6 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         without: args.without.clone(),
         cpu_s: cpu,
         threads: args.threads,
-        start,
     };
     if let Some(file) = &args.json {
         let document = document(&scene, &outcome);

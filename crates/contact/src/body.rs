@@ -15,8 +15,6 @@ pub(crate) struct Body {
     pub skin: Skin,
     pub tree: Tree,
     pub outward: Outward,
-    /// How far a node goes in the step [m], at most.
-    pub travel: f64,
 }
 
 /// Lists that are used again and again.
@@ -32,7 +30,6 @@ impl Body {
             index,
             tree: Tree::new(&skin),
             outward: Outward::default(),
-            travel: 0.0,
             skin,
         }
     }
@@ -41,9 +38,13 @@ impl Body {
     pub fn update(&mut self, frame: &Frame<'_>) {
         self.tree.update(&self.skin, frame);
         self.outward.clear(&self.skin);
+    }
+
+    /// How far a node goes in the step [m], at most.
+    pub fn travel(&self, frame: &Frame<'_>) -> f64 {
         let nodes = self.skin.range();
         let moves = frame.start[nodes.clone()].iter().zip(&frame.now[nodes]);
         let squared = moves.map(|(start, now)| (now - start).norm_squared());
-        self.travel = squared.fold(0.0, f64::max).sqrt();
+        squared.fold(0.0, f64::max).sqrt()
     }
 }

@@ -7,7 +7,7 @@ use crate::point::Point;
 use crate::rigid::Rigid;
 use crate::sides::Sides;
 use crate::skin::Skin;
-use crate::{standing, tool};
+use crate::{meshes, near, standing, tool};
 use nalgebra::Vector3;
 
 /// What may touch what. Bodies and rigid things are named by their places in the lists given to [`Detector::new`], tools by
@@ -127,6 +127,22 @@ impl Detector {
         points.clear();
         for body in &mut self.bodies {
             body.update(frame);
+        }
+        for pair in &self.pairs {
+            let bodies = match pair.touch {
+                Touch::Tool { body, .. } | Touch::Rigid { body, .. } | Touch::Itself { body } => {
+                    [body; 2]
+                }
+                Touch::Bodies { body, with, .. } => [body, with],
+            };
+            let [first, second] = bodies.map(|body| &self.bodies[body as usize]);
+            let reach = meshes::reach(first, frame).max(meshes::reach(second, frame));
+            if near::may_meet(first, second, reach) {
+                for body in bodies {
+                    let Body { tree, skin, .. } = &mut self.bodies[body as usize];
+                    tree.build(skin);
+                }
+            }
         }
         for Pair { touch, directions } in &mut self.pairs {
             let scratch = &mut self.scratch;

@@ -52,9 +52,17 @@ impl Direction {
         meeting: Meeting<'_>,
         points: &mut Vec<Point>,
     ) {
-        let Meeting { first, second, .. } = meeting;
-        let is_fast =
-            first.travel + second.travel > FAST * first.skin.mean_edge.min(second.skin.mean_edge);
+        let Meeting {
+            first,
+            second,
+            frame,
+        } = meeting;
+        if self.near.edges.is_empty() {
+            self.across.clear();
+            return;
+        }
+        let travel = first.travel(frame) + second.travel(frame);
+        let is_fast = travel > FAST * first.skin.mean_edge.min(second.skin.mean_edge);
         let mut across = std::mem::take(&mut self.across);
         across.clear();
         for &[a, b] in &self.near.edges {
@@ -125,15 +133,19 @@ impl Meeting<'_> {
     /// Two ridges whose insides are the closest parts of both surfaces there, or that are in one another.
     fn facing(&self, a: u32, b: u32) -> Option<Across> {
         let (reach, now) = (self.frame.reach, self.frame.now);
+        let first = self.first.edge_at(a, now);
+        let second = self.second.edge_at(b, now);
+        let edge = self.first.skin.mean_edge.min(self.second.skin.mean_edge);
+        let limit = farthest(self.first, self.second, reach);
+        if !are_boxes_within(&first, &second, limit) {
+            return None;
+        }
         if !(self.first.is_ridge_now(a, now) && self.second.is_ridge_now(b, now)) {
             return None;
         }
-        let first = self.first.edge_at(a, now);
-        let second = self.second.edge_at(b, now);
         let (shares, apart, across) = inner(&first, &second)?;
-        let edge = self.first.skin.mean_edge.min(self.second.skin.mean_edge);
         let distance = apart.norm();
-        let is_near = distance < reach.max(DEEPEST * edge);
+        let is_near = distance < limit;
         if !is_near {
             return None;
         }
@@ -302,6 +314,20 @@ impl Body {
             direction.dot(&inward) <= CONE * inward.norm()
         })
     }
+}
+
+/// How far apart the edges of points of two surfaces can be [m].
+pub(crate) fn farthest(first: &Body, second: &Body, reach: f64) -> f64 {
+    reach.max(DEEPEST * first.skin.mean_edge.min(second.skin.mean_edge))
+}
+
+/// Whether the boxes around two edges are at most `limit` apart on every axis.
+#[inline]
+fn are_boxes_within([p, q]: &[Vector3<f64>; 2], [a, b]: &[Vector3<f64>; 2], limit: f64) -> bool {
+    let near = |k: usize| {
+        p[k].min(q[k]) - a[k].max(b[k]) <= limit && a[k].min(b[k]) - p[k].max(q[k]) <= limit
+    };
+    near(0) && near(1) && near(2)
 }
 
 /// Where two edges are closest, when both places are within them: their shares, from the second to the first, and the unit normal of both.

@@ -63,8 +63,7 @@ impl Direction {
             second,
             frame,
         } = meeting;
-        let band = BAND * second.skin.mean_edge;
-        self.near.update(first, second, frame.reach + band);
+        self.near.update(first, second, reach(second, frame));
         self.depths.mark(second, &self.near, frame);
         self.caught.clear();
         if let Some(end) = end {
@@ -149,6 +148,14 @@ impl Meeting<'_> {
                 continue;
             }
             let start = outward::corners(skin, frame.start, triangle);
+            let is_apart = (0..3).any(|k| {
+                let [low, high] = [from[k].min(to[k]) - band, from[k].max(to[k]) + band];
+                let all = || start.iter().chain(&corners).map(|p| p[k]);
+                all().all(|x| x > high) || all().all(|x| x < low)
+            });
+            if is_apart {
+                continue;
+            }
             let Some(normal) = triangle_normal(&start) else {
                 continue;
             };
@@ -196,6 +203,9 @@ impl Meeting<'_> {
         let mut best: Option<(f64, u32, TrianglePoint)> = None;
         for &[_, triangle] in pairs {
             let corners = outward::corners(skin, frame.now, triangle);
+            if is_beyond(&to, &corners, frame.reach) {
+                continue;
+            }
             let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
             let height = (to - corners[0]).dot(&normal);
             if height * height > frame.reach * frame.reach * normal.norm_squared() {
@@ -275,6 +285,20 @@ impl Meeting<'_> {
             place: frame.now[node as usize],
         });
     }
+}
+
+/// Whether a point is further than `limit` from the box around a triangle on any axis.
+#[inline]
+fn is_beyond(p: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3], limit: f64) -> bool {
+    (0..3).any(|k| {
+        let (low, high) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
+        low - p[k] > limit || p[k] - high > limit
+    })
+}
+
+/// Within which distance from a body something is looked for [m].
+pub(crate) fn reach(second: &Body, frame: &Frame<'_>) -> f64 {
+    frame.reach + BAND * second.skin.mean_edge
 }
 
 /// By how much the sides moved against one another since the start of the step [m].

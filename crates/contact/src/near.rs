@@ -1,8 +1,9 @@
 //! What of two surfaces is near to what, kept while their boxes are.
 
 use crate::body::Body;
+use crate::edges;
 use crate::skin::Skin;
-use microsim_geometry::BroadPhase;
+use microsim_geometry::{Aabb, BroadPhase};
 
 /// Pairs of features of one body with those of another, or of the same one, whose boxes over the step overlap; all ascending.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +18,16 @@ pub(crate) struct Near {
     pub edges: Vec<[u32; 2]>,
     /// Nodes of the first body and tetrahedra of the second.
     pub node_tets: Vec<[u32; 2]>,
+    /// The boxes of the edges of the second body.
+    boxes: Vec<Aabb>,
+    /// The last edge of the first body, counted from 1, in whose list an edge of the second one is.
+    listed: Vec<u32>,
+}
+
+/// Whether anything of two bodies can be closer than `reach` [m] during the step.
+pub(crate) fn may_meet(first: &Body, second: &Body, reach: f64) -> bool {
+    let bounds = second.tree.bounds.inflated(reach);
+    first.tree.bounds.overlaps(&bounds)
 }
 
 impl Near {
@@ -32,8 +43,7 @@ impl Near {
         self.edge_triangles.clear();
         self.edges.clear();
         self.node_tets.clear();
-        let bounds = second.tree.bounds.inflated(reach);
-        if !first.tree.bounds.overlaps(&bounds) {
+        if !may_meet(first, second, reach) {
             return;
         }
         let itself = first.index == second.index;
@@ -49,8 +59,16 @@ impl Near {
             });
             self.node_triangles[start..].sort_unstable();
         }
+        let farthest = edges::farthest(first, second, reach);
+        self.boxes.clear();
+        let others = second.skin.edges.iter();
+        self.boxes
+            .extend(others.map(|edge| second.tree.swept(&second.skin, &edge.nodes)));
+        self.listed.clear();
+        self.listed.resize(second.skin.edges.len(), 0);
         for (index, edge) in skin.edges.iter().enumerate() {
-            let around = first.tree.swept(skin, &edge.nodes).inflated(reach);
+            let swept = first.tree.swept(skin, &edge.nodes);
+            let around = swept.inflated(reach);
             let start = self.edge_triangles.len();
             second.tree.triangles.visit(&around, |triangle| {
                 let nodes = &second.skin.triangles[triangle as usize];
@@ -58,13 +76,24 @@ impl Near {
                     self.edge_triangles.push([index as u32, triangle]);
                 }
             });
+            if start == self.edge_triangles.len() {
+                continue;
+            }
             self.edge_triangles[start..].sort_unstable();
+            let around = swept.inflated(farthest);
             let start_edges = self.edges.len();
             for &[edge, triangle] in &self.edge_triangles[start..] {
                 for other in second.skin.triangle_edges[triangle as usize] {
+                    let listed = &mut self.listed[other as usize];
+                    if *listed == edge + 1 {
+                        continue;
+                    }
+                    *listed = edge + 1;
                     let nodes = &second.skin.edges[other as usize].nodes;
-                    let wanted = !itself
-                        || edge < other && !skin.is_close(&skin.edges[edge as usize].nodes, nodes);
+                    let wanted = self.boxes[other as usize].overlaps(&around)
+                        && (!itself
+                            || edge < other
+                                && !skin.is_close(&skin.edges[edge as usize].nodes, nodes));
                     if wanted {
                         self.edges.push([edge, other]);
                     }
@@ -72,7 +101,6 @@ impl Near {
             }
             self.edges[start_edges..].sort_unstable();
         }
-        self.edges.dedup();
         if let Some(tets) = &second.tree.tets {
             for node in skin.offset..skin.offset + skin.node_count {
                 let around = first.tree.place(skin, node);

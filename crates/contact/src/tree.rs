@@ -18,13 +18,15 @@ pub(crate) struct Tree {
     /// Positions before the step and now, for which the boxes were made.
     start: Vec<Vector3<f64>>,
     now: Vec<Vector3<f64>>,
-    /// The box around all.
+    /// The box around the surface over the step.
     pub bounds: Aabb,
-    /// The triangles over the step.
+    /// The triangles over the step; right after [`build`](Self::build).
     pub triangles: Bvh,
-    /// The tetrahedra now, where they are wanted.
+    /// The tetrahedra now, where they are wanted; right after [`build`](Self::build).
     pub tets: Option<Bvh>,
     boxes: Vec<Aabb>,
+    /// The version that the hierarchies are of.
+    built: u64,
 }
 
 impl Tree {
@@ -39,6 +41,7 @@ impl Tree {
             triangles: Bvh::new(),
             tets: None,
             boxes: Vec::new(),
+            built: 0,
         }
     }
 
@@ -47,7 +50,7 @@ impl Tree {
         self.tets.get_or_insert_default();
     }
 
-    /// Makes sure that all boxes hold what they should.
+    /// Makes sure that the box around all holds what it should.
     pub fn update(&mut self, skin: &Skin, frame: &Frame<'_>) {
         let (start, now) = (&frame.start[skin.range()], &frame.now[skin.range()]);
         if within(start, &self.start, self.margin) && within(now, &self.now, self.margin) {
@@ -58,20 +61,30 @@ impl Tree {
         self.start.extend_from_slice(start);
         self.now.clear();
         self.now.extend_from_slice(now);
+        self.bounds = Aabb::empty();
+        for &node in &skin.nodes {
+            let bounds = self.swept(skin, &[node]);
+            if bounds.is_valid() {
+                self.bounds = self.bounds.union(&bounds);
+            }
+        }
+    }
 
+    /// Makes sure that the boxes of all triangles and tetrahedra hold what they should: only asked for where something is near.
+    pub fn build(&mut self, skin: &Skin) {
+        if self.built == self.version {
+            return;
+        }
+        self.built = self.version;
         self.boxes.clear();
         for nodes in &skin.triangles {
             self.boxes.push(self.swept(skin, nodes));
         }
         self.triangles.refit(&self.boxes);
-        self.bounds = Aabb::empty();
-        for bounds in self.boxes.iter().filter(|bounds| bounds.is_valid()) {
-            self.bounds = self.bounds.union(bounds);
-        }
         if let Some(tree) = &mut self.tets {
             self.boxes.clear();
             for nodes in &skin.tets {
-                let corners = nodes.map(|node| now[(node - skin.offset) as usize]);
+                let corners = nodes.map(|node| self.now[(node - skin.offset) as usize]);
                 self.boxes.push(Aabb::of(&corners).inflated(self.margin));
             }
             tree.refit(&self.boxes);
@@ -98,6 +111,11 @@ impl Tree {
 
 /// Whether no position is further than `margin` from the other on any axis.
 fn within(a: &[Vector3<f64>], b: &[Vector3<f64>], margin: f64) -> bool {
-    // Written so that what is not a number is not.
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).amax() <= margin)
+    // Written so that what is not a number is not, and without a way out of the loop.
+    let mut all = a.len() == b.len();
+    for (a, b) in a.iter().zip(b) {
+        let near = |k: usize| (a[k] - b[k]).abs() <= margin;
+        all &= near(0) & near(1) & near(2);
+    }
+    all
 }

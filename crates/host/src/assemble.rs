@@ -82,7 +82,7 @@ pub struct Request {
     pub input: Input,
     /// Seed.
     pub seed: u64,
-    /// What to leave out: kinds of plugins (`physics`), or `friction`; such a run is no result.
+    /// What to leave out: kinds of plugins (`physics`), `friction`, or `lonor`, all cutting; such a run is no result.
     pub without: Vec<String>,
     /// Whether pictures are wanted.
     pub pictures: bool,
@@ -509,6 +509,7 @@ impl Planner<'_> {
                     "rigid": level["rigid"],
                     "contacts": level["contact"],
                     "friction": !self.leaves_out("friction"),
+                    "cuts": if self.leaves_out("lonor") { &Value::Null } else { &level["cut"] },
                     "tools": level["tool"],
                     "models": self.models,
                 });
@@ -630,6 +631,13 @@ impl Planner<'_> {
                     "contact",
                     name,
                     "the level lists this pair; no other contact is looked for".into(),
+                ));
+            }
+            for pair in level.cut.iter().filter(|_| !self.leaves_out("lonor")) {
+                parts.push(part(
+                    "cut",
+                    format!("{} through {}", pair.tool, pair.body),
+                    "the level lists this pair; nothing else is cut".into(),
                 ));
             }
             parts.push(part(

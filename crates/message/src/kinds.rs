@@ -4,7 +4,8 @@ use crate::*;
 use microsim_bus::KindInfo;
 
 /// Kind of the blocks that carry the nodes and surface of a body: arrays `node_id` (u32), `position` (f64, 3 per node,
-/// field frame, m), `triangle` (u32, 3 rows of `node_id`'s array per triangle, outward).
+/// field frame, m), `piece` (u32, one per node: which piece of the body it is of, 0 before any came off), `triangle` (u32, 3 rows of
+/// `node_id`'s array per triangle, outward), `inner` (u32, one per triangle: 1 of a surface that a cut has opened, else 0).
 pub const TISSUE_SNAPSHOT: &str = "tissue.snapshot";
 
 fn info<M: Message>() -> KindInfo {
@@ -24,6 +25,7 @@ pub fn core_kinds() -> Vec<KindInfo> {
         info::<ToolStates>(),
         info::<ContactForces>(),
         info::<TissueRecovery>(),
+        info::<TissueCut>(),
         KindInfo {
             name: TISSUE_SNAPSHOT.into(),
             version: 1,

@@ -129,6 +129,33 @@ impl Message for ContactForces {
     const KIND: &'static str = "contact.forces";
 }
 
+/// Tissue was cut; published in the tick of the edit, once per body and tool.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TissueCut {
+    /// Body.
+    pub body: String,
+    /// Tool slot; empty of tissue that tore by itself.
+    pub tool: String,
+    /// Area that was opened, of one side, at rest \[m²\].
+    pub area: f64,
+    /// Its centroid in the field \[m\].
+    pub centroid: [f64; 3],
+    /// Its mean normal in the field, of length 1.
+    pub normal: [f64; 3],
+    /// Its centroid at rest, in the field \[m\].
+    pub rest_centroid: [f64; 3],
+    /// Its mean normal at rest, of length 1.
+    pub rest_normal: [f64; 3],
+    /// Size of the force of the tool on the body in the tick \[N\].
+    pub force: f64,
+    /// The pieces that came off, by their numbers in the snapshots.
+    pub pieces: Vec<u32>,
+}
+
+impl Message for TissueCut {
+    const KIND: &'static str = "tissue.cut";
+}
+
 /// A body diverged, was rolled back and computed again with more sub-steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TissueRecovery {

@@ -61,7 +61,43 @@ impl Item {
             opacity: 1.0,
         }
     }
+
+    /// Tissue in the field frame: what was outside from the start, and, a shade nearer to flesh and with a sharp rim, what a cut has opened
+    /// (`inner`, one per triangle; those that are missing are outside).
+    pub fn tissue(
+        positions: Vec<[f32; 3]>,
+        triangles: &[[u32; 3]],
+        inner: &[bool],
+        colour: [f32; 3],
+        finish: Finish,
+    ) -> Vec<Self> {
+        let part = |opened: bool| -> Vec<[u32; 3]> {
+            let is_inner = |index: usize| inner.get(index).copied().unwrap_or_default();
+            let all = triangles.iter().enumerate();
+            let chosen = all.filter(|(index, _)| is_inner(*index) == opened);
+            chosen.map(|(_, triangle)| *triangle).collect()
+        };
+        let flesh = std::array::from_fn(|k| colour[k] + OPENED * (FLESH[k] - colour[k]));
+        let parts = [(part(false), colour), (part(true), flesh)];
+        let items = parts
+            .into_iter()
+            .filter(|(triangles, _)| !triangles.is_empty());
+        items
+            .map(|(triangles, colour)| {
+                let positions = positions.clone();
+                let shape = Shape::Mesh {
+                    positions,
+                    triangles,
+                };
+                Self::new(shape, [0.0; 3], colour, finish)
+            })
+            .collect()
+    }
 }
+
+/// Colour of flesh, and how much of it the surface that a cut has opened has.
+const FLESH: [f32; 3] = [0.66, 0.13, 0.14];
+const OPENED: f32 = 0.5;
 
 /// How a surface answers light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,11 @@ pub(crate) fn check(body: &BodySpec) -> Result<(), SceneError> {
     if !finite(&body.origin) {
         return Err(wrong("origin", 0, NOT_FINITE));
     }
+    if body.toughness.is_nan() || body.toughness <= 0.0 || !(0.0..=1.0).contains(&body.brittleness)
+    {
+        let reason = "toughness is above 0 N/m, brittleness from 0 to 1";
+        return Err(wrong("cutting", 0, reason));
+    }
     for (index, clamp) in body.clamps.iter().enumerate() {
         let reason = selection(&clamp.nodes).or_else(|| clamp.motion.as_ref().and_then(motion));
         let bad_release = clamp

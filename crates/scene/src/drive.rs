@@ -1,7 +1,8 @@
 //! What drives the bodies from step to step: moving clamps, grips that let go, loads that grow.
 
+use crate::cutting::follow_nodes;
 use crate::spec::{ClampSpec, LoadKind, LoadSpec, MotionSpec};
-use microsim_mesh::TetMesh;
+use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Contacts, Control, NodeTarget, Pressure};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -9,13 +10,29 @@ use std::sync::Arc;
 /// The drive of one body.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Drive {
-    /// Clamps that stay closed, with the places of their nodes among the model's clamped ones.
-    clamps: Vec<(Option<Motion>, Vec<(usize, Vector3<f64>)>)>,
+    /// Clamps that stay closed.
+    clamps: Vec<Clamp>,
     /// Number of the model's clamped nodes.
     clamped: usize,
     /// Grips: they let go at a time.
     grips: Vec<Grip>,
     loads: Vec<Load>,
+}
+
+/// A clamp that stays closed.
+#[derive(Clone, Debug)]
+struct Clamp {
+    motion: Option<Motion>,
+    nodes: Vec<ClampedNode>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct ClampedNode {
+    node: u32,
+    /// Among the model's clamped nodes.
+    place: usize,
+    /// [m]
+    rest: Vector3<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -39,6 +56,8 @@ struct Load {
     kind: LoadKind,
     /// Area at rest that belongs to each node [m²], for tractions.
     areas: Vec<(u32, f64)>,
+    /// Its nodes, ascending.
+    nodes: Vec<u32>,
     ramp: f64,
 }
 
@@ -69,32 +88,61 @@ impl Drive {
                     release,
                 }),
                 None => {
-                    let places = nodes.iter().filter_map(|node| {
-                        let place = clamped.binary_search(node).ok()?;
-                        Some((place, at_rest(*node)))
+                    let nodes = nodes.iter().filter_map(|&node| {
+                        let place = clamped.binary_search(&node).ok()?;
+                        let rest = at_rest(node);
+                        Some(ClampedNode { node, place, rest })
                     });
-                    drive.clamps.push((motion, places.collect()));
+                    let nodes = nodes.collect();
+                    drive.clamps.push(Clamp { motion, nodes });
                 }
             }
         }
         for (spec, triangles) in loads {
-            let mut areas = vec![0.0; mesh.positions.len()];
-            for triangle in triangles {
-                let [a, b, c] = triangle.map(|node| mesh.positions[node as usize]);
-                let third = (b - a).cross(&(c - a)).norm() / 6.0;
-                for node in triangle {
-                    areas[*node as usize] += third;
-                }
-            }
-            let areas = (0u32..).zip(areas).filter(|(_, area)| *area > 0.0);
+            let surface = Surface::new(triangles.clone());
             drive.loads.push(Load {
+                areas: areas(&surface, mesh),
+                nodes: surface.nodes.clone(),
                 triangles: triangles.as_slice().into(),
                 kind: spec.kind,
-                areas: areas.collect(),
                 ramp: spec.ramp,
             });
         }
         drive
+    }
+
+    /// Follows an edit that brought `mesh` to where it is: what a clamp, grip or load has both nodes of that a new node comes from, it has too. `old` is
+    /// the number of nodes before, `clamped` are the model's clamped nodes now.
+    pub fn follow(&mut self, edit: &TopologyEdit, old: usize, mesh: &TetMesh, clamped: &[u32]) {
+        let rest = |node: u32| mesh.positions[node as usize];
+        for clamp in &mut self.clamps {
+            let nodes = follow_nodes(clamp.nodes.iter().map(|held| held.node), edit, old);
+            let nodes = nodes.into_iter().filter_map(|node| {
+                let (place, rest) = (clamped.binary_search(&node).ok()?, rest(node));
+                Some(ClampedNode { node, place, rest })
+            });
+            clamp.nodes = nodes.collect();
+        }
+        self.clamped = clamped.len();
+        for grip in &mut self.grips {
+            let nodes = follow_nodes(grip.nodes.iter().map(|(node, _)| *node), edit, old);
+            grip.nodes = nodes.into_iter().map(|node| (node, rest(node))).collect();
+        }
+        for load in &mut self.loads {
+            load.nodes = follow_nodes(load.nodes.iter().copied(), edit, old);
+        }
+    }
+
+    /// The triangles of loads once the surface has changed: those `outside` that no cut has opened, outward.
+    pub fn renew_loads(&mut self, mesh: &TetMesh, outside: &[[u32; 3]]) {
+        for load in &mut self.loads {
+            let of_load = outside.iter().copied();
+            let of_load =
+                of_load.filter(|t| t.iter().all(|node| load.nodes.binary_search(node).is_ok()));
+            let surface = Surface::new(of_load.collect());
+            load.areas = areas(&surface, mesh);
+            load.triangles = surface.triangles.into();
+        }
     }
 
     /// Whether any grip needs a method that leads nodes.
@@ -104,7 +152,7 @@ impl Drive {
 
     /// Whether a clamp that stays closed moves at any time.
     pub fn moves_clamps(&self) -> bool {
-        self.clamps.iter().any(|(motion, _)| motion.is_some())
+        self.clamps.iter().any(|clamp| clamp.motion.is_some())
     }
 
     /// Whether anything that holds the body moves, closes or lets go between two times [s].
@@ -117,7 +165,7 @@ impl Drive {
         let stays = |grip: &Grip| {
             (still(&grip.motion) && from > 0.0 && to < grip.release) || grip.release < from
         };
-        !self.clamps.iter().all(|(motion, _)| still(motion)) || !self.grips.iter().all(stays)
+        !self.clamps.iter().all(|clamp| still(&clamp.motion)) || !self.grips.iter().all(stays)
     }
 
     /// What drives the body in the step that ends at `time` [s].
@@ -128,9 +176,9 @@ impl Drive {
         };
         if self.moves_clamps() {
             control.clamped_positions = vec![Vector3::zeros(); self.clamped];
-            for (motion, places) in &self.clamps {
-                for (place, rest) in places {
-                    control.clamped_positions[*place] = placed(motion.as_ref(), rest, time);
+            for clamp in &self.clamps {
+                for ClampedNode { place, rest, .. } in &clamp.nodes {
+                    control.clamped_positions[*place] = placed(clamp.motion.as_ref(), rest, time);
                 }
             }
         }
@@ -174,6 +222,12 @@ impl Drive {
         targets.dedup_by_key(|target| target.node);
         Contacts { targets }
     }
+}
+
+/// Area at rest of the triangles at each node [m²].
+fn areas(surface: &Surface, mesh: &TetMesh) -> Vec<(u32, f64)> {
+    let areas = surface.node_areas(&mesh.positions);
+    surface.nodes.iter().copied().zip(areas).collect()
 }
 
 /// Where something at `rest` is at `time`.

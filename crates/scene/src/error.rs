@@ -24,7 +24,7 @@ pub enum SceneError {
     Value {
         /// The body.
         body: String,
-        /// Where: `origin`, `clamp`, `load`, `start`.
+        /// Where: `origin`, `cutting`, `clamp`, `load`, `start`.
         what: &'static str,
         /// Index among those.
         index: usize,
@@ -112,6 +112,17 @@ pub enum SceneError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A cut names something that is not in the scene, stands twice, or cannot be.
+    Cuts {
+        /// Index of the cut.
+        index: usize,
+        /// The body's name.
+        body: String,
+        /// The tool's name.
+        tool: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// Gravity is not finite.
     Gravity,
     /// The tick is not a positive time.
@@ -175,13 +186,16 @@ impl std::fmt::Display for SceneError {
                 f,
                 "a clamp of body '{body}' lets go, and {method} cannot lead nodes: use another method"
             ),
-            Self::Tool { tool, part: None } => write!(f, "tool '{tool}' has no capsule"),
+            Self::Tool { tool, part: None } => write!(
+                f,
+                "tool '{tool}' needs at least one capsule and a sharpness from 0 to 1"
+            ),
             Self::Tool {
                 tool,
                 part: Some(part),
             } => write!(
                 f,
-                "capsule {part} of tool '{tool}' needs finite ends, a radius above 0 m and a hinge axis that is not zero"
+                "capsule {part} of tool '{tool}' needs finite ends, a radius above 0 m, and a hinge axis and an edge that are not zero"
             ),
             Self::ToolMotion { tool, key } => write!(
                 f,
@@ -196,6 +210,9 @@ impl std::fmt::Display for SceneError {
             } => {
                 write!(f, "contact of body '{body}' with '{with}': {reason}")
             }
+            Self::Cuts {
+                body, tool, reason, ..
+            } => write!(f, "cut of body '{body}' by '{tool}': {reason}"),
             Self::Gravity => write!(f, "gravity must be three finite numbers in m/s²"),
             Self::Tick { tick_s } => write!(f, "a tick must be longer than 0 s, not {tick_s} s"),
             Self::StepTooLong {

@@ -42,6 +42,7 @@ pub fn scene_spec(
         tools: contact::tools(&scene.tool, load)?,
         rigid: contact::rigid(&scene.rigid),
         contacts: contact::contacts(&scene.contact)?,
+        cuts: contact::cuts(&scene.cut),
         gravity: scene.run.gravity,
         method: method::method(&scene.method),
         containment: scene.run.containment,
@@ -62,6 +63,8 @@ pub struct LevelParts<'a> {
     pub rigid: &'a [settings::Rigid],
     /// What touches what.
     pub contacts: &'a [settings::ContactPair],
+    /// What cuts what.
+    pub cuts: &'a [settings::CutPair],
     /// The tool slots.
     pub tools: &'a [settings::ToolSlot],
     /// The shapes of the tools, by the names that slots use.
@@ -82,6 +85,7 @@ pub fn level_spec(
         tools.push(ToolSpec {
             name: slot.name.clone(),
             capsules: contact::capsules(&model.capsule, model.hinge, model.opening_angle),
+            sharpness: model.sharpness,
             motion: Vec::new(),
         });
     }
@@ -90,6 +94,7 @@ pub fn level_spec(
         tools,
         rigid: contact::rigid(level.rigid),
         contacts: contact::contacts(level.contacts)?,
+        cuts: contact::cuts(level.cuts),
         gravity: level.physics.gravity,
         method: method::method(level.method),
         containment: true,

@@ -96,6 +96,15 @@ impl Group {
         })
     }
 
+    /// Makes all anew that knows the meshes of its bodies.
+    pub fn renew(&mut self, bodies: &[Body], pairs: &[Pair], rigid: &[Rigid], method: &Method) {
+        let members: Vec<usize> = self.members.iter().map(|member| member.body).collect();
+        let iterations = self.iterations;
+        *self = Self::new(&members, bodies, pairs, rigid, method)
+            .expect("a method that could treat the bodies can treat them cut");
+        self.iterations = iterations;
+    }
+
     /// The model of its bodies.
     pub fn model<'a>(&'a self, bodies: &'a [Body]) -> &'a TissueModel {
         match &self.union {

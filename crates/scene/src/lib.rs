@@ -6,10 +6,12 @@
 
 mod check;
 mod containment;
+mod cutting;
 mod drive;
 mod error;
 mod from_settings;
 mod group;
+mod lonor;
 mod overlap;
 mod report;
 mod run;
@@ -35,14 +37,17 @@ pub use microsim_tissue::{
     Behaviour, BuildError, Energies, Executor, Material, Method, Serial, State, TissueModel,
 };
 pub use overlap::Overlap;
-pub use report::{ContactPartner, ContactReport, JawReport, MANY_SUBSTEPS, Recovery, TickReport};
+pub use report::{
+    ContactPartner, ContactReport, CutReport, JawReport, MANY_SUBSTEPS, Recovery, RejectedCut,
+    TickReport,
+};
 pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;
-pub use scene::Scene;
+pub use scene::{CutTally, Scene};
 pub use spec::{
-    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, HingeSpec, Jaw, LoadKind,
-    LoadSpec, MotionKey, MotionSpec, PartnerSpec, RigidSpec, SceneSpec, Selection, StartSpec,
-    ToolKeySpec, ToolSpec,
+    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, HingeSpec, Jaw,
+    LoadKind, LoadSpec, MotionKey, MotionSpec, PartnerSpec, RigidSpec, SceneSpec, Selection,
+    StartSpec, ToolKeySpec, ToolSpec,
 };
 pub use stress::von_mises;
 pub use tool::ToolMotion;

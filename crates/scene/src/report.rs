@@ -8,6 +8,10 @@ use crate::spec::Jaw;
 pub struct TickReport {
     /// One entry per contact pair that touched, in the order of the scene's pairs.
     pub contacts: Vec<ContactReport>,
+    /// One entry per body and tool that cut it.
+    pub cuts: Vec<CutReport>,
+    /// Cuts that could not be made: the body is as it was.
+    pub rejected: Vec<RejectedCut>,
     /// By how much the solver's step was divided so that no tool moves too far in one: 1 when it was not.
     pub substeps: u32,
     /// Whether a tool was so fast that it took more than [`MANY_SUBSTEPS`].
@@ -67,6 +71,42 @@ pub struct ContactReport {
     pub stick_share: f64,
     /// What each jaw did that touched; empty of a tool without jaws.
     pub jaws: Vec<JawReport>,
+}
+
+/// What a tool cut in a tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutReport {
+    /// Index of the body.
+    pub body: usize,
+    /// Index of the tool.
+    pub tool: usize,
+    /// Elements that were divided.
+    pub divided: usize,
+    /// Area that was opened, of one side, at rest [m²].
+    pub area: f64,
+    /// Its centroid at rest, in the world [m].
+    pub rest_centroid: [f64; 3],
+    /// Its mean normal at rest, of length 1.
+    pub rest_normal: [f64; 3],
+    /// Its centroid now [m].
+    pub centroid: [f64; 3],
+    /// Its mean normal now, of length 1.
+    pub normal: [f64; 3],
+    /// Size of the mean force of the tool on the body in the tick [N]; 0 where the two do not touch.
+    pub force_n: f64,
+    /// Numbers of the pieces that came off.
+    pub pieces: Vec<u32>,
+}
+
+/// A cut that could not be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RejectedCut {
+    /// Index of the body.
+    pub body: usize,
+    /// Index of the tool.
+    pub tool: usize,
+    /// Why.
+    pub why: String,
 }
 
 /// The grip of one jaw in a tick.

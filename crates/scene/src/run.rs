@@ -8,7 +8,7 @@ mod probe;
 
 use crate::containment::Diverged;
 use crate::overlap::Overlap;
-use crate::report::{Recovery, TickReport};
+use crate::report::{CutReport, Recovery, RejectedCut, TickReport};
 use crate::scene::Scene;
 use microsim_settings as settings;
 use microsim_tissue::Executor;
@@ -129,6 +129,10 @@ pub struct Remarks {
     pub most_substeps: u32,
     /// Tools that jumped, with the time at the end of the tick [s].
     pub jumps: Vec<(f64, usize)>,
+    /// What was cut, with the time at the end of the tick [s].
+    pub cuts: Vec<(f64, CutReport)>,
+    /// What could not be cut.
+    pub rejected: Vec<(f64, RejectedCut)>,
 }
 
 impl Runner {
@@ -159,7 +163,7 @@ impl Runner {
             before: Vec::new(),
             remarks: Remarks {
                 most_substeps: 1,
-                jumps: Vec::new(),
+                ..Remarks::default()
             },
             end: None,
             scene,
@@ -240,8 +244,14 @@ impl Runner {
             let motions = self.scene.own_motions(start, start + length);
             let steps = f64::from(self.steps) * length / self.sample;
             let steps = (steps * (1.0 - ROUNDING)).ceil().max(1.0) as u32;
+            let edits = self.scene.edits.len();
             match self.scene.tick(&motions, length, steps, exec) {
-                Ok(report) => self.note(report, length),
+                Ok(report) => {
+                    for edit in &self.scene.edits[edits..] {
+                        self.probes.iter_mut().for_each(|probe| probe.follow(edit));
+                    }
+                    self.note(report, length);
+                }
                 Err(diverged) => {
                     self.end = Some(End::Diverged(diverged));
                     return false;
@@ -279,6 +289,12 @@ impl Runner {
         self.remarks.most_substeps = self.remarks.most_substeps.max(report.substeps);
         let jumps = report.jumped.into_iter();
         self.remarks.jumps.extend(jumps.map(|tool| (time, tool)));
+        let cuts = report.cuts.into_iter();
+        self.remarks.cuts.extend(cuts.map(|cut| (time, cut)));
+        let rejected = report.rejected.into_iter();
+        self.remarks
+            .rejected
+            .extend(rejected.map(|cut| (time, cut)));
         for contact in &report.contacts {
             let index = self.scene.pair_of(contact.body, contact.with);
             let Some(sum) = index.map(|index| &mut self.contacts[index]) else {

@@ -1,21 +1,24 @@
 //! Exact bytes of all that evolves.
 //!
-//! Little-endian, in this order: magic, version u32, time f64, number of bodies u32; per body the number of nodes u32, the last
+//! Little-endian, in this order: magic, version u32, time f64, number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
 //! step f64, longest stable step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
 //! f64 and f64 each); number of groups of bodies that touch one another u32; per group the number of remembered normals u32 and per
 //! normal partner, node u32, 3 × f64; the number of remembered forces u32 and per force body u32, partner, five nodes u32, force along
 //! the normal f64 and across it 3 × f64. A partner is three u32: kind (0 tool, 1 rigid, 2 body), index, capsule (0 but for a tool). What does not evolve is not saved: bytes are restored into a scene built from
 //! the same description.
 
+mod edits;
+
+use crate::cutting::Edit;
 use crate::group::{Group, Member};
-use crate::scene::{Scene, SceneState};
+use crate::scene::{Body, Scene, SceneState};
 use crate::touching::{ContactMemory, Remembered};
 use microsim_contact::{Key, Partner, Sides};
 use microsim_tissue::State;
 use nalgebra::Vector3;
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +30,7 @@ pub enum RestoreError {
         /// That version.
         found: u32,
     },
-    /// They belong to another scene: numbers of bodies, nodes or groups differ.
+    /// They belong to another scene: numbers of bodies, nodes, groups or cuts differ, or edits do not fit its meshes.
     OtherScene,
     /// They end too early or go on too long.
     Length,
@@ -47,7 +50,7 @@ impl std::fmt::Display for RestoreError {
             }
             Self::OtherScene => write!(
                 f,
-                "the saved scene has other bodies, meshes or contact pairs"
+                "the saved scene has other bodies, meshes, contact pairs or cuts"
             ),
             Self::Length => write!(f, "the saved scene is cut short or has bytes too many"),
             Self::NotFinite => write!(f, "the saved scene holds numbers that are not finite"),
@@ -64,8 +67,19 @@ impl Scene {
         bytes.extend_from_slice(MAGIC);
         put_u32(&mut bytes, VERSION);
         put_f64(&mut bytes, self.state.time);
+        put_u32(&mut bytes, self.edits.len() as u32);
+        self.edits
+            .iter()
+            .for_each(|edit| edits::put_edit(&mut bytes, edit));
+        put_u32(&mut bytes, self.state.blades.len() as u32);
+        self.state
+            .blades
+            .iter()
+            .for_each(|blade| edits::put_blade(&mut bytes, blade));
         put_u32(&mut bytes, self.state.bodies.len() as u32);
-        for (body, stable_step) in self.state.bodies.iter().zip(&self.state.stable_steps) {
+        let bodies = self.state.bodies.iter().zip(&self.state.stable_steps);
+        for ((body, stable_step), of) in bodies.zip(&self.bodies) {
+            edits::put_cut(&mut bytes, of);
             put_u32(&mut bytes, body.positions.len() as u32);
             put_f64(&mut bytes, body.step);
             put_f64(&mut bytes, *stable_step);
@@ -113,10 +127,16 @@ impl Scene {
             return Err(RestoreError::Version { found });
         }
         let time = reader.f64()?;
+        let edits = reader.list(edits::edit)?;
+        let mut cut = self.cut_by(&edits)?;
+        reader.expect(self.cuts.len())?;
+        let blades = self.cuts.iter().map(|_| edits::blade(&mut reader));
+        let blades = blades.collect::<Result<_, _>>()?;
         reader.expect(self.bodies.len())?;
         let mut bodies = Vec::with_capacity(self.bodies.len());
         let mut stable_steps = Vec::with_capacity(self.bodies.len());
-        for body in &self.bodies {
+        for body in &mut cut {
+            edits::cut(&mut reader, body)?;
             let nodes = body.model.node_count();
             reader.expect(nodes)?;
             let step = reader.f64()?;
@@ -178,13 +198,40 @@ impl Scene {
         if !reader.bytes.is_empty() {
             return Err(RestoreError::Length);
         }
+        if edits != self.edits {
+            self.bodies = cut;
+            self.edits = edits;
+            for group in &mut self.groups {
+                group.renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
+            }
+        } else {
+            self.bodies = cut;
+        }
         self.state = SceneState {
             bodies,
             memories,
             stable_steps,
+            blades,
             time,
         };
         Ok(())
+    }
+}
+
+impl Scene {
+    /// The bodies as these edits make them of those that were there before any.
+    fn cut_by(&self, edits: &[Edit]) -> Result<Vec<Body>, RestoreError> {
+        if edits == self.edits {
+            return Ok(self.bodies.clone());
+        }
+        let (bodies, _) = self.uncut.as_deref().ok_or(RestoreError::OtherScene)?;
+        let mut bodies = bodies.clone();
+        for edit in edits {
+            let body = bodies.get_mut(edit.body).ok_or(RestoreError::OtherScene)?;
+            body.follow(&edit.edit, &self.method)
+                .map_err(|_| RestoreError::OtherScene)?;
+        }
+        Ok(bodies)
     }
 }
 

@@ -1,15 +1,18 @@
 //! The scene: bodies, tools, contact pairs, and what evolves.
 
 use crate::check;
+use crate::cutting::{self, Cut, Edit};
 use crate::drive::Drive;
 use crate::error::SceneError;
 use crate::group::Group;
+use crate::lonor::BladeMemory;
 use crate::report::ContactPartner;
 use crate::select;
 use crate::spec::{BodySpec, PartnerSpec, RigidSpec, SceneSpec, Selection};
 use crate::tool::{Tool, ToolMotion};
 use crate::touching::ContactMemory;
 use microsim_contact::{Rigid, RigidShape};
+use microsim_cutting::Topology;
 use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::elements::{CouplingConstants, couple};
 use microsim_tissue::{
@@ -39,6 +42,32 @@ pub(crate) struct Body {
     pub node_areas: Vec<f64>,
     /// The faces at the open ends of a vessel.
     pub ends: Vec<Vec<[u32; 3]>>,
+    /// Who is next to whom, of a body that can be cut.
+    pub topology: Option<Topology>,
+    /// Of each triangle of the surface whether a cut has opened it.
+    pub inner: Vec<bool>,
+    pub pieces: Pieces,
+    pub tally: CutTally,
+}
+
+/// The pieces of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pieces {
+    /// The piece that each node is of; 0 before any came off.
+    pub of_nodes: Vec<u32>,
+    /// How many numbers were given so far.
+    pub count: u32,
+}
+
+/// What cuts have done to a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CutTally {
+    /// Elements that were divided.
+    pub divided: u64,
+    /// Cuts that could not be made.
+    pub rejected: u64,
+    /// Rest volume of the crumbs that were taken away [m³].
+    pub lost_volume: f64,
 }
 
 /// Two that touch.
@@ -83,6 +112,8 @@ pub(crate) struct SceneState {
     pub memories: Vec<ContactMemory>,
     /// Longest step of each body as it is now [s]: plastic flow makes it shorter.
     pub stable_steps: Vec<f64>,
+    /// One per cut.
+    pub blades: Vec<BladeMemory>,
     /// Simulated time [s].
     pub time: f64,
 }
@@ -96,7 +127,11 @@ pub struct Scene {
     /// The parts of all rigid things.
     pub(crate) rigid: Vec<Rigid>,
     pub(crate) pairs: Vec<Pair>,
+    pub(crate) cuts: Vec<Cut>,
     pub(crate) groups: Vec<Group>,
+    /// The edits so far, and what bodies and groups were before the first one.
+    pub(crate) edits: Vec<Edit>,
+    pub(crate) uncut: Option<Box<(Vec<Body>, Vec<Group>)>>,
     pub(crate) gravity: Vector3<f64>,
     pub(crate) method: Method,
     pub(crate) containment: bool,
@@ -124,7 +159,10 @@ impl Scene {
         let bodies = spec
             .bodies
             .iter()
-            .map(|body| Body::new(body, &spec.method, touched(body)))
+            .map(|body| {
+                let cut = spec.cuts.iter().any(|cut| cut.body == body.name);
+                Body::new(body, &spec.method, touched(body), cut)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         let tools = spec
             .tools
@@ -133,29 +171,37 @@ impl Scene {
             .collect::<Result<Vec<_>, _>>()?;
         let (things, rigid) = rigid(&spec.rigid)?;
         let pairs = find_pairs(spec, &things)?;
+        let cuts = cutting::cuts(spec, &pairs)?;
         let groups = Group::all(&bodies, &pairs, &rigid, &spec.method)?;
         let state = SceneState {
             bodies: bodies.iter().map(|body| body.start.clone()).collect(),
             memories: vec![ContactMemory::default(); groups.len()],
             stable_steps: bodies.iter().map(|body| body.stable_step).collect(),
+            blades: vec![BladeMemory::default(); cuts.len()],
             time: 0.0,
         };
         Ok(Self {
-            bodies,
             tools,
             things,
             rigid,
             pairs,
+            uncut: (!cuts.is_empty()).then(|| Box::new((bodies.clone(), groups.clone()))),
+            cuts,
             groups,
+            edits: Vec::new(),
             gravity,
             method: spec.method,
             containment: spec.containment,
             state,
+            bodies,
         })
     }
 
     /// Back to the state at which the scene was built.
     pub fn reset(&mut self) {
+        self.undo_edits();
+        let blades = self.state.blades.iter_mut();
+        blades.for_each(|blade| *blade = BladeMemory::default());
         self.state.bodies = self.bodies.iter().map(|body| body.start.clone()).collect();
         self.state
             .memories
@@ -258,10 +304,10 @@ impl Scene {
     /// Momentum of a body [kg m/s]; nodes that are clamped have none.
     pub fn momentum(&self, body: usize) -> Vector3<f64> {
         let model = &self.bodies[body].model;
-        let free = model.inverse_masses().iter().map(|w| *w > 0.0);
-        let both = self.velocities(body).iter().zip(model.masses()).zip(free);
-        both.filter(|(_, free)| *free)
-            .map(|((v, m), _)| v * *m)
+        let nodes = self.velocities(body).iter().enumerate();
+        nodes
+            .filter(|(node, _)| !model.is_clamped(*node))
+            .map(|(node, v)| v * model.inertia(node))
             .sum()
     }
 
@@ -302,6 +348,11 @@ impl Scene {
         &self.state.bodies[body].positions
     }
 
+    /// Node positions of a body at the start [m]; of a node that a cut has made those of where it would have been.
+    pub fn start_positions(&self, body: usize) -> &[Vector3<f64>] {
+        &self.bodies[body].start.positions
+    }
+
     /// Node positions of a body at rest [m].
     pub fn rest_positions(&self, body: usize) -> &[Vector3<f64>] {
         self.bodies[body].model.rest_positions()
@@ -330,6 +381,41 @@ impl Scene {
     /// Surface of a body: outward triangles as node indices.
     pub fn surface(&self, body: usize) -> &Surface {
         &self.bodies[body].surface
+    }
+
+    /// Whether a cut has opened each triangle of a body's surface.
+    pub fn inner(&self, body: usize) -> &[bool] {
+        &self.bodies[body].inner
+    }
+
+    /// The piece that each node of a body is of: 0 of what was there before any came off, else the number under which it came off.
+    pub fn pieces(&self, body: usize) -> &[u32] {
+        &self.bodies[body].pieces.of_nodes
+    }
+
+    /// Number of pieces of a body so far: 1 before any came off. One that is cut further counts for more.
+    pub fn piece_count(&self, body: usize) -> u32 {
+        self.bodies[body].pieces.count
+    }
+
+    /// Whether any tool cuts anything.
+    pub fn has_cuts(&self) -> bool {
+        !self.cuts.is_empty()
+    }
+
+    /// What cuts have done to a body.
+    pub fn cut_tally(&self, body: usize) -> CutTally {
+        self.bodies[body].tally
+    }
+
+    /// Rest volume [m³] and mass [kg] of a body before any cut.
+    pub fn uncut(&self, body: usize) -> (f64, f64) {
+        let uncut = self.uncut.as_deref().map(|(bodies, _)| &bodies[body]);
+        let model = &uncut.unwrap_or(&self.bodies[body]).model;
+        (
+            model.rest_volumes().iter().sum(),
+            model.masses().iter().sum(),
+        )
     }
 
     /// Topology generation of a body's mesh.
@@ -444,7 +530,7 @@ impl Scene {
 }
 
 impl Body {
-    fn new(spec: &BodySpec, method: &Method, touched: bool) -> Result<Self, SceneError> {
+    fn new(spec: &BodySpec, method: &Method, touched: bool, cut: bool) -> Result<Self, SceneError> {
         check::check(spec)?;
         let name = spec.name.clone();
         let (mesh, origin) = (&spec.mesh, Vector3::from(spec.origin));
@@ -484,6 +570,9 @@ impl Body {
                 body: name.clone(),
                 source,
             })?;
+        if cut {
+            model.prepare_edits();
+        }
         let drive = Drive::new(mesh, &origin, &clamps, &loads, model.clamped());
         if touched && !method.keeps_gaps() {
             return Err(SceneError::Contact {
@@ -511,14 +600,10 @@ impl Body {
             }
         }
         let stable_step = stable_step(method, &model, &State::at_rest(&model));
-        let mut node_areas = vec![0.0; mesh.positions.len()];
-        let areas = surface.node_areas(&mesh.positions);
-        for (&node, area) in surface.nodes.iter().zip(areas) {
-            node_areas[node as usize] = area;
-        }
         Ok(Self {
+            inner: vec![false; surface.triangles.len()],
             energy_scale: energy_scale(&model),
-            node_areas,
+            node_areas: node_areas(&surface, mesh),
             ends: spec.ends.clone(),
             surface,
             drive,
@@ -526,6 +611,12 @@ impl Body {
             origin,
             stable_step,
             name,
+            topology: cut.then(|| Topology::new(mesh)),
+            pieces: Pieces {
+                of_nodes: vec![0; mesh.positions.len()],
+                count: 1,
+            },
+            tally: CutTally::default(),
             mesh: spec.mesh.clone(),
             model,
         })
@@ -546,6 +637,16 @@ fn stable_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
     // h = 2s/√λ for a body without viscosity; a viscous one has a shorter step, hence a larger λ here, on the safe side.
     let lambda = 4.0 * stability::SAFETY * stability::SAFETY / (step * step);
     step.min(stability::SAFETY * stability::limit(method, lambda, model.drag()))
+}
+
+/// A third of the area of the triangles at each node, at rest [m²].
+pub(crate) fn node_areas(surface: &Surface, mesh: &TetMesh) -> Vec<f64> {
+    let mut all = vec![0.0; mesh.positions.len()];
+    let areas = surface.node_areas(&mesh.positions);
+    for (&node, area) in surface.nodes.iter().zip(areas) {
+        all[node as usize] = area;
+    }
+    all
 }
 
 /// Energy of a body stretched by 1 % along x [J].

@@ -16,6 +16,8 @@ pub struct SceneSpec {
     pub rigid: Vec<RigidSpec>,
     /// What touches what. No other contact is computed.
     pub contacts: Vec<ContactSpec>,
+    /// What cuts what. Nothing else is ever cut.
+    pub cuts: Vec<CutSpec>,
     /// Acceleration of gravity in the world [m/s²].
     pub gravity: [f64; 3],
     /// How the bodies are advanced.
@@ -38,6 +40,10 @@ pub struct BodySpec {
     pub materials: Vec<(u32, Material)>,
     /// Drag per mass c of dv/dt = −c v [1/s], ≥ 0.
     pub drag: f64,
+    /// Force per length of a perfectly sharp edge that cuts it [N/m]; infinite for tissue that no single edge cuts.
+    pub toughness: f64,
+    /// From 0 to 1: how early jaws pinch it off.
+    pub brittleness: f64,
     /// What is held.
     pub clamps: Vec<ClampSpec>,
     /// Soft couplings between regions.
@@ -167,6 +173,8 @@ pub struct ToolSpec {
     pub name: String,
     /// Its parts; at least one.
     pub capsules: Vec<CapsuleSpec>,
+    /// From 0, blunt, to 1.
+    pub sharpness: f64,
     /// Where it is in a scene that runs by itself, by ascending time; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
 }
@@ -196,6 +204,10 @@ pub struct CapsuleSpec {
     pub hinge: Option<HingeSpec>,
     /// Which jaw it belongs to.
     pub jaw: Option<Jaw>,
+    /// Whether its axis is a line of no return.
+    pub lonor: bool,
+    /// Where a single blade is sharp, in the tool's frame, tool closed, of length 1; `None` for one that cuts against the other jaw only.
+    pub edge: Option<[f64; 3]>,
 }
 
 /// A jaw of a tool.
@@ -227,6 +239,16 @@ pub struct ContactSpec {
     pub friction: f64,
     /// Size of the force from which on time is counted [N]; infinite for never.
     pub force_limit: f64,
+}
+
+/// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not,
+/// the lines go through it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutSpec {
+    /// Name of the body.
+    pub body: String,
+    /// Name of the tool.
+    pub tool: String,
 }
 
 /// What a body touches.

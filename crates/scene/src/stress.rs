@@ -88,6 +88,8 @@ mod tests {
                 origin: [0.0; 3],
                 materials: vec![(0, material)],
                 drag: 0.0,
+                toughness: f64::INFINITY,
+                brittleness: 0.0,
                 clamps: Vec::new(),
                 couplings: Vec::new(),
                 loads: Vec::new(),

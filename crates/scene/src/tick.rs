@@ -2,6 +2,7 @@
 
 use crate::containment::{self, Diverged, Divergence, Failure, Watch};
 use crate::group::Group;
+use crate::lonor::EdgeLoads;
 use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, TickReport};
 use crate::scene::{Body, PairPartner, Scene};
 use crate::tally::{Tally, Work, sum_up};
@@ -60,10 +61,14 @@ impl Scene {
         for (index, &factor) in tries.iter().enumerate() {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             match self.attempt(&motions, tick_s, count, exec) {
-                Ok(contacts) => {
+                Ok((contacts, loads)) => {
+                    let (cuts, rejected) =
+                        self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
                     self.state.time = start.time + tick_s;
                     return Ok(TickReport {
                         contacts,
+                        cuts,
+                        rejected,
                         substeps,
                         many_substeps: substeps > MANY_SUBSTEPS,
                         jumped,
@@ -169,10 +174,17 @@ impl Scene {
         tick_s: f64,
         count: u32,
         exec: &dyn Executor,
-    ) -> Result<Vec<ContactReport>, Failure> {
+    ) -> Result<(Vec<ContactReport>, EdgeLoads), Failure> {
         let start = self.state.bodies.clone();
-        let mut watches: Vec<Watch> = self
-            .bodies
+        let edges = self.edges(motions);
+        let mut loads = EdgeLoads::default();
+        self.let_through(motions);
+        // Without containment nobody asks what was there at the start: energies of all elements are not free.
+        let watched = match self.containment {
+            true => self.bodies.as_slice(),
+            false => &[],
+        };
+        let mut watches: Vec<Watch> = watched
             .iter()
             .zip(&start)
             .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s))
@@ -218,7 +230,14 @@ impl Scene {
                             &mut works,
                         );
                         for (member, work) in group.members.iter().zip(&works) {
-                            watches[member.body].add(work);
+                            if let Some(watch) = watches.get_mut(member.body) {
+                                watch.add(work);
+                            }
+                        }
+                        if let Some(touching) =
+                            group.touching.as_ref().filter(|_| !edges.is_empty())
+                        {
+                            loads.add(index, touching, &tools, &edges, h);
                         }
                         continue;
                     }
@@ -231,18 +250,17 @@ impl Scene {
         for (group, state) in self.groups.iter().zip(joined) {
             group.split(state, &self.bodies, &mut self.state.bodies);
         }
-        for (index, watch) in watches.iter().enumerate() {
-            let (body, end) = (&self.bodies[index], &self.state.bodies[index]);
-            let found = if self.containment {
-                watch.judge(
+        for (index, body) in self.bodies.iter().enumerate() {
+            let end = &self.state.bodies[index];
+            let found = match watches.get(index) {
+                Some(watch) => watch.judge(
                     body,
                     &start[index],
                     end,
                     &self.gravity,
                     self.state.time + tick_s,
-                )
-            } else {
-                containment::escaped(body, end)
+                ),
+                None => containment::escaped(body, end),
             };
             if let Some(what) = found {
                 return Err(Failure {
@@ -257,7 +275,7 @@ impl Scene {
                 self.renew_stable_step(self.groups[group].members[member].body);
             }
         }
-        Ok(self.contact_reports(&tallies, tick_s))
+        Ok((self.contact_reports(&tallies, tick_s), loads))
     }
 }
 

@@ -47,6 +47,22 @@ struct Part {
     capsule: Capsule,
     hinge: Option<Hinge>,
     jaw: Option<Jaw>,
+    lonor: bool,
+    edge: Option<Vector3<f64>>,
+}
+
+/// A line of no return in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Line {
+    /// The capsule whose axis it is.
+    pub capsule: u32,
+    pub a: Vector3<f64>,
+    pub b: Vector3<f64>,
+    /// Of the capsule [m].
+    pub radius: f64,
+    /// Where a single blade is sharp, of length 1.
+    pub edge: Option<Vector3<f64>>,
+    pub jaw: Option<Jaw>,
 }
 
 #[derive(Clone, Debug)]
@@ -62,7 +78,7 @@ impl Tool {
             tool: spec.name.clone(),
             part,
         };
-        if spec.capsules.is_empty() {
+        if spec.capsules.is_empty() || !(0.0..=1.0).contains(&spec.sharpness) {
             return Err(wrong(None));
         }
         let parts = spec.capsules.iter().enumerate().map(|(index, part)| {
@@ -89,10 +105,20 @@ impl Tool {
                     })
                 }
             };
+            let edge = match part.edge {
+                None => None,
+                Some(edge) => {
+                    let edge = Unit::try_new(Vector3::from(edge), 0.0);
+                    let edge = edge.filter(|edge| edge.iter().all(|c| c.is_finite()));
+                    Some(edge.ok_or_else(|| wrong(Some(index)))?.into_inner())
+                }
+            };
             Ok(Part {
                 capsule,
                 hinge,
                 jaw: part.jaw,
+                lonor: part.lonor,
+                edge,
             })
         });
         let parts = parts.collect::<Result<_, _>>()?;
@@ -147,6 +173,29 @@ impl Tool {
             .map(move |part| part.at(opening).posed(&world_from_tool))
     }
 
+    /// Its lines of no return in the world at the share `t` (0..1) of a motion.
+    pub fn lines(&self, motion: &ToolMotion, t: f64) -> Vec<Line> {
+        let world_from_tool = motion.from.interpolate(&motion.to, t);
+        let opening = motion.opening_from + (motion.opening_to - motion.opening_from) * t;
+        let cutting = self.parts.iter().enumerate().filter(|(_, part)| part.lonor);
+        let lines = cutting.map(|(index, part)| {
+            let Capsule { a, b, radius } = part.at(opening).posed(&world_from_tool);
+            let edge = part.edge.map(|edge| {
+                let turned = part.turn(opening).map_or(edge, |turn| turn * edge);
+                world_from_tool.orientation * turned
+            });
+            Line {
+                capsule: index as u32,
+                a,
+                b,
+                radius,
+                edge,
+                jaw: part.jaw,
+            }
+        });
+        lines.collect()
+    }
+
     /// The capsules over a step, from the share `t0` to `t1` of a motion.
     pub fn step(&self, motion: &ToolMotion, t0: f64, t1: f64) -> Vec<CapsuleMotion> {
         let ends = self.capsules_at(motion, t1);
@@ -198,17 +247,21 @@ impl Tool {
 }
 
 impl Part {
+    /// By how much it is turned about its hinge at an opening; `None` for a rigid part.
+    fn turn(&self, opening: f64) -> Option<UnitQuaternion<f64>> {
+        let hinge = self.hinge.as_ref()?;
+        let half = 0.5 * hinge.angle * opening;
+        let (cosine, sine) = (libm::cos(half), libm::sin(half));
+        Some(UnitQuaternion::new_normalize(Quaternion::from_parts(
+            cosine,
+            hinge.axis.into_inner() * sine,
+        )))
+    }
+
     /// The part in the tool's frame at an opening.
     fn at(&self, opening: f64) -> Capsule {
-        match &self.hinge {
-            None => self.capsule,
-            Some(hinge) => {
-                let half = 0.5 * hinge.angle * opening;
-                let (cosine, sine) = (libm::cos(half), libm::sin(half));
-                let turn = UnitQuaternion::new_normalize(Quaternion::from_parts(
-                    cosine,
-                    hinge.axis.into_inner() * sine,
-                ));
+        match (&self.hinge, self.turn(opening)) {
+            (Some(hinge), Some(turn)) => {
                 let turned = |p: &Vector3<f64>| hinge.pivot + turn * (p - hinge.pivot);
                 Capsule {
                     a: turned(&self.capsule.a),
@@ -216,6 +269,7 @@ impl Part {
                     radius: self.capsule.radius,
                 }
             }
+            _ => self.capsule,
         }
     }
 
@@ -244,10 +298,13 @@ mod tests {
             radius: 1e-4,
             hinge: Some(hinge),
             jaw: None,
+            lonor: false,
+            edge: None,
         };
         Tool::new(&ToolSpec {
             name: "jaw".into(),
             capsules: vec![capsule],
+            sharpness: 0.0,
             motion: Vec::new(),
         })
         .unwrap()

@@ -1,6 +1,7 @@
 //! From points of contact to what a solver keeps: friction, remembered forces, how much of an old overlap is undone.
 
 use crate::group::Member;
+use crate::lonor::Passed;
 use crate::scene::{Body, Pair, PairPartner};
 use microsim_contact::{
     CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, Touch, VesselEnd,
@@ -63,6 +64,35 @@ impl ContactMemory {
         self.sides.remember(points);
     }
 
+    /// Gives nodes other numbers; what is of one without a number is forgotten.
+    pub fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
+        const UNUSED: u32 = u32::MAX;
+        let of = |node: u32| match node {
+            UNUSED => Some(UNUSED),
+            node => number(node),
+        };
+        let forces = self.forces.drain(..).filter_map(|mut force| {
+            for node in &mut force.key.first {
+                *node = of(*node)?;
+            }
+            force.key.first.sort_unstable();
+            if matches!(force.key.partner, Partner::Body { .. }) {
+                for node in &mut force.key.second {
+                    *node = of(*node)?;
+                }
+                force.key.second.sort_unstable();
+            }
+            Some(force)
+        });
+        let mut forces: Vec<Remembered> = forces.collect();
+        forces.sort_unstable_by_key(|force| force.key);
+        self.forces = forces;
+        let entries = self.sides.entries().iter();
+        let entries =
+            entries.filter_map(|(partner, node, normal)| Some((*partner, of(*node)?, *normal)));
+        self.sides = Sides::from_entries(entries.collect());
+    }
+
     /// Forgets a tool that has jumped: from its new place it pushes to the nearest side.
     pub fn forget_tool(&mut self, tool: u32) {
         let of_tool =
@@ -96,6 +126,8 @@ pub(crate) struct GroupTouching {
     /// What became of them.
     pub contacts: Vec<Contact>,
     guesses: Vec<(Key, f64)>,
+    /// Parts of tools that touch nothing, as they are in what they cut.
+    pub passed: Vec<Passed>,
 }
 
 impl GroupTouching {
@@ -173,6 +205,7 @@ impl GroupTouching {
             points: Vec::new(),
             contacts: Vec::new(),
             guesses: Vec::new(),
+            passed: Vec::new(),
         })
     }
 
@@ -276,6 +309,7 @@ impl ContactSource for Source<'_> {
             start,
             points,
             guesses,
+            passed,
             ..
         } = &mut *self.of;
         guesses.clear();
@@ -290,6 +324,9 @@ impl ContactSource for Source<'_> {
             sides: &self.memory.sides,
         };
         detector.find(&frame, points);
+        if !passed.is_empty() {
+            points.retain(|point| !passed.iter().any(|part| part.has(point, self.tools, way)));
+        }
         contacts.clear();
         contacts.extend(points.iter().map(|point| {
             let remembered = self.memory.find(&point.key);

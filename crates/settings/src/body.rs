@@ -53,6 +53,10 @@ pub struct Body {
     pub colour: Colour,
     /// How its surface answers light.
     pub finish: Finish,
+    /// Force per length of a perfectly sharp edge that cuts it, that is work per area \[N/m\]; `None` for tissue that no single edge cuts.
+    pub toughness: Option<f64>,
+    /// From 0, like rubber, to 1: how early jaws pinch it off.
+    pub brittleness: f64,
     /// What its regions are made of.
     pub material: Vec<Material>,
     /// What holds it.

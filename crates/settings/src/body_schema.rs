@@ -106,6 +106,17 @@ pub(crate) fn body_keys() -> Vec<Key> {
             "How its surface answers light in pictures.",
             "moist",
         ),
+        Key::optional(
+            "toughness",
+            Kind::quantity(Unit::LengthStiffness, 1e-6, 1e6),
+            "Force per length of a perfectly sharp edge that cuts it (work per area); without it no single edge cuts it.",
+        ),
+        Key::with_default(
+            "brittleness",
+            Kind::quantity(Unit::Ratio, 0.0, 1.0),
+            "How early jaws that close on it pinch it off, from 0, never, like rubber, to 1.",
+            0.0,
+        ),
         Key::required("material", materials, "What its regions are made of."),
         Key::list(
             "clamp",

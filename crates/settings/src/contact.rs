@@ -40,6 +40,17 @@ impl ContactPair {
     }
 }
 
+/// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not, the
+/// lines go through it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CutPair {
+    /// Name of the body.
+    pub body: String,
+    /// The tool, with a line of no return.
+    pub tool: String,
+}
+
 /// A rigid thing that stands.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "RigidFile")]
@@ -183,6 +194,8 @@ pub struct SceneTool {
     pub hinge: Option<[f64; 3]>,
     /// Angle between its own jaws when fully open \[rad\].
     pub opening_angle: Option<f64>,
+    /// How sharp its own capsules are, from 0 to 1; that of a model is the model's.
+    pub sharpness: f64,
     /// Where it is, by ascending time. It stands before the first and after the last key.
     pub motion: Vec<ToolKey>,
 }

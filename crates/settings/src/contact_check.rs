@@ -131,6 +131,27 @@ pub(crate) fn check_contacts(reading: &mut Reading) {
     }
 }
 
+/// Complains about cuts by or of what is not there, and about the same two again.
+pub(crate) fn check_cuts(reading: &mut Reading) {
+    for (field, thing) in [("tool", "a tool"), ("body", "a body")] {
+        let known = texts(reading.value(), field, "name");
+        let known: Vec<&str> = known.iter().map(|(_, name)| name.as_str()).collect();
+        for (i, name) in texts(reading.value(), "cut", field) {
+            let key = KeyPath::root().key("cut").at(i).key(field);
+            refers(reading, &key, &name, thing, &known);
+        }
+    }
+    let cuts: Vec<(usize, Value)> = items(reading.value(), "cut")
+        .map(|(i, cut)| (i, cut.clone()))
+        .collect();
+    for (at, (i, cut)) in cuts.iter().enumerate() {
+        if cuts[..at].iter().any(|(_, earlier)| earlier == cut) {
+            let key = KeyPath::root().key("cut").at(*i);
+            reading.complain(&key, "the same pair a second time", "each pair once");
+        }
+    }
+}
+
 /// Complains about tools of a scene with no shape or two, and with motions that do not go forward.
 pub(crate) fn check_scene_tools(reading: &mut Reading) {
     let tools: Vec<(usize, Value)> = items(reading.value(), "tool")
@@ -151,7 +172,7 @@ pub(crate) fn check_scene_tools(reading: &mut Reading) {
             _ => {}
         }
         if reading.is_written(&key.key("model")) {
-            for field in ["hinge", "opening_angle"] {
+            for field in ["hinge", "opening_angle", "sharpness"] {
                 let key = key.key(field);
                 if reading.is_written(&key) {
                     let expected = format!("no `{field}`, which the model has");

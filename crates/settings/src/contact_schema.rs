@@ -4,7 +4,7 @@ use crate::body_schema::{point, size, size3};
 use crate::contact::RigidShape;
 use crate::schema::{Form, Key, Kind};
 use crate::text::Finish;
-use crate::tool::{capsule_keys, jaw_keys};
+use crate::tool::{capsule_keys, jaw_keys, sharpness_key};
 use crate::unit::Unit;
 use serde_json::json;
 
@@ -15,6 +15,20 @@ pub(crate) fn contact_list() -> Key {
         Kind::Table(contact_keys()),
         256,
         "Which body touches what: exactly one of `tool`, `rigid`, `with` (another body) and `self`; all others pass through each other.",
+    )
+}
+
+/// The list of what cuts what.
+pub(crate) fn cut_list() -> Key {
+    let name = || Kind::Name(Form::Identifier);
+    Key::list(
+        "cut",
+        Kind::Table(vec![
+            Key::required("body", name(), "Name of the body."),
+            Key::required("tool", name(), "The tool, one with a line of no return."),
+        ]),
+        64,
+        "Which tool cuts which body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not, the lines go through it.",
     )
 }
 
@@ -144,6 +158,7 @@ fn tool_keys() -> Vec<Key> {
         ),
     ];
     all.extend(jaw_keys());
+    all.push(sharpness_key());
     all.push(Key::required(
         "motion",
         keys,

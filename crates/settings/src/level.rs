@@ -5,7 +5,7 @@
 //! microscope. Everything is in SI.
 
 use crate::body::Body;
-use crate::contact::{ContactPair, Rigid};
+use crate::contact::{ContactPair, CutPair, Rigid};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level_check::check;
@@ -40,6 +40,8 @@ pub struct Level {
     pub rigid: Vec<Rigid>,
     /// What touches what.
     pub contact: Vec<ContactPair>,
+    /// What cuts what.
+    pub cut: Vec<CutPair>,
     /// What drives all bodies; `None` in a level without physics.
     pub physics: Option<Physics>,
     /// How they are advanced; `None` in a level without physics.

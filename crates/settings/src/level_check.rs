@@ -2,7 +2,7 @@
 
 use crate::body_check::{check_bodies, check_held};
 use crate::check::{items, refers, texts, unique};
-use crate::contact_check::{check_contacts, check_rigid};
+use crate::contact_check::{check_contacts, check_cuts, check_rigid};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::level::{KnownMetric, expanded_names};
@@ -23,6 +23,7 @@ pub(crate) fn check(reading: &mut Reading, manifest: &Manifest, known_metrics: &
     check_held(reading);
     check_rigid(reading);
     check_contacts(reading);
+    check_cuts(reading);
     check_physics(reading);
     check_limits(reading, manifest, known_metrics);
 }

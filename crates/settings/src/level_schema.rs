@@ -1,7 +1,7 @@
 //! The keys of a level.
 
 use crate::body_schema::{body_keys, point, size, size3};
-use crate::contact_schema::{contact_list, rigid_list};
+use crate::contact_schema::{contact_list, cut_list, rigid_list};
 use crate::manifest::Manifest;
 use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::schema::{Form, Key, Kind, Schema};
@@ -64,6 +64,7 @@ pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
             Key::list("body", Kind::Table(body_keys()), 64, "Tetrahedral bodies."),
             rigid_list(),
             contact_list(),
+            cut_list(),
             Key::optional(
                 "physics",
                 Kind::Table(physics_keys()),

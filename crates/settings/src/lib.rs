@@ -54,7 +54,7 @@ pub use chart::{
     ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
 };
 pub use chart_schema::chart_schema;
-pub use contact::{ContactPair, Rigid, RigidShape, SceneTool, ToolKey};
+pub use contact::{ContactPair, CutPair, Rigid, RigidShape, SceneTool, ToolKey};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
 pub use document::{Document, Loaded};

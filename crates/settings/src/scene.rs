@@ -4,7 +4,7 @@
 //! Frame: the world's, right-handed, z up. Everything is in SI.
 
 use crate::body::{Body, Nodes};
-use crate::contact::{ContactPair, Rigid, SceneTool};
+use crate::contact::{ContactPair, CutPair, Rigid, SceneTool};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level::View;
@@ -39,6 +39,8 @@ pub struct Scene {
     pub rigid: Vec<Rigid>,
     /// What touches what.
     pub contact: Vec<ContactPair>,
+    /// What cuts what.
+    pub cut: Vec<CutPair>,
     /// What is watched.
     pub probe: Vec<Probe>,
     /// What must come out.
@@ -142,11 +144,13 @@ pub enum Quantity {
     Depth,
     /// Number of edges of the body's surface through triangles of another body's, and the other way round.
     Crossings,
+    /// Number of pieces that the body has come apart into.
+    Pieces,
 }
 
 impl Quantity {
     /// As files write them.
-    pub const NAMES: [&str; 15] = [
+    pub const NAMES: [&str; 16] = [
         "displacement",
         "centre",
         "radius",
@@ -162,6 +166,7 @@ impl Quantity {
         "inside",
         "depth",
         "crossings",
+        "pieces",
     ];
 
     /// Unit of its values.
@@ -177,7 +182,7 @@ impl Quantity {
             Self::Torque => Unit::Torque,
             Self::Volume | Self::SmallestVolume | Self::Inside => Unit::Ratio,
             Self::Energy => Unit::Energy,
-            Self::Crossings => Unit::Count,
+            Self::Crossings | Self::Pieces => Unit::Count,
         }
     }
 }

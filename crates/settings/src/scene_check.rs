@@ -2,7 +2,7 @@
 
 use crate::body_check::{check_bodies, check_box, check_held};
 use crate::check::{items, refers, texts, unique};
-use crate::contact_check::{check_contacts, check_rigid, check_scene_tools};
+use crate::contact_check::{check_contacts, check_cuts, check_rigid, check_scene_tools};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::method::check_method;
@@ -24,6 +24,7 @@ pub(crate) fn check(reading: &mut Reading) {
     check_scene_tools(reading);
     check_rigid(reading);
     check_contacts(reading);
+    check_cuts(reading);
     check_probes(reading);
     check_expectations(reading);
 }
@@ -105,7 +106,13 @@ fn check_probes(reading: &mut Reading) {
         let nodes = key.key("nodes");
         if matches!(
             quantity.as_str(),
-            "volume" | "smallest-volume" | "energy" | "contact-force" | "grip" | "crossings"
+            "volume"
+                | "smallest-volume"
+                | "energy"
+                | "contact-force"
+                | "grip"
+                | "crossings"
+                | "pieces"
         ) && reading.is_written(&nodes)
         {
             let expected = format!("no `nodes`, as the {quantity} is that of the body");

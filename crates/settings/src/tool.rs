@@ -28,6 +28,8 @@ pub struct Tool {
     pub colour: Colour,
     /// How its surface answers light.
     pub finish: Finish,
+    /// From 0, blunt, to 1: how well its edges and jaws cut.
+    pub sharpness: f64,
     /// Its parts.
     pub capsule: Vec<ToolCapsule>,
 }
@@ -48,6 +50,10 @@ pub struct ToolCapsule {
     pub jaw: Jaw,
     /// Whether it can touch tissue; a handle, far above the field, is only drawn.
     pub touches: bool,
+    /// Whether its segment is a line of no return: tissue that gets over it is cut (dissertation 4.4).
+    pub lonor: bool,
+    /// Where a single blade is sharp, in the tool frame, closed; `None` for one that cuts against the other jaw only.
+    pub edge: Option<[f64; 3]>,
 }
 
 /// What a part of an instrument moves with.
@@ -89,7 +95,28 @@ pub(crate) fn capsule_keys() -> Vec<Key> {
             "Whether it can touch tissue; a handle, far above the field, is only drawn.",
             true,
         ),
+        Key::with_default(
+            "lonor",
+            Kind::Bool,
+            "Whether its segment is a line of no return: tissue that gets over it is cut. Lines of both jaws cut where the jaws meet.",
+            false,
+        ),
+        Key::optional(
+            "edge",
+            Kind::Direction,
+            "Where a single blade is sharp, in the tool frame, tool closed; only with `lonor`. Without it the line cuts against that of the other jaw only, and its back is blunt.",
+        ),
     ]
+}
+
+/// How sharp a tool is.
+pub(crate) fn sharpness_key() -> Key {
+    Key::with_default(
+        "sharpness",
+        Kind::quantity(Unit::Ratio, 0.0, 1.0),
+        "How well its edges and jaws cut, from 0, blunt, to 1.",
+        0.0,
+    )
 }
 
 /// The keys of the hinge.
@@ -130,12 +157,13 @@ pub fn tool_schema() -> Schema {
             opening_angle,
             Key::with_default("colour", Kind::Colour, "Colour, sRGB.", "#b8bcc2"),
             Key::with_default("finish", Kind::choice(&Finish::NAMES), "How its surface answers light.", "metal"),
+            sharpness_key(),
             Key::required("capsule", parts, "Its parts."),
         ],
     }
 }
 
-/// Complains about a hinge without jaws, and about jaws without one, in the tool at `tool`.
+/// Complains about a hinge without jaws, about jaws without one, and about edges of what does not cut, in the tool at `tool`.
 pub(crate) fn check_jaws(reading: &mut Reading, tool: &KeyPath) {
     let value = match tool == &KeyPath::root() {
         true => Some(reading.value()),
@@ -145,6 +173,16 @@ pub(crate) fn check_jaws(reading: &mut Reading, tool: &KeyPath) {
         items(value, "capsule")
             .any(|(_, part)| matches!(part["jaw"].as_str(), Some("left" | "right")))
     });
+    let parts: Vec<(usize, bool)> = value.map_or_else(Vec::new, |value| {
+        let parts = items(value, "capsule");
+        parts.map(|(i, part)| (i, part["lonor"] == true)).collect()
+    });
+    for (i, _) in parts.iter().filter(|(_, lonor)| !lonor) {
+        let key = tool.key("capsule").at(*i).key("edge");
+        if reading.is_written(&key) {
+            reading.complain(&key, "`edge`", "no `edge` without `lonor = true`");
+        }
+    }
     for field in ["hinge", "opening_angle"] {
         let key = tool.key(field);
         match (jaws, reading.is_written(&key)) {

@@ -10,21 +10,30 @@ mod continuum_constraints;
 mod continuum_matrix;
 mod coupling;
 mod domains;
+pub mod key;
+mod lanes;
 mod matrix;
 mod measure;
 mod plasticity;
 mod smoothed;
+pub mod splice;
 
 pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Smoothed};
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
+pub(crate) use coupling::{Followed, coordinates};
 pub use domains::{Domains, Tetrahedra};
+pub use lanes::Lanes;
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;
 pub use smoothed::SmoothingDomains;
+pub(crate) use smoothed::{EDGE_SHARE, NODE_SHARE, patches};
 
+use key::Key;
 use nalgebra::Vector3;
+use splice::Inherited;
+use std::any::Any;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
@@ -65,7 +74,7 @@ pub enum Tangent {
 }
 
 /// A set of elements of one kind.
-pub trait Elements: Debug + Send + Sync {
+pub trait Elements: Any + Debug + Send + Sync {
     /// Which energy it is.
     fn kind(&self) -> EnergyKind;
 
@@ -116,9 +125,33 @@ pub trait Elements: Debug + Send + Sync {
     /// no negative eigenvalue.
     fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix);
 
-    /// The same set with the energy and the viscous forces of each element times its factor, > 0: the stiffness cap of NUMERICS
-    /// 3.5 d.
-    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements>;
+    /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row [N/m].
+    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let at = Configuration {
+            positions: rest_positions,
+            velocities: rest_positions,
+            internal: &[],
+        };
+        let mut matrix = ElementMatrix::new();
+        self.stiffness(element, &at, Tangent::Exact, &mut matrix);
+        let blocks = (0..matrix.nodes()).flat_map(|i| (0..matrix.nodes()).map(move |j| (i, j)));
+        out.clear();
+        out.extend(blocks.map(|(i, j)| matrix.block(i, j).norm()));
+    }
+
+    /// Takes the energy and the viscous forces of an element times a factor, > 0: the stiffness cap of NUMERICS 3.5 d.
+    fn scale(&mut self, element: usize, factor: f64);
+
+    /// The same set with each element [scaled](Self::scale) by its factor.
+    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
+        let mut scaled = self.shifted(0);
+        if let Some(set) = Arc::get_mut(&mut scaled) {
+            for (element, factor) in factors.iter().enumerate() {
+                set.scale(element, *factor);
+            }
+        }
+        scaled
+    }
 
     /// The same set with all its nodes so many further on: for a model of several bodies.
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements>;
@@ -127,6 +160,21 @@ pub trait Elements: Debug + Send + Sync {
     /// step.
     fn flow(&self, _positions: &[Vector3<f64>], _internal: &mut [f64], _h: f64) -> bool {
         false
+    }
+
+    /// Calls `visit` with each [`Key`] by which an edit of the mesh finds an element: its nodes, unless it says otherwise.
+    fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
+        visit(Key::new(self.nodes(element)));
+    }
+
+    /// Takes the elements `removed`, ascending, out, and puts those of `added` in, as [`splice::splice`] does. Returns false, with
+    /// nothing changed, where `added` is a set of another kind.
+    fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool;
+
+    /// The internal variables that the elements of `added` inherit from elements `ancestors[i]` of this set, in the order of those of
+    /// `added`; empty for elements without any.
+    fn inherited(&self, _added: &dyn Elements, _ancestors: &[Vec<u32>]) -> Vec<Inherited> {
+        Vec::new()
     }
 
     /// The set as constraints with compliance, if position-based methods can treat it.

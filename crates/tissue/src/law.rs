@@ -25,6 +25,7 @@ pub use principal::PrincipalTangent;
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 
+use crate::elements::Lanes;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::fmt::Debug;
 
@@ -64,6 +65,13 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
 
     /// First Piola–Kirchhoff stress P = ∂Ψ/∂F [Pa].
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64>;
+
+    /// b' [Pa] of four F at once from det F, for a law of the form Ψ = μ/2 tr FᵀF + b(det F) whose forces are to be computed by areas:
+    /// half the arithmetic, other roundings.
+    #[inline(always)]
+    fn slope_of_four(_j: Lanes, _lame: &Lame) -> Option<Lanes> {
+        None
+    }
 
     /// ∂P/∂F [Pa].
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9;

@@ -9,6 +9,7 @@
 
 mod components;
 mod contact;
+mod edit;
 pub mod elements;
 mod executor;
 mod flow;
@@ -33,6 +34,7 @@ mod state;
 mod system;
 
 pub use contact::{Contact, ContactSource, Touching};
+pub use edit::{EditError, ModelChange, ModelEdit};
 pub use elements::Elements;
 pub use executor::{Executor, Serial};
 pub use flow::flow;

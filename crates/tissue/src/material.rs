@@ -4,9 +4,11 @@
 //! (NUMERICS 1.1): moduli in pascals, not constants of a mesh.
 
 mod continuum;
+mod part;
 mod springs;
 
 pub use continuum::{ContinuumConstants, Discretisation};
+pub(crate) use part::{Carried, Part};
 pub use springs::{
     Coefficients, Fit, KindConstants, SpringConstants, SpringForm, SpringModuli, fit,
 };
@@ -109,10 +111,12 @@ impl Material {
         }
     }
 
-    /// The elements of `mesh` with the indices `elements`, made of this material.
-    fn build(&self, mesh: &TetMesh, elements: &[u32]) -> Vec<Arc<dyn Elements>> {
+    /// The elements of `mesh` with the indices `elements`, made of this material, part by part.
+    fn build(&self, mesh: &TetMesh, elements: &[u32]) -> Vec<(Carried, Arc<dyn Elements>)> {
         match &self.behaviour {
-            Behaviour::Springs(constants) => constants.build(mesh, elements, self.relaxation_time),
+            Behaviour::Springs(constants) => {
+                constants.build_parts(mesh, elements, self.relaxation_time)
+            }
             Behaviour::Continuum(constants) => {
                 constants.build(mesh, elements, self.relaxation_time)
             }
@@ -133,7 +137,7 @@ pub fn build_model(
     regions.sort_unstable();
     regions.dedup();
     let mut densities = vec![0.0; mesh.tets.len()];
-    let mut sets = Vec::new();
+    let (mut sets, mut parts) = (Vec::new(), Vec::new());
     for region in regions {
         let mut of_region = materials.iter().filter(|(r, _)| *r == region);
         let material = match (of_region.next(), of_region.count()) {
@@ -152,10 +156,18 @@ pub fn build_model(
         for &element in &elements {
             densities[element as usize] = material.density;
         }
-        sets.extend(material.build(mesh, &elements));
+        for (carried, set) in material.build(mesh, &elements) {
+            sets.push(set);
+            parts.push(Part {
+                region,
+                material: *material,
+                carried,
+            });
+        }
     }
     sets.extend(more);
-    TissueModel::new(mesh, &densities, clamped, sets, drag).map_err(BuildError::Model)
+    let model = TissueModel::new(mesh, &densities, clamped, sets, drag);
+    Ok(model.map_err(BuildError::Model)?.made_of(parts))
 }
 
 /// Refuses what is not finite and above zero.

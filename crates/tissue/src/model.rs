@@ -1,104 +1,47 @@
 //! The constant part of a body: nodes, masses, clamps, sets of elements.
 
+mod error;
+mod parallel;
+
+pub use error::ModelError;
+pub(crate) use parallel::Part;
+
+use crate::components::Components;
+use crate::edit::Index;
 use crate::elements::Elements;
+use crate::material;
+use crate::stability::{self, gershgorin_bound};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
+use parallel::{PARALLEL_ELEMENTS, follow, parts};
 use std::ops::Range;
-use std::sync::Arc;
-
-/// Bodies with at least this many tetrahedra compute forces in parallel parts. Below it, handing work to threads (13–21 µs
-/// with rayon, measured) costs more than it saves.
-const PARALLEL_ELEMENTS: usize = 4096;
-
-/// Parts of a parallel body. It depends on the model alone, never on the number of threads.
-const PARALLEL_PARTS: usize = 8;
+use std::sync::{Arc, OnceLock};
 
 /// Everything about a body that does not evolve.
 #[derive(Clone, Debug)]
 pub struct TissueModel {
-    rest_positions: Vec<Vector3<f64>>,
-    masses: Vec<f64>,
-    inverse_masses: Vec<f64>,
-    clamped: Vec<u32>,
-    tets: Vec<[u32; 4]>,
-    rest_volumes: Vec<f64>,
-    sets: Vec<Arc<dyn Elements>>,
-    internal: Vec<Range<usize>>,
+    pub(crate) rest_positions: Vec<Vector3<f64>>,
+    pub(crate) masses: Vec<f64>,
+    pub(crate) added_inertia: Vec<f64>,
+    pub(crate) inverse_masses: Vec<f64>,
+    pub(crate) clamped: Vec<u32>,
+    pub(crate) tets: Vec<[u32; 4]>,
+    pub(crate) rest_volumes: Vec<f64>,
+    pub(crate) sets: Vec<Arc<dyn Elements>>,
+    /// What makes the first sets; the others are made of no material.
+    pub(crate) made_of: Vec<material::Part>,
+    pub(crate) internal: Vec<Range<usize>>,
     /// Drag per mass [1/s] of runs of nodes, in order.
-    drags: Vec<(Range<usize>, f64)>,
-    mean_edge_length: f64,
-    parts: Vec<Part>,
+    pub(crate) drags: Vec<(Range<usize>, f64)>,
+    pub(crate) mean_edge_length: f64,
+    pub(crate) parts: Vec<Part>,
+    /// What edits look up; made at the first one.
+    pub(crate) index: OnceLock<Arc<Index>>,
+    rate_bound: OnceLock<f64>,
+    pub(crate) components: OnceLock<Arc<Components>>,
+    /// S_i of NUMERICS 3.2 at rest [N/m], once it was asked for.
+    pub(crate) row_sums: OnceLock<Vec<f64>>,
 }
-
-/// What one part of a parallel loop over the elements computes.
-#[derive(Clone, Debug)]
-pub(crate) struct Part {
-    /// Elements of each set.
-    pub elements: Vec<Range<usize>>,
-    /// The run of nodes that they touch.
-    pub nodes: Range<u32>,
-}
-
-/// Why a model cannot be built from a mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ModelError {
-    /// The mesh has no node or no element.
-    Empty,
-    /// Drag is not finite or below zero.
-    Drag {
-        /// The drag [1/s].
-        drag: f64,
-    },
-    /// One clamp flag per node is needed.
-    ClampCount {
-        /// Number of flags.
-        flags: usize,
-        /// Number of nodes.
-        nodes: usize,
-    },
-    /// One density per element is needed.
-    DensityCount {
-        /// Number of densities.
-        densities: usize,
-        /// Number of elements.
-        elements: usize,
-    },
-    /// An element has no positive volume at rest.
-    Volume {
-        /// Its index.
-        element: usize,
-        /// Its volume [m³].
-        volume: f64,
-    },
-    /// A node belongs to no element and so has no mass.
-    LooseNode {
-        /// Its index.
-        node: usize,
-    },
-}
-
-impl std::fmt::Display for ModelError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Empty => f.write_str("the mesh has no element"),
-            Self::Drag { drag } => write!(f, "drag is {drag} 1/s; allowed: >= 0 1/s, finite"),
-            Self::ClampCount { flags, nodes } => write!(f, "{flags} clamp flags for {nodes} nodes"),
-            Self::DensityCount {
-                densities,
-                elements,
-            } => write!(f, "{densities} densities for {elements} elements"),
-            Self::Volume { element, volume } => {
-                write!(
-                    f,
-                    "element {element} has the rest volume {volume} m³; it must be positive"
-                )
-            }
-            Self::LooseNode { node } => write!(f, "node {node} belongs to no element"),
-        }
-    }
-}
-
-impl std::error::Error for ModelError {}
 
 impl TissueModel {
     /// The model of `mesh` held together by `sets`. `densities` [kg/m³] are those of the elements, `clamped[i]` fixes node `i`
@@ -183,15 +126,21 @@ impl TissueModel {
                 .filter(|&node| clamped[node as usize])
                 .collect(),
             drags: vec![(0..rest_positions.len(), drag)],
+            added_inertia: vec![0.0; rest_positions.len()],
             rest_positions,
             masses,
             inverse_masses,
             tets,
             rest_volumes,
             sets,
+            made_of: Vec::new(),
             internal,
             mean_edge_length,
             parts,
+            index: OnceLock::new(),
+            rate_bound: OnceLock::new(),
+            components: OnceLock::new(),
+            row_sums: OnceLock::new(),
         }
     }
 
@@ -202,15 +151,21 @@ impl TissueModel {
         let mut union = Self {
             rest_positions: Vec::new(),
             masses: Vec::new(),
+            added_inertia: Vec::new(),
             inverse_masses: Vec::new(),
             clamped: Vec::new(),
             tets: Vec::new(),
             rest_volumes: Vec::new(),
             sets: Vec::new(),
+            made_of: Vec::new(),
             internal: Vec::new(),
             drags: Vec::new(),
             mean_edge_length: f64::INFINITY,
             parts: Vec::new(),
+            index: OnceLock::new(),
+            rate_bound: OnceLock::new(),
+            components: OnceLock::new(),
+            row_sums: OnceLock::new(),
         };
         let sets: usize = bodies.iter().map(|body| body.sets.len()).sum();
         for body in bodies {
@@ -239,6 +194,7 @@ impl TissueModel {
                 .extend(drags.map(|(nodes, drag)| (nodes.start + first..nodes.end + first, *drag)));
             union.rest_positions.extend(&body.rest_positions);
             union.masses.extend(&body.masses);
+            union.added_inertia.extend(&body.added_inertia);
             union.inverse_masses.extend(&body.inverse_masses);
             union
                 .clamped
@@ -251,18 +207,79 @@ impl TissueModel {
         if bodies.iter().all(|body| body.parts.len() == 1) && union.tets.len() < PARALLEL_ELEMENTS {
             union.parts = parts(union.tets.len(), union.node_count(), &union.sets);
         }
+        // That of the members where edits may have kept it from before; else the same comes out.
+        let bounds = bodies.iter().map(|body| body.rate_bound.get().copied());
+        if let Some(bounds) = bounds.collect::<Option<Vec<f64>>>() {
+            union.rate_bound = bounds.into_iter().fold(0.0, f64::max).into();
+        }
         union
     }
 
-    /// The same body with these node masses [kg], > 0: those of [`stability::mass_floor`](crate::stability::mass_floor). Weight is
-    /// that of these masses; to add inertia alone, take the weight of the difference off by
-    /// [`Control::forces`](crate::Control::forces).
-    pub fn with_masses(mut self, masses: Vec<f64>) -> Self {
-        for (w, mass) in self.inverse_masses.iter_mut().zip(&masses) {
-            *w = if *w > 0.0 { 1.0 / mass } else { 0.0 };
-        }
-        self.masses = masses;
+    /// The same body, whose sets are made of these parts of materials, the first ones in order: so it can be [edited](Self::edit).
+    pub(crate) fn made_of(mut self, parts: Vec<material::Part>) -> Self {
+        self.made_of = parts;
         self
+    }
+
+    /// What makes the first sets.
+    pub(crate) fn parts_made(&self) -> &[material::Part] {
+        &self.made_of
+    }
+
+    /// Density of a region [kg/m³], if a material fills it.
+    pub(crate) fn density(&self, region: u32) -> Option<f64> {
+        let part = self.made_of.iter().find(|part| part.region == region);
+        part.map(|part| part.material.density)
+    }
+
+    /// Makes the parts follow an edit: `placed` are the places of each set where there are other elements now.
+    pub(crate) fn follow_parts(&mut self, placed: &[&[u32]]) {
+        let (tets, nodes) = (self.tets.len(), self.rest_positions.len());
+        follow(&mut self.parts, tets, nodes, &self.sets, placed);
+    }
+
+    /// The same body with this inertia at each node [kg], ≥ 0, beyond that of its mass: that of
+    /// [`stability::mass_floor`](crate::stability::mass_floor). It has no weight.
+    pub fn with_added_inertia(mut self, added: Vec<f64>) -> Self {
+        self.added_inertia = added;
+        self.rate_bound = OnceLock::new();
+        for node in 0..self.masses.len() {
+            self.update_inverse_mass(node);
+        }
+        self
+    }
+
+    /// Makes the inertia of a node beyond that of its mass this [kg].
+    pub(crate) fn add_inertia(&mut self, node: usize, added: f64) {
+        self.added_inertia[node] = added;
+        self.update_inverse_mass(node);
+    }
+
+    /// Scales elements of a set by their factors.
+    pub(crate) fn scale_elements(&mut self, set: usize, factors: &[(u32, f64)]) {
+        let mut sums = self.row_sums.take();
+        for (element, factor) in factors {
+            if let Some(sums) = &mut sums {
+                self.add_rows(set, [*element], *factor - 1.0, sums);
+            }
+            self.own_set(set).scale(*element as usize, *factor);
+        }
+        self.row_sums = sums.map_or_else(OnceLock::new, OnceLock::from);
+    }
+
+    /// A set to be changed: a copy first, where others share it.
+    pub(crate) fn own_set(&mut self, set: usize) -> &mut dyn Elements {
+        if Arc::get_mut(&mut self.sets[set]).is_none() {
+            self.sets[set] = self.sets[set].shifted(0);
+        }
+        Arc::get_mut(&mut self.sets[set]).expect("a copy has no other owner")
+    }
+
+    /// Makes the inverse mass of a node that of its inertia, unless it is clamped.
+    pub(crate) fn update_inverse_mass(&mut self, node: usize) {
+        let inertia = self.inertia(node);
+        let w = &mut self.inverse_masses[node];
+        *w = if *w > 0.0 { 1.0 / inertia } else { 0.0 };
     }
 
     /// The same body with the energy of each element times its factor, set after set: the factors of
@@ -270,6 +287,8 @@ impl TissueModel {
     pub fn with_scaled_elements(mut self, factors: &[Vec<f64>]) -> Self {
         let sets = self.sets.iter().zip(factors);
         self.sets = sets.map(|(set, factors)| set.scaled(factors)).collect();
+        self.rate_bound = OnceLock::new();
+        self.row_sums = OnceLock::new();
         self
     }
 
@@ -288,7 +307,18 @@ impl TissueModel {
         &self.masses
     }
 
-    /// Inverse node masses as the solver sees them [1/kg]; 0 for a clamped node.
+    /// Inertia that a node has beyond that of its mass [kg]: without weight, and no part of [`masses`](Self::masses).
+    pub fn added_inertia(&self) -> &[f64] {
+        &self.added_inertia
+    }
+
+    /// What resists acceleration at a node [kg]: its mass, and what was added.
+    #[inline]
+    pub fn inertia(&self, node: usize) -> f64 {
+        self.masses[node] + self.added_inertia[node]
+    }
+
+    /// Inverse inertias as the solver sees them [1/kg]; 0 for a clamped node.
     pub fn inverse_masses(&self) -> &[f64] {
         &self.inverse_masses
     }
@@ -335,9 +365,17 @@ impl TissueModel {
         &self.drags
     }
 
-    /// Mean rest length of the edges [m]: the characteristic length of the body.
+    /// Mean rest length of the edges [m]: the characteristic length of the body. Edits leave it what it was at the start.
     pub fn mean_edge_length(&self) -> f64 {
         self.mean_edge_length
+    }
+
+    /// A bound of λ_max at rest [1/s²], that of Gershgorin: how fast the body answers. Edits leave it what it was at the start, as the
+    /// characteristic length.
+    pub(crate) fn rate_bound(&self) -> f64 {
+        *self
+            .rate_bound
+            .get_or_init(|| gershgorin_bound(self, stability::Part::Stiffness))
     }
 
     /// The parts in which forces are computed; one for a small body.
@@ -346,145 +384,5 @@ impl TissueModel {
     }
 }
 
-/// Cuts every set in runs of equal size.
-fn parts(tets: usize, nodes: usize, sets: &[Arc<dyn Elements>]) -> Vec<Part> {
-    if tets < PARALLEL_ELEMENTS {
-        let elements = sets.iter().map(|set| 0..set.count()).collect();
-        return vec![Part {
-            elements,
-            nodes: 0..nodes as u32,
-        }];
-    }
-    let part = |index: usize| {
-        let elements: Vec<Range<usize>> = sets
-            .iter()
-            .map(|set| {
-                let bound = |index: usize| set.count() * index / PARALLEL_PARTS;
-                bound(index)..bound(index + 1)
-            })
-            .collect();
-        let touched = || {
-            let runs = sets.iter().zip(&elements);
-            runs.flat_map(|(set, run)| run.clone().flat_map(|e| set.nodes(e).iter().copied()))
-        };
-        let nodes = touched().min().unwrap_or(0)..touched().max().map_or(0, |node| node + 1);
-        Part { elements, nodes }
-    };
-    (0..PARALLEL_PARTS).map(part).collect()
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::executor::Serial;
-    use crate::forces::Forces;
-    use crate::method::Method;
-    use crate::state::{Contacts, Control, State};
-    use crate::testing::{beam, build, numbers, soft_block};
-
-    #[test]
-    fn what_is_no_body_is_refused() {
-        let mesh = soft_block([1; 3]);
-        let nothing = TetMesh::new(Vec::new(), Vec::new(), Vec::new());
-        let nodes_alone = TetMesh::new(mesh.positions.clone(), Vec::new(), Vec::new());
-        let build = |mesh: &TetMesh, drag| {
-            let densities = vec![1000.0; mesh.tets.len()];
-            let clamped = vec![false; mesh.positions.len()];
-            TissueModel::new(mesh, &densities, &clamped, Vec::new(), drag).map(|_| ())
-        };
-        assert_eq!(build(&nothing, 0.0), Err(ModelError::Empty));
-        assert_eq!(build(&nodes_alone, 0.0), Err(ModelError::Empty));
-        assert_eq!(build(&mesh, 0.0), Ok(()));
-        for drag in [-1.0, f64::INFINITY] {
-            assert_eq!(build(&mesh, drag), Err(ModelError::Drag { drag }));
-        }
-        let refused = build(&mesh, f64::NAN);
-        assert!(matches!(refused, Err(ModelError::Drag { .. })));
-    }
-
-    /// Two bodies of different elements, clamps and drag, one of them twice: in the union each has the forces, the energies and
-    /// the steps that it has alone, to the bit.
-    #[test]
-    fn bodies_of_a_union_do_not_know_of_one_another() {
-        let soft = build(&soft_block([2, 2, 1]), |p| p.x < -0.9e-3);
-        let stiff = beam(0.4);
-        let mut dragged = soft.clone();
-        dragged.drags[0].1 = 30.0;
-        let bodies = [&soft, &stiff, &dragged];
-        let union = TissueModel::union(&bodies);
-        assert_eq!(
-            union.node_count(),
-            bodies.iter().map(|b| b.node_count()).sum()
-        );
-        assert_eq!(union.drag(), 30.0);
-        assert_eq!(union.mean_edge_length(), soft.mean_edge_length());
-        let control = Control {
-            gravity: Vector3::new(0.0, 0.3, -9.81),
-            ..Control::default()
-        };
-        let mut next = numbers();
-        let mut alone: Vec<State> = bodies.iter().map(|b| State::at_rest(b)).collect();
-        let mut joint = State::at_rest(&union);
-        joint.positions.clear();
-        for (state, body) in alone.iter_mut().zip(&bodies) {
-            for p in &mut state.positions {
-                *p += Vector3::new(next(), next(), next()) * (0.05 * body.mean_edge_length());
-            }
-            joint.positions.extend(&state.positions);
-        }
-        let contacts = Contacts::default();
-        let parts = |all: &[Vector3<f64>]| {
-            let mut first = 0;
-            bodies.map(|body| {
-                first += body.node_count();
-                all[first - body.node_count()..first].to_vec()
-            })
-        };
-        for step in 0..3 {
-            let forces = parts(Forces::new(&union).compute(&union, &joint, &control, &Serial));
-            for ((state, body), forces) in alone.iter_mut().zip(&bodies).zip(forces) {
-                assert_eq!(
-                    Forces::new(body).compute(body, state, &control, &Serial),
-                    forces,
-                    "step {step}"
-                );
-            }
-            for (model, state) in bodies
-                .into_iter()
-                .zip(&mut alone)
-                .chain([(&union, &mut joint)])
-            {
-                let mut solver = Method::StoermerVerlet.solver(model).unwrap();
-                solver
-                    .step(model, state, &control, &contacts, 1e-5, &Serial)
-                    .unwrap();
-            }
-            let positions = parts(&joint.positions);
-            assert!(alone.iter().zip(positions).all(|(a, b)| a.positions == b));
-        }
-    }
-
-    /// Large bodies keep their parts, small ones next to them are one part each: the same up to the order of one sum.
-    #[test]
-    fn a_union_of_a_large_body_is_parallel() {
-        let large = build(&soft_block([10, 10, 8]), |_| false);
-        let small = build(&soft_block([2, 2, 1]), |_| false);
-        let union = TissueModel::union(&[&small, &large]);
-        assert_eq!(union.parts().len(), 1 + large.parts().len());
-        let mut state = State::at_rest(&union);
-        let mut next = numbers();
-        for p in &mut state.positions {
-            *p += Vector3::new(next(), next(), next()) * (0.05 * union.mean_edge_length());
-        }
-        let mut part = State::at_rest(&large);
-        part.positions
-            .copy_from_slice(&state.positions[small.node_count()..]);
-        let control = Control::default();
-        let mut all = Forces::new(&union);
-        let all = &all.compute(&union, &state, &control, &Serial)[small.node_count()..];
-        assert_eq!(
-            all,
-            Forces::new(&large).compute(&large, &part, &control, &Serial)
-        );
-    }
-}
+mod tests;

@@ -24,7 +24,6 @@
 use crate::contact::{Contact, Touching};
 use crate::model::TissueModel;
 use crate::parts::Parts;
-use crate::stability::{Part, gershgorin_bound};
 use nalgebra::Vector3;
 
 /// Most sweeps over the contacts.
@@ -75,7 +74,7 @@ impl Projection {
     pub fn new(model: &TissueModel) -> Self {
         Self {
             edge: model.mean_edge_length(),
-            frequency: gershgorin_bound(model, Part::Stiffness).sqrt(),
+            frequency: model.rate_bound().sqrt(),
             rows: Vec::new(),
             parts: Parts::new(model),
             pushes: Vec::new(),
@@ -84,8 +83,15 @@ impl Projection {
         }
     }
 
+    /// Follows an edit of the model.
+    pub fn follow(&mut self, model: &TissueModel) {
+        self.parts = Parts::new(model);
+        self.before.resize(model.node_count(), Vector3::zeros());
+    }
+
     /// Keeps gaps where a step without contact brings the nodes to `positions`, from `start`; afterwards they are where the step
-    /// ends, and [`ways`](Self::ways) holds what forces had to do with it. `mobility` as in [`begin`](Self::begin).
+    /// ends, and [`ways`](Self::ways) holds what forces had to do with it. `mobility` as in [`begin`](Self::begin). Returns whether
+    /// there is any contact; where there is none nothing is moved.
     pub fn touch(
         &mut self,
         touching: &mut Touching<'_>,
@@ -93,13 +99,15 @@ impl Projection {
         mobility: impl Fn(usize) -> f64,
         h: f64,
         positions: &mut [Vector3<f64>],
-    ) {
+    ) -> bool {
         touching.source.find(1.0, positions, &mut touching.contacts);
-        self.before.copy_from_slice(positions);
-        if !touching.contacts.is_empty() {
-            self.begin(&mut touching.contacts, &mobility);
-            self.keep(Kept::Gaps(start), SWEEPS, &mut touching.contacts, positions);
+        if touching.contacts.is_empty() {
+            self.before.fill(Vector3::zeros());
+            return false;
         }
+        self.before.copy_from_slice(positions);
+        self.begin(&mut touching.contacts, &mobility);
+        self.keep(Kept::Gaps(start), SWEEPS, &mut touching.contacts, positions);
         for (way, x) in self.before.iter_mut().zip(&*positions) {
             *way = x - *way;
         }
@@ -109,6 +117,7 @@ impl Projection {
             h,
             positions,
         );
+        true
     }
 
     /// How far the forces of the last [`touch`](Self::touch) have moved each node [m].

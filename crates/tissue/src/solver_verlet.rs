@@ -150,11 +150,14 @@ impl SolverVerlet {
             true => 0.0,
             false => h * self.kicks[node] * model.inverse_masses()[node],
         };
-        self.projection
-            .touch(touching, &state.positions, mobility, h, &mut self.predicted);
-        let ways = self.projection.ways();
-        for (velocity, way) in self.predicted_velocities.iter_mut().zip(ways) {
-            *velocity += way / h;
+        let is_touched =
+            self.projection
+                .touch(touching, &state.positions, mobility, h, &mut self.predicted);
+        if is_touched {
+            let ways = self.projection.ways();
+            for (velocity, way) in self.predicted_velocities.iter_mut().zip(ways) {
+                *velocity += way / h;
+            }
         }
         let sum: Vector3<f64> = self.predicted.iter().sum();
         if !sum.iter().all(|c| c.is_finite()) {
@@ -219,6 +222,16 @@ impl Solver for SolverVerlet {
             iterations: 1,
             residual: 0.0,
         })
+    }
+
+    fn follow(&mut self, model: &TissueModel) {
+        let nodes = model.node_count();
+        self.forces.follow(model);
+        self.predicted.resize(nodes, Vector3::zeros());
+        self.predicted_velocities.resize(nodes, Vector3::zeros());
+        self.kicks.resize(nodes, 0.0);
+        self.projection.follow(model);
+        self.led.resize(nodes, false);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -95,7 +95,10 @@ impl SolverXpbd {
             for node in nodes.clone() {
                 let w = self.inverse_masses[node];
                 self.positions[node] = if w > 0.0 {
-                    let acceleration = control.gravity + self.loads[node] * w;
+                    // Added inertia has no weight.
+                    let weightless = model.added_inertia()[node] * w;
+                    let acceleration =
+                        control.gravity - control.gravity * weightless + self.loads[node] * w;
                     let velocity = self.velocities[node] * factor + acceleration * kick;
                     self.positions[node] + velocity * h
                 } else if way == 1.0 {
@@ -249,6 +252,26 @@ impl Solver for SolverXpbd {
             iterations: self.substeps * self.iterations,
             residual: 0.0,
         })
+    }
+
+    fn follow(&mut self, model: &TissueModel) {
+        let nodes = model.node_count();
+        self.prescribed.resize(nodes);
+        self.inverse_masses.resize(nodes, 0.0);
+        for (set, multipliers) in model.sets().iter().zip(&mut self.multipliers) {
+            // An edit adds elements of the same kind, which are constraints too.
+            let each = set.constraints().map_or(0, |set| set.multipliers());
+            multipliers.resize(set.count() * each, 0.0);
+        }
+        for values in [
+            &mut self.positions,
+            &mut self.velocities,
+            &mut self.previous,
+            &mut self.loads,
+        ] {
+            values.resize(nodes, Vector3::zeros());
+        }
+        self.projection.follow(model);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -6,10 +6,13 @@
 //! 0.6 random offsets of 20 % of a cell stay bounded).
 
 mod limit;
+mod local;
 mod matrix;
 mod remedy;
+mod rows;
 
 pub use limit::{delingette_stiffness, limit};
+pub use local::{Remedied, cap_nodes, floor_nodes};
 pub use remedy::{mass_floor, stiffness_cap};
 
 use crate::elements::{Configuration, ElementMatrix, Tangent};

@@ -51,14 +51,9 @@ impl State {
     /// kinetic energy.
     pub fn energies(&self, model: &TissueModel) -> Energies {
         let mut energies = Energies::default();
-        for ((v, m), w) in self
-            .velocities
-            .iter()
-            .zip(model.masses())
-            .zip(model.inverse_masses())
-        {
-            if *w > 0.0 {
-                energies.kinetic += 0.5 * m * v.norm_squared();
+        for (node, v) in self.velocities.iter().enumerate() {
+            if !model.is_clamped(node) {
+                energies.kinetic += 0.5 * model.inertia(node) * v.norm_squared();
             }
         }
         for (set, elements) in model.sets().iter().enumerate() {

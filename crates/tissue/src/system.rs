@@ -70,7 +70,7 @@ impl System {
             for (nodes, drag) in model.drags() {
                 let share = shares.rate * (shares.rate + drag);
                 for node in nodes.clone() {
-                    let block = Matrix3::from_diagonal_element(share * model.masses()[node]);
+                    let block = Matrix3::from_diagonal_element(share * model.inertia(node));
                     self.matrix.add_diagonal(node, &block);
                 }
             }

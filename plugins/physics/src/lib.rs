@@ -5,8 +5,8 @@ use microsim_scene::{
     ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    ContactForce, ContactForces, Jaw, JawForce, TISSUE_SNAPSHOT, TissueRecovery, ToolState,
-    ToolStates, ToolStatus, decode_bytes, encode,
+    ContactForce, ContactForces, Jaw, JawForce, TISSUE_SNAPSHOT, TissueCut, TissueRecovery,
+    ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -27,6 +27,8 @@ struct Config {
     contacts: Vec<settings::ContactPair>,
     /// Whether there is any friction.
     friction: bool,
+    /// What cuts what; nothing of a run without lines of no return.
+    cuts: Option<Vec<settings::CutPair>>,
     tools: Vec<settings::ToolSlot>,
     models: BTreeMap<String, settings::Tool>,
 }
@@ -110,6 +112,7 @@ impl Physics {
         for body in 0..scene.body_count() {
             let positions = scene.positions(body).iter().flat_map(|p| [p.x, p.y, p.z]);
             let triangles = scene.surface(body).triangles.iter().flatten().copied();
+            let inner = scene.inner(body).iter().map(|inner| u32::from(*inner));
             let block = BlockBuilder::new(
                 TISSUE_SNAPSHOT,
                 scene.body_name(body),
@@ -118,7 +121,9 @@ impl Physics {
             )
             .u32s("node_id", scene.node_ids(body).iter().copied())
             .f64s("position", positions)
-            .u32s("triangle", triangles);
+            .u32s("piece", scene.pieces(body).iter().copied())
+            .u32s("triangle", triangles)
+            .u32s("inner", inner);
             tick.publish_block(block.finish());
         }
         Ok(())
@@ -171,6 +176,7 @@ impl Plugin for Physics {
             bodies: &config.bodies,
             rigid: &config.rigid,
             contacts: &contacts,
+            cuts: config.cuts.as_deref().unwrap_or_default(),
             tools: &config.tools,
             models: &config.models,
         };
@@ -231,6 +237,26 @@ impl Plugin for Physics {
                 _ => &mut forces.between,
             };
             list.push(contact_force(scene, contact));
+        }
+        for cut in &report.cuts {
+            tick.publish(&TissueCut {
+                body: scene.body_name(cut.body).to_owned(),
+                tool: scene.tool_name(cut.tool).to_owned(),
+                area: cut.area,
+                centroid: cut.centroid,
+                normal: cut.normal,
+                rest_centroid: cut.rest_centroid,
+                rest_normal: cut.rest_normal,
+                force: cut.force_n,
+                pieces: cut.pieces.clone(),
+            });
+        }
+        for cut in &report.rejected {
+            let (body, tool) = (scene.body_name(cut.body), scene.tool_name(cut.tool));
+            tick.log(
+                LogLevel::Warn,
+                format!("body \"{body}\", tool \"{tool}\": {}", cut.why),
+            );
         }
         for motion in &report.invalid_motions {
             invalid.push(motions[*motion].tool);

@@ -116,7 +116,7 @@ fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
     items.collect()
 }
 
-fn body(block: &BlockView<'_>, bodies: &[settings::Body]) -> Option<Item> {
+fn body(block: &BlockView<'_>, bodies: &[settings::Body]) -> Option<Vec<Item>> {
     let body = bodies
         .iter()
         .find(|b| microsim_sdk::name_id(&b.name) == block.name())?;
@@ -128,13 +128,11 @@ fn body(block: &BlockView<'_>, bodies: &[settings::Body]) -> Option<Item> {
         .u32s("triangle")?
         .chunks_exact(3)
         .map(|t| [t[0], t[1], t[2]]);
-    let shape = Shape::Mesh {
-        positions: positions.collect(),
-        triangles: triangles.collect(),
-    };
-    Some(Item::new(
-        shape,
-        [0.0; 3],
+    let inner = block.u32s("inner")?.iter().map(|inner| *inner != 0);
+    Some(Item::tissue(
+        positions.collect(),
+        &triangles.collect::<Vec<_>>(),
+        &inner.collect::<Vec<_>>(),
         colour(body.colour),
         finish(body.finish),
     ))
@@ -147,7 +145,8 @@ impl PictureRenderer {
         let mut items: Vec<Item> = scene.objects.iter().map(object).collect();
         items.extend(
             tick.blocks(TISSUE_SNAPSHOT)
-                .filter_map(|b| body(&b, &config.bodies)),
+                .filter_map(|b| body(&b, &config.bodies))
+                .flatten(),
         );
         for state in tools
             .tools

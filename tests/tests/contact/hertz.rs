@@ -88,6 +88,8 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             origin: [0.0; 3],
             materials: vec![(0, material)],
             drag: 0.0,
+            toughness: f64::INFINITY,
+            brittleness: 0.0,
             clamps: vec![ClampSpec {
                 nodes: Selection::Box(BoxSpec {
                     min: [-1.0, -1.0, -1.0],
@@ -109,7 +111,10 @@ fn spec(mesh: TetMesh) -> SceneSpec {
                 radius: RADIUS,
                 hinge: None,
                 jaw: None,
+                lonor: false,
+                edge: None,
             }],
+            sharpness: 0.0,
             motion: Vec::new(),
         }],
         rigid: Vec::new(),
@@ -119,6 +124,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             friction: 0.0,
             force_limit: f64::INFINITY,
         }],
+        cuts: Vec::new(),
         gravity: [0.0; 3],
         method: Method::QuasiStatic(Newton {
             iterations: 10,

@@ -22,8 +22,6 @@ pub struct Result {
     pub cpu_s: f64,
     /// Threads.
     pub threads: u16,
-    /// Node positions of each body at the start [m].
-    pub start: Vec<Vec<Vector3<f64>>>,
 }
 
 /// Everything about a run.
@@ -47,7 +45,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
     if file.restless() {
         warnings.push(file.restless_sentence());
     }
-    let bodies = (0..scene.body_count()).map(|body| of_body(file, result, body));
+    let bodies = (0..scene.body_count()).map(|body| of_body(file, body));
     let series = runner.series();
     json!({
         "scene": result.given,
@@ -81,6 +79,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
         "series": series_of(runner),
         "contacts": contacts(runner),
         "crossings": crossings(scene),
+        "cut": cut(runner),
         "probes": settings.probe.iter().zip(&series.probes).map(|(probe, values)| json!({
             "name": probe.name,
             "body": probe.body,
@@ -136,6 +135,46 @@ fn contacts(runner: &Runner) -> Vec<Value> {
     entries.collect()
 }
 
+/// What was cut; nothing of a scene that cuts nothing.
+fn cut(runner: &Runner) -> Value {
+    let scene = runner.scene();
+    if !scene.has_cuts() {
+        return Value::Null;
+    }
+    let bodies = || 0..scene.body_count();
+    let tallies = || bodies().map(|body| scene.cut_tally(body));
+    let mass: f64 = bodies().flat_map(|body| scene.masses(body)).sum();
+    let start_mass: f64 = bodies().map(|body| scene.uncut(body).1).sum();
+    let remarks = runner.remarks();
+    let named = |body, tool| json!({"body": scene.body_name(body), "tool": scene.tool_name(tool)});
+    json!({
+        "divided": tallies().map(|tally| tally.divided).sum::<u64>(),
+        "rejected": tallies().map(|tally| tally.rejected).sum::<u64>(),
+        "lost_volume_m3": tallies().map(|tally| tally.lost_volume).sum::<f64>(),
+        "lost_mass_kg": start_mass - mass,
+        "added_inertia_kg": bodies().flat_map(|body| scene.model(body).added_inertia()).sum::<f64>(),
+        "start_volume_m3": bodies().map(|body| scene.uncut(body).0).sum::<f64>(),
+        "start_mass_kg": start_mass,
+        "cuts": remarks.cuts.iter().map(|(time, cut)| json!({
+            "time": time,
+            "of": named(cut.body, cut.tool),
+            "divided": cut.divided,
+            "area_m2": cut.area,
+            "rest_centroid": cut.rest_centroid,
+            "rest_normal": cut.rest_normal,
+            "centroid": cut.centroid,
+            "normal": cut.normal,
+            "force_N": cut.force_n,
+            "pieces": cut.pieces,
+        })).collect::<Vec<_>>(),
+        "rejections": remarks.rejected.iter().map(|(time, cut)| json!({
+            "time": time,
+            "of": named(cut.body, cut.tool),
+            "why": cut.why,
+        })).collect::<Vec<_>>(),
+    })
+}
+
 /// Edges of surfaces through triangles of other bodies that they touch, now.
 fn crossings(scene: &Scene) -> usize {
     let pairs = (0..scene.pair_count()).map(|pair| match scene.pair(pair) {
@@ -145,7 +184,7 @@ fn crossings(scene: &Scene) -> usize {
     pairs.sum()
 }
 
-fn of_body(file: &SceneFile, result: &Result, body: usize) -> Value {
+fn of_body(file: &SceneFile, body: usize) -> Value {
     let scene = file.runner.scene();
     let described = &file.loaded.document.value()["body"][body];
     let energies = scene.energies(body);
@@ -155,12 +194,14 @@ fn of_body(file: &SceneFile, result: &Result, body: usize) -> Value {
         "colour": described["colour"],
         "finish": described["finish"],
         "rest": points(scene.rest_positions(body)),
-        "start": points(&result.start[body]),
+        "start": points(scene.start_positions(body)),
         "nodes": points(scene.positions(body)),
         "velocities": points(scene.velocities(body)),
         "tets": scene.tets(body),
         "regions": scene.mesh(body).regions,
         "surface": scene.surface(body).triangles,
+        "inner": scene.inner(body),
+        "piece": scene.pieces(body),
         "masses": scene.masses(body),
         "clamped": scene.model(body).clamped(),
         "volume": scene.volume(body),

@@ -71,13 +71,11 @@ impl Pictures {
             return Ok(());
         }
         self.next = time + self.interval;
-        let bodies = self.bodies.iter().enumerate().map(|(body, look)| {
+        let bodies = self.bodies.iter().enumerate().flat_map(|(body, look)| {
             let positions = scene.positions(body).iter();
-            let shape = Shape::Mesh {
-                positions: positions.map(|p| p.map(|c| c as f32).into()).collect(),
-                triangles: scene.surface(body).triangles.clone(),
-            };
-            Item::new(shape, [0.0; 3], look.0, look.1)
+            let positions = positions.map(|p| p.map(|c| c as f32).into()).collect();
+            let triangles = &scene.surface(body).triangles;
+            Item::tissue(positions, triangles, scene.inner(body), look.0, look.1)
         });
         let capsules = (0..scene.tool_count()).flat_map(|tool| scene.own_capsules(tool));
         let tools = capsules.map(|capsule| {

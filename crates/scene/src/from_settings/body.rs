@@ -60,6 +60,8 @@ pub(super) fn body(
         origin: body.centre,
         materials,
         drag: body.drag,
+        toughness: body.toughness.unwrap_or(f64::INFINITY),
+        brittleness: body.brittleness,
         clamps: body.clamp.iter().map(clamp).collect(),
         couplings: couplings.collect(),
         loads,

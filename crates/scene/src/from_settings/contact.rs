@@ -3,7 +3,8 @@
 use super::Load;
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use crate::spec::{
-    CapsuleSpec, ContactSpec, HingeSpec, Jaw, PartnerSpec, RigidSpec, ToolKeySpec, ToolSpec,
+    CapsuleSpec, ContactSpec, CutSpec, HingeSpec, Jaw, PartnerSpec, RigidSpec, ToolKeySpec,
+    ToolSpec,
 };
 use microsim_contact::{Rigid, RigidShape};
 use microsim_geometry::Pose;
@@ -41,6 +42,8 @@ pub(super) fn capsules(
             radius: part.radius,
             hinge,
             jaw,
+            lonor: part.lonor,
+            edge: part.edge,
         }
     });
     capsules.collect()
@@ -53,12 +56,16 @@ pub(super) fn tools(
 ) -> Result<Vec<ToolSpec>, FromSettingsError> {
     let specs = tools.iter().enumerate().map(|(index, tool)| {
         let key = KeyPath::root().key("tool").at(index).key("model");
-        let parts = match &tool.model {
+        let (parts, sharpness) = match &tool.model {
             Some(name) => {
                 let model = model(name, &key, load)?;
-                capsules(&model.capsule, model.hinge, model.opening_angle)
+                let parts = capsules(&model.capsule, model.hinge, model.opening_angle);
+                (parts, model.sharpness)
             }
-            None => capsules(&tool.capsule, tool.hinge, tool.opening_angle),
+            None => {
+                let parts = capsules(&tool.capsule, tool.hinge, tool.opening_angle);
+                (parts, tool.sharpness)
+            }
         };
         let keys = tool.motion.iter().map(|key| ToolKeySpec {
             time: key.time,
@@ -68,6 +75,7 @@ pub(super) fn tools(
         Ok(ToolSpec {
             name: tool.name.clone(),
             capsules: parts,
+            sharpness,
             motion: keys.collect(),
         })
     });
@@ -188,6 +196,15 @@ pub(super) fn contacts(
             friction: pair.friction,
             force_limit: pair.force_limit.unwrap_or(f64::INFINITY),
         })
+    });
+    specs.collect()
+}
+
+/// What cuts what.
+pub(super) fn cuts(pairs: &[settings::CutPair]) -> Vec<CutSpec> {
+    let specs = pairs.iter().map(|pair| CutSpec {
+        body: pair.body.clone(),
+        tool: pair.tool.clone(),
     });
     specs.collect()
 }

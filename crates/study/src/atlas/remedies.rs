@@ -17,7 +17,7 @@ const OFFSET: f64 = 0.001;
 pub enum Remedy {
     /// Nothing.
     None,
-    /// Node masses raised to a floor (3.5 c).
+    /// Inertia of nodes raised to a floor (3.5 c).
     MassFloor,
     /// Stiffness of elements capped (3.5 d).
     StiffnessCap,
@@ -60,7 +60,7 @@ pub struct Remedied {
     pub over_limit: f64,
     /// Whether 2000 steps from small random offsets kept the energy.
     pub survived: bool,
-    /// Total added mass as a share of the mass of the block.
+    /// Total added inertia as a share of the mass of the block.
     pub added_mass: f64,
     /// Share of the elements, of all sets, whose stiffness was lowered.
     pub capped: f64,
@@ -87,7 +87,9 @@ pub fn remedies(substance: Substance, variation: Variation) -> Vec<Remedied> {
         let state = State::at_rest(&bad);
         match remedy {
             Remedy::None => {}
-            Remedy::MassFloor => model = model.with_masses(mass_floor(&bad, &state, fixed, SHARE)),
+            Remedy::MassFloor => {
+                model = model.with_added_inertia(mass_floor(&bad, &state, fixed, SHARE));
+            }
             Remedy::StiffnessCap => {
                 let factors = stiffness_cap(&bad, &state, fixed, SHARE);
                 let all = || factors.iter().flatten();
@@ -98,7 +100,6 @@ pub fn remedies(substance: Substance, variation: Variation) -> Vec<Remedied> {
             }
             Remedy::ShorterStep => step = stable_step(&bad, SAFETY),
         }
-        let mass = |model: &TissueModel| model.masses().iter().sum::<f64>();
         Remedied {
             substance,
             variation,
@@ -106,7 +107,8 @@ pub fn remedies(substance: Substance, variation: Variation) -> Vec<Remedied> {
             step,
             over_limit: 0.5 * step * largest(&model).sqrt(),
             survived: survives(&Method::StoermerVerlet, &model, OFFSET, step),
-            added_mass: mass(&model) / mass(&bad) - 1.0,
+            added_mass: model.added_inertia().iter().sum::<f64>()
+                / bad.masses().iter().sum::<f64>(),
             capped,
             smallest_factor,
             frequency_change: lowest(&model).sqrt() / frequency - 1.0,

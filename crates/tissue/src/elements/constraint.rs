@@ -6,10 +6,12 @@
 
 use super::measure::{Area, Length, Measure, Volume};
 use super::plasticity::Plasticity;
+use super::splice::{Inherited, splice};
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
 };
 use nalgebra::Vector3;
+use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -85,11 +87,8 @@ impl<M: Measure<N>, const N: usize> ConstraintSet<M, N> {
 
     /// The same set with stiffness and damping of each element times its factor: the stiffness cap of NUMERICS 3.5 d.
     pub fn with_factors(mut self, factors: &[f64]) -> Self {
-        for (stiffness, factor) in self.stiffness.iter_mut().zip(factors) {
-            *stiffness *= factor;
-        }
-        for (damping, factor) in self.damping.iter_mut().zip(factors) {
-            *damping *= factor;
+        for (element, factor) in factors.iter().enumerate() {
+            self.scale(element, *factor);
         }
         self
     }
@@ -216,14 +215,63 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         out.add_outer(&g, damping);
     }
 
-    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
-        Arc::new(self.clone().with_factors(factors))
+    /// k |g_i| |g_j|.
+    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let (_, g) = M::gradient(self.corners(element, rest_positions));
+        let sizes = g.map(|g| g.norm());
+        out.clear();
+        for a in &sizes {
+            out.extend(sizes.iter().map(|b| self.stiffness[element] * a * b));
+        }
+    }
+
+    fn scale(&mut self, element: usize, factor: f64) {
+        self.stiffness[element] *= factor;
+        self.damping[element] *= factor;
     }
 
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {
         let mut shifted = self.clone();
         shifted.nodes.iter_mut().flatten().for_each(|n| *n += nodes);
         Arc::new(shifted)
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool {
+        let Some(added) = (added as &dyn Any).downcast_ref::<Self>() else {
+            return false;
+        };
+        splice(&mut self.nodes, removed, &added.nodes);
+        splice(&mut self.rest, removed, &added.rest);
+        splice(&mut self.stiffness, removed, &added.stiffness);
+        splice(&mut self.damping, removed, &added.damping);
+        self.viscous |= added.viscous;
+        true
+    }
+
+    /// The mean plastic stretch of rest values, and the mean factor of the stiffness, of the ancestors: a part of an edge has its share
+    /// of the rest length, a part of a tetrahedron its share of the rest volume (NUMERICS 1.4).
+    fn inherited(&self, added: &dyn Elements, ancestors: &[Vec<u32>]) -> Vec<Inherited> {
+        let added = (added as &dyn Any).downcast_ref::<Self>();
+        let (Some(_), Some(added)) = (self.plasticity, added) else {
+            return Vec::new();
+        };
+        let rest = added.rest.iter().zip(ancestors).map(|(&rest, from)| {
+            let share = rest / from.len() as f64;
+            let stretch = |&old: &u32| (old, share / self.rest[old as usize]);
+            Inherited {
+                constant: if from.is_empty() { rest } else { 0.0 },
+                terms: from.iter().map(stretch).collect(),
+            }
+        });
+        let first = self.rest.len() as u32;
+        let factors = ancestors.iter().map(|from| {
+            let share = 1.0 / from.len() as f64;
+            Inherited {
+                constant: if from.is_empty() { 1.0 } else { 0.0 },
+                terms: from.iter().map(|&old| (first + old, share)).collect(),
+            }
+        });
+        rest.chain(factors).collect()
     }
 
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], h: f64) -> bool {

@@ -7,6 +7,7 @@
 use super::continuum_constraints::{ELASTIC, VISCOUS};
 use super::continuum_matrix::{set_positive_tangent, set_tangent};
 use super::domains::{Domains, Tetrahedra, product};
+use super::key::Key;
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
@@ -15,6 +16,7 @@ use crate::elements::{
 use crate::law::decomposition::cofactor;
 use crate::law::{Lame, Law, viscosity};
 use nalgebra::Vector3;
+use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Arc;
@@ -85,11 +87,8 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
                 self.domains.add_forces(element, &stress, forces);
             }
         } else {
-            for element in range {
-                let f = self.domains.deformation(element, at.positions);
-                let stress = L::stress(&f, &self.lame);
-                self.domains.add_forces(element, &stress, forces);
-            }
+            self.domains
+                .add_elastic_forces::<L>(range, at.positions, &self.lame, forces);
         }
     }
 
@@ -158,16 +157,47 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
 
-    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
-        let mut scaled = self.clone();
-        scaled.domains.scale_volumes(factors);
-        Arc::new(scaled)
+    /// Every law is linear elasticity at rest: K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1), with the square of its norm
+    /// V² ((λ² + μ²) |b_i|² |b_j|² + (4 λ μ + 5 μ²) (b_i·b_j)²).
+    fn rest_norms(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let nodes = self.domains.nodes(element).len();
+        let volume = self.domains.volume(element);
+        let Lame { mu, lambda } = self.lame;
+        let sizes = (lambda * lambda + mu * mu) * volume * volume;
+        let product = (4.0 * lambda * mu + 5.0 * mu * mu) * volume * volume;
+        out.clear();
+        out.resize(nodes * nodes, 0.0);
+        for i in 0..nodes {
+            let a = self.domains.gradient(element, i);
+            for j in 0..=i {
+                let b = self.domains.gradient(element, j);
+                let along = a.dot(&b);
+                let square = sizes * a.norm_squared() * b.norm_squared() + product * along * along;
+                // With λ < 0 the sum may be 0 but for rounding.
+                let norm = square.max(0.0).sqrt();
+                out[i * nodes + j] = norm;
+                out[j * nodes + i] = norm;
+            }
+        }
+    }
+
+    fn scale(&mut self, element: usize, factor: f64) {
+        self.domains.scale_volume(element, factor);
     }
 
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {
         let mut shifted = self.clone();
         shifted.domains.shift_nodes(nodes);
         Arc::new(shifted)
+    }
+
+    fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
+        self.domains.keys(element, visit);
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool {
+        let added = (added as &dyn Any).downcast_ref::<Self>();
+        added.is_some_and(|added| self.domains.splice(removed, &added.domains))
     }
 
     fn constraints(&self) -> Option<&dyn Constraints> {

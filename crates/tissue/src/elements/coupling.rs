@@ -7,15 +7,20 @@
 //!
 //! Ties are elastic alone: a viscous force along the rate of d would turn the two parts. The parts bring their viscosity.
 
+mod follow;
 mod pairing;
 
+pub(crate) use follow::{Followed, coordinates};
 pub use pairing::{CoupleError, couple};
 
+use crate::elements::key::Key;
+use crate::elements::splice::{Inherited, splice};
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
 };
 use crate::material::{MaterialError, not_negative, positive};
 use nalgebra::{Matrix3, Vector3};
+use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -142,11 +147,11 @@ impl Coupling {
         internal.iter().filter(|&&broken| broken == 0.0).count()
     }
 
-    /// k of a tie now: 0 when it is broken.
+    /// k of a tie now: 0 when it is broken. Without internal variables all are whole.
     fn stiffness_now(&self, element: usize, internal: &[f64]) -> f64 {
-        match internal[element] == 0.0 {
-            true => self.stiffness[element],
-            false => 0.0,
+        match internal.get(element) {
+            None | Some(0.0) => self.stiffness[element],
+            Some(_) => 0.0,
         }
     }
 }
@@ -213,12 +218,8 @@ impl Elements for Coupling {
         out.reset(self.stencils[element].count);
     }
 
-    fn scaled(&self, factors: &[f64]) -> Arc<dyn Elements> {
-        let mut scaled = self.clone();
-        for (stiffness, factor) in scaled.stiffness.iter_mut().zip(factors) {
-            *stiffness *= factor;
-        }
-        Arc::new(scaled)
+    fn scale(&mut self, element: usize, factor: f64) {
+        self.stiffness[element] *= factor;
     }
 
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {
@@ -227,6 +228,31 @@ impl Elements for Coupling {
             stencil.nodes.iter_mut().for_each(|n| *n += nodes);
         }
         Arc::new(shifted)
+    }
+
+    /// Each of its nodes.
+    fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
+        let nodes = self.stencils[element].nodes();
+        nodes.iter().for_each(|node| visit(Key::new(&[*node])));
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool {
+        let Some(added) = (added as &dyn Any).downcast_ref::<Self>() else {
+            return false;
+        };
+        splice(&mut self.stencils, removed, &added.stencils);
+        splice(&mut self.stiffness, removed, &added.stiffness);
+        splice(&mut self.elements, removed, &added.elements);
+        true
+    }
+
+    /// Whether it is broken is that of the tie it was.
+    fn inherited(&self, _added: &dyn Elements, ancestors: &[Vec<u32>]) -> Vec<Inherited> {
+        let same = ancestors.iter().map(|from| Inherited {
+            constant: 0.0,
+            terms: from.iter().take(1).map(|&old| (old, 1.0)).collect(),
+        });
+        same.collect()
     }
 
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], _h: f64) -> bool {

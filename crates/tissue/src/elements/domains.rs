@@ -1,9 +1,14 @@
 //! Domains with a constant deformation gradient, and the plain ones: tetrahedra.
 
+use super::key::Key;
+use super::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
+use super::splice::splice;
 use crate::elements::NodeWindow;
+use crate::law::{Lame, Law};
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
+use std::ops::Range;
 
 /// Domains over which F = Σ x_i ⊗ b_i, with Σ b_i = 0.
 pub trait Domains: Clone + Debug + Send + Sync + 'static {
@@ -16,11 +21,17 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// Volume at rest [m³].
     fn volume(&self, domain: usize) -> f64;
 
-    /// Takes each volume times its factor; all that a domain does is in proportion to its volume.
-    fn scale_volumes(&mut self, factors: &[f64]);
+    /// Takes a volume times a factor; all that a domain does is in proportion to its volume.
+    fn scale_volume(&mut self, domain: usize, factor: f64);
 
     /// Takes each node so many further on.
     fn shift_nodes(&mut self, by: u32);
+
+    /// Calls `visit` with each key of a domain, as [`Elements::keys`](super::Elements::keys).
+    fn keys(&self, domain: usize, visit: &mut dyn FnMut(Key));
+
+    /// Takes domains out and puts others in, as [`Elements::splice`](super::Elements::splice).
+    fn splice(&mut self, removed: &[u32], added: &Self) -> bool;
 
     /// b_i [1/m] of the i-th node of a domain.
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64>;
@@ -30,33 +41,272 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
 
     /// Adds the forces −V P b_i of a stress P [Pa] to the nodes.
     fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>);
+
+    /// Adds the forces of a law in the domains of `range`, in ascending order.
+    #[inline]
+    fn add_elastic_forces<L: Law>(
+        &self,
+        range: Range<usize>,
+        positions: &[Vector3<f64>],
+        lame: &Lame,
+        forces: &mut NodeWindow<'_>,
+    ) {
+        for domain in range {
+            let f = self.deformation(domain, positions);
+            self.add_forces(domain, &L::stress(&f, lame), forces);
+        }
+    }
 }
 
 /// Linear tetrahedra, as arrays.
 #[derive(Clone, Debug)]
 pub struct Tetrahedra {
     nodes: Vec<[u32; 4]>,
-    /// Gradients of the last three corners; that of the first is minus their sum.
-    gradients: Vec<[Vector3<f64>; 3]>,
-    volumes: Vec<f64>,
+    /// Gradients of the last three corners, of four elements each; that of the first is minus their sum.
+    gradients: Vec<[FourVectors; 3]>,
+    volumes: Vec<Lanes>,
+    shapes: Vec<FourShapes>,
 }
+
+/// What is held of one element: see [`FourShapes`].
+#[derive(Clone, Copy, Debug)]
+struct Element {
+    gradients: [Vector3<f64>; 3],
+    volume: f64,
+    metric: [f64; 6],
+    per_volume: f64,
+    sixth: f64,
+}
+
+/// What forces by areas need of four elements.
+#[derive(Clone, Copy, Debug)]
+struct FourShapes {
+    /// V g_i·g_j of the last three corners [m]: 11, 22, 33, 23, 31, 12.
+    metric: [Lanes; 6],
+    /// Reciprocal of six volumes, before any factor [1/m³].
+    per_volume: Lanes,
+    /// A sixth of the factor.
+    sixth: Lanes,
+}
+
+/// Blocks of four elements that are gathered before they are worked on: a whole register is read only when the single numbers in it have
+/// long been written.
+const BLOCKS: usize = 16;
 
 impl Tetrahedra {
     /// The elements of `mesh` with the indices `elements`.
     pub fn new(mesh: &TetMesh, elements: &[u32]) -> Self {
         let mut tetrahedra = Self {
             nodes: Vec::with_capacity(elements.len()),
-            gradients: Vec::with_capacity(elements.len()),
-            volumes: Vec::with_capacity(elements.len()),
+            gradients: Vec::new(),
+            volumes: Vec::new(),
+            shapes: Vec::new(),
         };
-        for &element in elements {
+        tetrahedra.reserve(elements.len());
+        for (index, &element) in elements.iter().enumerate() {
             let (gradients, volume) = shape(&mesh.corners(element as usize));
             tetrahedra.nodes.push(mesh.tets[element as usize]);
-            tetrahedra.gradients.push(gradients);
-            tetrahedra.volumes.push(volume);
+            let [g1, g2, g3] = &gradients;
+            let products = [(g1, g1), (g2, g2), (g3, g3), (g2, g3), (g3, g1), (g1, g2)];
+            tetrahedra.set_element(
+                index,
+                &Element {
+                    metric: products.map(|(a, b)| volume * a.dot(b)),
+                    gradients,
+                    volume,
+                    per_volume: 1.0 / (6.0 * volume),
+                    sixth: 1.0 / 6.0,
+                },
+            );
         }
         tetrahedra
     }
+
+    /// Makes room for so many elements, and no more.
+    fn reserve(&mut self, count: usize) {
+        let blocks = count.div_ceil(LANES);
+        let none = Lanes::splat(0.0);
+        self.gradients.resize(blocks, [[none; 3]; 3]);
+        self.volumes.resize(blocks, none);
+        self.shapes.resize(blocks, FourShapes::NONE);
+    }
+
+    /// What is held of one element, but its nodes.
+    fn element(&self, element: usize) -> Element {
+        let (block, lane) = (element / LANES, element % LANES);
+        let FourShapes {
+            metric,
+            per_volume,
+            sixth,
+        } = &self.shapes[block];
+        Element {
+            gradients: self.gradients(element),
+            volume: self.volumes[block].0[lane],
+            metric: metric.map(|lanes| lanes.0[lane]),
+            per_volume: per_volume.0[lane],
+            sixth: sixth.0[lane],
+        }
+    }
+
+    fn set_element(&mut self, element: usize, one: &Element) {
+        let (block, lane) = (element / LANES, element % LANES);
+        for (lanes, gradient) in self.gradients[block].iter_mut().zip(&one.gradients) {
+            for (lanes, component) in lanes.iter_mut().zip(gradient) {
+                lanes.0[lane] = *component;
+            }
+        }
+        self.volumes[block].0[lane] = one.volume;
+        let shapes = &mut self.shapes[block];
+        for (lanes, entry) in shapes.metric.iter_mut().zip(&one.metric) {
+            lanes.0[lane] = *entry;
+        }
+        shapes.per_volume.0[lane] = one.per_volume;
+        shapes.sixth.0[lane] = one.sixth;
+    }
+
+    /// Gradients of the last three corners of an element.
+    #[inline(always)]
+    fn gradients(&self, element: usize) -> [Vector3<f64>; 3] {
+        let lanes = &self.gradients[element / LANES];
+        let lane = element % LANES;
+        let gradient = |g: &FourVectors| Vector3::new(g[0].0[lane], g[1].0[lane], g[2].0[lane]);
+        [
+            gradient(&lanes[0]),
+            gradient(&lanes[1]),
+            gradient(&lanes[2]),
+        ]
+    }
+
+    /// Adds the forces of the elements of some blocks of four, of which those in `range` count.
+    #[inline(always)]
+    fn add_blocks<L: Law>(
+        &self,
+        corners: &mut [[FourVectors; 4]; BLOCKS],
+        blocks: Range<usize>,
+        range: &Range<usize>,
+        positions: &[Vector3<f64>],
+        lame: &Lame,
+        forces: &mut NodeWindow<'_>,
+    ) {
+        // In the last block what was there before stands in for elements that are missing.
+        let end = (LANES * blocks.end).min(self.nodes.len());
+        let nodes = &self.nodes[LANES * blocks.start..end];
+        for (fours, corners) in nodes.chunks(LANES).zip(&mut *corners) {
+            for (lane, nodes) in fours.iter().enumerate() {
+                for (corner, &node) in corners.iter_mut().zip(nodes) {
+                    let place = &positions[node as usize];
+                    corner[0].0[lane] = place[0];
+                    corner[1].0[lane] = place[1];
+                    corner[2].0[lane] = place[2];
+                }
+            }
+        }
+        for (corners, block) in corners.iter_mut().zip(blocks) {
+            if !forces_by_areas::<L>(corners, &self.shapes[block], lame) {
+                let (gradients, volumes) = (&self.gradients[block], &self.volumes[block]);
+                forces_by_stress::<L>(corners, gradients, volumes, lame);
+            }
+        }
+        let mut element = end - nodes.len();
+        for (fours, corners) in nodes.chunks(LANES).zip(&*corners) {
+            for (lane, nodes) in fours.iter().enumerate() {
+                if range.contains(&element) {
+                    for (force, &node) in corners.iter().zip(nodes) {
+                        let [x, y, z] = force;
+                        forces.add(node, Vector3::new(x.0[lane], y.0[lane], z.0[lane]));
+                    }
+                }
+                element += 1;
+            }
+        }
+    }
+}
+
+impl FourShapes {
+    const NONE: Self = Self {
+        metric: [Lanes([0.0; LANES]); 6],
+        per_volume: Lanes([0.0; LANES]),
+        sixth: Lanes([0.0; LANES]),
+    };
+}
+
+/// Differences of the last three corners to the first.
+#[inline(always)]
+fn edges_of_four(corners: &[FourVectors; 4]) -> [FourVectors; 3] {
+    let edge = |k: usize| {
+        let (to, from) = (&corners[k], &corners[0]);
+        [to[0] - from[0], to[1] - from[1], to[2] - from[2]]
+    };
+    [edge(1), edge(2), edge(3)]
+}
+
+/// Replaces the corners by the forces on them, of which three are given.
+#[inline(always)]
+fn set_forces(corners: &mut [FourVectors; 4], [f1, f2, f3]: [FourVectors; 3]) {
+    let sum = |i: usize| -(f1[i] + f2[i] + f3[i]);
+    *corners = [[sum(0), sum(1), sum(2)], f1, f2, f3];
+}
+
+/// Replaces the corners of four elements by the forces on them, by P = μ F + b' cof F; returns false for a law of another form.
+/// With the edges e_j from the first corner, V F g_i = Σ_j V g_i·g_j e_j, and V cof(F) g_i is a third of the area vector of
+/// the face opposite to the corner.
+///
+/// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers, while next to the
+/// gathering of single numbers it does not.
+#[inline(never)]
+fn forces_by_areas<L: Law>(
+    corners: &mut [FourVectors; 4],
+    shapes: &FourShapes,
+    lame: &Lame,
+) -> bool {
+    let [e1, e2, e3] = edges_of_four(corners);
+    let doubled = [
+        cross_of_four(&e2, &e3),
+        cross_of_four(&e3, &e1),
+        cross_of_four(&e1, &e2),
+    ];
+    let j = dot_of_four(&e1, &doubled[0]) * shapes.per_volume;
+    let Some(slope) = L::slope_of_four(j, lame) else {
+        return false;
+    };
+    let (along, across) = (Lanes::splat(-lame.mu), -(slope * shapes.sixth));
+    let [k11, k22, k33, k23, k31, k12] = shapes.metric;
+    let force = |[a, b, c]: [Lanes; 3], doubled: &FourVectors| -> FourVectors {
+        let entry = |i: usize| (e1[i] * a + e2[i] * b + e3[i] * c) * along + doubled[i] * across;
+        [entry(0), entry(1), entry(2)]
+    };
+    let forces = [
+        force([k11, k12, k31], &doubled[0]),
+        force([k12, k22, k23], &doubled[1]),
+        force([k31, k23, k33], &doubled[2]),
+    ];
+    set_forces(corners, forces);
+    true
+}
+
+/// Replaces the corners of four elements by the forces on them.
+#[inline(never)]
+fn forces_by_stress<L: Law>(
+    corners: &mut [FourVectors; 4],
+    [g1, g2, g3]: &[FourVectors; 3],
+    volumes: &Lanes,
+    lame: &Lame,
+) {
+    let edges = edges_of_four(corners);
+    let column = |k: usize| product_of_four(&edges, &[g1[k], g2[k], g3[k]]);
+    let f = [column(0), column(1), column(2)];
+    let mut scaled = [[Lanes::splat(0.0); 3]; 3];
+    for lane in 0..LANES {
+        let f = Matrix3::from_fn(|i, k| f[k][i].0[lane]);
+        let stress = L::stress(&f, lame) * -volumes.0[lane];
+        for (k, column) in scaled.iter_mut().enumerate() {
+            for (i, value) in column.iter_mut().enumerate() {
+                value.0[lane] = stress[(i, k)];
+            }
+        }
+    }
+    let forces = [g1, g2, g3].map(|g| product_of_four(&scaled, g));
+    set_forces(corners, forces);
 }
 
 /// m·v, written out so that it is inlined.
@@ -84,31 +334,60 @@ impl Domains for Tetrahedra {
     }
 
     fn volume(&self, domain: usize) -> f64 {
-        self.volumes[domain]
+        self.volumes[domain / LANES].0[domain % LANES]
     }
 
-    fn scale_volumes(&mut self, factors: &[f64]) {
-        for (volume, factor) in self.volumes.iter_mut().zip(factors) {
-            *volume *= factor;
-        }
+    fn scale_volume(&mut self, domain: usize, factor: f64) {
+        let mut one = self.element(domain);
+        one.volume *= factor;
+        one.sixth *= factor;
+        one.metric.iter_mut().for_each(|entry| *entry *= factor);
+        self.set_element(domain, &one);
     }
 
     fn shift_nodes(&mut self, by: u32) {
         self.nodes.iter_mut().flatten().for_each(|n| *n += by);
     }
 
+    fn keys(&self, domain: usize, visit: &mut dyn FnMut(Key)) {
+        visit(Key::new(&self.nodes[domain]));
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &Self) -> bool {
+        let both = removed.len().min(added.count());
+        for (new, &place) in removed[..both].iter().enumerate() {
+            self.set_element(place as usize, &added.element(new));
+        }
+        let mut count = self.count();
+        for new in both..added.count() {
+            self.reserve(count + 1);
+            self.set_element(count, &added.element(new));
+            count += 1;
+        }
+        for &place in removed[both..].iter().rev() {
+            count -= 1;
+            let last = self.element(count);
+            self.set_element(place as usize, &last);
+        }
+        self.reserve(count);
+        splice(&mut self.nodes, removed, &added.nodes);
+        true
+    }
+
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {
-        let [g1, g2, g3] = &self.gradients[domain];
+        let gradients = self.gradients(domain);
         match i {
-            0 => -(g1 + g2 + g3),
-            _ => self.gradients[domain][i - 1],
+            0 => -(gradients[0] + gradients[1] + gradients[2]),
+            _ => gradients[i - 1],
         }
     }
 
     #[inline(always)]
     fn deformation(&self, domain: usize, positions: &[Vector3<f64>]) -> Matrix3<f64> {
-        let [a, b, c, d] = self.nodes[domain].map(|node| &positions[node as usize]);
-        let [g1, g2, g3] = &self.gradients[domain];
+        let [a, b, c, d] = self.nodes[domain];
+        let at = |node: u32| &positions[node as usize];
+        let (a, b, c, d) = (at(a), at(b), at(c), at(d));
+        let [g1, g2, g3] = self.gradients(domain);
         let (e1, e2, e3) = (b - a, c - a, d - a);
         Matrix3::from_fn(|i, k| e1[i] * g1[k] + e2[i] * g2[k] + e3[i] * g3[k])
     }
@@ -116,11 +395,34 @@ impl Domains for Tetrahedra {
     #[inline(always)]
     fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>) {
         let [a, b, c, d] = self.nodes[domain];
-        let scaled = stress * -self.volumes[domain];
-        let [f1, f2, f3] = self.gradients[domain].map(|g| product(&scaled, &g));
+        let scaled = stress * -self.volume(domain);
+        let [g1, g2, g3] = self.gradients(domain);
+        let (f1, f2, f3) = (
+            product(&scaled, &g1),
+            product(&scaled, &g2),
+            product(&scaled, &g3),
+        );
         forces.add(a, -(f1 + f2 + f3));
         forces.add(b, f1);
         forces.add(c, f2);
         forces.add(d, f3);
     }
+
+    fn add_elastic_forces<L: Law>(
+        &self,
+        range: Range<usize>,
+        positions: &[Vector3<f64>],
+        lame: &Lame,
+        forces: &mut NodeWindow<'_>,
+    ) {
+        let mut corners = [[[Lanes::splat(0.0); 3]; 4]; BLOCKS];
+        let end = range.end.div_ceil(LANES);
+        for first in (range.start / LANES..end).step_by(BLOCKS) {
+            let blocks = first..end.min(first + BLOCKS);
+            self.add_blocks::<L>(&mut corners, blocks, &range, positions, lame, forces);
+        }
+    }
 }
+
+#[cfg(test)]
+mod tests;

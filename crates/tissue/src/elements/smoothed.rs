@@ -10,21 +10,39 @@
 //! takes the same time around edges (39 ns per tetrahedron, both measured), but a pass and memory more.
 
 use super::domains::{Domains, product, shape};
+use super::key::Key;
+use super::splice::splice;
 use crate::elements::NodeWindow;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
-use std::collections::BTreeMap;
 
 /// More elements than that around an edge make more than one patch.
 const LARGEST_PATCH: usize = 6;
 
-/// Domains of any number of nodes, as arrays: those of domain d are `starts[d]..starts[d + 1]`.
+/// The share of its volume that a tetrahedron gives to each of its edges.
+pub(crate) const EDGE_SHARE: f64 = 1.0 / 6.0;
+
+/// And to each of its nodes.
+pub(crate) const NODE_SHARE: f64 = 0.25;
+
+/// Domains of any number of nodes, as arrays.
 #[derive(Clone, Debug)]
 pub struct SmoothingDomains {
-    starts: Vec<u32>,
+    /// Start and end of each domain among the nodes and gradients. After edits there are gaps between them.
+    runs: Vec<[u32; 2]>,
     nodes: Vec<u32>,
     gradients: Vec<Vector3<f64>>,
     volumes: Vec<f64>,
+    keys: Keys,
+}
+
+/// By what an edit finds domains.
+#[derive(Clone, Debug)]
+enum Keys {
+    /// The edge or the node that each is around.
+    Around(Vec<Key>),
+    /// The tetrahedra of each.
+    Of(Vec<Vec<Key>>),
 }
 
 impl SmoothingDomains {
@@ -32,17 +50,21 @@ impl SmoothingDomains {
     pub fn around_edges(mesh: &TetMesh, elements: &[u32]) -> Self {
         let around = elements.iter().flat_map(|&element| {
             mesh.element_edges(element as usize)
-                .map(|edge| (edge, element))
+                .map(|edge| (Key::new(&edge), element))
         });
-        Self::new(mesh, around.collect(), 1.0 / 6.0)
+        let mut around: Vec<_> = around.collect();
+        around.sort_unstable();
+        Self::around(mesh, &around, EDGE_SHARE)
     }
 
     /// One domain per node of these elements, in ascending order.
     pub fn around_nodes(mesh: &TetMesh, elements: &[u32]) -> Self {
-        let around = elements
-            .iter()
-            .flat_map(|&element| mesh.tets[element as usize].map(|node| (node, element)));
-        Self::new(mesh, around.collect(), 0.25)
+        let around = elements.iter().flat_map(|&element| {
+            mesh.tets[element as usize].map(|node| (Key::new(&[node]), element))
+        });
+        let mut around: Vec<_> = around.collect();
+        around.sort_unstable();
+        Self::around(mesh, &around, NODE_SHARE)
     }
 
     /// One domain per patch of about five elements around a common edge.
@@ -51,105 +73,173 @@ impl SmoothingDomains {
     /// tetrahedra of a cell that is their common diagonal); elements that are left alone go to the smallest patch across a face.
     pub fn of_patches(mesh: &TetMesh, elements: &[u32]) -> Self {
         let patches = patches(mesh, elements);
-        let around = patches.into_iter().zip(elements.iter().copied());
-        Self::new(mesh, around.collect(), 1.0)
+        let mut members: Vec<_> = patches.into_iter().zip(elements.iter().copied()).collect();
+        members.sort_unstable();
+        Self::of(mesh, &members)
     }
 
-    /// One domain per key: of each of its elements the share `share` of the volume.
-    fn new<K: Ord + Copy>(mesh: &TetMesh, mut around: Vec<(K, u32)>, share: f64) -> Self {
-        around.sort_unstable();
-        let mut domains = Self {
-            starts: vec![0],
-            nodes: Vec::new(),
-            gradients: Vec::new(),
-            volumes: Vec::new(),
-        };
-        let mut shares: Vec<(u32, Vector3<f64>)> = Vec::new();
+    /// One domain per key, around an edge or a node: of each of its elements the share `share` of the volume. Pairs of key and element
+    /// are ascending.
+    pub(crate) fn around(mesh: &TetMesh, around: &[(Key, u32)], share: f64) -> Self {
+        let mut domains = Self::new(Keys::Around(Vec::new()));
+        let mut shares = Vec::new();
         for members in around.chunk_by(|a, b| a.0 == b.0) {
-            shares.clear();
-            let mut volume = 0.0;
-            for &(_, element) in members {
-                let ([g1, g2, g3], of_element) = shape(&mesh.corners(element as usize));
-                let part = share * of_element;
-                volume += part;
-                let gradients = [-(g1 + g2 + g3), g1, g2, g3];
-                shares.extend(
-                    mesh.tets[element as usize]
-                        .into_iter()
-                        .zip(gradients.map(|g| g * part)),
-                );
+            domains.push(mesh, members, share, &mut shares);
+            if let Keys::Around(keys) = &mut domains.keys {
+                keys.push(members[0].0);
             }
-            // Stable: the shares of a node are summed in the order of the elements.
-            shares.sort_by_key(|(node, _)| *node);
-            for of_node in shares.chunk_by(|a, b| a.0 == b.0) {
-                let sum: Vector3<f64> = of_node.iter().map(|(_, share)| share).sum();
-                domains.nodes.push(of_node[0].0);
-                domains.gradients.push(sum / volume);
-            }
-            domains.volumes.push(volume);
-            domains.starts.push(domains.nodes.len() as u32);
         }
         domains
     }
 
+    /// One domain per patch; pairs of patch and element are ascending.
+    pub(crate) fn of(mesh: &TetMesh, members: &[(u32, u32)]) -> Self {
+        let mut domains = Self::new(Keys::Of(Vec::new()));
+        let mut shares = Vec::new();
+        for members in members.chunk_by(|a, b| a.0 == b.0) {
+            domains.push(mesh, members, 1.0, &mut shares);
+            if let Keys::Of(keys) = &mut domains.keys {
+                let tets = members
+                    .iter()
+                    .map(|(_, element)| &mesh.tets[*element as usize]);
+                keys.push(tets.map(|tet| Key::new(tet)).collect());
+            }
+        }
+        domains
+    }
+
+    fn new(keys: Keys) -> Self {
+        Self {
+            runs: Vec::new(),
+            nodes: Vec::new(),
+            gradients: Vec::new(),
+            volumes: Vec::new(),
+            keys,
+        }
+    }
+
+    /// Adds a domain of these elements; `shares` is working memory.
+    fn push<K>(
+        &mut self,
+        mesh: &TetMesh,
+        members: &[(K, u32)],
+        share: f64,
+        shares: &mut Vec<(u32, Vector3<f64>)>,
+    ) {
+        shares.clear();
+        let mut volume = 0.0;
+        for &(_, element) in members {
+            let ([g1, g2, g3], of_element) = shape(&mesh.corners(element as usize));
+            let part = share * of_element;
+            volume += part;
+            let gradients = [-(g1 + g2 + g3), g1, g2, g3];
+            let nodes = mesh.tets[element as usize].into_iter();
+            // The shares of a node are summed in the order of the elements. There are few nodes.
+            for (node, gradient) in nodes.zip(gradients) {
+                match shares.iter_mut().find(|(other, _)| *other == node) {
+                    Some((_, sum)) => *sum += gradient * part,
+                    None => shares.push((node, gradient * part)),
+                }
+            }
+        }
+        shares.sort_unstable_by_key(|(node, _)| *node);
+        let start = self.nodes.len() as u32;
+        for (node, sum) in shares {
+            self.nodes.push(*node);
+            self.gradients.push(*sum / volume);
+        }
+        self.volumes.push(volume);
+        self.runs.push([start, self.nodes.len() as u32]);
+    }
+
+    /// Closes the gaps that edits left once they are most of the memory.
+    fn close_gaps(&mut self) {
+        let used: usize = self
+            .runs
+            .iter()
+            .map(|[start, end]| (end - start) as usize)
+            .sum();
+        if self.nodes.len() <= 2 * used {
+            return;
+        }
+        let (nodes, gradients) = (
+            std::mem::take(&mut self.nodes),
+            std::mem::take(&mut self.gradients),
+        );
+        for run in &mut self.runs {
+            let from = run[0] as usize..run[1] as usize;
+            let start = self.nodes.len() as u32;
+            self.nodes.extend_from_slice(&nodes[from.clone()]);
+            self.gradients.extend_from_slice(&gradients[from]);
+            *run = [start, self.nodes.len() as u32];
+        }
+    }
+
     #[inline(always)]
     fn run(&self, domain: usize) -> std::ops::Range<usize> {
-        self.starts[domain] as usize..self.starts[domain + 1] as usize
+        let [start, end] = self.runs[domain];
+        start as usize..end as usize
     }
 }
 
 /// The patch of each of these elements.
-fn patches(mesh: &TetMesh, elements: &[u32]) -> Vec<u32> {
+pub(crate) fn patches(mesh: &TetMesh, elements: &[u32]) -> Vec<u32> {
     const NONE: u32 = u32::MAX;
-    let mut rings: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
-    for (index, &element) in elements.iter().enumerate() {
-        for [a, b] in mesh.element_edges(element as usize) {
-            let edge = [a.min(b), a.max(b)];
-            rings.entry(edge).or_default().push(index as u32);
-        }
-    }
+    let indices = || elements.iter().zip(0u32..);
+    let edges = indices().flat_map(|(&element, index)| {
+        mesh.element_edges(element as usize)
+            .map(|edge| (edge, index))
+    });
+    let mut edges: Vec<([u32; 2], u32)> = edges.collect();
+    edges.sort_unstable();
     let length =
         |[a, b]: [u32; 2]| (mesh.positions[a as usize] - mesh.positions[b as usize]).norm_squared();
-    let mut edges: Vec<([u32; 2], Vec<u32>)> = rings.into_iter().collect();
-    edges.sort_by(|(a, ..), (b, ..)| length(*b).total_cmp(&length(*a)));
-    let most = edges.iter().map(|(_, ring)| ring.len()).max().unwrap_or(0);
+    let rings = edges.chunk_by(|a, b| a.0 == b.0);
+    let mut rings: Vec<_> = rings.map(|ring| (length(ring[0].0), ring)).collect();
+    rings.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let most = rings.iter().map(|(_, ring)| ring.len()).max().unwrap_or(0);
     let mut patches = vec![NONE; elements.len()];
     let mut sizes: Vec<usize> = Vec::new();
     // A ring only shrinks, so going down the sizes sees every edge at its own.
     for size in (2..=most.min(LARGEST_PATCH)).rev() {
-        for (_, ring) in &edges {
-            let free = |index: &&u32| patches[**index as usize] == NONE;
-            let mut members: Vec<u32> = ring.iter().filter(free).copied().collect();
-            if members.len() < size {
+        for (_, ring) in &rings {
+            let free = |(_, index): &&([u32; 2], u32)| patches[*index as usize] == NONE;
+            if ring.len() < size || ring.iter().filter(free).count() < size {
                 continue;
             }
-            members.truncate(size);
+            let members: Vec<u32> = ring.iter().filter(free).map(|m| m.1).take(size).collect();
             for index in members {
                 patches[index as usize] = sizes.len() as u32;
             }
             sizes.push(size);
         }
     }
-    let mut faces: BTreeMap<[u32; 3], Vec<u32>> = BTreeMap::new();
-    for (index, &element) in elements.iter().enumerate() {
-        let [a, b, c, d] = mesh.tets[element as usize];
-        for mut face in [[b, c, d], [a, c, d], [a, b, d], [a, b, c]] {
-            face.sort_unstable();
-            faces.entry(face).or_default().push(index as u32);
-        }
+    if !patches.contains(&NONE) {
+        return patches;
     }
+    let faces_of = |element: u32| {
+        let [a, b, c, d] = mesh.tets[element as usize];
+        [[b, c, d], [a, c, d], [a, b, d], [a, b, c]].map(|mut face| {
+            face.sort_unstable();
+            face
+        })
+    };
+    let faces = indices().flat_map(|(&element, index)| faces_of(element).map(|face| (face, index)));
+    let mut faces: Vec<([u32; 3], u32)> = faces.collect();
+    faces.sort_unstable();
     for index in 0..elements.len() {
         if patches[index] != NONE {
             continue;
         }
-        let [a, b, c, d] = mesh.tets[elements[index] as usize];
-        let across = [[b, c, d], [a, c, d], [a, b, d], [a, b, c]]
+        let across = faces_of(elements[index])
             .into_iter()
-            .flat_map(|mut face| {
-                face.sort_unstable();
-                &faces[&face]
+            .flat_map(|face| {
+                let first = faces.partition_point(|(other, _)| *other < face);
+                faces[first..]
+                    .iter()
+                    .take_while(move |(other, _)| *other == face)
             })
-            .map(|other| patches[*other as usize])
+            .map(|(_, other)| patches[*other as usize])
             .filter(|patch| *patch != NONE);
         patches[index] = across
             .min_by_key(|patch| (sizes[*patch as usize], *patch))
@@ -175,14 +265,44 @@ impl Domains for SmoothingDomains {
         self.volumes[domain]
     }
 
-    fn scale_volumes(&mut self, factors: &[f64]) {
-        for (volume, factor) in self.volumes.iter_mut().zip(factors) {
-            *volume *= factor;
-        }
+    fn scale_volume(&mut self, domain: usize, factor: f64) {
+        self.volumes[domain] *= factor;
     }
 
     fn shift_nodes(&mut self, by: u32) {
         self.nodes.iter_mut().for_each(|n| *n += by);
+        let shift = |keys: &mut [Key]| {
+            for key in keys {
+                *key = key.shifted(by);
+            }
+        };
+        match &mut self.keys {
+            Keys::Around(keys) => shift(keys),
+            Keys::Of(patches) => patches.iter_mut().for_each(|keys| shift(keys)),
+        }
+    }
+
+    fn keys(&self, domain: usize, visit: &mut dyn FnMut(Key)) {
+        match &self.keys {
+            Keys::Around(keys) => visit(keys[domain]),
+            Keys::Of(patches) => patches[domain].iter().for_each(|key| visit(*key)),
+        }
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &Self) -> bool {
+        match (&mut self.keys, &added.keys) {
+            (Keys::Around(keys), Keys::Around(added)) => splice(keys, removed, added),
+            (Keys::Of(keys), Keys::Of(added)) => splice(keys, removed, added),
+            (Keys::Around(_), Keys::Of(_)) | (Keys::Of(_), Keys::Around(_)) => return false,
+        }
+        let first = self.nodes.len() as u32;
+        self.nodes.extend_from_slice(&added.nodes);
+        self.gradients.extend_from_slice(&added.gradients);
+        let runs = added.runs.iter().map(|run| run.map(|place| place + first));
+        splice(&mut self.runs, removed, &runs.collect::<Vec<_>>());
+        splice(&mut self.volumes, removed, &added.volumes);
+        self.close_gaps();
+        true
     }
 
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {

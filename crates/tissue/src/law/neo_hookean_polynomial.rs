@@ -3,6 +3,7 @@
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
 use super::{Lame, Law, Matrix9};
+use crate::elements::Lanes;
 use nalgebra::Matrix3;
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ+μ)/2 (J − 1)², J = det F: the simplest form of Smith, de Goes, Kim 2018 (with
@@ -32,6 +33,12 @@ impl Law for NeoHookeanPolynomial {
         let (cofactor, j) = cofactor(f);
         let b1 = (lame.lambda + lame.mu) * (j - 1.0) - lame.mu;
         invariants::stress(f, &cofactor, 0.5 * lame.mu, b1)
+    }
+
+    #[inline(always)]
+    fn slope_of_four(j: Lanes, lame: &Lame) -> Option<Lanes> {
+        let of = Lanes::splat;
+        Some(of(lame.lambda + lame.mu) * (j - of(1.0)) - of(lame.mu))
     }
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {

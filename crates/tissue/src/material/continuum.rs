@@ -1,7 +1,10 @@
 //! Continua: Young's modulus and Poisson's ratio of a material in, elements of a law and a discretisation out.
 
-use super::{MaterialError, positive};
-use crate::elements::{Continuum, Elements, Smoothed, SmoothingDomains, Tetrahedra};
+use super::{Carried, MaterialError, positive};
+use crate::elements::key::Key;
+use crate::elements::{
+    Continuum, EDGE_SHARE, Elements, NODE_SHARE, Smoothed, SmoothingDomains, Tetrahedra,
+};
 use crate::law::{Lame, Law, LawName, with_law};
 use microsim_mesh::TetMesh;
 use nalgebra::Matrix3;
@@ -131,32 +134,9 @@ impl ContinuumConstants {
         with_law!(self.law, L => L::stress(f, &lame)) * f.transpose() / volume
     }
 
-    /// The elements of the mesh with these indices, as one or two sets.
-    pub(super) fn build(
-        &self,
-        mesh: &TetMesh,
-        elements: &[u32],
-        relaxation_time: f64,
-    ) -> Vec<Arc<dyn Elements>> {
-        with_law!(self.law, L => self.build_law::<L>(mesh, elements, relaxation_time))
-    }
-
-    fn build_law<L: Law>(
-        &self,
-        mesh: &TetMesh,
-        elements: &[u32],
-        relaxation_time: f64,
-    ) -> Vec<Arc<dyn Elements>> {
+    /// The parts, one or two, each of one set.
+    fn parts(&self) -> Vec<Carried> {
         let lame = Lame::from_young_poisson(self.young, self.poisson);
-        let tetrahedra = |lame| -> Arc<dyn Elements> {
-            let domains = Tetrahedra::new(mesh, elements);
-            Arc::new(Continuum::<L>::new(domains, lame, relaxation_time))
-        };
-        let smoothed = |domains, lame| -> Arc<dyn Elements> {
-            Arc::new(Smoothed::<L>::new(domains, lame, relaxation_time))
-        };
-        let edges = |lame| smoothed(SmoothingDomains::around_edges(mesh, elements), lame);
-        let nodes = |lame| smoothed(SmoothingDomains::around_nodes(mesh, elements), lame);
         // A part with λ ≤ 0 alone would have no lowest energy; without pressure nothing locks either, so nothing is split.
         let split = lame.lambda > 0.0;
         let shear = Lame {
@@ -165,19 +145,107 @@ impl ContinuumConstants {
         };
         let pressure = Lame { mu: 0.0, ..lame };
         match self.discretisation {
-            Discretisation::Tetrahedra => vec![tetrahedra(lame)],
-            Discretisation::EdgeSmoothed => vec![edges(lame)],
-            Discretisation::NodeSmoothed => vec![nodes(lame)],
-            Discretisation::Selective if split => vec![edges(shear), nodes(pressure)],
-            Discretisation::Selective => vec![edges(lame)],
-            Discretisation::NodalPressure if split => vec![tetrahedra(shear), nodes(pressure)],
-            Discretisation::NodalPressure => vec![tetrahedra(lame)],
-            Discretisation::PatchPressure if split => {
-                let patches = smoothed(SmoothingDomains::of_patches(mesh, elements), pressure);
-                vec![tetrahedra(shear), patches]
+            Discretisation::Tetrahedra => vec![Carried::Tetrahedra(lame)],
+            Discretisation::EdgeSmoothed => vec![Carried::Edges(lame)],
+            Discretisation::NodeSmoothed => vec![Carried::Nodes(lame)],
+            Discretisation::Selective if split => {
+                vec![Carried::Edges(shear), Carried::Nodes(pressure)]
             }
-            Discretisation::PatchPressure => vec![tetrahedra(lame)],
+            Discretisation::Selective => vec![Carried::Edges(lame)],
+            Discretisation::NodalPressure if split => {
+                vec![Carried::Tetrahedra(shear), Carried::Nodes(pressure)]
+            }
+            Discretisation::NodalPressure => vec![Carried::Tetrahedra(lame)],
+            Discretisation::PatchPressure if split => {
+                vec![Carried::Tetrahedra(shear), Carried::Patches(pressure)]
+            }
+            Discretisation::PatchPressure => vec![Carried::Tetrahedra(lame)],
         }
+    }
+
+    /// The elements of the mesh with these indices, as one or two sets.
+    pub(super) fn build(
+        &self,
+        mesh: &TetMesh,
+        elements: &[u32],
+        relaxation_time: f64,
+    ) -> Vec<(Carried, Arc<dyn Elements>)> {
+        let set = |carried| match carried {
+            Carried::Edges(lame) => {
+                let domains = SmoothingDomains::around_edges(mesh, elements);
+                self.smoothed(domains, lame, relaxation_time)
+            }
+            Carried::Nodes(lame) => {
+                let domains = SmoothingDomains::around_nodes(mesh, elements);
+                self.smoothed(domains, lame, relaxation_time)
+            }
+            Carried::Patches(lame) => {
+                let domains = SmoothingDomains::of_patches(mesh, elements);
+                self.smoothed(domains, lame, relaxation_time)
+            }
+            _ => self.tetrahedra(mesh, elements, carried, relaxation_time),
+        };
+        let parts = self.parts().into_iter();
+        parts.map(|carried| (carried, set(carried))).collect()
+    }
+
+    /// Elements of one of the sets: those with these keys, each with all tetrahedra that have a share in it, ascending.
+    pub(super) fn build_around(
+        &self,
+        carried: Carried,
+        mesh: &TetMesh,
+        around: &[(Key, u32)],
+        relaxation_time: f64,
+    ) -> Arc<dyn Elements> {
+        match carried {
+            Carried::Edges(lame) => {
+                let domains = SmoothingDomains::around(mesh, around, EDGE_SHARE);
+                self.smoothed(domains, lame, relaxation_time)
+            }
+            Carried::Nodes(lame) => {
+                let domains = SmoothingDomains::around(mesh, around, NODE_SHARE);
+                self.smoothed(domains, lame, relaxation_time)
+            }
+            _ => {
+                let elements: Vec<u32> = around.iter().map(|(_, element)| *element).collect();
+                self.tetrahedra(mesh, &elements, carried, relaxation_time)
+            }
+        }
+    }
+
+    /// Elements that are patches of these tetrahedra: ascending pairs of patch and tetrahedron.
+    pub(super) fn build_patches(
+        &self,
+        lame: Lame,
+        mesh: &TetMesh,
+        members: &[(u32, u32)],
+        relaxation_time: f64,
+    ) -> Arc<dyn Elements> {
+        self.smoothed(SmoothingDomains::of(mesh, members), lame, relaxation_time)
+    }
+
+    fn smoothed(
+        &self,
+        domains: SmoothingDomains,
+        lame: Lame,
+        relaxation_time: f64,
+    ) -> Arc<dyn Elements> {
+        with_law!(self.law, L => Arc::new(Smoothed::<L>::new(domains, lame, relaxation_time)))
+    }
+
+    fn tetrahedra(
+        &self,
+        mesh: &TetMesh,
+        elements: &[u32],
+        carried: Carried,
+        relaxation_time: f64,
+    ) -> Arc<dyn Elements> {
+        let lame = match carried {
+            Carried::Tetrahedra(lame) => lame,
+            _ => Lame::from_young_poisson(self.young, self.poisson),
+        };
+        let domains = Tetrahedra::new(mesh, elements);
+        with_law!(self.law, L => Arc::new(Continuum::<L>::new(domains, lame, relaxation_time)))
     }
 }
 

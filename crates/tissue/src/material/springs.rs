@@ -22,7 +22,8 @@ mod region;
 
 pub use fit::{Fit, fit};
 
-use super::{MaterialError, not_negative, positive};
+use super::{Carried, MaterialError, not_negative, positive};
+use crate::elements::key::Key;
 use crate::elements::{
     Area, Constraint, ConstraintSet, Elements, Length, Measure, Plasticity, Volume,
 };
@@ -159,35 +160,81 @@ impl SpringConstants {
         elements: &[u32],
         relaxation_time: f64,
     ) -> Vec<Arc<dyn Elements>> {
+        let parts = self.build_parts(mesh, elements, relaxation_time);
+        parts.into_iter().map(|(_, set)| set).collect()
+    }
+
+    /// As [`build`](Self::build), with what each set is.
+    pub(super) fn build_parts(
+        &self,
+        mesh: &TetMesh,
+        elements: &[u32],
+        relaxation_time: f64,
+    ) -> Vec<(Carried, Arc<dyn Elements>)> {
         let region = Region {
             mesh,
             elements,
             form: &self.form,
             relaxation_time,
         };
+        let (springs, areas, volumes) = (region.springs(), region.areas(), region.volumes());
         let sets = [
-            set::<Length, 2>(region.springs(), self.plasticity),
-            set::<Area, 3>(region.areas(), self.plasticity),
-            set::<Volume, 4>(region.volumes(), self.plasticity),
+            resists(&springs).then(|| (Carried::Springs, self.set::<Length, 2>(springs))),
+            resists(&areas).then(|| (Carried::Areas, self.set::<Area, 3>(areas))),
+            resists(&volumes).then(|| (Carried::Volumes, self.set::<Volume, 4>(volumes))),
         ];
         sets.into_iter().flatten().collect()
     }
+
+    /// Elements of one of the sets: those with these keys, each with all tetrahedra that have a share in it, ascending.
+    pub(super) fn build_around(
+        &self,
+        carried: Carried,
+        mesh: &TetMesh,
+        around: &[(Key, u32)],
+        relaxation_time: f64,
+    ) -> Arc<dyn Elements> {
+        let elements: Vec<u32> = around.iter().map(|(_, element)| *element).collect();
+        let region = Region {
+            mesh,
+            elements: &elements,
+            form: &self.form,
+            relaxation_time,
+        };
+        match carried {
+            Carried::Springs => self.set::<Length, 2>(region.springs_around(&keyed(around))),
+            Carried::Areas => self.set::<Area, 3>(region.areas_around(&keyed(around))),
+            _ => self.set::<Volume, 4>(region.volumes()),
+        }
+    }
+
+    /// The set of these constraints.
+    fn set<M: Measure<N>, const N: usize>(
+        &self,
+        constraints: Vec<Constraint<N>>,
+    ) -> Arc<dyn Elements> {
+        let set = ConstraintSet::<M, N>::new(constraints);
+        Arc::new(match self.plasticity {
+            Some(plasticity) => set.with_plasticity(plasticity),
+            None => set,
+        })
+    }
 }
 
-/// The set of these constraints, if any of them resists anything.
-fn set<M: Measure<N>, const N: usize>(
-    constraints: Vec<Constraint<N>>,
-    plasticity: Option<Plasticity>,
-) -> Option<Arc<dyn Elements>> {
+/// Whether any of these constraints resists anything.
+fn resists<const N: usize>(constraints: &[Constraint<N>]) -> bool {
     let resists = |c: &Constraint<N>| c.stiffness > 0.0 || c.damping > 0.0;
-    let mut set = constraints
-        .iter()
-        .any(resists)
-        .then(|| ConstraintSet::<M, N>::new(constraints))?;
-    if let Some(plasticity) = plasticity {
-        set = set.with_plasticity(plasticity);
-    }
-    Some(Arc::new(set))
+    constraints.iter().any(resists)
+}
+
+/// Keys of N nodes as these.
+fn keyed<const N: usize>(around: &[(Key, u32)]) -> Vec<([u32; N], u32)> {
+    let nodes = around.iter().map(|(key, element)| {
+        let mut nodes = [0; N];
+        nodes.copy_from_slice(&key.nodes()[..N]);
+        (nodes, *element)
+    });
+    nodes.collect()
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ impl NewtonSolver {
                 let change = v - problem.equation.base_velocities[node];
                 let drag = self.drags[node] / problem.equation.rate;
                 inertia +=
-                    0.5 * model.masses()[node] * (change.norm_squared() + drag * v.norm_squared());
+                    0.5 * model.inertia(node) * (change.norm_squared() + drag * v.norm_squared());
             }
         }
         for (node, hold) in problem.equation.hold.iter().enumerate() {

@@ -38,7 +38,7 @@ impl NewtonSolver {
                 if problem.fixed[node] {
                     return 0.0;
                 }
-                let inertia = rate * (rate + drags[node]) * problem.model.masses()[node];
+                let inertia = rate * (rate + drags[node]) * problem.model.inertia(node);
                 stiffness[node] + inertia + hold.get(node).unwrap_or(&0.0)
             });
     }
@@ -60,11 +60,11 @@ impl NewtonSolver {
                 self.residual[node as usize] += force * weight;
             }
         }
-        let (masses, drags) = (problem.model.masses(), &self.drags);
+        let (model, drags) = (problem.model, &self.drags);
         self.parts.balance(
             problem.fixed,
             &self.residual,
-            |node| masses[node] * rate * (rate + drags[node]),
+            |node| model.inertia(node) * rate * (rate + drags[node]),
             &mut self.trial.positions,
         );
         self.set_velocities(problem);

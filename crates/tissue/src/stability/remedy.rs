@@ -6,14 +6,14 @@ use super::{Part, row_sums};
 use crate::model::TissueModel;
 use crate::state::State;
 
-/// Node masses [kg] with which the step `h` [s] is stable at the share `safety` of the limit: m_i ← max(m_i, S_i h²/(4 s²)).
-/// What is added is meant as inertia, but [`TissueModel::with_masses`] gives it weight too: see there. It must be reported.
+/// Inertia to be added at each node [kg], with which the step `h` [s] is stable at the share `safety` of the limit:
+/// max(0, S_i h²/(4 s²) − m_i), for [`TissueModel::with_added_inertia`]. It must be reported.
 pub fn mass_floor(model: &TissueModel, state: &State, h: f64, safety: f64) -> Vec<f64> {
     let sums = row_sums(model, state, Part::Stiffness);
     let room = 4.0 * safety * safety / (h * h);
     let floor = |(node, mass): (usize, &f64)| match model.is_clamped(node) {
-        true => *mass,
-        false => mass.max(sums[node] / room),
+        true => 0.0,
+        false => (sums[node] / room - mass).max(0.0),
     };
     model.masses().iter().enumerate().map(floor).collect()
 }

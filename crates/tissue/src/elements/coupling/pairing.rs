@@ -1,9 +1,9 @@
 //! Which node of one part is tied to which point of another.
 
-use super::{Coupling, CouplingConstants, Support, Tie};
+use super::{Coupling, CouplingConstants, Support, Tie, coordinates};
 use crate::material::MaterialError;
 use microsim_geometry::{closest_on_triangle, triangle_normal};
-use microsim_mesh::{TetMesh, signed_volume};
+use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 
 /// Two boundaries farther apart than this share of the mean edge length are not one interface. It covers what two
@@ -89,7 +89,13 @@ pub fn couple(
             .sum();
         ties.push(Tie {
             node,
-            support: Support::Tet(tet, coordinates(mesh, tet, node)),
+            support: Support::Tet(
+                tet,
+                coordinates(
+                    &mesh.corners(target.element as usize),
+                    &mesh.positions[node as usize],
+                ),
+            ),
             element: target.element,
             stiffness: constants.stiffness_per_area * area,
         });
@@ -141,18 +147,4 @@ fn nearest<'a, F: Iterator<Item = &'a Face>>(
         }
     }
     best
-}
-
-/// Barycentric coordinates of a node in a tetrahedron; their sum is 1 to the last bit but one.
-fn coordinates(mesh: &TetMesh, tet: [u32; 4], node: u32) -> [f64; 4] {
-    let p = &mesh.positions[node as usize];
-    let corners = tet.map(|node| &mesh.positions[node as usize]);
-    let volume = signed_volume(corners[0], corners[1], corners[2], corners[3]);
-    let share = |corner: usize| {
-        let mut with = corners;
-        with[corner] = p;
-        signed_volume(with[0], with[1], with[2], with[3]) / volume
-    };
-    let [b, c, d] = [share(1), share(2), share(3)];
-    [1.0 - b - c - d, b, c, d]
 }

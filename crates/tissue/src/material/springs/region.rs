@@ -30,6 +30,11 @@ impl Region<'_> {
             let edges = self.mesh.element_edges(element as usize);
             edges.map(|nodes| (nodes, element))
         };
+        self.springs_around(&sorted(self.elements.iter().flat_map(edges)))
+    }
+
+    /// One spring per edge of these ascending pairs of edge and element.
+    pub(super) fn springs_around(&self, around: &[([u32; 2], u32)]) -> Vec<Constraint<2>> {
         let spring = |nodes: [u32; 2], around: &[([u32; 2], u32)]| {
             let [i, j] = nodes.map(|node| self.mesh.positions[node as usize]);
             let rest = (j - i).norm();
@@ -49,7 +54,7 @@ impl Region<'_> {
             };
             self.constraint(nodes, rest, coefficients)
         };
-        shared(self.elements.iter().flat_map(edges), spring)
+        shared(around, spring)
     }
 
     /// One triangle per face.
@@ -65,6 +70,11 @@ impl Region<'_> {
                 (nodes, element)
             })
         };
+        self.areas_around(&sorted(self.elements.iter().flat_map(faces)))
+    }
+
+    /// One triangle per face of these ascending pairs of face and element.
+    pub(super) fn areas_around(&self, around: &[([u32; 3], u32)]) -> Vec<Constraint<3>> {
         let area = |nodes: [u32; 3], around: &[([u32; 3], u32)]| {
             let [a, b, c] = nodes.map(|node| self.mesh.positions[node as usize]);
             let rest = 0.5 * (b - a).cross(&(c - a)).norm();
@@ -82,7 +92,7 @@ impl Region<'_> {
             };
             self.constraint(nodes, rest, coefficients)
         };
-        shared(self.elements.iter().flat_map(faces), area)
+        shared(around, area)
     }
 
     /// One volume per element.
@@ -126,13 +136,18 @@ impl Region<'_> {
     }
 }
 
-/// Calls `make` once for each set of nodes, ascending, with all elements that have it.
-fn shared<const N: usize>(
-    parts: impl Iterator<Item = ([u32; N], u32)>,
-    make: impl Fn([u32; N], &[([u32; N], u32)]) -> Constraint<N>,
-) -> Vec<Constraint<N>> {
+/// Sets of nodes with their elements, ascending.
+fn sorted<const N: usize>(parts: impl Iterator<Item = ([u32; N], u32)>) -> Vec<([u32; N], u32)> {
     let mut parts: Vec<_> = parts.collect();
     parts.sort_unstable();
+    parts
+}
+
+/// Calls `make` once for each set of nodes, ascending, with all elements that have it.
+fn shared<const N: usize>(
+    parts: &[([u32; N], u32)],
+    make: impl Fn([u32; N], &[([u32; N], u32)]) -> Constraint<N>,
+) -> Vec<Constraint<N>> {
     let groups = parts.chunk_by(|a, b| a.0 == b.0);
     groups.map(|group| make(group[0].0, group)).collect()
 }

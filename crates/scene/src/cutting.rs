@@ -1,0 +1,484 @@
+//! Cutting: the ways of blades through bodies become edits of meshes, and all that knows a mesh follows.
+//!
+//! What is here: when the edits of a tick are made (after it was accepted, so that none is ever taken back), what follows an edit and in
+//! which order. What is not: which line cuts (`lonor`), how elements are divided (crate `cutting`), how elements of a model follow (crate `tissue`).
+
+use crate::error::SceneError;
+use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
+use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
+use crate::scene::{Body, Pair, PairPartner, Pieces, Scene, node_areas};
+use crate::spec::SceneSpec;
+use crate::tool::{Line, ToolMotion};
+use microsim_cutting::{self as cutting, Blade, Sweep};
+use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
+use microsim_mesh::{Surface, TetMesh, TopologyEdit};
+use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
+use nalgebra::Vector3;
+use std::collections::BTreeSet;
+
+/// A tool that cuts a body.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Cut {
+    pub body: usize,
+    pub tool: usize,
+    pub ability: Ability,
+}
+
+/// An edit of a body's mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Edit {
+    pub body: usize,
+    /// Number of nodes before it.
+    pub nodes: usize,
+    pub edit: TopologyEdit,
+}
+
+/// The cuts of a description.
+pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneError> {
+    let mut cuts: Vec<Cut> = Vec::new();
+    for (index, cut) in spec.cuts.iter().enumerate() {
+        let wrong = |reason| SceneError::Cuts {
+            index,
+            body: cut.body.clone(),
+            tool: cut.tool.clone(),
+            reason,
+        };
+        let body = spec.bodies.iter().position(|body| body.name == cut.body);
+        let body = body.ok_or_else(|| wrong("no such body"))?;
+        let tool = spec.tools.iter().position(|tool| tool.name == cut.tool);
+        let tool = tool.ok_or_else(|| wrong("no such tool"))?;
+        if cuts.iter().any(|cut| (cut.body, cut.tool) == (body, tool)) {
+            return Err(wrong("stands twice"));
+        }
+        if !spec.tools[tool].capsules.iter().any(|part| part.lonor) {
+            return Err(wrong("the tool has no line of no return"));
+        }
+        if matches!(spec.method, Method::QuasiStatic(_)) {
+            return Err(wrong(
+                "quasi-static tissue has no inertia, so that a piece which comes off could not fall: use another method",
+            ));
+        }
+        let touch = |pair: &Pair| pair.body == body && pair.with == PairPartner::Tool(tool);
+        let (of_body, of_tool) = (&spec.bodies[body], &spec.tools[tool]);
+        cuts.push(Cut {
+            body,
+            tool,
+            ability: Ability::new(
+                of_tool.sharpness,
+                of_body.toughness,
+                of_body.brittleness,
+                !pairs.iter().any(touch),
+            ),
+        });
+    }
+    Ok(cuts)
+}
+
+/// Where each node is after an edit of a mesh that had `old` nodes; `None` for one that leaves with it.
+pub(crate) fn renumbering(edit: &TopologyEdit, old: usize) -> impl Fn(u32) -> Option<u32> + '_ {
+    let moves = edit.node_moves(old);
+    move |node| {
+        let stays = edit.removed_nodes.binary_search(&node).is_err();
+        // What has come from the back may be at the back again.
+        let follow = |node, (from, to): &(u32, u32)| if node == *from { *to } else { node };
+        stays.then(|| moves.iter().fold(node, follow))
+    }
+}
+
+/// What becomes of a selection of nodes: a new node is in it if both nodes are that it comes from.
+pub(crate) fn follow_nodes(
+    nodes: impl IntoIterator<Item = u32>,
+    edit: &TopologyEdit,
+    old: usize,
+) -> Vec<u32> {
+    let mut all: BTreeSet<u32> = nodes.into_iter().collect();
+    for (new, node) in (old as u32..).zip(&edit.nodes) {
+        if node.between.iter().all(|parent| all.contains(parent)) {
+            all.insert(new);
+        }
+    }
+    let mut all: Vec<u32> = all.into_iter().filter_map(renumbering(edit, old)).collect();
+    all.sort_unstable();
+    all
+}
+
+impl Scene {
+    /// The single edges that touch what they can cut, as they are at the end of the tick, each with its tool.
+    pub(crate) fn edges(&self, motions: &[ToolMotion]) -> Vec<(u32, Line)> {
+        let mut edges = Vec::new();
+        for motion in motions {
+            let touching =
+                |cut: &Cut| cut.tool == motion.tool && cut.ability.line_force.is_finite();
+            if self.cuts.iter().any(touching) {
+                let lines = self.tools[motion.tool].lines(motion, 1.0);
+                let single = lines.into_iter().filter(|line| line.edge.is_some());
+                edges.extend(single.map(|line| (motion.tool as u32, line)));
+            }
+        }
+        edges
+    }
+
+    /// Lets parts of tools through that are in what they cut.
+    pub(crate) fn let_through(&mut self, motions: &[ToolMotion]) {
+        if self.cuts.is_empty() {
+            return;
+        }
+        let mut passed = vec![Vec::new(); self.groups.len()];
+        for (cut, memory) in self.cuts.iter().zip(&self.state.blades) {
+            let (group, place) = self.place_of(cut.body);
+            if let Some(motion) = motions.iter().find(|motion| motion.tool == cut.tool) {
+                let lines = self.tools[cut.tool].lines(motion, 1.0);
+                passed[group].extend(memory.passed(place, cut.tool as u32, &lines));
+            }
+        }
+        for (group, passed) in self.groups.iter_mut().zip(passed) {
+            if let Some(touching) = &mut group.touching {
+                touching.passed = passed;
+            }
+        }
+    }
+
+    /// The group of a body and its place in it.
+    fn place_of(&self, body: usize) -> (usize, u32) {
+        let places = self.groups.iter().enumerate().find_map(|(index, group)| {
+            let place = group
+                .members
+                .iter()
+                .position(|member| member.body == body)?;
+            Some((index, place as u32))
+        });
+        places.expect("each body is in a group")
+    }
+
+    /// Makes the cuts of a tick that led from `start` to where bodies are now.
+    pub(crate) fn cut(
+        &mut self,
+        motions: &[ToolMotion],
+        start: &[State],
+        loads: &EdgeLoads,
+        contacts: &[ContactReport],
+        tick: f64,
+    ) -> (Vec<CutReport>, Vec<RejectedCut>) {
+        let (mut reports, mut rejected) = (Vec::new(), Vec::new());
+        let mut before: Vec<Option<Vec<Vector3<f64>>>> = vec![None; self.bodies.len()];
+        for index in 0..self.cuts.len() {
+            let Cut {
+                body,
+                tool,
+                ability,
+            } = self.cuts[index].clone();
+            let Some(motion) = motions.iter().find(|motion| motion.tool == tool) else {
+                // A tool that is away is out of the tissue.
+                self.state.blades[index] = BladeMemory::default();
+                continue;
+            };
+            let reaching = self.reaching(body, motion, &self.state.blades[index].inside);
+            let case = Case {
+                tool: &self.tools[tool],
+                motion,
+                at: self.place_of(body),
+                ability,
+                edge: self.bodies[body].model.mean_edge_length(),
+                tick,
+                loads,
+                reach: &reaching,
+            };
+            let paths = self.state.blades[index].decide(&case);
+            let mut sum = Sum::default();
+            let start = before[body].get_or_insert_with(|| start[body].positions.clone());
+            let mut before_now = std::mem::take(start);
+            for path in paths {
+                match self.sweep(index, body, &path, &mut before_now) {
+                    Ok(Some(cut)) => sum.add(cut),
+                    Ok(None) => {}
+                    Err(why) => {
+                        self.bodies[body].tally.rejected += 1;
+                        rejected.push(RejectedCut {
+                            body,
+                            tool,
+                            why: why.to_string(),
+                        });
+                    }
+                }
+            }
+            before[body] = Some(before_now);
+            let force = contacts
+                .iter()
+                .find(|contact| (contact.body, contact.with) == (body, ContactPartner::Tool(tool)));
+            let force = force.map_or(0.0, |contact| Vector3::from(contact.force_on_tissue).norm());
+            reports.extend(sum.report(body, tool, force));
+        }
+        (reports, rejected)
+    }
+
+    /// The capsules among `inside` that still reach into a body at the end of a motion.
+    fn reaching(&self, body: usize, motion: &ToolMotion, inside: &[u32]) -> Vec<u32> {
+        if inside.is_empty() {
+            return Vec::new();
+        }
+        let positions = &self.state.bodies[body].positions;
+        let triangles = &self.bodies[body].surface.triangles;
+        let lines = self.tools[motion.tool].lines(motion, 1.0);
+        let reaches = |line: &&Line| {
+            let near = |triangle: &[u32; 3]| {
+                let triangle = triangle.map(|node| positions[node as usize]);
+                closest_segment_triangle(&line.a, &line.b, &triangle).distance() < line.radius
+            };
+            triangles.iter().any(near)
+        };
+        let of_edges = lines.iter().filter(|line| inside.contains(&line.capsule));
+        of_edges.filter(reaches).map(|line| line.capsule).collect()
+    }
+
+    /// Leads a line along its path through a body; `before` are the positions of its nodes before the tick.
+    fn sweep(
+        &mut self,
+        cut: usize,
+        body: usize,
+        path: &Path,
+        before: &mut Vec<Vector3<f64>>,
+    ) -> Result<Option<(cutting::Cut, Vec<u32>)>, cutting::Rejected> {
+        let sweep = Sweep {
+            before: path.from,
+            now: path.to,
+        };
+        let Body { mesh, topology, .. } = &mut self.bodies[body];
+        let Some(topology) = topology else {
+            return Ok(None);
+        };
+        let stroke = self.state.blades[cut].stroke(path.line);
+        let blade = Blade::Sweep {
+            sweep: &sweep,
+            before,
+            now: &self.state.bodies[body].positions,
+        };
+        let made = topology.cut(mesh, stroke, &blade, &cutting::Settings::default())?;
+        let Some(made) = made else {
+            if !inside(mesh, &self.state.bodies[body].positions, path.to) {
+                self.state.blades[cut].end_stroke(path.line);
+            }
+            return Ok(None);
+        };
+        made.edit.carry_nodes(before);
+        self.tell_strokes(body, (cut, path.line), &made.edit);
+        let pieces = self.follow(body, &made);
+        Ok(Some((made, pieces)))
+    }
+
+    /// Tells the other lines that are under way in a body of an edit that one of them has made, before the body follows it.
+    fn tell_strokes(&mut self, body: usize, own: (usize, u32), edit: &TopologyEdit) {
+        let mesh = &self.bodies[body].mesh;
+        let (nodes, elements) = (mesh.positions.len(), mesh.tets.len());
+        for (cut, memory) in self.state.blades.iter_mut().enumerate() {
+            if self.cuts[cut].body != body {
+                continue;
+            }
+            let others = memory.strokes.iter_mut();
+            for (_, stroke) in others.filter(|(line, _)| (cut, *line) != own) {
+                stroke.follow(edit, nodes, elements);
+            }
+        }
+    }
+
+    /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off.
+    fn follow(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
+        let old = self.bodies[body].mesh.positions.len();
+        let change = self.bodies[body].follow(&made.edit, &self.method);
+        let change = change.expect("the edit was made for this mesh, of which the model is");
+        self.state.bodies[body].edit(&change);
+        let of = &mut self.bodies[body];
+        of.renew_surface();
+        let pieces = of.number_pieces(&made.pieces);
+        of.tally.divided += made.divided as u64;
+        of.tally.lost_volume += made.lost_volume;
+        self.edits.push(Edit {
+            body,
+            nodes: old,
+            edit: made.edit.clone(),
+        });
+        self.follow_in_groups(body, &made.edit, old);
+        pieces
+    }
+
+    /// The group of a body whose mesh has changed, and what contact remembers of it.
+    fn follow_in_groups(&mut self, body: usize, edit: &TopologyEdit, old: usize) {
+        let (group, place) = self.place_of(body);
+        let first = self.groups[group].members[place as usize].first_node as u32;
+        let new = self.bodies[body].mesh.positions.len() as u32;
+        let end = first + old as u32;
+        let number = renumbering(edit, old);
+        self.state.memories[group].renumber(|node| match node {
+            node if node < first => Some(node),
+            node if node < end => number(node - first).map(|node| node + first),
+            node => Some(node - end + first + new),
+        });
+        self.groups[group].renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
+    }
+
+    /// The bodies as they were before the first edit.
+    pub(crate) fn undo_edits(&mut self) {
+        if let (Some(uncut), false) = (&self.uncut, self.edits.is_empty()) {
+            let (bodies, groups) = &**uncut;
+            self.bodies.clone_from(bodies);
+            self.groups.clone_from(groups);
+            self.edits.clear();
+        }
+    }
+}
+
+/// An edit that does not fit a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Misfit;
+
+impl Body {
+    /// Follows an edit: mesh, model, what drives it. Its surface is then still that of the mesh before. After an error the body is of no
+    /// use any more.
+    pub(crate) fn follow(
+        &mut self,
+        edit: &TopologyEdit,
+        method: &Method,
+    ) -> Result<ModelChange, Misfit> {
+        let old = self.mesh.positions.len();
+        self.mesh.apply(edit).map_err(|_| Misfit)?;
+        let edit_of_model = ModelEdit::new(&self.mesh, edit, self.model.clamped());
+        let change = self.model.edit(&edit_of_model);
+        let change = change.map_err(|_| Misfit)?;
+        if method.is_explicit() {
+            stability::floor_nodes(&mut self.model, &change.touched, self.stable_step, FLOOR);
+        }
+        self.start.edit(&change);
+        self.drive
+            .follow(edit, old, &self.mesh, self.model.clamped());
+        let number = renumbering(edit, old);
+        let mut pieces = self.pieces.of_nodes.clone();
+        for node in &edit.nodes {
+            pieces.push(pieces[node.between[0] as usize]);
+        }
+        let mut of_nodes = vec![0; self.mesh.positions.len()];
+        for (node, piece) in (0u32..).zip(&pieces) {
+            if let Some(node) = number(node) {
+                of_nodes[node as usize] = *piece;
+            }
+        }
+        self.pieces.of_nodes = of_nodes;
+        Ok(change)
+    }
+
+    /// Gives parts that have come off numbers: those that leave something of their old piece behind. Returns the new numbers.
+    fn number_pieces(&mut self, parts: &[Vec<u32>]) -> Vec<u32> {
+        let piece_of = |pieces: &Pieces, element: u32| {
+            let node = self.mesh.tets[element as usize][0];
+            pieces.of_nodes[node as usize]
+        };
+        let mut new = Vec::new();
+        for part in parts {
+            let Some(old) = part.first().map(|&first| piece_of(&self.pieces, first)) else {
+                continue;
+            };
+            let elements = 0..self.mesh.tets.len() as u32;
+            let count = elements
+                .filter(|&element| piece_of(&self.pieces, element) == old)
+                .count();
+            if count == part.len() {
+                continue;
+            }
+            for &element in part {
+                for node in self.mesh.tets[element as usize] {
+                    self.pieces.of_nodes[node as usize] = self.pieces.count;
+                }
+            }
+            new.push(self.pieces.count);
+            self.pieces.count += 1;
+        }
+        new
+    }
+
+    /// Takes the surface from the topology, and what goes with it.
+    pub(crate) fn renew_surface(&mut self) {
+        let Some(topology) = &self.topology else {
+            return;
+        };
+        let triangles = topology.surface();
+        self.surface = Surface::new(triangles.iter().map(|t| t.nodes).collect());
+        self.inner = triangles.iter().map(|t| t.sheet != 0).collect();
+        let outside = triangles.iter().filter(|t| t.sheet == 0);
+        let outside: Vec<[u32; 3]> = outside.map(|t| t.nodes).collect();
+        self.drive.renew_loads(&self.mesh, &outside);
+        self.node_areas = node_areas(&self.surface, &self.mesh);
+    }
+}
+
+/// Share of the stability limit at the longest step of a body that the mass floor keeps after a cut (NUMERICS 3.5 c).
+const FLOOR: f64 = 0.9;
+
+/// Whether a segment goes through an element or ends in one.
+fn inside(mesh: &TetMesh, positions: &[Vector3<f64>], segment: [Vector3<f64>; 2]) -> bool {
+    let bounds = Aabb::of(&segment);
+    mesh.tets.iter().any(|tet| {
+        let corners = tet.map(|node| positions[node as usize]);
+        if !Aabb::of(&corners).overlaps(&bounds) {
+            return false;
+        }
+        let within = |end: &Vector3<f64>| point_in_tetrahedron(end, &corners).is_some();
+        let through = |face: [usize; 3]| {
+            closest_segment_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).distance()
+                == 0.0
+        };
+        within(&segment[0])
+            || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
+                .into_iter()
+                .any(through)
+    })
+}
+
+/// The cuts of a tool through a body in a tick, summed up.
+#[derive(Clone, Debug, Default)]
+struct Sum {
+    divided: usize,
+    area: f64,
+    now: f64,
+    /// Area times centroid, and times normal: at rest and now.
+    centroids: [Vector3<f64>; 2],
+    normals: [Vector3<f64>; 2],
+    pieces: Vec<u32>,
+    any: bool,
+}
+
+impl Sum {
+    fn add(&mut self, (cut, pieces): (cutting::Cut, Vec<u32>)) {
+        self.any = true;
+        self.divided += cut.divided;
+        let [rest, now] = cut.opened;
+        self.area += rest.area;
+        self.now += now.area;
+        for (k, opened) in [rest, now].iter().enumerate() {
+            self.centroids[k] += opened.centroid * opened.area;
+            // One blade may come from either side.
+            let turned = self.normals[k].dot(&opened.normal) < 0.0;
+            let normal = if turned {
+                -opened.normal
+            } else {
+                opened.normal
+            };
+            self.normals[k] += normal * opened.area;
+        }
+        self.pieces.extend(pieces);
+    }
+
+    fn report(self, body: usize, tool: usize, force_n: f64) -> Option<CutReport> {
+        let mean = |sum: Vector3<f64>, area: f64| if area > 0.0 { sum / area } else { sum };
+        let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_default();
+        self.any.then(|| CutReport {
+            body,
+            tool,
+            divided: self.divided,
+            area: self.area,
+            rest_centroid: mean(self.centroids[0], self.area).into(),
+            rest_normal: unit(self.normals[0]).into(),
+            centroid: mean(self.centroids[1], self.now).into(),
+            normal: unit(self.normals[1]).into(),
+            force_n,
+            pieces: self.pieces,
+        })
+    }
+}

@@ -1,0 +1,235 @@
+//! Exact bytes of edits of meshes, of strokes and of the marks of cut surfaces.
+
+use super::{Reader, RestoreError, put_f64, put_u32, put_vector};
+use crate::cutting::Edit;
+use crate::lonor::BladeMemory;
+use crate::scene::{Body, CutTally};
+use microsim_cutting::{Stroke, Topology, TopologyState};
+use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// An edit: body u32, nodes before it u32, generation u64; then lists, each behind its length u32: moved nodes (u32, 3 × f64), new nodes
+/// (2 × u32, f64), replaced elements (u32, list of 4 × u32), removed elements and nodes (u32), renumbered elements (5 × u32), cut faces (5 × u32, side
+/// u32).
+pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
+    let TopologyEdit {
+        generation,
+        moved,
+        nodes,
+        elements,
+        removed,
+        removed_nodes,
+        renumbered,
+        cut_faces,
+    } = &edit.edit;
+    put_u32(bytes, edit.body as u32);
+    put_u32(bytes, edit.nodes as u32);
+    bytes.extend_from_slice(&generation.to_le_bytes());
+    put_list(bytes, moved, |bytes, (node, place)| {
+        put_u32(bytes, *node);
+        put_vector(bytes, place);
+    });
+    put_list(bytes, nodes, |bytes, node| {
+        put_numbers(bytes, &node.between);
+        put_f64(bytes, node.share);
+    });
+    put_list(bytes, elements, |bytes, replacement| {
+        put_u32(bytes, replacement.element);
+        put_list(bytes, &replacement.children, |bytes, child| {
+            put_numbers(bytes, child)
+        });
+    });
+    put_list(bytes, removed, |bytes, element| put_u32(bytes, *element));
+    put_list(bytes, removed_nodes, |bytes, node| put_u32(bytes, *node));
+    put_list(bytes, renumbered, |bytes, (element, corners)| {
+        put_u32(bytes, *element);
+        put_numbers(bytes, corners);
+    });
+    put_list(bytes, cut_faces, |bytes, face| {
+        put_numbers(bytes, &face.nodes);
+        let side = u32::from(face.side == Side::Positive);
+        put_numbers(bytes, &[face.element, face.sheet, side]);
+    });
+}
+
+pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
+    let [body, nodes] = [reader.u32()? as usize, reader.u32()? as usize];
+    let generation = u64::from_le_bytes(reader.array()?);
+    let edit = TopologyEdit {
+        generation,
+        moved: reader.list(|r| Ok((r.u32()?, r.vector()?)))?,
+        nodes: reader.list(|r| {
+            Ok(NewNode {
+                between: r.numbers()?,
+                share: r.f64()?,
+            })
+        })?,
+        elements: reader.list(|r| {
+            Ok(Replacement {
+                element: r.u32()?,
+                children: r.list(Reader::numbers)?,
+            })
+        })?,
+        removed: reader.list(Reader::u32)?,
+        removed_nodes: reader.list(Reader::u32)?,
+        renumbered: reader.list(|r| Ok((r.u32()?, r.numbers()?)))?,
+        cut_faces: reader.list(|r| {
+            let nodes = r.numbers()?;
+            let [element, sheet, side] = r.numbers()?;
+            Ok(CutFace {
+                nodes,
+                element,
+                sheet,
+                side: match side {
+                    0 => Side::Negative,
+                    _ => Side::Positive,
+                },
+            })
+        })?,
+    };
+    Ok(Edit { body, nodes, edit })
+}
+
+/// What decides and what is under way of a cut: capsules in tissue (u32), closing points (u32 whether there is one, f64), strokes.
+pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeMemory) {
+    put_list(bytes, &blade.inside, |bytes, capsule| {
+        put_u32(bytes, *capsule)
+    });
+    put_list(bytes, &blade.closed, |bytes, closed| {
+        put_u32(bytes, u32::from(closed.is_some()));
+        put_f64(bytes, closed.unwrap_or_default());
+    });
+    put_list(bytes, &blade.strokes, |bytes, (line, stroke)| {
+        put_u32(bytes, *line);
+        put_u32(bytes, stroke.sheet);
+        let path: Vec<u32> = stroke.path.iter().copied().collect();
+        put_list(bytes, &path, |bytes, node| put_u32(bytes, *node));
+        let sides: Vec<_> = stroke.sides.iter().collect();
+        put_list(bytes, &sides, |bytes, (element, sides)| {
+            put_u32(bytes, **element);
+            bytes.extend(sides.iter().flat_map(|side| side.to_le_bytes()));
+        });
+        let given: Vec<_> = stroke.given.iter().collect();
+        put_list(bytes, &given, |bytes, (element, side)| {
+            put_u32(bytes, **element);
+            bytes.extend(side.to_le_bytes());
+        });
+        put_vector(bytes, &stroke.normal);
+    });
+}
+
+pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeMemory, RestoreError> {
+    Ok(BladeMemory {
+        inside: reader.list(Reader::u32)?,
+        closed: reader.list(|r| {
+            let there = r.u32()? != 0;
+            let place = r.f64()?;
+            Ok(there.then_some(place))
+        })?,
+        strokes: reader.list(|r| {
+            let line = r.u32()?;
+            let stroke = Stroke {
+                sheet: r.u32()?,
+                path: r.list(Reader::u32)?.into_iter().collect::<BTreeSet<_>>(),
+                sides: r
+                    .list(|r| Ok((r.u32()?, r.array()?.map(|side: u8| side as i8))))?
+                    .into_iter()
+                    .collect::<BTreeMap<_, _>>(),
+                given: r
+                    .list(|r| Ok((r.u32()?, i8::from_le_bytes(r.array()?))))?
+                    .into_iter()
+                    .collect::<BTreeMap<_, _>>(),
+                normal: r.vector()?,
+            };
+            Ok((line, stroke))
+        })?,
+    })
+}
+
+/// What cuts have made of a body, besides its edits: divided u64, rejected u64, lost volume f64, number of pieces u32, the piece of each
+/// node u32, and of its topology what its mesh does not tell. Nothing of a body that cannot be cut.
+pub(super) fn put_cut(bytes: &mut Vec<u8>, body: &Body) {
+    let Some(topology) = &body.topology else {
+        return;
+    };
+    let CutTally {
+        divided,
+        rejected,
+        lost_volume,
+    } = body.tally;
+    bytes.extend_from_slice(&divided.to_le_bytes());
+    bytes.extend_from_slice(&rejected.to_le_bytes());
+    put_f64(bytes, lost_volume);
+    put_u32(bytes, body.pieces.count);
+    put_numbers(bytes, &body.pieces.of_nodes);
+    put_topology(bytes, &topology.state());
+}
+
+/// Gives a body that has followed its edits the rest of what cuts have made of it.
+pub(super) fn cut(reader: &mut Reader<'_>, body: &mut Body) -> Result<(), RestoreError> {
+    if body.topology.is_none() {
+        return Ok(());
+    }
+    body.tally = CutTally {
+        divided: u64::from_le_bytes(reader.array()?),
+        rejected: u64::from_le_bytes(reader.array()?),
+        lost_volume: reader.f64()?,
+    };
+    body.pieces.count = reader.u32()?;
+    for piece in &mut body.pieces.of_nodes {
+        *piece = reader.u32()?;
+    }
+    body.topology = Some(Topology::restore(&body.mesh, &topology(reader)?));
+    body.renew_surface();
+    Ok(())
+}
+
+/// Of a body's topology, what its mesh does not tell.
+fn put_topology(bytes: &mut Vec<u8>, state: &TopologyState) {
+    put_list(bytes, &state.marks, |bytes, (element, corner, sheet)| {
+        put_numbers(bytes, &[*element, u32::from(*corner), *sheet]);
+    });
+    put_f64(bytes, state.mean_volume);
+    put_f64(bytes, state.mean_edge);
+    put_u32(bytes, state.sheets);
+}
+
+fn topology(reader: &mut Reader<'_>) -> Result<TopologyState, RestoreError> {
+    Ok(TopologyState {
+        marks: reader.list(|r| {
+            let [element, corner, sheet] = r.numbers()?;
+            let corner = u8::try_from(corner).map_err(|_| RestoreError::OtherScene)?;
+            Ok((element, corner, sheet))
+        })?,
+        mean_volume: reader.f64()?,
+        mean_edge: reader.f64()?,
+        sheets: reader.u32()?,
+    })
+}
+
+fn put_list<T>(bytes: &mut Vec<u8>, items: &[T], mut put: impl FnMut(&mut Vec<u8>, &T)) {
+    put_u32(bytes, items.len() as u32);
+    items.iter().for_each(|item| put(bytes, item));
+}
+
+fn put_numbers(bytes: &mut Vec<u8>, numbers: &[u32]) {
+    numbers.iter().for_each(|number| put_u32(bytes, *number));
+}
+
+impl Reader<'_> {
+    pub(super) fn list<T>(
+        &mut self,
+        mut item: impl FnMut(&mut Self) -> Result<T, RestoreError>,
+    ) -> Result<Vec<T>, RestoreError> {
+        let count = self.u32()?;
+        (0..count).map(|_| item(self)).collect()
+    }
+
+    fn numbers<const N: usize>(&mut self) -> Result<[u32; N], RestoreError> {
+        let mut numbers = [0; N];
+        for number in &mut numbers {
+            *number = self.u32()?;
+        }
+        Ok(numbers)
+    }
+}
