@@ -14,6 +14,9 @@ use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Cosine of the turn between two steps from which on a blade makes another cut: 45°.
+const TURNED: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// Limits of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -137,7 +140,13 @@ impl Topology {
         blade.check(mesh.positions.len())?;
         let mut crossings = self.crossings(blade)?;
         if crossings.is_empty() {
+            if stroke.sheet != 0 && self.is_clear(blade) {
+                *stroke = Stroke::new();
+            }
             return Ok(None);
+        }
+        if matches!(blade, Blade::Sweep { .. }) && is_turned(stroke, &crossings) {
+            *stroke = Stroke::new();
         }
         if stroke.sheet == 0 {
             self.sheets += 1;
@@ -196,6 +205,19 @@ impl Topology {
         Ok(crossings)
     }
 
+    /// Whether a blade that moves has come to where no element is.
+    fn is_clear(&self, blade: &Blade) -> bool {
+        let Blade::Sweep { sweep, now, .. } = blade else {
+            return false;
+        };
+        let mut clear = true;
+        self.clusters
+            .near(&Aabb::of(&sweep.now), &self.tets, [now, now], |_| {
+                clear = false;
+            });
+        clear
+    }
+
     /// Every edge, smaller node first and ascending, whose way in the step comes into `bounds`.
     fn edges_near(&self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 2]> {
         let around = |nodes: &[u32]| {
@@ -237,6 +259,24 @@ impl Topology {
         }
     }
 
+    /// Nodes on the edges of older cuts that this one goes on from: corners of elements that the blade goes into, with corners on both
+    /// sides of it, while it passes these ones by on neither. Without them a cut in several strokes would leave a bridge at each.
+    fn continued(&self, stroke: &Stroke, elements: &BTreeSet<u32>) -> BTreeSet<u32> {
+        let mut found = BTreeSet::new();
+        for &element in elements {
+            let sides = stroke.sides_of(element);
+            if !sides.contains(&1) || !sides.contains(&-1) {
+                continue;
+            }
+            for (node, side) in self.tets[element as usize].iter().zip(sides) {
+                if side == 0 && self.front.contains(node) {
+                    found.insert(*node);
+                }
+            }
+        }
+        found
+    }
+
     /// Divides and opens.
     fn carry_out(
         &mut self,
@@ -255,7 +295,12 @@ impl Topology {
                 && stroke.path.insert(node)
             {
                 touched.extend(self.elements_at(node));
+                self.front.insert(node);
             }
+        }
+        for node in self.continued(stroke, &touched) {
+            stroke.path.insert(node);
+            touched.extend(self.elements_at(node));
         }
         let mut editor = Editor::new(self, mesh, current);
         let mut new_nodes: BTreeMap<[u32; 2], u32> = BTreeMap::new();
@@ -265,6 +310,7 @@ impl Topology {
                 editor.add_node(*edge, share);
                 new_nodes.insert(*edge, node);
                 stroke.path.insert(node);
+                editor.topology.front.insert(node);
             }
         }
         let mut replaced = Vec::with_capacity(decisions.elements.len());
@@ -321,6 +367,23 @@ fn child_marks(child: &[PatternNode; 4], marks: &[u32; 4]) -> [u32; 4] {
         let lies_on = |face: &usize| others().all(|node| node.iter().all(|&c| c as usize != *face));
         (0..4).find(lies_on).map_or(0, |face| marks[face])
     })
+}
+
+/// Whether the blade goes on across its way so far: then it makes another cut, from whose point of view the first is an old one.
+fn is_turned(stroke: &Stroke, crossings: &BTreeMap<[u32; 2], Crossing>) -> bool {
+    if stroke.normal == Vector3::zeros() {
+        return false;
+    }
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for crossing in crossings.values() {
+        let length = crossing.normal.norm();
+        if length > 0.0 {
+            sum += (crossing.normal.dot(&stroke.normal) / length).abs();
+            count += 1.0;
+        }
+    }
+    sum < TURNED * count
 }
 
 /// Gives all crossings the same positive side as the stroke has so far: a blade that turns back would exchange the sides.

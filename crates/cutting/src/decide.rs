@@ -91,7 +91,7 @@ fn first_fate(
 ) -> Fate {
     let least = settings.least_share;
     let share = crossing.share.clamp(least, 1.0 - least);
-    let on_path = edge.map(|node| stroke.path.contains(&node));
+    let on_path = edge.map(|node| stroke.path.contains(&node) || topology.front.contains(&node));
     let end = match on_path {
         [false, false] => {
             let touched = crossing.share.min(1.0 - crossing.share) <= TOUCHING;

@@ -15,9 +15,13 @@
 //! edge opposite: a crack that the blade did not make, and beside which it goes on. Here a [`Stroke`] remembers the nodes on the path, and
 //! what is cut in part is divided and holds together until the blade has passed it.
 //!
+//! A stroke that ends on its way leaves the edge of its cut in the topology, and the next goes on from there: a blade may be drawn back
+//! and set in again, in any number of strokes, without a bridge between them.
+//!
 //! Limitations: a blade that meets no edge, as it is narrower than an element, cuts nothing. Where elements have become too small to be divided
-//! ([`Settings`]) the cut goes through nodes nearby. A second leg of a stroke so near the first that it crosses the same edges is cut
-//! by sides that may not be told apart: parts may hang together there until another stroke.
+//! ([`Settings`]) the cut goes through nodes nearby. A cut that comes within an element of the edge of an older one goes through its nodes. Two legs
+//! of one stroke that turns by less than 45° are one cut: so near each other that they cross the same edges, parts may hang together between
+//! them until another stroke.
 
 mod check;
 mod clusters;
