@@ -11,9 +11,10 @@ use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};
 use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
-use microsim_mesh::{Replacement, Surface, TetMesh, TopologyEdit};
+use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// A tool that cuts a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub(crate) struct Cut {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Edit {
     pub body: usize,
+    /// Number of nodes before it.
+    pub nodes: usize,
     pub edit: TopologyEdit,
 }
 
@@ -80,6 +83,23 @@ pub(crate) fn renumbering(edit: &TopologyEdit, old: usize) -> impl Fn(u32) -> Op
         let follow = |node, (from, to): &(u32, u32)| if node == *from { *to } else { node };
         stays.then(|| moves.iter().fold(node, follow))
     }
+}
+
+/// What becomes of a selection of nodes: a new node is in it if both nodes are that it comes from.
+pub(crate) fn follow_nodes(
+    nodes: impl IntoIterator<Item = u32>,
+    edit: &TopologyEdit,
+    old: usize,
+) -> Vec<u32> {
+    let mut all: BTreeSet<u32> = nodes.into_iter().collect();
+    for (new, node) in (old as u32..).zip(&edit.nodes) {
+        if node.between.iter().all(|parent| all.contains(parent)) {
+            all.insert(new);
+        }
+    }
+    let mut all: Vec<u32> = all.into_iter().filter_map(renumbering(edit, old)).collect();
+    all.sort_unstable();
+    all
 }
 
 impl Scene {
@@ -240,8 +260,24 @@ impl Scene {
             return Ok(None);
         };
         made.edit.carry_nodes(before);
+        self.tell_strokes(body, (cut, path.line), &made.edit);
         let pieces = self.follow(body, &made);
         Ok(Some((made, pieces)))
+    }
+
+    /// Tells the other lines that are under way in a body of an edit that one of them has made, before the body follows it.
+    fn tell_strokes(&mut self, body: usize, own: (usize, u32), edit: &TopologyEdit) {
+        let mesh = &self.bodies[body].mesh;
+        let (nodes, elements) = (mesh.positions.len(), mesh.tets.len());
+        for (cut, memory) in self.state.blades.iter_mut().enumerate() {
+            if self.cuts[cut].body != body {
+                continue;
+            }
+            let others = memory.strokes.iter_mut();
+            for (_, stroke) in others.filter(|(line, _)| (cut, *line) != own) {
+                stroke.follow(edit, nodes, elements);
+            }
+        }
     }
 
     /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off.
@@ -257,6 +293,7 @@ impl Scene {
         of.tally.lost_volume += made.lost_volume;
         self.edits.push(Edit {
             body,
+            nodes: old,
             edit: made.edit.clone(),
         });
         self.follow_in_groups(body, &made.edit, old);
@@ -301,37 +338,10 @@ impl Body {
         edit: &TopologyEdit,
         method: &Method,
     ) -> Result<ModelChange, Misfit> {
-        let (old, model) = (self.mesh.positions.len(), &self.model);
-        let mut clamped: Vec<bool> = Vec::with_capacity(edit.nodes.len());
-        for node in &edit.nodes {
-            let held = |parent: &u32| match (*parent as usize).checked_sub(old) {
-                None => model.is_clamped(*parent as usize),
-                Some(new) => clamped[new],
-            };
-            let both = node.between.iter().all(held);
-            clamped.push(both);
-        }
+        let old = self.mesh.positions.len();
         self.mesh.apply(edit).map_err(|_| Misfit)?;
-        let children = |of: &Replacement| vec![of.element; of.children.len() - 1];
-        let parents: Vec<u32> = edit.elements.iter().flat_map(children).collect();
-        let change = self.model.edit(&ModelEdit {
-            mesh: &self.mesh,
-            replaced: &edit
-                .elements
-                .iter()
-                .map(|of| of.element)
-                .collect::<Vec<_>>(),
-            parents: &parents,
-            new_nodes: &edit
-                .nodes
-                .iter()
-                .map(|node| (node.between, node.share))
-                .collect::<Vec<_>>(),
-            clamped: &clamped,
-            moved: &edit.moved.iter().map(|(node, _)| *node).collect::<Vec<_>>(),
-            removed_elements: &edit.removed,
-            removed_nodes: &edit.removed_nodes,
-        });
+        let edit_of_model = ModelEdit::new(&self.mesh, edit, self.model.clamped());
+        let change = self.model.edit(&edit_of_model);
         let change = change.map_err(|_| Misfit)?;
         if method.is_explicit() {
             stability::floor_nodes(&mut self.model, &change.touched, self.stable_step, FLOOR);

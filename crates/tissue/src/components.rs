@@ -1,29 +1,78 @@
 //! Connected parts of a model.
 
 use crate::model::TissueModel;
+use std::sync::Arc;
 
-/// For each node the lowest node that elements couple it to, directly or through others.
-pub(crate) fn components(model: &TissueModel) -> Vec<u32> {
-    let mut lowest: Vec<u32> = (0..model.node_count() as u32).collect();
-    for set in model.sets() {
-        for element in 0..set.count() {
-            for pair in set.nodes(element).windows(2) {
-                let ends = [root(&mut lowest, pair[0]), root(&mut lowest, pair[1])];
-                lowest[ends[0].max(ends[1]) as usize] = ends[0].min(ends[1]);
-            }
-        }
-    }
-    for node in 0..lowest.len() as u32 {
-        lowest[node as usize] = root(&mut lowest, node);
-    }
-    lowest
+/// The parts that elements hold together, in the order of their lowest nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Components {
+    /// The part of each node.
+    pub of_node: Vec<u32>,
+    /// The lowest node of each part.
+    pub lowest: Vec<u32>,
 }
 
-fn root(lowest: &mut [u32], mut node: u32) -> u32 {
-    while lowest[node as usize] != node {
-        let next = lowest[lowest[node as usize] as usize];
-        lowest[node as usize] = next;
-        node = next;
+impl Components {
+    fn new(model: &TissueModel) -> Self {
+        let mut groups = Groups::new(model.node_count());
+        // What is made of materials couples the nodes of each tetrahedron, and no others.
+        let made = model.parts_made().len();
+        if made > 0 {
+            model.tets().iter().for_each(|tet| groups.join(tet));
+        }
+        for set in &model.sets()[made..] {
+            (0..set.count()).for_each(|element| groups.join(set.nodes(element)));
+        }
+        let mut components = Self {
+            of_node: Vec::with_capacity(model.node_count()),
+            lowest: Vec::new(),
+        };
+        for node in 0..model.node_count() as u32 {
+            let root = groups.root(node);
+            if root == node {
+                components.of_node.push(components.lowest.len() as u32);
+                components.lowest.push(node);
+            } else {
+                // The root is the lowest node.
+                components.of_node.push(components.of_node[root as usize]);
+            }
+        }
+        components
     }
-    node
+}
+
+impl TissueModel {
+    /// Its connected parts.
+    pub(crate) fn components(&self) -> &Arc<Components> {
+        self.components
+            .get_or_init(|| Arc::new(Components::new(self)))
+    }
+}
+
+/// Disjoint groups of numbers, each with its lowest one.
+pub(crate) struct Groups(Vec<u32>);
+
+impl Groups {
+    /// Each number alone.
+    pub fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    /// Makes the groups of these numbers one.
+    pub fn join(&mut self, members: &[u32]) {
+        for pair in members.windows(2) {
+            let (a, b) = (self.root(pair[0]), self.root(pair[1]));
+            self.0[a.max(b) as usize] = a.min(b);
+        }
+    }
+
+    /// The lowest number of a group.
+    pub fn root(&mut self, mut member: u32) -> u32 {
+        while self.0[member as usize] != member {
+            let next = self.0[self.0[member as usize] as usize];
+            self.0[member as usize] = next;
+            member = next;
+        }
+        member
+    }
 }

@@ -21,6 +21,7 @@
 
 mod error;
 mod index;
+mod pieces;
 mod plan;
 mod sets;
 mod state;
@@ -30,7 +31,8 @@ pub(crate) use index::Index;
 pub use state::ModelChange;
 
 use crate::model::TissueModel;
-use microsim_mesh::TetMesh;
+use microsim_mesh::{TetMesh, TopologyEdit};
+
 use plan::Plan;
 
 /// What became of the nodes and elements of a body's mesh.
@@ -38,24 +40,55 @@ use plan::Plan;
 /// In this order: elements are replaced, further ones and new nodes are appended; then elements, and nodes that are no longer used, leave
 /// from the largest number down, the last one taking the place of the one that left (`swap_remove`). Numbers of nodes are those
 /// after appending and before leaving, but in `mesh`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ModelEdit<'a> {
     /// The mesh after the edit.
     pub mesh: &'a TetMesh,
     /// Elements in whose place there is another one now, ascending.
-    pub replaced: &'a [u32],
+    pub replaced: Vec<u32>,
     /// For each appended element the one before the edit of which it is a part.
-    pub parents: &'a [u32],
+    pub parents: Vec<u32>,
     /// Each new node as a point of the line between two others with smaller numbers: a + share (b − a). A copy has the share 0.
-    pub new_nodes: &'a [([u32; 2], f64)],
+    pub new_nodes: Vec<([u32; 2], f64)>,
     /// Whether each new node is fixed in space.
-    pub clamped: &'a [bool],
+    pub clamped: Vec<bool>,
     /// Nodes with another rest position.
-    pub moved: &'a [u32],
+    pub moved: Vec<u32>,
     /// Elements that leave, ascending.
-    pub removed_elements: &'a [u32],
+    pub removed_elements: Vec<u32>,
     /// Nodes that leave, ascending.
-    pub removed_nodes: &'a [u32],
+    pub removed_nodes: Vec<u32>,
+}
+
+impl<'a> ModelEdit<'a> {
+    /// That of an edit that has been applied to `mesh`, for a body with these clamped nodes before, ascending: a new node is fixed
+    /// where all that it comes from is.
+    pub fn new(mesh: &'a TetMesh, edit: &TopologyEdit, clamped_before: &[u32]) -> Self {
+        let nodes = mesh.positions.len() + edit.removed_nodes.len() - edit.nodes.len();
+        let mut clamped: Vec<bool> = Vec::with_capacity(edit.nodes.len());
+        for node in &edit.nodes {
+            let fixed = |node: u32| match (node as usize).checked_sub(nodes) {
+                None => clamped_before.binary_search(&node).is_ok(),
+                Some(new) => clamped.get(new).copied().unwrap_or(false),
+            };
+            let [a, b] = node.between;
+            clamped.push(fixed(a) && (node.share == 0.0 || fixed(b)));
+        }
+        let parents = edit.elements.iter().flat_map(|replacement| {
+            let further = replacement.children.len() - 1;
+            std::iter::repeat_n(replacement.element, further)
+        });
+        Self {
+            mesh,
+            replaced: edit.elements.iter().map(|r| r.element).collect(),
+            parents: parents.collect(),
+            new_nodes: edit.nodes.iter().map(|n| (n.between, n.share)).collect(),
+            clamped,
+            moved: edit.moved.iter().map(|(node, _)| *node).collect(),
+            removed_elements: edit.removed.clone(),
+            removed_nodes: edit.removed_nodes.clone(),
+        }
+    }
 }
 
 impl TissueModel {

@@ -10,6 +10,7 @@ mod continuum_constraints;
 mod continuum_matrix;
 mod coupling;
 mod domains;
+pub mod key;
 mod lanes;
 mod matrix;
 mod measure;
@@ -29,8 +30,9 @@ pub use plasticity::Plasticity;
 pub use smoothed::SmoothingDomains;
 pub(crate) use smoothed::{EDGE_SHARE, NODE_SHARE, patches};
 
+use key::Key;
 use nalgebra::Vector3;
-use splice::{Inherited, Key};
+use splice::Inherited;
 use std::any::Any;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -162,7 +164,7 @@ pub trait Elements: Any + Debug + Send + Sync {
 
     /// Calls `visit` with each [`Key`] by which an edit of the mesh finds an element: its nodes, unless it says otherwise.
     fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
-        visit(splice::key(self.nodes(element)));
+        visit(Key::new(self.nodes(element)));
     }
 
     /// Takes the elements `removed`, ascending, out, and puts those of `added` in, as [`splice::splice`] does. Returns false, with

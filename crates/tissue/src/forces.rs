@@ -34,6 +34,19 @@ impl Forces {
         }
     }
 
+    /// Follows an edit of the model.
+    pub fn follow(&mut self, model: &TissueModel) {
+        let parts = match model.parts() {
+            [_] => &[],
+            parts => parts,
+        };
+        self.buffers.resize(parts.len(), Vec::new());
+        for (buffer, part) in self.buffers.iter_mut().zip(parts) {
+            buffer.resize(part.nodes.len(), Vector3::zeros());
+        }
+        self.total.resize(model.node_count(), Vector3::zeros());
+    }
+
     /// The force on each node [N] at positions and velocities of `state`: elastic, viscous, weight and loads. Drag is not in
     /// it: integrators treat it exactly. On a clamped node it is what the clamp holds.
     pub fn compute(

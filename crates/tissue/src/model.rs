@@ -6,9 +6,11 @@ mod parallel;
 pub use error::ModelError;
 pub(crate) use parallel::Part;
 
+use crate::components::Components;
 use crate::edit::Index;
 use crate::elements::Elements;
 use crate::material;
+use crate::stability::{self, gershgorin_bound};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use parallel::{PARALLEL_ELEMENTS, follow, parts};
@@ -35,6 +37,10 @@ pub struct TissueModel {
     pub(crate) parts: Vec<Part>,
     /// What edits look up; made at the first one.
     pub(crate) index: OnceLock<Arc<Index>>,
+    rate_bound: OnceLock<f64>,
+    pub(crate) components: OnceLock<Arc<Components>>,
+    /// S_i of NUMERICS 3.2 at rest [N/m], once it was asked for.
+    pub(crate) row_sums: OnceLock<Vec<f64>>,
 }
 
 impl TissueModel {
@@ -132,6 +138,9 @@ impl TissueModel {
             mean_edge_length,
             parts,
             index: OnceLock::new(),
+            rate_bound: OnceLock::new(),
+            components: OnceLock::new(),
+            row_sums: OnceLock::new(),
         }
     }
 
@@ -154,6 +163,9 @@ impl TissueModel {
             mean_edge_length: f64::INFINITY,
             parts: Vec::new(),
             index: OnceLock::new(),
+            rate_bound: OnceLock::new(),
+            components: OnceLock::new(),
+            row_sums: OnceLock::new(),
         };
         let sets: usize = bodies.iter().map(|body| body.sets.len()).sum();
         for body in bodies {
@@ -195,6 +207,11 @@ impl TissueModel {
         if bodies.iter().all(|body| body.parts.len() == 1) && union.tets.len() < PARALLEL_ELEMENTS {
             union.parts = parts(union.tets.len(), union.node_count(), &union.sets);
         }
+        // That of the members where edits may have kept it from before; else the same comes out.
+        let bounds = bodies.iter().map(|body| body.rate_bound.get().copied());
+        if let Some(bounds) = bounds.collect::<Option<Vec<f64>>>() {
+            union.rate_bound = bounds.into_iter().fold(0.0, f64::max).into();
+        }
         union
     }
 
@@ -225,6 +242,7 @@ impl TissueModel {
     /// [`stability::mass_floor`](crate::stability::mass_floor). It has no weight.
     pub fn with_added_inertia(mut self, added: Vec<f64>) -> Self {
         self.added_inertia = added;
+        self.rate_bound = OnceLock::new();
         for node in 0..self.masses.len() {
             self.update_inverse_mass(node);
         }
@@ -239,10 +257,14 @@ impl TissueModel {
 
     /// Scales elements of a set by their factors.
     pub(crate) fn scale_elements(&mut self, set: usize, factors: &[(u32, f64)]) {
-        let elements = self.own_set(set);
+        let mut sums = self.row_sums.take();
         for (element, factor) in factors {
-            elements.scale(*element as usize, *factor);
+            if let Some(sums) = &mut sums {
+                self.add_rows(set, [*element], *factor - 1.0, sums);
+            }
+            self.own_set(set).scale(*element as usize, *factor);
         }
+        self.row_sums = sums.map_or_else(OnceLock::new, OnceLock::from);
     }
 
     /// A set to be changed: a copy first, where others share it.
@@ -265,6 +287,8 @@ impl TissueModel {
     pub fn with_scaled_elements(mut self, factors: &[Vec<f64>]) -> Self {
         let sets = self.sets.iter().zip(factors);
         self.sets = sets.map(|(set, factors)| set.scaled(factors)).collect();
+        self.rate_bound = OnceLock::new();
+        self.row_sums = OnceLock::new();
         self
     }
 
@@ -344,6 +368,14 @@ impl TissueModel {
     /// Mean rest length of the edges [m]: the characteristic length of the body. Edits leave it what it was at the start.
     pub fn mean_edge_length(&self) -> f64 {
         self.mean_edge_length
+    }
+
+    /// A bound of λ_max at rest [1/s²], that of Gershgorin: how fast the body answers. Edits leave it what it was at the start, as the
+    /// characteristic length.
+    pub(crate) fn rate_bound(&self) -> f64 {
+        *self
+            .rate_bound
+            .get_or_init(|| gershgorin_bound(self, stability::Part::Stiffness))
     }
 
     /// The parts in which forces are computed; one for a small body.

@@ -50,7 +50,6 @@ use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::parts::Parts;
 use crate::solver::{StepFailure, StepReport};
-use crate::stability::{Part, gershgorin_bound};
 use crate::state::{Control, State};
 use crate::system::{Shares, System};
 use gaps::Gaps;
@@ -230,7 +229,7 @@ impl NewtonSolver {
             parts: Parts::new(model),
             balanced: false,
             finds: 0,
-            frequency: gershgorin_bound(model, Part::Stiffness).sqrt(),
+            frequency: model.rate_bound().sqrt(),
             system,
             forces: KnownForces::new(model),
             drags: {

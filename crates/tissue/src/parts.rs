@@ -1,9 +1,10 @@
 //! Parts of a model that no element couples to others, moved as wholes.
 
-use crate::components::components;
+use crate::components::Components;
 use crate::contact::Contact;
 use crate::model::TissueModel;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Most sweeps over the contacts.
 const SWEEPS: u32 = 50;
@@ -35,9 +36,7 @@ impl Part {
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
     edge: f64,
-    /// For each node the lowest one of its part.
-    components: Vec<u32>,
-    /// By the lowest node of each.
+    components: Arc<Components>,
     parts: Vec<Part>,
     pushes: Vec<f64>,
 }
@@ -45,7 +44,7 @@ pub(crate) struct Parts {
 impl Parts {
     /// Those of `model`.
     pub fn new(model: &TissueModel) -> Self {
-        let components = components(model);
+        let components = model.components().clone();
         let none = Part {
             mass: 0.0,
             held: false,
@@ -53,9 +52,9 @@ impl Parts {
             left: Vector3::zeros(),
             inertia: 0.0,
         };
-        let mut parts = vec![none; model.node_count()];
-        for (node, &lowest) in components.iter().enumerate() {
-            parts[lowest as usize].mass += model.inertia(node);
+        let mut parts = vec![none; components.lowest.len()];
+        for (node, &part) in components.of_node.iter().enumerate() {
+            parts[part as usize].mass += model.inertia(node);
         }
         Self {
             edge: model.mean_edge_length(),
@@ -73,8 +72,8 @@ impl Parts {
             part.left = Vector3::zeros();
             part.inertia = 0.0;
         }
-        for (node, &lowest) in self.components.iter().enumerate() {
-            self.parts[lowest as usize].held |= held(node);
+        for (node, &part) in self.components.of_node.iter().enumerate() {
+            self.parts[part as usize].held |= held(node);
         }
     }
 
@@ -92,7 +91,7 @@ impl Parts {
         for contact in contacts {
             let sides = [Some(contact.nodes[0]), contact.other_side()];
             for node in sides.into_iter().flatten() {
-                let part = &mut self.parts[self.components[node as usize] as usize];
+                let part = &mut self.parts[self.components.of_node[node as usize] as usize];
                 part.held |= contact.pressure * h * h > PRESSED * part.mass * self.edge;
             }
         }
@@ -108,7 +107,7 @@ impl Parts {
         for _ in 0..SWEEPS {
             let mut largest = 0.0f64;
             for (contact, push) in contacts.iter().zip(&mut *pushes) {
-                let part = |node: u32| components[node as usize] as usize;
+                let part = |node: u32| components.of_node[node as usize] as usize;
                 let first = part(contact.nodes[0]);
                 let second = contact.other_side().map(part);
                 let mut gap = contact.gap(positions) + contact.normal.dot(&parts[first].way);
@@ -150,8 +149,8 @@ impl Parts {
         positions: &mut [Vector3<f64>],
     ) {
         self.begin(|node| fixed[node]);
-        for (node, (&lowest, left)) in self.components.iter().zip(left).enumerate() {
-            let part = &mut self.parts[lowest as usize];
+        for (node, (&part, left)) in self.components.of_node.iter().zip(left).enumerate() {
+            let part = &mut self.parts[part as usize];
             part.left += left;
             part.inertia += inertia(node);
         }
@@ -162,8 +161,8 @@ impl Parts {
     }
 
     fn go(&self, positions: &mut [Vector3<f64>]) {
-        for (x, &lowest) in positions.iter_mut().zip(&self.components) {
-            *x += self.parts[lowest as usize].way;
+        for (x, &part) in positions.iter_mut().zip(&self.components.of_node) {
+            *x += self.parts[part as usize].way;
         }
     }
 }

@@ -25,6 +25,12 @@ impl Prescribed {
         }
     }
 
+    /// For so many nodes from now on.
+    pub fn resize(&mut self, nodes: usize) {
+        self.fixed.resize(nodes, false);
+        self.ends.resize(nodes, Vector3::zeros());
+    }
+
     /// Clamps, and targets of contact, of a step from `state`.
     pub fn set(
         &mut self,

@@ -24,7 +24,6 @@
 use crate::contact::{Contact, Touching};
 use crate::model::TissueModel;
 use crate::parts::Parts;
-use crate::stability::{Part, gershgorin_bound};
 use nalgebra::Vector3;
 
 /// Most sweeps over the contacts.
@@ -75,13 +74,19 @@ impl Projection {
     pub fn new(model: &TissueModel) -> Self {
         Self {
             edge: model.mean_edge_length(),
-            frequency: gershgorin_bound(model, Part::Stiffness).sqrt(),
+            frequency: model.rate_bound().sqrt(),
             rows: Vec::new(),
             parts: Parts::new(model),
             pushes: Vec::new(),
             closed: Vec::new(),
             before: vec![Vector3::zeros(); model.node_count()],
         }
+    }
+
+    /// Follows an edit of the model.
+    pub fn follow(&mut self, model: &TissueModel) {
+        self.parts = Parts::new(model);
+        self.before.resize(model.node_count(), Vector3::zeros());
     }
 
     /// Keeps gaps where a step without contact brings the nodes to `positions`, from `start`; afterwards they are where the step

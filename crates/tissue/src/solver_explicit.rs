@@ -418,6 +418,17 @@ impl Solver for SolverExplicit {
         })
     }
 
+    fn follow(&mut self, model: &TissueModel) {
+        let nodes = model.node_count();
+        self.forces.follow(model);
+        self.positions.resize(nodes, Vector3::zeros());
+        self.velocities.resize(nodes, Vector3::zeros());
+        self.accelerations.resize(nodes, Vector3::zeros());
+        self.factors.resize(nodes, 1.0);
+        self.projection.follow(model);
+        self.led.resize(nodes, false);
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

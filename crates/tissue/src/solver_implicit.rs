@@ -414,6 +414,10 @@ impl Solver for SolverImplicit {
         self.make(scheme, model, state, control, Some(touching), h, exec)
     }
 
+    fn follow(&mut self, model: &TissueModel) {
+        *self = Self::new(model, self.scheme, self.newton);
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

@@ -11,7 +11,7 @@
 //! which it moves are wrong by that much of what it would take to strain it as far. Old overlaps are pushed out by force. A body
 //! that buckles ends in one of its equilibria, the nearest downhill. Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
-use crate::components::components;
+use crate::components::Components;
 use crate::contact::Touching;
 use crate::executor::Executor;
 use crate::model::TissueModel;
@@ -20,6 +20,7 @@ use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Contacts, Control, State};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// The shortest share of a step that is tried.
 const SHORTEST: f64 = 1.0 / 64.0;
@@ -34,8 +35,8 @@ pub struct SolverQuasiStatic {
     solver: NewtonSolver,
     equation: Equation,
     prescribed: Prescribed,
-    /// For each node the lowest node of its connected part.
-    components: Vec<u32>,
+    components: Arc<Components>,
+    /// Of each connected part.
     held: Vec<bool>,
     /// f_0 [N].
     start_forces: Vec<Vector3<f64>>,
@@ -52,7 +53,7 @@ impl SolverQuasiStatic {
         let solver = NewtonSolver::new(model);
         Self {
             newton,
-            components: components(model),
+            components: model.components().clone(),
             solver,
             equation: Equation {
                 rate: 0.0,
@@ -62,7 +63,7 @@ impl SolverQuasiStatic {
                 hold: Vec::new(),
             },
             prescribed: Prescribed::new(model.node_count()),
-            held: vec![false; model.node_count()],
+            held: vec![false; model.components().lowest.len()],
             start_forces: zeros.clone(),
             ends: zeros.clone(),
             solved: zeros,
@@ -77,20 +78,22 @@ impl SolverQuasiStatic {
     ) -> Result<(), StepFailure> {
         self.held.fill(false);
         self.equation.hold.clear();
-        for (&lowest, fixed) in self.components.iter().zip(&self.prescribed.fixed) {
-            self.held[lowest as usize] |= fixed;
+        let Components { of_node, lowest } = &*self.components;
+        for (&part, fixed) in of_node.iter().zip(&self.prescribed.fixed) {
+            self.held[part as usize] |= fixed;
         }
         let held = &mut self.held;
-        let is_loose = |lowest: &&u32| !held[**lowest as usize];
-        let Some(&first) = self.components.iter().find(is_loose) else {
+        let Some(first) = held.iter().position(|held| !held) else {
             return Ok(());
         };
         let Some(touching) = touching else {
-            return Err(StepFailure::Singular { node: first });
+            return Err(StepFailure::Singular {
+                node: lowest[first],
+            });
         };
         self.equation.base.clone_from(&state.positions);
-        for (&lowest, stiffness) in self.components.iter().zip(self.solver.stiffness()) {
-            let loose = !held[lowest as usize];
+        for (&part, stiffness) in of_node.iter().zip(self.solver.stiffness()) {
+            let loose = !held[part as usize];
             let spring = if loose { LOOSE * stiffness } else { 0.0 };
             self.equation.hold.push(spring);
         }
@@ -100,17 +103,13 @@ impl SolverQuasiStatic {
         for contact in &touching.contacts {
             for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
                 if weight != 0.0 {
-                    held[self.components[node as usize] as usize] = true;
+                    held[of_node[node as usize] as usize] = true;
                 }
             }
         }
         touching.contacts.clear();
-        match self
-            .components
-            .iter()
-            .find(|lowest| !held[**lowest as usize])
-        {
-            Some(&node) => Err(StepFailure::Singular { node }),
+        match held.iter().position(|held| !held) {
+            Some(part) => Err(StepFailure::Singular { node: lowest[part] }),
             None => Ok(()),
         }
     }
@@ -217,6 +216,10 @@ impl Solver for SolverQuasiStatic {
             iterations,
             ..report
         })
+    }
+
+    fn follow(&mut self, model: &TissueModel) {
+        *self = Self::new(model, self.newton);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -224,6 +224,16 @@ impl Solver for SolverVerlet {
         })
     }
 
+    fn follow(&mut self, model: &TissueModel) {
+        let nodes = model.node_count();
+        self.forces.follow(model);
+        self.predicted.resize(nodes, Vector3::zeros());
+        self.predicted_velocities.resize(nodes, Vector3::zeros());
+        self.kicks.resize(nodes, 0.0);
+        self.projection.follow(model);
+        self.led.resize(nodes, false);
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

@@ -254,6 +254,26 @@ impl Solver for SolverXpbd {
         })
     }
 
+    fn follow(&mut self, model: &TissueModel) {
+        let nodes = model.node_count();
+        self.prescribed.resize(nodes);
+        self.inverse_masses.resize(nodes, 0.0);
+        for (set, multipliers) in model.sets().iter().zip(&mut self.multipliers) {
+            // An edit adds elements of the same kind, which are constraints too.
+            let each = set.constraints().map_or(0, |set| set.multipliers());
+            multipliers.resize(set.count() * each, 0.0);
+        }
+        for values in [
+            &mut self.positions,
+            &mut self.velocities,
+            &mut self.previous,
+            &mut self.loads,
+        ] {
+            values.resize(nodes, Vector3::zeros());
+        }
+        self.projection.follow(model);
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

@@ -9,6 +9,7 @@ mod limit;
 mod local;
 mod matrix;
 mod remedy;
+mod rows;
 
 pub use limit::{delingette_stiffness, limit};
 pub use local::{Remedied, cap_nodes, floor_nodes};

@@ -1,7 +1,8 @@
 //! Which elements are at a node: what an edit looks up.
 
 use crate::elements::Elements;
-use crate::elements::splice::{Key, nodes_of, places};
+use crate::elements::key::Key;
+use crate::elements::splice::places;
 use crate::model::TissueModel;
 use std::sync::Arc;
 
@@ -64,8 +65,8 @@ impl Index {
     }
 
     /// The tetrahedra that have all nodes of a key, ascending, added to `found`.
-    pub fn tets_of(&self, key: &Key, tets: &[[u32; 4]], found: &mut Vec<u32>) {
-        let nodes = nodes_of(key);
+    pub fn tets_of(&self, key: Key, tets: &[[u32; 4]], found: &mut Vec<u32>) {
+        let nodes = key.nodes();
         let Some(fewest) = nodes.iter().min_by_key(|node| self.tets_at(**node).len()) else {
             return;
         };
@@ -110,13 +111,13 @@ impl SetIndex {
 
     fn add(&mut self, set: &dyn Elements, element: usize) {
         set.keys(element, &mut |key| {
-            self.at[key[0] as usize].push((key, element as u32));
+            self.at[key.first() as usize].push((key, element as u32));
         });
     }
 
     fn remove(&mut self, set: &dyn Elements, element: usize) {
         set.keys(element, &mut |key| {
-            let at = &mut self.at[key[0] as usize];
+            let at = &mut self.at[key.first() as usize];
             let entry = (key, element as u32);
             if let Some(place) = at.iter().position(|other| *other == entry) {
                 at.swap_remove(place);
@@ -126,7 +127,7 @@ impl SetIndex {
 
     /// The elements with a key.
     pub fn find(&self, key: Key) -> impl Iterator<Item = u32> + '_ {
-        let at = self.at[key[0] as usize].iter();
+        let at = self.at[key.first() as usize].iter();
         at.filter(move |(other, _)| *other == key)
             .map(|(_, element)| *element)
     }
@@ -154,6 +155,7 @@ impl TissueModel {
     /// with the body; done by the first of them otherwise.
     pub fn prepare_edits(&self) {
         self.index();
+        self.rate_bound();
     }
 
     /// What edits look up.

@@ -42,6 +42,11 @@ impl Leaving {
         Some(moved.map_or(place, |index| self.moves[index][1]))
     }
 
+    /// Whether nothing leaves.
+    pub fn is_same(&self) -> bool {
+        self.removed.is_empty()
+    }
+
     /// Which entry is at a place then.
     pub fn before(&self, place: u32) -> u32 {
         let moved = self.moves.iter().find(|m| m[1] == place);
@@ -91,14 +96,14 @@ impl Plan {
         }
         let (nodes_before, elements_before) = (model.node_count(), model.tets().len());
         let appended = nodes_before + edit.new_nodes.len();
-        ascending("element", edit.replaced, elements_before)?;
+        ascending("element", &edit.replaced, elements_before)?;
         let all_elements = elements_before + edit.parents.len();
-        ascending("element", edit.removed_elements, all_elements)?;
-        ascending("node", edit.removed_nodes, appended)?;
-        for &node in edit.moved {
+        ascending("element", &edit.removed_elements, all_elements)?;
+        ascending("node", &edit.removed_nodes, appended)?;
+        for &node in &edit.moved {
             in_range("node", node, nodes_before)?;
         }
-        for &parent in edit.parents {
+        for &parent in &edit.parents {
             in_range("element", parent, elements_before)?;
         }
         for (place, (between, share)) in edit.new_nodes.iter().enumerate() {
@@ -112,8 +117,8 @@ impl Plan {
                 });
             }
         }
-        let nodes = Leaving::new(appended, edit.removed_nodes);
-        let elements = Leaving::new(all_elements, edit.removed_elements);
+        let nodes = Leaving::new(appended, &edit.removed_nodes);
+        let elements = Leaving::new(all_elements, &edit.removed_elements);
         count("nodes", nodes.count(), edit.mesh.positions.len())?;
         count("elements", elements.count(), edit.mesh.tets.len())?;
         count("elements", elements.count(), edit.mesh.regions.len())?;
@@ -163,7 +168,7 @@ impl Plan {
             fresh,
             reshaped,
             renumbered,
-            supports: supports(nodes_before, edit.new_nodes),
+            supports: supports(nodes_before, &edit.new_nodes),
             moved: moved(model, edit, &nodes),
             nodes,
             elements,
@@ -266,7 +271,7 @@ fn moved(
     nodes: &Leaving,
 ) -> Vec<(u32, [u32; 4], [f64; 4])> {
     let mut all = Vec::with_capacity(edit.moved.len());
-    for &node in edit.moved {
+    for &node in &edit.moved {
         let Some(after) = nodes.after(node) else {
             continue;
         };

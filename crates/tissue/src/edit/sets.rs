@@ -3,13 +3,14 @@
 use super::ModelEdit;
 use super::plan::Plan;
 use super::state::{ModelChange, SetChange};
-use crate::elements::splice::{Key, NO_NODE, key, nodes_of, places, splice};
+use crate::elements::key::Key;
+use crate::elements::splice::{places, splice};
 use crate::elements::{Coupling, Elements, Followed, patches};
-use crate::material::Part;
+use crate::material::{Carried, Part};
 use crate::model::TissueModel;
 use microsim_mesh::{TetMesh, signed_volume};
 use std::any::Any;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// What goes out of a set, and what comes in.
 struct Exchange {
@@ -25,28 +26,57 @@ impl TissueModel {
     pub(super) fn follow(&mut self, edit: &ModelEdit<'_>, plan: &Plan) -> ModelChange {
         // Ties need the rest positions before the edit.
         let first_coupling = self.made_of.len();
+        let removed: Vec<Vec<u32>> = (0..first_coupling)
+            .map(|set| self.removed(set, edit.mesh, plan))
+            .collect();
         let ties: Vec<Option<Exchange>> = (first_coupling..self.sets.len())
             .map(|set| self.exchange_ties(set, edit, plan))
             .collect();
+        let mut sums = self.row_sums.take();
+        if let Some(sums) = &mut sums {
+            for (set, removed) in removed.iter().enumerate() {
+                self.add_rows(set, removed.iter().copied(), -1.0, sums);
+            }
+            for (set, ties) in (first_coupling..).zip(&ties) {
+                let removed = ties.iter().flat_map(|ties| ties.removed.iter().copied());
+                self.add_rows(set, removed, -1.0, sums);
+            }
+            sums.resize(self.node_count() + edit.new_nodes.len(), 0.0);
+            splice(sums, &edit.removed_nodes, &[]);
+        }
         self.follow_mesh(edit, plan);
+        self.follow_components(plan, ties.iter().any(Option::is_some));
 
         let mut touched: Vec<u32> = Vec::new();
         let mut changes = Vec::with_capacity(self.sets.len());
-        let mut ties = ties.into_iter();
+        let (mut removed, mut ties) = (removed.into_iter(), ties.into_iter());
         for set in 0..self.sets.len() {
             let exchange = match self.made_of.get(set).copied() {
-                Some(part) if matches!(part.carried, crate::material::Carried::Patches(_)) => {
-                    self.exchange_patches(set, &part, edit.mesh, plan)
+                Some(part) => {
+                    let removed = removed.next().unwrap_or_default();
+                    match part.carried {
+                        Carried::Patches(_) => {
+                            self.exchange_patches(set, &part, removed, edit.mesh, plan)
+                        }
+                        _ => self.exchange_around(set, &part, removed, edit.mesh, plan),
+                    }
                 }
-                Some(part) => self.exchange_around(set, &part, edit.mesh, plan),
                 None => ties.next().flatten(),
             };
             let change = match exchange {
-                Some(exchange) => self.exchange(set, &exchange, plan, &mut touched),
+                Some(exchange) => {
+                    let change = self.exchange(set, &exchange, plan, &mut touched);
+                    if let Some(sums) = &mut sums {
+                        let added = &change.placed[..change.added];
+                        self.add_rows(set, added.iter().copied(), 1.0, sums);
+                    }
+                    change
+                }
                 None => SetChange::none(self.sets[set].count(), self.internal[set].len()),
             };
             changes.push(change);
         }
+        self.row_sums = sums.map_or_else(OnceLock::new, OnceLock::from);
         let mut index = self.take_index();
         index.resize(plan.nodes.count());
         self.put_index(index);
@@ -67,8 +97,8 @@ impl TissueModel {
         self.follow_parts(&placed);
         ModelChange {
             touched,
-            new_nodes: edit.new_nodes.to_vec(),
-            removed_nodes: edit.removed_nodes.to_vec(),
+            new_nodes: edit.new_nodes.clone(),
+            removed_nodes: edit.removed_nodes.clone(),
             moved: plan.moved.clone(),
             sets: changes,
         }
@@ -89,7 +119,7 @@ impl TissueModel {
             }
         }
         let all = self.rest_positions.len();
-        let removed = edit.removed_nodes;
+        let removed = &edit.removed_nodes;
         splice(&mut self.rest_positions, removed, &[]);
         splice(&mut self.masses, removed, &[]);
         splice(&mut self.added_inertia, removed, &[]);
@@ -133,51 +163,66 @@ impl TissueModel {
         self.put_index(index);
     }
 
+    /// The elements that go out of a set, ascending.
+    fn removed(&self, set: usize, mesh: &TetMesh, plan: &Plan) -> Vec<u32> {
+        let carried = self.made_of[set].carried;
+        let mut keys = self.keys_gone(set, plan);
+        let before = plan.nodes_before();
+        // A key of the mesh after the edit that there was before, too.
+        let was = |node: u32| {
+            let node = plan.nodes.before(node);
+            ((node as usize) < before).then_some(node)
+        };
+        for element in plan.changed() {
+            if mesh.regions[element as usize] == self.made_of[set].region {
+                let tet = &mesh.tets[element as usize];
+                carried.keys(tet, |key| keys.extend(key.renamed(was)));
+            }
+        }
+        keys.sort_unstable();
+        keys.dedup();
+        let index = self.index().set(set);
+        let found = keys.into_iter().flat_map(|key| index.find(key));
+        let mut removed: Vec<u32> = found.collect();
+        removed.sort_unstable();
+        removed.dedup();
+        removed
+    }
+
+    /// The keys of tetrahedra that are gone.
+    fn keys_gone(&self, set: usize, plan: &Plan) -> Vec<Key> {
+        let mut keys: Vec<Key> = Vec::new();
+        for (_, tet) in &plan.gone {
+            self.made_of[set].carried.keys(tet, |key| keys.push(key));
+        }
+        keys
+    }
+
     /// Elements of a set that are made around keys.
     fn exchange_around(
         &self,
         set: usize,
         part: &Part,
+        removed: Vec<u32>,
         mesh: &TetMesh,
         plan: &Plan,
     ) -> Option<Exchange> {
         let index = self.index();
-        let mut old: Vec<Key> = Vec::new();
-        for (_, tet) in &plan.gone {
-            part.carried.keys(tet, |key| old.push(key));
-        }
-        let mut new: Vec<Key> = Vec::new();
+        let gone = self.keys_gone(set, plan).into_iter();
+        let now = gone.filter_map(|key| key.renamed(|node| plan.nodes.after(node)));
+        let mut new: Vec<Key> = now.collect();
         for element in plan.changed() {
             if mesh.regions[element as usize] == part.region {
                 let tet = &mesh.tets[element as usize];
                 part.carried.keys(tet, |key| new.push(key));
             }
         }
-        old.sort_unstable();
-        old.dedup();
-        new.extend(
-            old.iter()
-                .filter_map(|key| renamed(key, |node| plan.nodes.after(node))),
-        );
         new.sort_unstable();
         new.dedup();
-        let before = plan.nodes_before();
-        old.extend(new.iter().filter_map(|key| {
-            renamed(key, |node| {
-                let node = plan.nodes.before(node);
-                ((node as usize) < before).then_some(node)
-            })
-        }));
-        old.sort_unstable();
-        old.dedup();
-        let found = old.iter().flat_map(|key| index.set(set).find(*key));
-        let mut removed: Vec<u32> = found.collect();
-        removed.sort_unstable();
-        removed.dedup();
         let (mut around, mut tets) = (Vec::new(), Vec::new());
         for key in &new {
             tets.clear();
-            index.tets_of(key, &self.tets, &mut tets);
+            index.tets_of(*key, &self.tets, &mut tets);
             let of_region = |e: &&u32| mesh.regions[**e as usize] == part.region;
             around.extend(
                 tets.iter()
@@ -205,9 +250,9 @@ impl TissueModel {
     /// The elements of a set before the edit from which one with this key around these elements inherits.
     fn ancestors(&self, set: usize, part: &Part, around: &[(Key, u32)], plan: &Plan) -> Vec<u32> {
         let index = self.index().set(set);
-        let wanted = nodes_of(&around[0].0);
+        let wanted = around[0].0.nodes();
         let mut support: Vec<u32> = Vec::new();
-        for &node in wanted {
+        for &node in &*wanted {
             let node = plan.nodes.before(node);
             match (node as usize).checked_sub(plan.nodes_before()) {
                 None => support.push(node),
@@ -217,7 +262,7 @@ impl TissueModel {
         support.sort_unstable();
         support.dedup();
         if support.len() == wanted.len() {
-            let same: Vec<u32> = index.find(key(&support)).collect();
+            let same: Vec<u32> = index.find(Key::new(&support)).collect();
             if !same.is_empty() {
                 return same;
             }
@@ -246,30 +291,26 @@ impl TissueModel {
         &self,
         set: usize,
         part: &Part,
+        removed: Vec<u32>,
         mesh: &TetMesh,
         plan: &Plan,
     ) -> Option<Exchange> {
         let index = self.index();
-        let found = |tets: &mut dyn Iterator<Item = [u32; 4]>| {
-            let mut found: Vec<u32> = tets
-                .flat_map(|tet| index.set(set).find(key(&tet)))
-                .collect();
-            found.sort_unstable();
-            found.dedup();
-            found
-        };
-        let dissolved = found(&mut plan.gone.iter().map(|(_, tet)| *tet));
-        let before = |(_, after): &(u32, u32)| {
-            mesh.tets[*after as usize].map(|node| plan.nodes.before(node))
-        };
-        let mut kept = found(&mut plan.reshaped.iter().map(before));
+        let gone = plan
+            .gone
+            .iter()
+            .flat_map(|(_, tet)| index.set(set).find(Key::new(tet)));
+        let mut dissolved: Vec<u32> = gone.collect();
+        dissolved.sort_unstable();
+        dissolved.dedup();
+        let mut kept = removed.clone();
         kept.retain(|patch| dissolved.binary_search(patch).is_err());
         let members = |patch: u32| {
             let mut members: Vec<u32> = Vec::new();
             self.sets[set].keys(patch as usize, &mut |key| {
-                let now = renamed(&key, |node| plan.nodes.after(node));
+                let now = key.renamed(|node| plan.nodes.after(node));
                 if let Some(now) = now {
-                    index.tets_of(&now, &self.tets, &mut members);
+                    index.tets_of(now, &self.tets, &mut members);
                 }
             });
             members
@@ -288,9 +329,6 @@ impl TissueModel {
             pairs.extend(members(*old).into_iter().map(|element| (patch, element)));
         }
         pairs.sort_unstable();
-        let mut removed = dissolved;
-        removed.extend(kept);
-        removed.sort_unstable();
         if removed.is_empty() && pairs.is_empty() {
             return None;
         }
@@ -313,7 +351,7 @@ impl TissueModel {
         nodes.dedup();
         let found = nodes
             .iter()
-            .flat_map(|node| index.set(set).find(key(&[*node])));
+            .flat_map(|node| index.set(set).find(Key::new(&[*node])));
         let mut removed: Vec<u32> = found.collect();
         removed.sort_unstable();
         removed.dedup();
@@ -414,14 +452,4 @@ impl TissueModel {
             self.update_inverse_mass(node as usize);
         }
     }
-}
-
-/// A key with other numbers of its nodes; none where one has none.
-fn renamed(old: &Key, name: impl Fn(u32) -> Option<u32>) -> Option<Key> {
-    let mut new = [NO_NODE; 4];
-    for (new, node) in new.iter_mut().zip(nodes_of(old)) {
-        *new = name(*node)?;
-    }
-    new.sort_unstable();
-    Some(new)
 }

@@ -7,8 +7,8 @@
 use super::continuum_constraints::{ELASTIC, VISCOUS};
 use super::continuum_matrix::{set_positive_tangent, set_tangent};
 use super::domains::{Domains, Tetrahedra, product};
+use super::key::Key;
 use super::smoothed::SmoothingDomains;
-use super::splice::Key;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent,

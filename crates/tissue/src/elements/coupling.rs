@@ -13,7 +13,8 @@ mod pairing;
 pub(crate) use follow::{Followed, coordinates};
 pub use pairing::{CoupleError, couple};
 
-use crate::elements::splice::{Inherited, Key, key, splice};
+use crate::elements::key::Key;
+use crate::elements::splice::{Inherited, splice};
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
 };
@@ -232,7 +233,7 @@ impl Elements for Coupling {
     /// Each of its nodes.
     fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
         let nodes = self.stencils[element].nodes();
-        nodes.iter().for_each(|node| visit(key(&[*node])));
+        nodes.iter().for_each(|node| visit(Key::new(&[*node])));
     }
 
     fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool {

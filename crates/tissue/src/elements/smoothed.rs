@@ -10,7 +10,8 @@
 //! takes the same time around edges (39 ns per tetrahedron, both measured), but a pass and memory more.
 
 use super::domains::{Domains, product, shape};
-use super::splice::{Key, NO_NODE, key, splice};
+use super::key::Key;
+use super::splice::splice;
 use crate::elements::NodeWindow;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
@@ -49,7 +50,7 @@ impl SmoothingDomains {
     pub fn around_edges(mesh: &TetMesh, elements: &[u32]) -> Self {
         let around = elements.iter().flat_map(|&element| {
             mesh.element_edges(element as usize)
-                .map(|edge| (key(&edge), element))
+                .map(|edge| (Key::new(&edge), element))
         });
         let mut around: Vec<_> = around.collect();
         around.sort_unstable();
@@ -58,9 +59,9 @@ impl SmoothingDomains {
 
     /// One domain per node of these elements, in ascending order.
     pub fn around_nodes(mesh: &TetMesh, elements: &[u32]) -> Self {
-        let around = elements
-            .iter()
-            .flat_map(|&element| mesh.tets[element as usize].map(|node| (key(&[node]), element)));
+        let around = elements.iter().flat_map(|&element| {
+            mesh.tets[element as usize].map(|node| (Key::new(&[node]), element))
+        });
         let mut around: Vec<_> = around.collect();
         around.sort_unstable();
         Self::around(mesh, &around, NODE_SHARE)
@@ -101,7 +102,7 @@ impl SmoothingDomains {
                 let tets = members
                     .iter()
                     .map(|(_, element)| &mesh.tets[*element as usize]);
-                keys.push(tets.map(|tet| key(tet)).collect());
+                keys.push(tets.map(|tet| Key::new(tet)).collect());
             }
         }
         domains
@@ -133,15 +134,19 @@ impl SmoothingDomains {
             volume += part;
             let gradients = [-(g1 + g2 + g3), g1, g2, g3];
             let nodes = mesh.tets[element as usize].into_iter();
-            shares.extend(nodes.zip(gradients.map(|g| g * part)));
+            // The shares of a node are summed in the order of the elements. There are few nodes.
+            for (node, gradient) in nodes.zip(gradients) {
+                match shares.iter_mut().find(|(other, _)| *other == node) {
+                    Some((_, sum)) => *sum += gradient * part,
+                    None => shares.push((node, gradient * part)),
+                }
+            }
         }
-        // Stable: the shares of a node are summed in the order of the elements.
-        shares.sort_by_key(|(node, _)| *node);
+        shares.sort_unstable_by_key(|(node, _)| *node);
         let start = self.nodes.len() as u32;
-        for of_node in shares.chunk_by(|a, b| a.0 == b.0) {
-            let sum: Vector3<f64> = of_node.iter().map(|(_, share)| share).sum();
-            self.nodes.push(of_node[0].0);
-            self.gradients.push(sum / volume);
+        for (node, sum) in shares {
+            self.nodes.push(*node);
+            self.gradients.push(*sum / volume);
         }
         self.volumes.push(volume);
         self.runs.push([start, self.nodes.len() as u32]);
@@ -267,8 +272,9 @@ impl Domains for SmoothingDomains {
     fn shift_nodes(&mut self, by: u32) {
         self.nodes.iter_mut().for_each(|n| *n += by);
         let shift = |keys: &mut [Key]| {
-            let nodes = keys.iter_mut().flatten().filter(|node| **node != NO_NODE);
-            nodes.for_each(|node| *node += by);
+            for key in keys {
+                *key = key.shifted(by);
+            }
         };
         match &mut self.keys {
             Keys::Around(keys) => shift(keys),

@@ -1,27 +1,7 @@
 //! What an edit of the mesh does to a set of elements: some go, others take their places.
 //!
-//! An edit knows elements by their [`Key`]: the few nodes that make them what they are (the ends of an edge, the corners of a
-//! tetrahedron, the node of a domain). Places are filled so that as few as possible move: added elements take those of removed ones in
-//! ascending order, further ones come at the end; what stays empty is filled from the end.
-
-/// Nodes in ascending order, filled up with [`NO_NODE`].
-pub type Key = [u32; 4];
-
-/// No node, in a [`Key`].
-pub const NO_NODE: u32 = u32::MAX;
-
-/// The key of at most four nodes.
-pub fn key(nodes: &[u32]) -> Key {
-    let mut key = [NO_NODE; 4];
-    key[..nodes.len()].copy_from_slice(nodes);
-    key.sort_unstable();
-    key
-}
-
-/// The nodes of a key.
-pub fn nodes_of(key: &Key) -> &[u32] {
-    &key[..key.partition_point(|&node| node != NO_NODE)]
-}
+//! Places are filled so that as few as possible move: added elements take those of removed ones in ascending order, further ones come
+//! at the end; what stays empty is filled from the end.
 
 /// Takes the entries at `removed`, ascending, out of an array, and puts `added` in.
 pub fn splice<T: Clone>(array: &mut Vec<T>, removed: &[u32], added: &[T]) {
@@ -97,12 +77,5 @@ mod tests {
                 assert_eq!(after[moved.map_or(*value, |m| m[1]) as usize], *value);
             }
         }
-    }
-
-    #[test]
-    fn keys_are_ascending_and_full() {
-        assert_eq!(key(&[3, 1]), [1, 3, NO_NODE, NO_NODE]);
-        assert_eq!(nodes_of(&key(&[3, 1])), [1, 3]);
-        assert_eq!(nodes_of(&key(&[3, 1, 7, 0])), [0, 1, 3, 7]);
     }
 }

@@ -1,7 +1,7 @@
 //! Continua: Young's modulus and Poisson's ratio of a material in, elements of a law and a discretisation out.
 
 use super::{Carried, MaterialError, positive};
-use crate::elements::splice::Key;
+use crate::elements::key::Key;
 use crate::elements::{
     Continuum, EDGE_SHARE, Elements, NODE_SHARE, Smoothed, SmoothingDomains, Tetrahedra,
 };

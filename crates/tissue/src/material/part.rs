@@ -2,7 +2,7 @@
 
 use super::{Behaviour, Material};
 use crate::elements::Elements;
-use crate::elements::splice::{Key, key};
+use crate::elements::key::Key;
 use crate::law::Lame;
 use microsim_mesh::TetMesh;
 use std::sync::Arc;
@@ -33,16 +33,16 @@ impl Carried {
         match self {
             Self::Springs | Self::Edges(_) => {
                 for edge in [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]] {
-                    visit(key(&edge));
+                    visit(Key::new(&edge));
                 }
             }
             Self::Areas => {
                 for face in [[a, b, c], [a, b, d], [a, c, d], [b, c, d]] {
-                    visit(key(&face));
+                    visit(Key::new(&face));
                 }
             }
-            Self::Nodes(_) => tet.iter().for_each(|node| visit(key(&[*node]))),
-            Self::Volumes | Self::Tetrahedra(_) | Self::Patches(_) => visit(key(tet)),
+            Self::Nodes(_) => tet.iter().for_each(|node| visit(Key::new(&[*node]))),
+            Self::Volumes | Self::Tetrahedra(_) | Self::Patches(_) => visit(Key::new(tet)),
         }
     }
 }

@@ -23,7 +23,7 @@ mod region;
 pub use fit::{Fit, fit};
 
 use super::{Carried, MaterialError, not_negative, positive};
-use crate::elements::splice::{Key, nodes_of};
+use crate::elements::key::Key;
 use crate::elements::{
     Area, Constraint, ConstraintSet, Elements, Length, Measure, Plasticity, Volume,
 };
@@ -231,7 +231,7 @@ fn resists<const N: usize>(constraints: &[Constraint<N>]) -> bool {
 fn keyed<const N: usize>(around: &[(Key, u32)]) -> Vec<([u32; N], u32)> {
     let nodes = around.iter().map(|(key, element)| {
         let mut nodes = [0; N];
-        nodes.copy_from_slice(&nodes_of(key)[..N]);
+        nodes.copy_from_slice(&key.nodes()[..N]);
         (nodes, *element)
     });
     nodes.collect()

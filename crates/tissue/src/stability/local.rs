@@ -1,6 +1,6 @@
 //! Remedies where an edit has been, in a time that goes with the nodes that it touched.
 
-use crate::elements::splice::key;
+use crate::elements::key::Key;
 use crate::model::TissueModel;
 
 /// What a remedy did.
@@ -21,7 +21,8 @@ pub struct Remedied {
 /// Gershgorin's bound is 2 to 3.5 times λ_max (NUMERICS 3.2): at a `safety` close to 1 nodes that are well without it stay
 /// as they are where the step is half of the limit or less.
 pub fn floor_nodes(model: &mut TissueModel, nodes: &[u32], h: f64, safety: f64) -> Remedied {
-    let sums = sums_at(model, nodes);
+    let sums = model.row_sums();
+    let sums: Vec<f64> = nodes.iter().map(|node| sums[*node as usize]).collect();
     let room = 4.0 * safety * safety / (h * h);
     let mut remedied = Remedied {
         smallest_factor: 1.0,
@@ -44,7 +45,8 @@ pub fn floor_nodes(model: &mut TissueModel, nodes: &[u32], h: f64, safety: f64) 
 /// limit, as [`stiffness_cap`](super::stiffness_cap) does for all: each by the smallest factor min(1, 4 s² m_i/(h² S_i)) of its nodes.
 /// Inertia stays.
 pub fn cap_nodes(model: &mut TissueModel, nodes: &[u32], h: f64, safety: f64) -> Remedied {
-    let sums = sums_at(model, nodes);
+    let sums = model.row_sums();
+    let sums: Vec<f64> = nodes.iter().map(|node| sums[*node as usize]).collect();
     let room = 4.0 * safety * safety / (h * h);
     let mut remedied = Remedied {
         smallest_factor: 1.0,
@@ -80,31 +82,6 @@ pub fn cap_nodes(model: &mut TissueModel, nodes: &[u32], h: f64, safety: f64) ->
     remedied
 }
 
-/// S_i of these nodes at rest [N/m].
-fn sums_at(model: &TissueModel, nodes: &[u32]) -> Vec<f64> {
-    let w = model.inverse_masses();
-    let mut sums = vec![0.0; nodes.len()];
-    let mut norms = Vec::new();
-    for (index, set) in model.sets().iter().enumerate() {
-        for element in elements_at(model, index, nodes) {
-            let element = element as usize;
-            set.rest_norms(element, model.rest_positions(), &mut norms);
-            let of_element = set.nodes(element);
-            for (row, norms) in of_element.iter().zip(norms.chunks(of_element.len())) {
-                let Ok(place) = nodes.binary_search(row) else {
-                    continue;
-                };
-                for (column, norm) in of_element.iter().zip(norms) {
-                    if w[*column as usize] > 0.0 {
-                        sums[place] += norm;
-                    }
-                }
-            }
-        }
-    }
-    sums
-}
-
 /// The elements of a set at these nodes, ascending, and others near.
 fn elements_at(model: &TissueModel, set: usize, nodes: &[u32]) -> Vec<u32> {
     let index = model.index();
@@ -122,7 +99,7 @@ fn elements_at(model: &TissueModel, set: usize, nodes: &[u32]) -> Vec<u32> {
             }
         }
         // Ties are found by each of their nodes.
-        None => keys.extend(nodes.iter().map(|node| key(&[*node]))),
+        None => keys.extend(nodes.iter().map(|node| Key::new(&[*node]))),
     }
     keys.sort_unstable();
     keys.dedup();

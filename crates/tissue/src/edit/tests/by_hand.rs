@@ -152,13 +152,13 @@ impl ByHand {
     pub fn edit<'a>(&'a self, mesh: &'a TetMesh) -> ModelEdit<'a> {
         ModelEdit {
             mesh,
-            replaced: &self.replaced,
-            parents: &self.parents,
-            new_nodes: &self.new_nodes,
-            clamped: &self.clamped,
-            moved: &self.moved,
-            removed_elements: &self.removed_elements,
-            removed_nodes: &self.removed_nodes,
+            replaced: self.replaced.clone(),
+            parents: self.parents.clone(),
+            new_nodes: self.new_nodes.clone(),
+            clamped: self.clamped.clone(),
+            moved: self.moved.clone(),
+            removed_elements: self.removed_elements.clone(),
+            removed_nodes: self.removed_nodes.clone(),
         }
     }
 }

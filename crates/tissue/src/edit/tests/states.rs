@@ -54,8 +54,8 @@ fn plastic_flow_is_inherited() {
         .for_each(|v| *v *= 1.2 + 0.1 * next());
     let flowed = |model: &TissueModel, state: &State, set: usize, nodes: &[u32]| {
         let elements = &model.sets()[set];
-        let key = crate::elements::splice::key(nodes);
-        let same = |e: &usize| crate::elements::splice::key(elements.nodes(*e)) == key;
+        let key = Key::new(nodes);
+        let same = |e: &usize| Key::new(elements.nodes(*e)) == key;
         let element = (0..elements.count()).find(same)?;
         let internal = &state.internal[model.internal_range(set)];
         let rest = elements.initial_internal()[element];

@@ -1,0 +1,193 @@
+//! What it takes a model to follow a cut of about 60 elements, against the size of the body, part by part.
+//!
+//! `cargo run --release -p microsim-tissue --example edit_time` prints a table: medians and the largest of the edits [µs], one core.
+
+use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology};
+use microsim_mesh::{Block, CellSplit, TetMesh};
+use microsim_tissue::law::LawName;
+use microsim_tissue::stability::{Part, floor_nodes, gershgorin_bound};
+use microsim_tissue::{
+    Behaviour, ContinuumConstants, Discretisation, Material, Method, ModelEdit, Newton,
+    SpringConstants, State, TissueModel, build_model,
+};
+use nalgebra::Vector3;
+use std::time::Instant;
+
+/// Cells along each edge of the cube, with six tetrahedra each: 1,296 to 105,456 tetrahedra.
+const CELLS: [usize; 4] = [6, 12, 18, 26];
+
+/// Cuts of each body.
+const CUTS: usize = 40;
+
+/// Most cuts of a body per thousand cells: the small ones are not to be cut to pieces.
+const CUTS_PER_CELLS: usize = 14;
+
+/// Edge of the square that is cut, in cells.
+const SQUARE: f64 = 2.6;
+
+/// What is timed.
+const SHARES: [&str; 7] = [
+    "edit",
+    "state",
+    "floor",
+    "Verlet",
+    "sum",
+    "union of 2",
+    "implicit",
+];
+
+fn main() {
+    println!(
+        "Median and largest of {CUTS} cuts [µs]; `sum` is that of edit, state, floor and Verlet.\n"
+    );
+    println!(
+        "| material | tetrahedra | divided | touched nodes | first | {} |",
+        SHARES.join(" | ")
+    );
+    println!("|{}", "---|".repeat(5 + SHARES.len()));
+    // One material alone, if it is named.
+    let wanted = std::env::args().nth(1);
+    for (name, material) in materials() {
+        for cells in CELLS {
+            if wanted.as_ref().is_none_or(|wanted| wanted == name) {
+                row(name, &material, cells);
+            }
+        }
+    }
+}
+
+fn materials() -> Vec<(&'static str, Material)> {
+    let springs = Behaviour::Springs(SpringConstants::fitted(2e4, 0.4));
+    let continuum = |discretisation| {
+        Behaviour::Continuum(ContinuumConstants {
+            law: LawName::StableNeoHookean,
+            young: 2e4,
+            poisson: 0.45,
+            discretisation,
+        })
+    };
+    let named = Discretisation::ALL.map(|one| (one.name(), continuum(one)));
+    let all = [("springs", springs)].into_iter().chain(named);
+    let material = |(name, behaviour)| {
+        let material = Material {
+            density: 1060.0,
+            relaxation_time: 0.0,
+            behaviour,
+        };
+        (name, material)
+    };
+    all.map(material).collect()
+}
+
+fn row(name: &str, material: &Material, cells: usize) {
+    let size = cells as f64;
+    let block = Block {
+        center: [0.0; 3],
+        size: [size; 3],
+        cells: [cells; 3],
+        split: CellSplit::Kuhn,
+    };
+    let mut mesh = block.mesh().expect("cells of size one");
+    let clamped: Vec<bool> = mesh
+        .positions
+        .iter()
+        .map(|p| p.x < 0.1 - 0.5 * size)
+        .collect();
+    let mut model = build_model(&mesh, &[(0, *material)], &clamped, 0.0, Vec::new())
+        .expect("a block can be a body");
+    let h = 1.8 / gershgorin_bound(&model, Part::Stiffness).sqrt();
+    let (mut state, mut topology) = (State::at_rest(&model), Topology::new(&mesh));
+    let mut verlet = Method::StoermerVerlet
+        .solver(&model)
+        .expect("any model has it");
+    let mut implicit = Method::ImplicitEuler(Newton::default())
+        .solver(&model)
+        .expect("any model has it");
+    let first = micros(|| {
+        model.prepare_edits();
+        floor_nodes(&mut model, &[], h, 0.9);
+    });
+    let mut times = SHARES.map(|_| Vec::with_capacity(CUTS));
+    let (mut divided, mut touched) = (0, 0);
+    let mut next = numbers();
+    let cuts = CUTS.min(cells * cells * cells * CUTS_PER_CELLS / 1000);
+    for cut in 0..cuts {
+        let Some(edit) = square(&mut mesh, &mut topology, size, &mut next) else {
+            continue;
+        };
+        divided += edit.elements.len();
+        let mut change = None;
+        let edit = ModelEdit::new(&mesh, &edit, model.clamped());
+        times[0].push(micros(|| change = model.edit(&edit).ok()));
+        let change = change.expect("cuts are sound");
+        touched += change.touched.len();
+        times[1].push(micros(|| state.edit(&change)));
+        times[2].push(micros(|| {
+            floor_nodes(&mut model, &change.touched, h, 0.9);
+        }));
+        times[3].push(micros(|| verlet.follow(&model)));
+        let sum = (0..4).filter_map(|share| times[share].last()).sum();
+        times[4].push(sum);
+        if cut < 3 {
+            times[5].push(micros(|| drop(TissueModel::union(&[&model, &model]))));
+            times[6].push(micros(|| implicit.follow(&model)));
+        }
+    }
+    let count = times[0].len();
+    print!(
+        "| {name} | {} | {} | {} | {first:.0} |",
+        mesh.tets.len(),
+        divided / count,
+        touched / count
+    );
+    for times in &mut times {
+        times.sort_by(f64::total_cmp);
+        let (median, largest) = (times[times.len() / 2], times[times.len() - 1]);
+        print!(" {median:.0} / {largest:.0} |");
+    }
+    println!();
+}
+
+/// Cuts a square somewhere inside.
+fn square(
+    mesh: &mut TetMesh,
+    topology: &mut Topology,
+    size: f64,
+    next: &mut impl FnMut() -> f64,
+) -> Option<microsim_mesh::TopologyEdit> {
+    let mut vector = || Vector3::new(next(), next(), next());
+    let centre = vector() * (0.5 * size - SQUARE);
+    let (along, other) = (vector().normalize(), vector());
+    let across = along.cross(&other).normalize();
+    let (along, across) = (along * (0.5 * SQUARE), across * (0.5 * SQUARE));
+    let sheet = Sheet::quad(
+        [centre - along - across, centre + along - across],
+        [centre - along + across, centre + along + across],
+    );
+    let positions = mesh.positions.clone();
+    let blade = Blade::Sheet {
+        sheet: &sheet,
+        positions: &positions,
+    };
+    let cut = topology.cut(mesh, &mut Stroke::new(), &blade, &Settings::default());
+    let edit = cut.ok()??.edit;
+    mesh.apply(&edit).ok()?;
+    Some(edit)
+}
+
+fn micros(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64() * 1e6
+}
+
+/// A fixed sequence of numbers in −1..1.
+fn numbers() -> impl FnMut() -> f64 {
+    let mut state = 7u64;
+    move || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
