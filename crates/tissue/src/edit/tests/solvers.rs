@@ -186,6 +186,7 @@ fn a_union_is_made_anew_of_edited_members() {
         joint.components().lowest.len(),
         1 + model.components().lowest.len()
     );
+    assert_eq!(**joint.components(), anew_components(&joint));
     let mut energies = [0.0; 2];
     for (energy, model) in energies.iter_mut().zip([&joint, &model]) {
         let mut state = State::at_rest(model);

@@ -452,7 +452,10 @@ fn norms_at_rest_are_those_of_the_matrices() {
                 let largest = norms.iter().copied().fold(0.0, f64::max);
                 for (place, norm) in norms.iter().enumerate() {
                     let expected = matrix.block(place / count, place % count).norm();
-                    assert!((norm - expected).abs() <= 1e-12 * largest, "{norm} {expected}");
+                    assert!(
+                        (norm - expected).abs() <= 1e-12 * largest,
+                        "{norm} {expected}"
+                    );
                 }
             }
         }
