@@ -5,6 +5,7 @@
 //! - here: running the program and hearing what it says;
 //! - [`alter`]: sessions written anew with one thing changed;
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
+//! - [`detected`]: contact for a solver without a scene;
 //! - [`in_process`]: a run in the test's own process;
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
 //! - [`live`]: a tree with a source that has a timer of its own;
@@ -14,6 +15,7 @@
 
 pub mod alter;
 pub mod counts;
+pub mod detected;
 pub mod in_process;
 pub mod kill;
 pub mod live;

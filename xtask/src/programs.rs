@@ -42,7 +42,7 @@ pub const BENCHES: &[Program] = &[
     Program {
         name: "contact",
         example: "bench_contact",
-        shows: "contact: two tubes that collide, a thin wall, a vessel with two tools",
+        shows: "contact: two tubes that collide, a thin wall, a vessel with two tools, size",
     },
     Program {
         name: "peers",

@@ -159,6 +159,7 @@ impl Topology {
         let mut crossings = BTreeMap::new();
         match blade {
             Blade::Sheet { sheet, positions } => {
+                let sheet = sheet.displaced(self.mean_edge);
                 let (bounds, boxes) = (sheet.bounds(), sheet.triangle_bounds());
                 for [a, b] in self.edges_near(&bounds, [positions, positions]) {
                     let [u, v] = [a, b].map(|n| &positions[n as usize]);
@@ -196,11 +197,12 @@ impl Topology {
             Aabb::of(places.flat_map(|n| [&positions[0][n], &positions[1][n]]))
         };
         let mut edges = Vec::new();
-        for tet in self.near(bounds, positions) {
+        self.clusters.near(bounds, &self.tets, positions, |element| {
+            let tet = self.tets[element as usize];
             for [i, j] in pattern::EDGES {
                 edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
             }
-        }
+        });
         edges.sort_unstable();
         edges.dedup();
         // Not a number is near everything: it is found out later.
@@ -209,16 +211,6 @@ impl Topology {
             !around.is_valid() || around.overlaps(bounds)
         });
         edges
-    }
-
-    /// The elements whose way in the step comes into `bounds`.
-    fn near(&self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 4]> {
-        let is_near = |tet: &&[u32; 4]| {
-            let places = tet.iter().map(|&n| n as usize);
-            let around = Aabb::of(places.flat_map(|n| [&positions[0][n], &positions[1][n]]));
-            !around.is_valid() || around.overlaps(bounds)
-        };
-        self.tets.iter().filter(is_near).copied().collect()
     }
 
     /// Enters into the stroke on which sides the ends of crossed edges lie.
@@ -295,34 +287,20 @@ impl Topology {
                     corners: child.map(node),
                     marks: child_marks(&child, &marks),
                 });
-                stroke
-                    .sides
-                    .insert(slot, child.map(|[near, _]| sides[near as usize]));
+                stroke.sides.insert(slot, child.map(|[near, _]| sides[near as usize]));
                 touched.insert(slot);
             }
             replaced.push((element, children));
         }
         editor.divide(&replaced);
+        give_flat_ones(editor.topology, stroke, &touched);
         let faces = faces_to_open(editor.topology, stroke, &touched);
         for [node, copy] in editor.open(&faces, sheet) {
             if stroke.path.contains(&node) {
                 stroke.path.insert(copy);
             }
         }
-        if editor.is_unchanged() {
-            return None;
-        }
-        let mut pieces = editor.pieces();
-        let mut crumbs = Vec::new();
-        pieces.retain(|piece| {
-            let crumb = editor.is_crumb(piece, settings.crumb_volume, settings.least_share);
-            if crumb {
-                crumbs.extend_from_slice(piece);
-            }
-            !crumb
-        });
-        crumbs.sort_unstable();
-        Some(editor.finish(&crumbs, pieces))
+        editor.conclude(settings)
     }
 }
 
@@ -335,8 +313,8 @@ fn child_marks(child: &[PatternNode; 4], marks: &[u32; 4]) -> [u32; 4] {
     })
 }
 
-/// The inner faces of `elements` that the blade has passed: all nodes on the path, and the elements' other corners not on the same
-/// side. Each once, with whether the element is on the negative side.
+/// The inner faces of `elements` that the blade has passed: all nodes on the path, and the elements not on the same side. Each
+/// once, with whether the element is on the negative side.
 fn faces_to_open(
     topology: &Topology,
     stroke: &Stroke,
@@ -344,39 +322,71 @@ fn faces_to_open(
 ) -> Vec<(u32, usize, bool)> {
     let mut faces = Vec::new();
     for &element in elements {
-        for corner in 0..4 {
-            let Some(other) = topology.neighbour(element, corner) else {
-                continue;
-            };
-            if other < element && elements.contains(&other)
-                || topology.marks[element as usize][corner] != 0
-            {
-                continue;
-            }
+        for (corner, other) in closed_faces(topology, element) {
             let face = topology.face(element, corner);
-            if !face.iter().all(|node| stroke.path.contains(node)) {
-                continue;
-            }
-            let back = topology.back(element, other);
-            let mine = side(topology, stroke, element, corner);
-            let theirs = side(topology, stroke, other, back);
-            if mine != theirs {
-                faces.push((element, corner, mine < theirs));
+            let once = other > element || !elements.contains(&other);
+            if once && face.iter().all(|node| stroke.path.contains(node)) {
+                let mine = side(topology, stroke, element, corner);
+                let theirs = side(topology, stroke, other, topology.back(element, other));
+                if mine != theirs {
+                    faces.push((element, corner, mine < theirs));
+                }
             }
         }
     }
     faces
 }
 
+/// The inner faces of an element that no sheet has passed: opposite corner, and element across.
+fn closed_faces(topology: &Topology, element: u32) -> impl Iterator<Item = (usize, u32)> + '_ {
+    (0..4).filter_map(move |corner| {
+        let other = topology.neighbour(element, corner)?;
+        let is_closed = topology.marks[element as usize][corner] == 0;
+        is_closed.then_some((corner, other))
+    })
+}
+
 /// The side on which an element lies that has its face opposite to `corner` on the path: that of the corner; of an element with all
-/// corners on the path that of most of what they were divided from.
+/// corners on the path the one to which it was given.
 fn side(topology: &Topology, stroke: &Stroke, element: u32, corner: usize) -> i8 {
-    let sides = stroke.sides_of(element);
     let node = topology.tets[element as usize][corner];
     if stroke.path.contains(&node) {
-        sides.iter().sum::<i8>().signum()
+        stroke.given.get(&element).copied().unwrap_or_default()
     } else {
-        sides[corner]
+        stroke.sides_of(element)[corner]
+    }
+}
+
+/// Elements with all corners on the path lie in the cut itself, as flat as what was clamped leaves them. They are given to a side
+/// that they have a face to, together with all such that they hang together with: so nothing comes off that the blade has not
+/// cut out.
+fn give_flat_ones(topology: &Topology, stroke: &mut Stroke, elements: &BTreeSet<u32>) {
+    let is_flat = |stroke: &Stroke, element: u32| {
+        let tet = &topology.tets[element as usize];
+        tet.iter().all(|node| stroke.path.contains(node)) && !stroke.given.contains_key(&element)
+    };
+    for &start in elements {
+        if !is_flat(stroke, start) {
+            continue;
+        }
+        let mut group = vec![start];
+        let mut votes = 0;
+        let mut next = 0;
+        while let Some(&element) = group.get(next) {
+            next += 1;
+            votes += stroke.sides_of(element).iter().sum::<i8>().signum() as i32;
+            for (_, other) in closed_faces(topology, element) {
+                if !is_flat(stroke, other) {
+                    // One face weighs more than what the group itself was divided from.
+                    let theirs = side(topology, stroke, other, topology.back(element, other));
+                    votes += 1000 * i32::from(theirs);
+                } else if !group.contains(&other) {
+                    group.push(other);
+                }
+            }
+        }
+        let given = if votes < 0 { -1 } else { 1 };
+        stroke.given.extend(group.into_iter().map(|e| (e, given)));
     }
 }
 

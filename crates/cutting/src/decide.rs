@@ -13,6 +13,10 @@ use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// A blade that comes so near to a node, as a share of the crossed edge, goes through it: no plane through nodes is off by more, in
+/// coordinates that were computed.
+const TOUCHING: f64 = 1e-6;
+
 /// What becomes of a crossed edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fate {
@@ -37,7 +41,7 @@ pub(crate) struct Decisions {
     pub elements: BTreeMap<u32, EdgeSet>,
     /// Shares that were clamped.
     pub clamped: usize,
-    /// Kept, as an end is on the path already.
+    /// Kept, as an end is on the path already, or the blade goes through it.
     pub joined: usize,
     /// Kept with the nearer end, as division would leave an element or edge too small.
     pub snapped: usize,
@@ -55,15 +59,7 @@ pub(crate) fn decide(
 ) -> Decisions {
     let mut decisions = Decisions::default();
     for (edge, crossing) in crossings {
-        let fate = first_fate(
-            topology,
-            mesh,
-            stroke,
-            edge,
-            &crossing,
-            settings,
-            &mut decisions,
-        );
+        let fate = first_fate(topology, mesh, stroke, edge, &crossing, settings, &mut decisions);
         decisions.edges.insert(edge, CrossedEdge { crossing, fate });
     }
     decisions.legalise(topology, mesh);
@@ -89,7 +85,10 @@ fn first_fate(
     let share = crossing.share.clamp(least, 1.0 - least);
     let on_path = edge.map(|node| stroke.path.contains(&node));
     let end = match on_path {
-        [false, false] => None,
+        [false, false] => {
+            let touched = crossing.share.min(1.0 - crossing.share) <= TOUCHING;
+            touched.then(|| nearer(crossing, edge))
+        }
         [true, true] => Some(nearer(crossing, edge)),
         // The path goes on past its own node, unless what is behind the edge lies on the other side of it: then the blade comes
         // a second time.
@@ -242,13 +241,7 @@ impl Decisions {
     }
 
     /// Rest place of a node of a pattern: a corner, or the new node on an edge.
-    fn new_place(
-        &self,
-        tet: &[u32; 4],
-        corners: &[Vector3<f64>; 4],
-        i: usize,
-        j: usize,
-    ) -> Vector3<f64> {
+    fn new_place(&self, tet: &[u32; 4], corners: &[Vector3<f64>; 4], i: usize, j: usize) -> Vector3<f64> {
         if i == j {
             return corners[i];
         }

@@ -1,5 +1,6 @@
 //! Changes to a topology, recorded as one edit.
 
+use crate::cut::Settings;
 use crate::pieces;
 use crate::report::{Cut, Opened, SurfaceChange};
 use crate::topology::{Child, SurfaceTriangle, Topology};
@@ -58,10 +59,7 @@ impl<'a> Editor<'a> {
     fn place(&self, node: u32) -> [Vector3<f64>; 2] {
         let old = self.mesh.positions.len();
         match (node as usize).checked_sub(old) {
-            None => [
-                self.mesh.positions[node as usize],
-                self.current[node as usize],
-            ],
+            None => [self.mesh.positions[node as usize], self.current[node as usize]],
             Some(new) => self.new_places[new],
         }
     }
@@ -95,8 +93,7 @@ impl<'a> Editor<'a> {
     pub(crate) fn divide(&mut self, replaced: &[(u32, Vec<Child>)]) {
         for (element, children) in replaced {
             self.touch(*element);
-            self.parents
-                .extend(children.iter().skip(1).map(|_| *element));
+            self.parents.extend(children.iter().skip(1).map(|_| *element));
         }
         let nodes = self.next_node() as usize;
         self.topology.replace(replaced, nodes);
@@ -106,7 +103,9 @@ impl<'a> Editor<'a> {
     /// on the negative side. What is left of them hangs together at nodes on the edge of the cut and stays marked.
     /// Returns the copies: node and copy.
     pub(crate) fn open(&mut self, faces: &[(u32, usize, bool)], sheet: u32) -> Vec<[u32; 2]> {
-        let mut nodes = BTreeSet::new();
+        // A new node on an edge at which fans of elements meet that share no face belongs to one of them.
+        let first = self.mesh.positions.len() as u32;
+        let mut nodes: BTreeSet<u32> = (first..self.next_node()).collect();
         let mut negative: BTreeSet<(u32, u32)> = BTreeSet::new();
         for &(element, corner, is_negative) in faces {
             let Some(other) = self.topology.neighbour(element, corner) else {
@@ -152,25 +151,28 @@ impl<'a> Editor<'a> {
         copies
     }
 
-    /// Whether nothing was changed.
-    pub(crate) fn is_unchanged(&self) -> bool {
-        self.touched.is_empty()
-    }
-
-    /// The elements on both sides of what came apart.
-    pub(crate) fn opened_elements(&self) -> Vec<u32> {
-        let faces = self.opened.iter().flat_map(|o| o.faces);
-        faces.map(|(element, _)| element).collect()
-    }
-
-    /// The parts that came off.
-    pub(crate) fn pieces(&self) -> Vec<Vec<u32>> {
-        pieces::come_off(self.topology, self.opened_elements())
+    /// The edit and all there is to say of it; `None` when nothing was changed.
+    pub(crate) fn conclude(self, settings: &Settings) -> Option<Cut> {
+        if self.touched.is_empty() {
+            return None;
+        }
+        let pairs = self.opened.iter().map(|o| o.faces.map(|(element, _)| element));
+        let mut pieces = pieces::come_off(self.topology, &pairs.collect::<Vec<_>>());
+        let mut crumbs = Vec::new();
+        pieces.retain(|piece| {
+            let crumb = self.is_crumb(piece, settings.crumb_volume, settings.least_share);
+            if crumb {
+                crumbs.extend_from_slice(piece);
+            }
+            !crumb
+        });
+        crumbs.sort_unstable();
+        Some(self.finish(&crumbs, pieces))
     }
 
     /// Whether a part is too small to be kept: by its volume over the mean element's, or its longest edge over the mean
     /// one.
-    pub(crate) fn is_crumb(&self, piece: &[u32], least_volume: f64, least_edge: f64) -> bool {
+    fn is_crumb(&self, piece: &[u32], least_volume: f64, least_edge: f64) -> bool {
         // A crumb has few elements: what is larger in number has the volume as well.
         let volume: f64 = piece.iter().map(|&e| self.rest_volume(e)).sum();
         let longest = || {
@@ -185,13 +187,13 @@ impl<'a> Editor<'a> {
     }
 
     /// Rest volume of an element [m³].
-    pub(crate) fn rest_volume(&self, element: u32) -> f64 {
+    fn rest_volume(&self, element: u32) -> f64 {
         let [a, b, c, d] = self.topology.tets[element as usize].map(|n| self.place(n)[0]);
         microsim_geometry::signed_volume(&a, &b, &c, &d)
     }
 
     /// The edit, without `crumbs` (ascending), and all there is to say of it.
-    pub(crate) fn finish(mut self, crumbs: &[u32], mut pieces: Vec<Vec<u32>>) -> Cut {
+    fn finish(mut self, crumbs: &[u32], mut pieces: Vec<Vec<u32>>) -> Cut {
         let mut lists: BTreeMap<u32, Vec<[u32; 4]>> = BTreeMap::new();
         for &slot in self.touched.keys() {
             lists.insert(slot, vec![self.topology.tets[slot as usize]]);
@@ -205,8 +207,8 @@ impl<'a> Editor<'a> {
             .into_iter()
             .map(|(element, children)| Replacement { element, children })
             .filter(|r| {
-                let unchanged =
-                    r.children.len() == 1 && r.children[0] == self.mesh.tets[r.element as usize];
+                let unchanged = r.children.len() == 1
+                    && r.children[0] == self.mesh.tets[r.element as usize];
                 !unchanged
             });
         let mut edit = TopologyEdit {
@@ -215,11 +217,7 @@ impl<'a> Editor<'a> {
             elements: elements.collect(),
             ..TopologyEdit::default()
         };
-        let divided = edit
-            .elements
-            .iter()
-            .filter(|r| r.children.len() > 1)
-            .count();
+        let divided = edit.elements.iter().filter(|r| r.children.len() > 1).count();
         let lost_volume = crumbs.iter().map(|&e| self.rest_volume(e)).sum();
         let opened = self.opened_area();
         let mut now: BTreeSet<u32> = self.touched.keys().copied().collect();
@@ -258,9 +256,10 @@ impl<'a> Editor<'a> {
     ) {
         edit.removed = crumbs.to_vec();
         let moves = edit.element_moves(self.mesh.tets.len());
-        for &(from, _) in &moves {
-            // Its triangles are those of another element from now on.
-            self.touch(from);
+        let from = moves.iter().map(|&(from, _)| from);
+        for element in crumbs.iter().copied().chain(from) {
+            // Its triangles leave, or are those of another number from now on.
+            self.touch(element);
         }
         // The touched ones' corners as the edit gives them, to see which nodes bring new numbers.
         let nodes_before = self.topology.node_elements.len();
@@ -279,10 +278,7 @@ impl<'a> Editor<'a> {
         let gone = self.topology.remove(crumbs);
         debug_assert_eq!(gone, leaving);
         let moved = |element: u32| {
-            let chain = moves
-                .iter()
-                .fold(element, |e, &(from, to)| if e == from { to } else { e });
-            chain
+            moves.iter().fold(element, |e, &(from, to)| if e == from { to } else { e })
         };
         let is_crumb = |e: &u32| crumbs.binary_search(e).is_ok();
         let renumbered = renumbered.into_iter().filter(|e| !is_crumb(e)).map(moved);
@@ -293,22 +289,14 @@ impl<'a> Editor<'a> {
             .map(|&e| (e, self.topology.tets[e as usize]))
             .collect();
         now.extend(self.touched.keys());
-        *now = now
-            .iter()
-            .filter(|e| !is_crumb(e))
-            .map(|&e| moved(e))
-            .collect();
+        *now = now.iter().filter(|e| !is_crumb(e)).map(|&e| moved(e)).collect();
         for piece in pieces.iter_mut() {
             piece.iter_mut().for_each(|e| *e = moved(*e));
             piece.sort_unstable();
         }
         self.opened.retain_mut(|o| {
             for (element, _) in &mut o.faces {
-                *element = if is_crumb(element) {
-                    u32::MAX
-                } else {
-                    moved(*element)
-                };
+                *element = if is_crumb(element) { u32::MAX } else { moved(*element) };
             }
             o.faces.iter().any(|(e, _)| *e != u32::MAX)
         });

@@ -44,7 +44,7 @@ pub struct Cut {
     pub crossed: usize,
     /// Divided edges whose share was clamped.
     pub clamped: usize,
-    /// Crossed edges that were kept as one end was on the path already.
+    /// Crossed edges that were kept as one end was on the path already, or the blade went through it.
     pub joined: usize,
     /// Crossed edges that were kept with their nearer end on the path, as their parts or an element would have become too
     /// small.

@@ -1,5 +1,9 @@
 //! A blade that stands still: a sheet of triangles.
+//!
+//! It is displaced a little as a moving blade is, so that a sheet through nodes of the mesh, along its edges or in its faces is on one side of
+//! them; what is decided then is decided without rounding.
 
+use crate::sweep::displacement;
 use microsim_geometry::{Aabb, orientation};
 use nalgebra::Vector3;
 
@@ -41,7 +45,11 @@ impl Sheet {
     }
 
     /// The surface of `rows` × `columns` quads through the points that `at` gives for numbers 0..1 along both: a curved or twisted sheet.
-    pub fn grid(rows: usize, columns: usize, mut at: impl FnMut(f64, f64) -> Vector3<f64>) -> Self {
+    pub fn grid(
+        rows: usize,
+        columns: usize,
+        mut at: impl FnMut(f64, f64) -> Vector3<f64>,
+    ) -> Self {
         let mut sheet = Self::default();
         for i in 0..=rows {
             for j in 0..=columns {
@@ -58,6 +66,15 @@ impl Sheet {
             }
         }
         sheet
+    }
+
+    /// The sheet as it is tested against a mesh with this mean edge [m].
+    pub(crate) fn displaced(&self, mean_edge: f64) -> Self {
+        let by = displacement(mean_edge);
+        Self {
+            points: self.points.iter().map(|p| p + by).collect(),
+            triangles: self.triangles.clone(),
+        }
     }
 
     /// Corners of a triangle.
@@ -123,13 +140,13 @@ impl Sheet {
         let share = at_u / (at_u - at_v);
         Some(Crossing {
             // Rounded values near 0 have the right sign alone.
-            share: if share.is_finite() {
-                share.clamp(0.0, 1.0)
-            } else {
-                0.5
-            },
+            share: if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 },
             positive: at_v >= 0.0,
             normal: (b - a).cross(&(c - a)),
         })
     }
 }
+
+
+#[cfg(test)]
+mod tests;

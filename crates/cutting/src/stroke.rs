@@ -18,6 +18,8 @@ pub struct Stroke {
     /// For elements at the path: on which side each corner lies. 1 positive, −1 negative, 0 not known. Of a corner on the path
     /// the side of what it was divided from.
     pub sides: BTreeMap<u32, [i8; 4]>,
+    /// The side to which elements with all corners on the path were given.
+    pub given: BTreeMap<u32, i8>,
     /// Towards the positive side, where the blade was last [-]; zero before the first crossing.
     pub normal: Vector3<f64>,
 }
@@ -43,6 +45,7 @@ impl Stroke {
         }
         for replaced in edit.elements.iter().filter(|r| r.children.len() > 1) {
             self.sides.remove(&replaced.element);
+            self.given.remove(&replaced.element);
         }
         self.leave(edit, nodes, elements);
     }
@@ -51,10 +54,14 @@ impl Stroke {
     pub(crate) fn leave(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
         for gone in &edit.removed {
             self.sides.remove(gone);
+            self.given.remove(gone);
         }
         for (from, to) in edit.element_moves(elements) {
             if let Some(sides) = self.sides.remove(&from) {
                 self.sides.insert(to, sides);
+            }
+            if let Some(side) = self.given.remove(&from) {
+                self.given.insert(to, side);
             }
         }
         for gone in &edit.removed_nodes {

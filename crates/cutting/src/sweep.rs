@@ -23,6 +23,11 @@ const DIRECTION: [f64; 3] = [0.524_178_3, 0.713_926_1, 0.464_235_7];
 /// Halvings of a bracket around a meeting: down to rounding.
 const HALVINGS: usize = 60;
 
+/// By how much a blade is displaced.
+pub(crate) fn displacement(mean_edge: f64) -> Vector3<f64> {
+    Vector3::from(DIRECTION) * (DISPLACEMENT * mean_edge)
+}
+
 /// A segment that moves on straight lines during a step: the line of no return of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
@@ -35,7 +40,7 @@ pub struct Sweep {
 impl Sweep {
     /// The blade as it is tested against a mesh with this mean edge [m].
     pub(crate) fn displaced(&self, mean_edge: f64) -> Self {
-        let by = Vector3::from(DIRECTION) * (DISPLACEMENT * mean_edge);
+        let by = displacement(mean_edge);
         Self {
             before: self.before.map(|p| p + by),
             now: self.now.map(|p| p + by),
@@ -56,9 +61,7 @@ impl Sweep {
         let coefficients = self.coefficients(edge);
         let (least, most) = coefficients
             .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), &c| {
-                (l.min(c), m.max(c))
-            });
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), &c| (l.min(c), m.max(c)));
         // A polynomial lies between its Bernstein coefficients.
         if least >= 0.0 || most < 0.0 {
             return None;
@@ -162,3 +165,7 @@ fn root(c: &[f64; 4], mut from: f64, mut to: f64) -> Option<f64> {
     }
     Some(to)
 }
+
+
+#[cfg(test)]
+mod tests;

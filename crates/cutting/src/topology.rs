@@ -7,6 +7,7 @@
 //! All lists are in the order of indices, so that a topology that was kept up to date is the same as one made anew from the mesh
 //! and its marks.
 
+use crate::clusters::Clusters;
 use microsim_mesh::TetMesh;
 
 /// No neighbour: the face is on the surface.
@@ -16,7 +17,7 @@ pub const NONE: u32 = u32::MAX;
 pub const FACES: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [0, 2, 1]];
 
 /// The connectivity of one mesh.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Topology {
     pub(crate) generation: u64,
     pub(crate) tets: Vec<[u32; 4]>,
@@ -26,6 +27,7 @@ pub struct Topology {
     pub(crate) marks: Vec<[u32; 4]>,
     /// The elements at each node, ascending.
     pub(crate) node_elements: Vec<Vec<u32>>,
+    pub(crate) clusters: Clusters,
     /// Mean rest volume of an element of the mesh as it was whole [m³].
     pub(crate) mean_volume: f64,
     /// Mean rest length of an edge of the mesh as it was whole [m].
@@ -70,6 +72,7 @@ impl Topology {
             neighbours: vec![[NONE; 4]; count],
             marks: vec![[0; 4]; count],
             node_elements: vec![Vec::new(); mesh.positions.len()],
+            clusters: Clusters::new(mesh),
             mean_volume: mesh.volumes().iter().sum::<f64>() / count as f64,
             mean_edge: mesh.mean_edge_length(),
             sheets: 0,
@@ -251,8 +254,10 @@ impl Topology {
                     self.tets.push(child.corners);
                     self.neighbours.push([NONE; 4]);
                     self.marks.push(child.marks);
+                    self.clusters.appended(*element);
                     self.tets.len() as u32 - 1
                 };
+                self.clusters.has_nodes(slot, &child.corners);
                 self.tets[slot as usize] = child.corners;
                 self.marks[slot as usize] = child.marks;
                 touched.push(slot);
@@ -264,6 +269,8 @@ impl Topology {
         for &slot in &touched {
             self.link(slot);
         }
+        self.clusters
+            .halve_large(&touched, &self.tets, &self.neighbours);
     }
 
     /// Gives `copy` (the next free node) to the elements of `group` in place of `node`; faces to elements that keep `node` come apart.
@@ -290,9 +297,8 @@ impl Topology {
         }
         for &element in group {
             let tet = &mut self.tets[element as usize];
-            tet.iter_mut()
-                .filter(|n| **n == node)
-                .for_each(|n| *n = copy);
+            tet.iter_mut().filter(|n| **n == node).for_each(|n| *n = copy);
+            self.clusters.has_nodes(element, &[copy]);
         }
         self.node_elements[node as usize].retain(|e| group.binary_search(e).is_err());
         self.node_elements.push(group.to_vec());
@@ -352,6 +358,7 @@ impl Topology {
             self.tets.swap_remove(gone as usize);
             self.neighbours.swap_remove(gone as usize);
             self.marks.swap_remove(gone as usize);
+            self.clusters.swap_remove(gone);
             if last == gone {
                 continue;
             }
@@ -359,10 +366,7 @@ impl Topology {
             for other in self.neighbours[gone as usize] {
                 if other != NONE {
                     let places = &mut self.neighbours[other as usize];
-                    places
-                        .iter_mut()
-                        .filter(|n| **n == last)
-                        .for_each(|n| *n = gone);
+                    places.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
                 }
             }
         }
@@ -374,9 +378,8 @@ impl Topology {
             }
             for e in self.node_elements[gone as usize].clone() {
                 let tet = &mut self.tets[e as usize];
-                tet.iter_mut()
-                    .filter(|n| **n == last)
-                    .for_each(|n| *n = gone);
+                tet.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
+                self.clusters.has_nodes(e, &[gone]);
             }
         }
         nodes

@@ -150,16 +150,26 @@ impl Watch {
     }
 }
 
-/// Whether a node has gone further from its rest position, relative to the body's mean motion, than [`ESCAPE`] sizes of the
-/// body.
+/// Whether a node has gone further from its rest position, relative to the mean motion of its piece of the body, than [`ESCAPE`] sizes of
+/// the body.
 pub(crate) fn escaped(body: &Body, state: &State) -> Option<Divergence> {
     let rest = body.model.rest_positions();
-    let count = rest.len() as f64;
-    let moved = || state.positions.iter().zip(rest).map(|(p, r)| p - r);
-    let mean = moved().sum::<Vector3<f64>>() / count;
+    let moved = || {
+        let moved = state.positions.iter().zip(rest).map(|(p, r)| p - r);
+        moved.zip(&body.pieces.of_nodes)
+    };
+    let mut means = vec![(Vector3::zeros(), 0.0); body.pieces.count as usize];
+    for (way, &piece) in moved() {
+        let (sum, count) = &mut means[piece as usize];
+        *sum += way;
+        *count += 1.0;
+    }
+    for (mean, count) in &mut means {
+        *mean /= f64::max(*count, 1.0);
+    }
     let size = Aabb::of(rest);
     let limit = ESCAPE * (size.max - size.min).norm();
-    let far = moved().any(|d| (d - mean).norm() > limit);
+    let far = moved().any(|(way, &piece)| (way - means[piece as usize].0).norm() > limit);
     far.then_some(Divergence::Escape)
 }
 

@@ -6,7 +6,7 @@
 use crate::error::SceneError;
 use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
-use crate::scene::{Body, Pair, PairPartner, Scene, node_areas};
+use crate::scene::{Body, Pair, PairPartner, Pieces, Scene, node_areas};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};
@@ -14,6 +14,7 @@ use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// A tool that cuts a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub(crate) struct Cut {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Edit {
     pub body: usize,
+    /// Number of nodes before it.
+    pub nodes: usize,
     pub edit: TopologyEdit,
 }
 
@@ -80,6 +83,23 @@ pub(crate) fn renumbering(edit: &TopologyEdit, old: usize) -> impl Fn(u32) -> Op
         let follow = |node, (from, to): &(u32, u32)| if node == *from { *to } else { node };
         stays.then(|| moves.iter().fold(node, follow))
     }
+}
+
+/// What becomes of a selection of nodes: a new node is in it if both nodes are that it comes from.
+pub(crate) fn follow_nodes(
+    nodes: impl IntoIterator<Item = u32>,
+    edit: &TopologyEdit,
+    old: usize,
+) -> Vec<u32> {
+    let mut all: BTreeSet<u32> = nodes.into_iter().collect();
+    for (new, node) in (old as u32..).zip(&edit.nodes) {
+        if node.between.iter().all(|parent| all.contains(parent)) {
+            all.insert(new);
+        }
+    }
+    let mut all: Vec<u32> = all.into_iter().filter_map(renumbering(edit, old)).collect();
+    all.sort_unstable();
+    all
 }
 
 impl Scene {
@@ -240,8 +260,24 @@ impl Scene {
             return Ok(None);
         };
         made.edit.carry_nodes(before);
+        self.tell_strokes(body, (cut, path.line), &made.edit);
         let pieces = self.follow(body, &made);
         Ok(Some((made, pieces)))
+    }
+
+    /// Tells the other lines that are under way in a body of an edit that one of them has made, before the body follows it.
+    fn tell_strokes(&mut self, body: usize, own: (usize, u32), edit: &TopologyEdit) {
+        let mesh = &self.bodies[body].mesh;
+        let (nodes, elements) = (mesh.positions.len(), mesh.tets.len());
+        for (cut, memory) in self.state.blades.iter_mut().enumerate() {
+            if self.cuts[cut].body != body {
+                continue;
+            }
+            let others = memory.strokes.iter_mut();
+            for (_, stroke) in others.filter(|(line, _)| (cut, *line) != own) {
+                stroke.follow(edit, nodes, elements);
+            }
+        }
     }
 
     /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off.
@@ -252,20 +288,12 @@ impl Scene {
         self.state.bodies[body].edit(&change);
         let of = &mut self.bodies[body];
         of.renew_surface();
-        let first = of.pieces.count;
-        for piece in &made.pieces {
-            for &element in piece {
-                for node in of.mesh.tets[element as usize] {
-                    of.pieces.of_nodes[node as usize] = of.pieces.count;
-                }
-            }
-            of.pieces.count += 1;
-        }
-        let pieces = (first..of.pieces.count).collect();
+        let pieces = of.number_pieces(&made.pieces);
         of.tally.divided += made.divided as u64;
         of.tally.lost_volume += made.lost_volume;
         self.edits.push(Edit {
             body,
+            nodes: old,
             edit: made.edit.clone(),
         });
         self.follow_in_groups(body, &made.edit, old);
@@ -334,6 +362,35 @@ impl Body {
         }
         self.pieces.of_nodes = of_nodes;
         Ok(change)
+    }
+
+    /// Gives parts that have come off numbers: those that leave something of their old piece behind. Returns the new numbers.
+    fn number_pieces(&mut self, parts: &[Vec<u32>]) -> Vec<u32> {
+        let piece_of = |pieces: &Pieces, element: u32| {
+            let node = self.mesh.tets[element as usize][0];
+            pieces.of_nodes[node as usize]
+        };
+        let mut new = Vec::new();
+        for part in parts {
+            let Some(old) = part.first().map(|&first| piece_of(&self.pieces, first)) else {
+                continue;
+            };
+            let elements = 0..self.mesh.tets.len() as u32;
+            let count = elements
+                .filter(|&element| piece_of(&self.pieces, element) == old)
+                .count();
+            if count == part.len() {
+                continue;
+            }
+            for &element in part {
+                for node in self.mesh.tets[element as usize] {
+                    self.pieces.of_nodes[node as usize] = self.pieces.count;
+                }
+            }
+            new.push(self.pieces.count);
+            self.pieces.count += 1;
+        }
+        new
     }
 
     /// Takes the surface from the topology, and what goes with it.

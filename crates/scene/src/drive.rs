@@ -1,11 +1,10 @@
 //! What drives the bodies from step to step: moving clamps, grips that let go, loads that grow.
 
-use crate::cutting::renumbering;
+use crate::cutting::follow_nodes;
 use crate::spec::{ClampSpec, LoadKind, LoadSpec, MotionSpec};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Contacts, Control, NodeTarget, Pressure};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The drive of one body.
@@ -57,8 +56,8 @@ struct Load {
     kind: LoadKind,
     /// Area at rest that belongs to each node [m²], for tractions.
     areas: Vec<(u32, f64)>,
-    /// Its nodes.
-    nodes: BTreeSet<u32>,
+    /// Its nodes, ascending.
+    nodes: Vec<u32>,
     ramp: f64,
 }
 
@@ -103,7 +102,7 @@ impl Drive {
             let surface = Surface::new(triangles.clone());
             drive.loads.push(Load {
                 areas: areas(&surface, mesh),
-                nodes: surface.nodes.iter().copied().collect(),
+                nodes: surface.nodes.clone(),
                 triangles: triangles.as_slice().into(),
                 kind: spec.kind,
                 ramp: spec.ramp,
@@ -115,19 +114,9 @@ impl Drive {
     /// Follows an edit that brought `mesh` to where it is: what a clamp, grip or load has both nodes of that a new node comes from, it has too. `old` is
     /// the number of nodes before, `clamped` are the model's clamped nodes now.
     pub fn follow(&mut self, edit: &TopologyEdit, old: usize, mesh: &TetMesh, clamped: &[u32]) {
-        let now = renumbering(edit, old);
-        let follow = |nodes: &BTreeSet<u32>| -> BTreeSet<u32> {
-            let mut all = nodes.clone();
-            for (new, node) in (old as u32..).zip(&edit.nodes) {
-                if node.between.iter().all(|parent| all.contains(parent)) {
-                    all.insert(new);
-                }
-            }
-            all.into_iter().filter_map(&now).collect()
-        };
         let rest = |node: u32| mesh.positions[node as usize];
         for clamp in &mut self.clamps {
-            let nodes = follow(&clamp.nodes.iter().map(|held| held.node).collect());
+            let nodes = follow_nodes(clamp.nodes.iter().map(|held| held.node), edit, old);
             let nodes = nodes.into_iter().filter_map(|node| {
                 let (place, rest) = (clamped.binary_search(&node).ok()?, rest(node));
                 Some(ClampedNode { node, place, rest })
@@ -136,11 +125,11 @@ impl Drive {
         }
         self.clamped = clamped.len();
         for grip in &mut self.grips {
-            let nodes = follow(&grip.nodes.iter().map(|(node, _)| *node).collect());
+            let nodes = follow_nodes(grip.nodes.iter().map(|(node, _)| *node), edit, old);
             grip.nodes = nodes.into_iter().map(|node| (node, rest(node))).collect();
         }
         for load in &mut self.loads {
-            load.nodes = follow(&load.nodes);
+            load.nodes = follow_nodes(load.nodes.iter().copied(), edit, old);
         }
     }
 
@@ -148,7 +137,8 @@ impl Drive {
     pub fn renew_loads(&mut self, mesh: &TetMesh, outside: &[[u32; 3]]) {
         for load in &mut self.loads {
             let of_load = outside.iter().copied();
-            let of_load = of_load.filter(|t| t.iter().all(|node| load.nodes.contains(node)));
+            let of_load =
+                of_load.filter(|t| t.iter().all(|node| load.nodes.binary_search(node).is_ok()));
             let surface = Surface::new(of_load.collect());
             load.areas = areas(&surface, mesh);
             load.triangles = surface.triangles.into();

@@ -244,8 +244,14 @@ impl Runner {
             let motions = self.scene.own_motions(start, start + length);
             let steps = f64::from(self.steps) * length / self.sample;
             let steps = (steps * (1.0 - ROUNDING)).ceil().max(1.0) as u32;
+            let edits = self.scene.edits.len();
             match self.scene.tick(&motions, length, steps, exec) {
-                Ok(report) => self.note(report, length),
+                Ok(report) => {
+                    for edit in &self.scene.edits[edits..] {
+                        self.probes.iter_mut().for_each(|probe| probe.follow(edit));
+                    }
+                    self.note(report, length);
+                }
                 Err(diverged) => {
                     self.end = Some(End::Diverged(diverged));
                     return false;

@@ -393,6 +393,11 @@ impl Scene {
         &self.bodies[body].pieces.of_nodes
     }
 
+    /// Number of pieces of a body so far: 1 before any came off. One that is cut further counts for more.
+    pub fn piece_count(&self, body: usize) -> u32 {
+        self.bodies[body].pieces.count
+    }
+
     /// Whether any tool cuts anything.
     pub fn has_cuts(&self) -> bool {
         !self.cuts.is_empty()

@@ -183,6 +183,15 @@ fn two_tubes_stay_apart_and_keep_their_momentum() {
     }
 }
 
+/// Ends that are in one another come out face to face; by the shortest way alone they stay where they are.
+#[test]
+fn vessel_ends_meet_face_to_face_by_the_rule_of_end_planes() {
+    assert_met(&["vessel-ends"]);
+    let runner = run("vessel-ends", &["contact.0.end_planes=false"]);
+    let gap = runner.series().probes[2].last().copied();
+    assert!(gap.is_some_and(|gap| gap < -50e-6), "{gap:?}");
+}
+
 #[test]
 fn a_fast_probe_does_not_pass_a_thin_wall() {
     assert_met(&["push-through"]);

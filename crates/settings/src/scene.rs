@@ -144,11 +144,13 @@ pub enum Quantity {
     Depth,
     /// Number of edges of the body's surface through triangles of another body's, and the other way round.
     Crossings,
+    /// Number of pieces that the body has come apart into.
+    Pieces,
 }
 
 impl Quantity {
     /// As files write them.
-    pub const NAMES: [&str; 15] = [
+    pub const NAMES: [&str; 16] = [
         "displacement",
         "centre",
         "radius",
@@ -164,6 +166,7 @@ impl Quantity {
         "inside",
         "depth",
         "crossings",
+        "pieces",
     ];
 
     /// Unit of its values.
@@ -179,7 +182,7 @@ impl Quantity {
             Self::Torque => Unit::Torque,
             Self::Volume | Self::SmallestVolume | Self::Inside => Unit::Ratio,
             Self::Energy => Unit::Energy,
-            Self::Crossings => Unit::Count,
+            Self::Crossings | Self::Pieces => Unit::Count,
         }
     }
 }

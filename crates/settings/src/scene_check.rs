@@ -106,7 +106,13 @@ fn check_probes(reading: &mut Reading) {
         let nodes = key.key("nodes");
         if matches!(
             quantity.as_str(),
-            "volume" | "smallest-volume" | "energy" | "contact-force" | "grip" | "crossings"
+            "volume"
+                | "smallest-volume"
+                | "energy"
+                | "contact-force"
+                | "grip"
+                | "crossings"
+                | "pieces"
         ) && reading.is_written(&nodes)
         {
             let expected = format!("no `nodes`, as the {quantity} is that of the body");

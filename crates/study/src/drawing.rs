@@ -14,7 +14,7 @@ use std::fmt::Write;
 pub const STYLE: &str = include_str!("drawing/style.css");
 
 /// Number of colours of series in the style, and of forms of markers.
-pub const SERIES: usize = 11;
+pub const SERIES: usize = 12;
 
 /// Text for HTML and SVG.
 pub fn escape(text: &str) -> String {

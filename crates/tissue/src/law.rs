@@ -66,13 +66,10 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// First Piola–Kirchhoff stress P = ∂Ψ/∂F [Pa].
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64>;
 
-    /// 2a' and b' [Pa] of four F at once, for a law of the form Ψ = a(tr FᵀF) + b(det F), from tr FᵀF and det F.
+    /// b' [Pa] of four F at once from det F, for a law of the form Ψ = μ/2 tr FᵀF + b(det F) whose forces are to be computed by areas:
+    /// half the arithmetic, other roundings.
     #[inline(always)]
-    fn slopes_of_four(
-        _trace: impl FnOnce() -> Lanes,
-        _j: Lanes,
-        _lame: &Lame,
-    ) -> Option<[Lanes; 2]> {
+    fn slope_of_four(_j: Lanes, _lame: &Lame) -> Option<Lanes> {
         None
     }
 

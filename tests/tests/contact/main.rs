@@ -1,3 +1,4 @@
 //! Contact against closed forms and against solutions that this test computes by other means.
 
 mod hertz;
+mod steady_state;

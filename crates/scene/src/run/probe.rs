@@ -1,5 +1,6 @@
 //! Probes: numbers taken from a scene.
 
+use crate::cutting::{Edit, follow_nodes};
 use crate::from_settings::selections;
 use crate::report::ContactPartner;
 use crate::scene::Scene;
@@ -182,6 +183,7 @@ impl Probe {
             Quantity::Inside => scene.overlap(self.body).nodes as f64 / now.len() as f64,
             Quantity::Depth => scene.overlap(self.body).depth,
             Quantity::Crossings => scene.crossings(self.body, self.other) as f64,
+            Quantity::Pieces => f64::from(scene.piece_count(self.body)),
             Quantity::Volume => scene.volume(self.body) / self.reference - 1.0,
             Quantity::SmallestVolume => {
                 let rest = scene.model(self.body).rest_volumes();
@@ -201,6 +203,13 @@ impl Probe {
                     .sum();
                 scene.energies(self.body).total() - fallen
             }
+        }
+    }
+
+    /// Follows an edit of the body's mesh.
+    pub fn follow(&mut self, edit: &Edit) {
+        if edit.body == self.body {
+            self.nodes = follow_nodes(self.nodes.iter().copied(), &edit.edit, edit.nodes);
         }
     }
 

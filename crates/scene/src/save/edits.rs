@@ -8,7 +8,7 @@ use microsim_cutting::{Stroke, Topology, TopologyState};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An edit, without the number of its body: generation u64; then lists, each behind its length u32: moved nodes (u32, 3 × f64), new nodes
+/// An edit: body u32, nodes before it u32, generation u64; then lists, each behind its length u32: moved nodes (u32, 3 × f64), new nodes
 /// (2 × u32, f64), replaced elements (u32, list of 4 × u32), removed elements and nodes (u32), renumbered elements (5 × u32), cut faces (5 × u32, side
 /// u32).
 pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
@@ -23,6 +23,7 @@ pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
         cut_faces,
     } = &edit.edit;
     put_u32(bytes, edit.body as u32);
+    put_u32(bytes, edit.nodes as u32);
     bytes.extend_from_slice(&generation.to_le_bytes());
     put_list(bytes, moved, |bytes, (node, place)| {
         put_u32(bytes, *node);
@@ -52,7 +53,7 @@ pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
 }
 
 pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
-    let body = reader.u32()? as usize;
+    let [body, nodes] = [reader.u32()? as usize, reader.u32()? as usize];
     let generation = u64::from_le_bytes(reader.array()?);
     let edit = TopologyEdit {
         generation,
@@ -86,7 +87,7 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
             })
         })?,
     };
-    Ok(Edit { body, edit })
+    Ok(Edit { body, nodes, edit })
 }
 
 /// What decides and what is under way of a cut: capsules in tissue (u32), closing points (u32 whether there is one, f64), strokes.
@@ -108,6 +109,11 @@ pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeMemory) {
             put_u32(bytes, **element);
             bytes.extend(sides.iter().flat_map(|side| side.to_le_bytes()));
         });
+        let given: Vec<_> = stroke.given.iter().collect();
+        put_list(bytes, &given, |bytes, (element, side)| {
+            put_u32(bytes, **element);
+            bytes.extend(side.to_le_bytes());
+        });
         put_vector(bytes, &stroke.normal);
     });
 }
@@ -127,6 +133,10 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeMemory, RestoreError
                 path: r.list(Reader::u32)?.into_iter().collect::<BTreeSet<_>>(),
                 sides: r
                     .list(|r| Ok((r.u32()?, r.array()?.map(|side: u8| side as i8))))?
+                    .into_iter()
+                    .collect::<BTreeMap<_, _>>(),
+                given: r
+                    .list(|r| Ok((r.u32()?, i8::from_le_bytes(r.array()?))))?
                     .into_iter()
                     .collect::<BTreeMap<_, _>>(),
                 normal: r.vector()?,

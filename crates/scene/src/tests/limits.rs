@@ -193,7 +193,7 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
         ),
         (
             |s| s.tools[0].capsules.clear(),
-            "tool 'probe' has no capsule",
+            "tool 'probe' needs at least one capsule",
         ),
         (
             |s| s.tools[0].capsules[0].radius = 0.0,

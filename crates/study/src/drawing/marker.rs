@@ -65,6 +65,7 @@ pub fn marker(
         7 => regular(6, 1.2, 0.0, 1.0),
         8 => regular(3, 1.45, pi / 2.0, 1.0),
         9 => regular(8, 1.7, 0.0, 0.4),
+        11 => regular(3, 1.45, -pi / 2.0, 1.0),
         _ => polygon(&CROSS.map(|(x, y)| {
             // Turned by an eighth.
             let half = std::f64::consts::FRAC_1_SQRT_2;

@@ -9,9 +9,14 @@ use std::fmt::Write;
 
 /// The section of a scene.
 pub fn section(out: &mut String, panel: &Panel<'_>) {
+    // One drawing would be blown up to the width of two.
+    let class = match comparisons(panel).len() {
+        1 => " class=\"one\"",
+        _ => "",
+    };
     let _ = write!(
         out,
-        "<section id=\"{}\"><h2>{}</h2>\n<p class=\"sentence\">{}</p>\n<figure>{}</figure>\n",
+        "<section id=\"{}\"><h2>{}</h2>\n<p class=\"sentence\">{}</p>\n<figure{class}>{}</figure>\n",
         panel.id(),
         escape(&panel.title()),
         escape(&panel.sentence()),

@@ -78,7 +78,7 @@ struct Element {
     sixth: f64,
 }
 
-/// What the forces of laws of invariants need of four elements.
+/// What forces by areas need of four elements.
 #[derive(Clone, Copy, Debug)]
 struct FourShapes {
     /// V g_i·g_j of the last three corners [m]: 11, 22, 33, 23, 31, 12.
@@ -202,9 +202,9 @@ impl Tetrahedra {
             }
         }
         for (corners, block) in corners.iter_mut().zip(blocks) {
-            let (shapes, volumes) = (&self.shapes[block], &self.volumes[block]);
-            if !forces_by_invariants::<L>(corners, shapes, volumes, lame) {
-                forces_by_stress::<L>(corners, &self.gradients[block], volumes, lame);
+            if !forces_by_areas::<L>(corners, &self.shapes[block], lame) {
+                let (gradients, volumes) = (&self.gradients[block], &self.volumes[block]);
+                forces_by_stress::<L>(corners, gradients, volumes, lame);
             }
         }
         let mut element = end - nodes.len();
@@ -247,46 +247,40 @@ fn set_forces(corners: &mut [FourVectors; 4], [f1, f2, f3]: [FourVectors; 3]) {
     *corners = [[sum(0), sum(1), sum(2)], f1, f2, f3];
 }
 
-/// Replaces the corners of four elements by the forces on them, by P = 2a' F + b' cof F; returns false for a law of another form.
-/// With the edges e_j from the first corner, V F g_i = Σ_j V g_i·g_j e_j and V cof(F) g_i is a third of the area vector of
-/// the face opposite to the corner: half the arithmetic of P.
+/// Replaces the corners of four elements by the forces on them, by P = μ F + b' cof F; returns false for a law of another form.
+/// With the edges e_j from the first corner, V F g_i = Σ_j V g_i·g_j e_j, and V cof(F) g_i is a third of the area vector of
+/// the face opposite to the corner.
 ///
 /// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers, while next to the
 /// gathering of single numbers it does not.
 #[inline(never)]
-fn forces_by_invariants<L: Law>(
+fn forces_by_areas<L: Law>(
     corners: &mut [FourVectors; 4],
     shapes: &FourShapes,
-    volumes: &Lanes,
     lame: &Lame,
 ) -> bool {
     let [e1, e2, e3] = edges_of_four(corners);
-    let areas = [
+    let doubled = [
         cross_of_four(&e2, &e3),
         cross_of_four(&e3, &e1),
         cross_of_four(&e1, &e2),
     ];
-    let j = dot_of_four(&e1, &areas[0]) * shapes.per_volume;
-    let [k11, k22, k33, k23, k31, k12] = shapes.metric;
-    let row = |a: Lanes, b: Lanes, c: Lanes| -> FourVectors {
-        let entry = |i: usize| e1[i] * a + e2[i] * b + e3[i] * c;
-        [entry(0), entry(1), entry(2)]
-    };
-    let rows = [row(k11, k12, k31), row(k12, k22, k23), row(k31, k23, k33)];
-    let trace = || {
-        let sum = dot_of_four(&e1, &rows[0]) + dot_of_four(&e2, &rows[1]);
-        (sum + dot_of_four(&e3, &rows[2])) / *volumes
-    };
-    let Some([twice_a1, b1]) = L::slopes_of_four(trace, j, lame) else {
+    let j = dot_of_four(&e1, &doubled[0]) * shapes.per_volume;
+    let Some(slope) = L::slope_of_four(j, lame) else {
         return false;
     };
-    let (along, across) = (-twice_a1, -(b1 * shapes.sixth));
-    let force = |corner: usize| {
-        let (row, area): (&FourVectors, &FourVectors) = (&rows[corner], &areas[corner]);
-        let entry = |i: usize| row[i] * along + area[i] * across;
+    let (along, across) = (Lanes::splat(-lame.mu), -(slope * shapes.sixth));
+    let [k11, k22, k33, k23, k31, k12] = shapes.metric;
+    let force = |[a, b, c]: [Lanes; 3], doubled: &FourVectors| -> FourVectors {
+        let entry = |i: usize| (e1[i] * a + e2[i] * b + e3[i] * c) * along + doubled[i] * across;
         [entry(0), entry(1), entry(2)]
     };
-    set_forces(corners, [force(0), force(1), force(2)]);
+    let forces = [
+        force([k11, k12, k31], &doubled[0]),
+        force([k12, k22, k23], &doubled[1]),
+        force([k31, k23, k33], &doubled[2]),
+    ];
+    set_forces(corners, forces);
     true
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Every operation is that of the single numbers, rounded alike: a result does not depend on which element stands beside which.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// Numbers worked on together: as many as fill a register of 256 bits.
 pub const LANES: usize = 4;
@@ -51,18 +51,6 @@ impl Mul for Lanes {
     fn mul(mut self, other: Self) -> Self {
         for (a, b) in self.0.iter_mut().zip(&other.0) {
             *a *= b;
-        }
-        self
-    }
-}
-
-impl Div for Lanes {
-    type Output = Self;
-
-    #[inline(always)]
-    fn div(mut self, other: Self) -> Self {
-        for (a, b) in self.0.iter_mut().zip(&other.0) {
-            *a /= b;
         }
         self
     }

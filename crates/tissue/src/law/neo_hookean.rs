@@ -3,7 +3,6 @@
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
 use super::{Lame, Law, Matrix9};
-use crate::elements::Lanes;
 use nalgebra::Matrix3;
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ ln J + λ/2 ln²J, J = det F (Bonet & Wood 1997).
@@ -48,15 +47,6 @@ impl Law for NeoHookean {
         let [log, slope, _] = log_volume(j);
         let b1 = (lame.lambda * log - lame.mu) * slope;
         invariants::stress(f, &cofactor, 0.5 * lame.mu, b1)
-    }
-
-    #[inline(always)]
-    fn slopes_of_four(_trace: impl FnOnce() -> Lanes, j: Lanes, lame: &Lame) -> Option<[Lanes; 2]> {
-        let b1 = j.0.map(|j| {
-            let [log, slope, _] = log_volume(j);
-            (lame.lambda * log - lame.mu) * slope
-        });
-        Some([Lanes::splat(lame.mu), Lanes(b1)])
     }
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {

@@ -36,10 +36,9 @@ impl Law for NeoHookeanPolynomial {
     }
 
     #[inline(always)]
-    fn slopes_of_four(_trace: impl FnOnce() -> Lanes, j: Lanes, lame: &Lame) -> Option<[Lanes; 2]> {
+    fn slope_of_four(j: Lanes, lame: &Lame) -> Option<Lanes> {
         let of = Lanes::splat;
-        let b1 = of(lame.lambda + lame.mu) * (j - of(1.0)) - of(lame.mu);
-        Some([of(lame.mu), b1])
+        Some(of(lame.lambda + lame.mu) * (j - of(1.0)) - of(lame.mu))
     }
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {

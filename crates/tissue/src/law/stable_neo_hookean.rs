@@ -3,7 +3,6 @@
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
 use super::{Lame, Law, Matrix9};
-use crate::elements::Lanes;
 use nalgebra::Matrix3;
 
 /// Ψ = μ'/2 (I − 3) + λ'/2 (J − α)² − μ'/2 ln(I + 1) up to a constant, I = tr FᵀF, J = det F, α = 1 + 3μ'/(4λ') (Smith, de Goes,
@@ -37,15 +36,6 @@ impl Law for StableNeoHookean {
         let (cofactor, j) = cofactor(f);
         let a1 = 0.5 * mu * (1.0 - 1.0 / (f.norm_squared() + 1.0));
         invariants::stress(f, &cofactor, a1, lambda * (j - 1.0) - 0.75 * mu)
-    }
-
-    #[inline(always)]
-    fn slopes_of_four(trace: impl FnOnce() -> Lanes, j: Lanes, lame: &Lame) -> Option<[Lanes; 2]> {
-        let of = Lanes::splat;
-        let (mu, lambda) = own_constants(lame);
-        let twice_a1 = of(mu) * (of(1.0) - of(1.0) / (trace() + of(1.0)));
-        let b1 = of(lambda) * (j - of(1.0)) - of(0.75 * mu);
-        Some([twice_a1, b1])
     }
 
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {

@@ -1,0 +1,59 @@
+//! Tearing: faces that give way, whatever made them.
+
+use crate::cut::Settings;
+use crate::editor::Editor;
+use crate::report::{Cut, Rejected};
+use crate::topology::Topology;
+use microsim_mesh::TetMesh;
+use nalgebra::Vector3;
+
+impl Topology {
+    /// Opens inner faces, each given by an element and the corner opposite to the face; which ones is for the strain in them to
+    /// say. `None` when nothing comes apart: a face whose nodes all hold together around it stays closed, and counts as
+    /// torn as soon as others let them go. Nothing is divided. Nodes are now at `current` [m].
+    ///
+    /// The topology is then that of the next generation, as after [`Topology::cut`].
+    pub fn tear(
+        &mut self,
+        mesh: &TetMesh,
+        faces: &[(u32, u8)],
+        current: &[Vector3<f64>],
+        settings: &Settings,
+    ) -> Result<Option<Cut>, Rejected> {
+        if mesh.generation != self.generation {
+            return Err(Rejected::Generation {
+                mesh: mesh.generation,
+                topology: self.generation,
+            });
+        }
+        if current.len() != mesh.positions.len() {
+            return Err(Rejected::Positions {
+                nodes: mesh.positions.len(),
+                positions: current.len(),
+            });
+        }
+        for &(element, corner) in faces {
+            let is_inner = (element as usize) < self.tets.len()
+                && corner < 4
+                && self.neighbour(element, corner as usize).is_some();
+            if !is_inner {
+                return Err(Rejected::Face { element, corner });
+            }
+        }
+        if faces.is_empty() {
+            return Ok(None);
+        }
+        self.sheets += 1;
+        let sheet = self.sheets;
+        let faces: Vec<_> = faces
+            .iter()
+            .map(|&(element, corner)| (element, corner as usize, true))
+            .collect();
+        let mut editor = Editor::new(self, mesh, current);
+        editor.open(&faces, sheet);
+        Ok(editor.conclude(settings))
+    }
+}
+
+#[cfg(test)]
+mod tests;

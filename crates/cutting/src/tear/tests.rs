@@ -1,0 +1,105 @@
+use super::*;
+use crate::check;
+use microsim_mesh::{Block, CellSplit, Side};
+use nalgebra::Vector3;
+
+/// Faces between elements on both sides of the plane z = 0, which is one between cells.
+fn layer(mesh: &TetMesh, topology: &Topology) -> Vec<(u32, u8)> {
+    let above = |e: u32| mesh.corners(e as usize).iter().map(|p| p.z).sum::<f64>() > 0.0;
+    let mut faces = Vec::new();
+    for element in 0..mesh.tets.len() as u32 {
+        for corner in 0..4 {
+            let other = topology.neighbour(element, corner);
+            if !above(element) && other.is_some_and(above) {
+                faces.push((element, corner as u8));
+            }
+        }
+    }
+    faces
+}
+
+fn block() -> TetMesh {
+    let block = Block {
+        center: [0.0; 3],
+        size: [3.0, 2.0, 2.0],
+        cells: [3, 2, 2],
+        split: CellSplit::Kuhn,
+    };
+    block.mesh().unwrap()
+}
+
+/// The layers of cells come apart along their 3 × 2 squares: 12 nodes are doubled, the area is 6.
+#[test]
+fn a_layer_tears_off_along_its_faces() {
+    let mut mesh = block();
+    let mut topology = Topology::new(&mesh);
+    let faces = layer(&mesh, &topology);
+    let positions = mesh.positions.clone();
+    let cut = topology
+        .tear(&mesh, &faces, &positions, &Settings::default())
+        .unwrap()
+        .unwrap();
+    let old = mesh.tets.len();
+    mesh.apply(&cut.edit).unwrap();
+    let measures = check(&mesh, &topology).unwrap();
+    assert_eq!(
+        (measures.parts, mesh.tets.len(), cut.edit.nodes.len()),
+        (2, old, 12)
+    );
+    assert!((cut.opened[0].area - 6.0).abs() < 1e-12);
+    assert!((cut.opened[0].normal - Vector3::z()).norm() < 1e-12);
+    assert_eq!(cut.edit.cut_faces.len(), 2 * faces.len());
+    for face in &cut.edit.cut_faces {
+        let corners = mesh.corners(face.element as usize);
+        let lower = corners.iter().all(|p| p.z <= 0.0);
+        assert_eq!(face.side == Side::Negative, lower);
+    }
+    assert_eq!(cut.pieces.len(), 1);
+    assert_eq!(cut.pieces[0].len(), old / 2);
+}
+
+/// One face after another: what hangs together in between stays closed, and in the end all is open. A topology made anew from its
+/// state goes on in the same way.
+#[test]
+fn faces_torn_one_by_one_add_up() {
+    let mut mesh = block();
+    let mut topology = Topology::new(&mesh);
+    let (mut pieces, mut edits) = (0, 0);
+    loop {
+        let mut faces = layer(&mesh, &topology);
+        faces.retain(|&(e, k)| topology.marks[e as usize][k as usize] == 0);
+        let Some(&face) = faces.get(faces.len() / 2) else {
+            break;
+        };
+        let positions = mesh.positions.clone();
+        let settings = Settings::default();
+        let torn = topology.tear(&mesh, &[face], &positions, &settings);
+        if let Some(cut) = torn.unwrap() {
+            mesh.apply(&cut.edit).unwrap();
+            pieces += cut.pieces.len();
+            edits += 1;
+        }
+        check(&mesh, &topology).unwrap();
+        topology = Topology::restore(&mesh, &topology.state());
+    }
+    let measures = check(&mesh, &topology).unwrap();
+    assert_eq!((measures.parts, pieces), (2, 1));
+    assert!(edits > 3);
+}
+
+#[test]
+fn what_is_not_an_inner_face_is_refused() {
+    let mesh = block();
+    let mut topology = Topology::new(&mesh);
+    let settings = Settings::default();
+    let outer = (0..4).find(|&k| topology.neighbour(0, k).is_none());
+    let outer = outer.unwrap() as u8;
+    for (element, corner) in [(0, outer), (0, 4), (mesh.tets.len() as u32, 0)] {
+        let refused = topology.tear(&mesh, &[(element, corner)], &mesh.positions, &settings);
+        assert_eq!(refused, Err(Rejected::Face { element, corner }));
+    }
+    let refused = topology.tear(&mesh, &[], &mesh.positions[1..], &settings);
+    assert!(matches!(refused, Err(Rejected::Positions { .. })));
+    let nothing = topology.tear(&mesh, &[], &mesh.positions, &settings);
+    assert_eq!(nothing, Ok(None));
+}

@@ -1,0 +1,192 @@
+//! Bodies to cut: of size about 1, irregular, with numbers in no order.
+
+use crate::random::Random;
+use microsim_cutting::{Measures, SurfaceChange, SurfaceTriangle, Topology, check};
+use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, TriangleSurface, Tube, fill};
+use nalgebra::Vector3;
+use std::collections::BTreeSet;
+
+type V3 = Vector3<f64>;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    Block,
+    Tube,
+    Filled,
+}
+
+pub struct Body {
+    pub mesh: TetMesh,
+    pub topology: Topology,
+    pub measures: Measures,
+    surface: BTreeSet<SurfaceTriangle>,
+    /// Number of nodes of the first generation.
+    originals: usize,
+}
+
+fn block(random: &mut Random) -> TetMesh {
+    let cells = 2 + random.below(3) as usize;
+    let block = Block {
+        center: [0.0; 3],
+        size: [1.0; 3],
+        cells: [cells; 3],
+        split: CellSplit::Kuhn,
+    };
+    let mut mesh = block.mesh().expect("a block");
+    for p in &mut mesh.positions {
+        *p += random.vector() * (0.15 / cells as f64);
+    }
+    mesh
+}
+
+fn tube(random: &mut Random) -> TetMesh {
+    let tube = Tube {
+        center: [0.0; 3],
+        axis: [1.0, 0.3, -0.2],
+        inner_radius: 0.3,
+        layers: vec![Layer {
+            thickness: 0.15,
+            cells: 1,
+            region: 0,
+        }],
+        length: 1.2,
+        around: 8 + random.below(5) as usize,
+        along: 6,
+        arc: Arc::Full,
+        split: CellSplit::Kuhn,
+    };
+    tube.mesh().expect("a tube")
+}
+
+/// An octahedron whose faces are divided and blown up, filled.
+fn filled(random: &mut Random) -> TetMesh {
+    let mut points: Vec<V3> = vec![V3::x(), V3::y(), V3::z(), -V3::x(), -V3::y(), -V3::z()];
+    let mut triangles: Vec<[u32; 3]> = vec![
+        [0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2],
+        [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5],
+    ];
+    for _ in 0..2 {
+        let mut next = Vec::new();
+        let mut middles: Vec<([u32; 2], u32)> = Vec::new();
+        for [a, b, c] in triangles {
+            let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[i, j]| {
+                let edge = [i.min(j), i.max(j)];
+                if let Some((_, middle)) = middles.iter().find(|(e, _)| *e == edge) {
+                    return *middle;
+                }
+                points.push((points[i as usize] + points[j as usize]).normalize());
+                middles.push((edge, points.len() as u32 - 1));
+                points.len() as u32 - 1
+            });
+            next.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = next;
+    }
+    let stretch = V3::new(0.6, 0.5 + 0.1 * random.number(), 0.4);
+    let points = points.iter().map(|p| p.component_mul(&stretch)).collect();
+    fill(&TriangleSurface { positions: points, triangles }, 0.3).expect("a mesh")
+}
+
+/// The same mesh with nodes and elements in another order.
+fn shuffled(mesh: &TetMesh, random: &mut Random) -> TetMesh {
+    let mut order = |n: usize| {
+        let mut order: Vec<usize> = (0..n).collect();
+        for i in (1..n).rev() {
+            order.swap(i, random.below(i as u64 + 1) as usize);
+        }
+        order
+    };
+    let nodes = order(mesh.positions.len());
+    let elements = order(mesh.tets.len());
+    let mut new = vec![0; nodes.len()];
+    for (place, &node) in nodes.iter().enumerate() {
+        new[node] = place as u32;
+    }
+    TetMesh::new(
+        nodes.iter().map(|&n| mesh.positions[n]).collect(),
+        elements.iter().map(|&e| mesh.tets[e].map(|n| new[n as usize])).collect(),
+        elements.iter().map(|&e| mesh.regions[e]).collect(),
+    )
+}
+
+impl Body {
+    pub fn new(kind: Kind, random: &mut Random) -> Self {
+        let mesh = match kind {
+            Kind::Block => block(random),
+            Kind::Tube => tube(random),
+            Kind::Filled => filled(random),
+        };
+        let mesh = shuffled(&mesh, random);
+        let topology = Topology::new(&mesh);
+        let measures = check(&mesh, &topology).expect("a sound mesh");
+        let surface = topology.surface().into_iter().collect();
+        let originals = mesh.positions.len();
+        Self { mesh, topology, measures, surface, originals }
+    }
+
+    /// A surface that is kept by the changes alone is that of the mesh.
+    pub fn follow_surface(&mut self, change: &SurfaceChange) -> Result<(), String> {
+        for t in &change.removed {
+            if !self.surface.remove(t) {
+                return Err(format!("{t:?} was not on the surface"));
+            }
+        }
+        for t in &change.added {
+            if !self.surface.insert(*t) {
+                return Err(format!("{t:?} was on the surface"));
+            }
+        }
+        if self.surface != self.topology.surface().into_iter().collect() {
+            return Err("the surface that was followed is another".into());
+        }
+        Ok(())
+    }
+
+    pub fn longest_edge(&self) -> f64 {
+        let edges = self.mesh.edges();
+        let length = |[a, b]: &[u32; 2]| {
+            (self.mesh.positions[*a as usize] - self.mesh.positions[*b as usize]).norm()
+        };
+        edges.iter().map(length).fold(0.0, f64::max)
+    }
+
+    /// No part has corners on both sides of a plane and further from it than the tolerance. In the `first` stroke the nodes that were there
+    /// before count: new ones lie on the cut.
+    pub fn separated(&self, center: &V3, normal: &V3, tolerance: f64, first: bool) -> Result<(), String> {
+        let count = self.mesh.tets.len();
+        let mut part = vec![usize::MAX; count];
+        for start in 0..count {
+            if part[start] != usize::MAX {
+                continue;
+            }
+            part[start] = start;
+            let mut open = vec![start];
+            let (mut least, mut most) = (0.0_f64, 0.0_f64);
+            while let Some(element) = open.pop() {
+                for corner in 0..4 {
+                    let node = self.mesh.tets[element][corner] as usize;
+                    if !first || self.is_original(node) {
+                        let height = (self.mesh.positions[node] - center).dot(normal);
+                        least = least.min(height);
+                        most = most.max(height);
+                    }
+                    if let Some(other) = self.topology.neighbour(element as u32, corner)
+                        && part[other as usize] == usize::MAX
+                    {
+                        part[other as usize] = start;
+                        open.push(other as usize);
+                    }
+                }
+            }
+            if least < -tolerance && most > tolerance {
+                return Err(format!("a bridge: a part from {least} to {most}, tolerance {tolerance}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a node was there in the first generation.
+    fn is_original(&self, node: usize) -> bool {
+        (self.mesh.node_ids[node] as usize) < self.originals
+    }
+}

@@ -1,0 +1,247 @@
+//! Random cuts, with everything checked after every step. The test takes a sample, the example as many as it is asked for.
+
+use crate::bodies::{Body, Kind};
+use crate::random::Random;
+use microsim_cutting::{Blade, Settings, Sheet, Stroke, Sweep, check};
+use nalgebra::{Matrix3, Vector3};
+
+type V3 = Vector3<f64>;
+
+/// What was cut and how it went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    pub bodies: usize,
+    pub strokes: usize,
+    pub edits: usize,
+    pub divided: usize,
+    pub crossed: usize,
+    pub clamped: usize,
+    pub joined: usize,
+    pub snapped: usize,
+    pub dropped: usize,
+    pub pieces: usize,
+    /// Rest volume taken away as crumbs over that of the bodies, summed.
+    pub lost: f64,
+    /// Smallest rest volume of an element over the mean of its body.
+    pub least_volume: f64,
+    /// Largest number of elements of a body.
+    pub largest: usize,
+    /// Strokes of a blade that passed right through, looked at for bridges.
+    pub complete: usize,
+}
+
+/// A path of a blade through a body of size 1, in the frame of the body at rest.
+struct Path {
+    center: V3,
+    along: V3,
+    across: V3,
+    normal: V3,
+    half_length: f64,
+    half_width: f64,
+    /// Turn of the blade about its way from the middle to the end, and height of a wave.
+    twist: f64,
+    wave: f64,
+}
+
+impl Path {
+    fn random(random: &mut Random, complete: bool, plane: bool) -> Self {
+        let normal = random.vector().normalize();
+        let along = normal.cross(&random.vector()).normalize();
+        let bounded = |random: &mut Random| 0.2 + 0.8 * random.number().abs();
+        Self {
+            center: random.vector() * 0.35,
+            along,
+            across: normal.cross(&along),
+            normal,
+            half_length: if complete { 2.0 } else { bounded(random) },
+            half_width: if complete { 2.0 } else { 0.6 * bounded(random) },
+            twist: if plane { 0.0 } else { random.number() },
+            wave: if plane { 0.0 } else { 0.15 * random.number() },
+        }
+    }
+
+    /// The point at −1..1 along and across.
+    fn at(&self, t: f64, s: f64) -> V3 {
+        // Sine and cosine of the twist's angle by its half's tangent.
+        let half = 0.5 * self.twist * t;
+        let (c, d) = ((1.0 - half * half) / (1.0 + half * half), 2.0 * half / (1.0 + half * half));
+        let across = self.across * c + self.normal * d;
+        let lift = self.wave * 4.0 * t * (1.0 - t * t);
+        self.center + self.along * (self.half_length * t) + across * (self.half_width * s) + self.normal * lift
+    }
+
+    fn blade(&self, t: f64) -> [V3; 2] {
+        [self.at(t, -1.0), self.at(t, 1.0)]
+    }
+}
+
+/// A swing of the whole tissue: affine, so that what is plane at rest is plane now.
+struct Swing {
+    linear: Matrix3<f64>,
+    shift: V3,
+}
+
+impl Swing {
+    fn random(random: &mut Random) -> Self {
+        Self {
+            linear: Matrix3::from_fn(|_, _| 0.3 * random.number()),
+            shift: random.vector(),
+        }
+    }
+
+    fn at(&self, time: f64, place: &V3) -> V3 {
+        let swing = 4.0 * time * (1.0 - time);
+        place + self.linear * place * swing + self.shift * swing
+    }
+
+    /// Tissue and blade move on straight lines from A x to A' x and from A b to A' b'. Half way the blade is off the
+    /// plane through b and b' by (A' − A)(b' − b) / 4, and by up to 1 / (1 − 0.9) as much in the tissue's own frame, as the linear part is
+    /// up to 0.9 off the identity; typical is less than 2.
+    fn off(&self, times: [f64; 2], blade: impl Fn(usize) -> [V3; 2]) -> f64 {
+        let [from, to] = times.map(|t| 4.0 * t * (1.0 - t));
+        let (p, q) = (blade(0), blade(1));
+        let way = (q[0] - p[0]).norm().max((q[1] - p[1]).norm());
+        (self.linear * (to - from)).norm() * way / 4.0 * 3.0
+    }
+}
+
+/// Cuts one body several times; one in eight up to `most` times.
+pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, String> {
+    let mut random = Random(seed);
+    let kind = [Kind::Block, Kind::Block, Kind::Tube, Kind::Filled][random.below(4) as usize];
+    let mut body = Body::new(kind, &mut random);
+    let strokes = if random.below(8) == 0 { most } else { 1 + random.below(4) };
+    summary.bodies += 1;
+    for number in 0..strokes {
+        let way = random.below(5);
+        let complete = random.below(3) > 0;
+        let plane = random.below(2) == 0;
+        let path = Path::random(&mut random, complete, plane);
+        let mut stroke = Stroke::new();
+        let before = body.mesh.tets.len();
+        // How far the blade may leave its plane in the frame of the tissue, within a step.
+        let mut off = 0.0_f64;
+        let context = |e: String| format!("seed {seed} stroke {number} ({kind:?}, way {way}): {e}");
+        match way {
+            0 | 1 => {
+                let rows = if plane { 1 } else { 12 };
+                let sheet = Sheet::grid(rows, rows, |u, v| path.at(2.0 * u - 1.0, 2.0 * v - 1.0));
+                let positions = body.mesh.positions.clone();
+                let blade = Blade::Sheet { sheet: &sheet, positions: &positions };
+                body.step(&mut stroke, &blade, summary).map_err(context)?;
+            }
+            _ => {
+                let steps = 2 + random.below(40);
+                let swing = Swing::random(&mut random);
+                // Some blades turn back on their way for a while.
+                let back = if random.below(3) == 0 { random.below(steps) } else { steps };
+                let mut times = vec![0.0];
+                for step in 1..=steps {
+                    if step == back {
+                        times.push((step as f64 - 2.5) / steps as f64);
+                    }
+                    times.push(step as f64 / steps as f64);
+                }
+                for (k, pair) in times.windows(2).enumerate() {
+                    // Way 2: the tissue rests.
+                    let share = |k: usize| if way == 2 { 0.0 } else { k as f64 / times.len() as f64 };
+                    let [from, to] = [share(k), share(k + 1)];
+                    let sweep = Sweep {
+                        before: path.blade(2.0 * pair[0] - 1.0).map(|p| swing.at(from, &p)),
+                        now: path.blade(2.0 * pair[1] - 1.0).map(|p| swing.at(to, &p)),
+                    };
+                    off = off.max(swing.off([from, to], |t| path.blade(2.0 * pair[t] - 1.0)));
+                    let [before, now] = [from, to].map(|time| {
+                        let places = body.mesh.positions.iter();
+                        places.map(|p| swing.at(time, p)).collect::<Vec<_>>()
+                    });
+                    let blade = Blade::Sweep { sweep: &sweep, before: &before, now: &now };
+                    body.step(&mut stroke, &blade, summary)
+                        .map_err(|e| context(format!("step {k} of {}: {e}", times.len())))?;
+                }
+            }
+        }
+        summary.strokes += 1;
+        if complete && plane {
+            summary.complete += 1;
+            // Fresh meshes are separated exactly; where parts are too small to be divided the cut follows their edges.
+            let snapped = if number == 0 { 0.0 } else { 0.5 * body.longest_edge() };
+            let tolerance = snapped + off;
+            body.separated(&path.center, &path.normal, tolerance, number == 0).map_err(context)?;
+        }
+        summary.largest = summary.largest.max(body.mesh.tets.len());
+        if body.mesh.tets.len() > 6 * before + 4000 {
+            return Err(format!("seed {seed}: from {before} to {} elements in a stroke", body.mesh.tets.len()));
+        }
+    }
+    Ok(strokes as usize)
+}
+
+impl Body {
+    fn step(&mut self, stroke: &mut Stroke, blade: &Blade, summary: &mut Summary) -> Result<(), String> {
+        let settings = Settings::default();
+        let before = self.measures.clone();
+        let cut = self.topology.cut(&self.mesh, stroke, blade, &settings);
+        let Some(cut) = cut.map_err(|e| e.to_string())? else {
+            return Ok(());
+        };
+        self.mesh.apply(&cut.edit).map_err(|e| e.to_string())?;
+        let now = check(&self.mesh, &self.topology).map_err(|e| format!("{e:?}"))?;
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
+        if !close(now.volume + cut.lost_volume, before.volume) {
+            return Err(format!("volume {} + {} from {}", now.volume, cut.lost_volume, before.volume));
+        }
+        if cut.edit.removed.is_empty() {
+            // Nothing opens but what the blade made: the rest of the surface is what it was.
+            if !close(now.outer_area, before.outer_area) {
+                return Err(format!("surface {} from {}", now.outer_area, before.outer_area));
+            }
+            for (k, (area, rest)) in now.sheets.iter().enumerate() {
+                let (area_before, rest_before) = before.sheets.get(k).copied().unwrap_or_default();
+                if (rest - rest_before).abs() > 1e-11 * now.outer_area {
+                    return Err(format!("sheet {k}: sides differ by {rest}"));
+                }
+                // A later sheet only adds to those before it what they had left together.
+                if *area < area_before * (1.0 - 1e-12) {
+                    return Err(format!("sheet {k}: area {area} from {area_before}"));
+                }
+            }
+        }
+        if now.parts < before.parts || now.parts != before.parts + cut.pieces.len() {
+            return Err(format!("{} parts from {}, {} pieces", now.parts, before.parts, cut.pieces.len()));
+        }
+        let least = now.least_volume / self.topology.mean_volume();
+        if least < settings.least_volume.min(before.least_volume / self.topology.mean_volume()) * (1.0 - 1e-9) {
+            return Err(format!("an element of {least} of the mean volume"));
+        }
+        self.follow_surface(&cut.surface)?;
+        summary.edits += 1;
+        summary.divided += cut.divided;
+        summary.crossed += cut.crossed;
+        summary.clamped += cut.clamped;
+        summary.joined += cut.joined;
+        summary.snapped += cut.snapped;
+        summary.dropped += cut.dropped;
+        summary.pieces += cut.pieces.len();
+        summary.lost += cut.lost_volume / now.volume;
+        summary.least_volume = summary.least_volume.min(least);
+        self.measures = now;
+        Ok(())
+    }
+}
+
+/// At least `strokes` strokes, up to `most` in a body.
+pub fn run(strokes: usize, seed: u64, most: u64, mut told: impl FnMut(&Summary)) -> Result<Summary, String> {
+    let mut summary = Summary {
+        least_volume: f64::INFINITY,
+        ..Summary::default()
+    };
+    let mut body = 0;
+    while summary.strokes < strokes {
+        let seed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(body);
+        cut_body(seed, most, &mut summary)?;
+        body += 1;
+        told(&summary);
+    }
+    Ok(summary)
+}
