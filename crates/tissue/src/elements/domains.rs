@@ -296,6 +296,7 @@ impl Domains for Tetrahedra {
         self.nodes.iter_mut().flatten().for_each(|n| *n += by);
     }
 
+    #[inline(always)]
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {
         let gradients = self.gradients(domain);
         match i {
