@@ -10,7 +10,9 @@ use crate::scene::{Body, Pair, PairPartner, Pieces, Scene, node_areas};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};
-use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
+use microsim_geometry::{
+    Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
+};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
@@ -272,9 +274,6 @@ impl Scene {
         };
         let made = topology.cut(mesh, stroke, &blade, &cutting::Settings::default())?;
         let Some(made) = made else {
-            if !inside(mesh, &self.state.bodies[body].positions, path.to) {
-                self.state.blades[cut].end_stroke(path.line);
-            }
             return Ok(None);
         };
         made.edit.carry_nodes(before);
@@ -444,8 +443,7 @@ fn inside(mesh: &TetMesh, positions: &[Vector3<f64>], segment: [Vector3<f64>; 2]
         }
         let within = |end: &Vector3<f64>| point_in_tetrahedron(end, &corners).is_some();
         let through = |face: [usize; 3]| {
-            closest_segment_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).distance()
-                == 0.0
+            edge_through_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).is_some()
         };
         within(&segment[0])
             || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
