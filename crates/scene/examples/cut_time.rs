@@ -10,7 +10,13 @@ use std::time::Instant;
 
 fn main() {
     println!("tetrahedra  touched  without [ms]  cut p50 [ms]  cut p99 [ms]  largest [ms]");
-    for cells in [[5, 6, 6], [8, 10, 8], [12, 12, 12], [20, 20, 18], [34, 26, 20]] {
+    for cells in [
+        [5, 6, 6],
+        [8, 10, 8],
+        [12, 12, 12],
+        [20, 20, 18],
+        [34, 26, 20],
+    ] {
         measure(cells);
     }
 }

@@ -40,7 +40,11 @@ const STILL: &str = "quasi-static tissue has no inertia, so that a piece which c
 /// The cuts of a description.
 pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneError> {
     let still = matches!(spec.method, Method::QuasiStatic(_));
-    if let Some(body) = spec.bodies.iter().find(|body| still && !body.tear_strains.is_empty()) {
+    if let Some(body) = spec
+        .bodies
+        .iter()
+        .find(|body| still && !body.tear_strains.is_empty())
+    {
         return Err(SceneError::Value {
             body: body.name.clone(),
             what: "cutting",
@@ -334,7 +338,7 @@ impl Scene {
             node if node < end => number(node - first).map(|node| node + first),
             node => Some(node - end + first + new),
         });
-        self.groups[group].renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
+        self.groups[group].follow(&self.bodies, &self.pairs, &self.rigid, &self.method);
     }
 
     /// The bodies as they were before the first edit.

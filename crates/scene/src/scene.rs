@@ -187,7 +187,10 @@ impl Scene {
             things,
             rigid,
             pairs,
-            uncut: bodies.iter().any(|body| body.topology.is_some()).then(|| Box::new((bodies.clone(), groups.clone()))),
+            uncut: bodies
+                .iter()
+                .any(|body| body.topology.is_some())
+                .then(|| Box::new((bodies.clone(), groups.clone()))),
             cuts,
             groups,
             edits: Vec::new(),
