@@ -5,8 +5,9 @@
 
 use crate::error::SceneError;
 use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
+use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
-use crate::scene::{Body, Pair, PairPartner, Pieces, Scene, node_areas};
+use crate::scene::{Body, Pieces, Scene, node_areas};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};

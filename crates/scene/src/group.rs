@@ -2,7 +2,8 @@
 
 use crate::containment::Divergence;
 use crate::error::SceneError;
-use crate::scene::{Body, Pair, PairPartner};
+use crate::pairs::{Pair, PairPartner};
+use crate::scene::Body;
 use crate::touching::GroupTouching;
 use microsim_contact::Rigid;
 use microsim_tissue::{

@@ -13,6 +13,7 @@ mod from_settings;
 mod group;
 mod lonor;
 mod overlap;
+mod pairs;
 mod report;
 mod run;
 mod save;

@@ -1,6 +1,7 @@
 //! How far bodies are inside one another, measured on their shapes alone: what contact found and did is not asked.
 
-use crate::scene::{PairPartner, Scene};
+use crate::pairs::PairPartner;
+use crate::scene::Scene;
 use microsim_geometry::{
     Aabb, Capsule, closest_on_triangle, edge_through_triangle, point_in_tetrahedron,
 };

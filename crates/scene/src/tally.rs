@@ -1,8 +1,9 @@
 //! What the pairs sum up over a tick: forces in newtons, with direction and place.
 
 use crate::group::Group;
+use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactReport, JawReport};
-use crate::scene::{Body, Pair, PairPartner, Scene};
+use crate::scene::{Body, Scene};
 use crate::spec::Jaw;
 use crate::tool::Tool;
 use microsim_contact::Partner;

@@ -3,8 +3,9 @@
 use crate::containment::{self, Diverged, Divergence, Failure, Watch};
 use crate::group::Group;
 use crate::lonor::EdgeLoads;
+use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, TickReport};
-use crate::scene::{Body, PairPartner, Scene};
+use crate::scene::{Body, Scene};
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
 use crate::touching::ContactMemory;
@@ -139,7 +140,7 @@ impl Scene {
             let tool = &self.tools[motion.tool];
             let swept = tool.swept_bounds(motion);
             let mut needed = 1.0f64;
-            let of_tool = |pair: &&crate::scene::Pair| pair.with == PairPartner::Tool(motion.tool);
+            let of_tool = |pair: &&Pair| pair.with == PairPartner::Tool(motion.tool);
             for pair in self.pairs.iter().filter(of_tool) {
                 let (body, state) = (&self.bodies[pair.body], &self.state.bodies[pair.body]);
                 // Far from the body a tool may be as fast as it likes. The body itself may come nearer by its own speed.

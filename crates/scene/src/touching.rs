@@ -2,7 +2,8 @@
 
 use crate::group::Member;
 use crate::lonor::Passed;
-use crate::scene::{Body, Pair, PairPartner};
+use crate::pairs::{Pair, PairPartner};
+use crate::scene::Body;
 use microsim_contact::{
     CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, Touch, VesselEnd,
 };
