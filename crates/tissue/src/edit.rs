@@ -27,7 +27,9 @@ mod sets;
 mod state;
 
 pub use error::EditError;
-pub(crate) use index::Index;
+#[cfg(test)]
+use index::Index;
+pub(crate) use index::IndexCell;
 pub use state::ModelChange;
 
 use crate::model::TissueModel;
@@ -94,10 +96,12 @@ impl<'a> ModelEdit<'a> {
 impl TissueModel {
     /// Follows an edit of the mesh. After an error the model is as it was.
     ///
-    /// The first edit of a body builds the index of its elements, in a time that goes with the body; see
-    /// [`prepare_edits`](Self::prepare_edits).
+    /// The first edit of a body builds an index of its elements and copies the sets that clones share, in a time that goes with the
+    /// body; [`prepare_edits`](Self::prepare_edits) does so before.
     pub fn edit(&mut self, edit: &ModelEdit<'_>) -> Result<ModelChange, EditError> {
-        self.prepare_edits();
+        // Both are those of the body before all edits, or follow from them, whenever they are asked for: equal edits give equal bits.
+        self.rate_bound();
+        self.row_sums();
         let plan = Plan::new(self, edit)?;
         Ok(self.follow(edit, &plan))
     }
