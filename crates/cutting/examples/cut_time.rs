@@ -27,11 +27,15 @@ fn cpu() -> f64 {
 fn at(times: &mut [f64], share: f64) -> f64 {
     times.sort_unstable_by(f64::total_cmp);
     let place = (share * times.len() as f64) as usize;
-    times.get(place.min(times.len() - 1)).map_or(0.0, |t| t * 1e6)
+    times
+        .get(place.min(times.len() - 1))
+        .map_or(0.0, |t| t * 1e6)
 }
 
 fn main() {
-    println!("CPU time in microseconds: median, 99th of a hundred; steps of 40 to 60 elements divided.\n");
+    println!(
+        "CPU time in microseconds: median, 99th of a hundred; steps of 40 to 60 elements divided.\n"
+    );
     println!("elements | steps | divided | search      | cut         | apply       | cut + apply");
     for cells in [6, 8, 12, 17, 26] {
         measure(cells);
@@ -59,7 +63,9 @@ fn measure(cells: usize) {
         let mut positions = mesh.positions.clone();
         let mut velocities = vec![V3::zeros(); positions.len()];
         let mut stroke = Stroke::new();
-        let side = (random.vector() - V3::z() * 0.3).cross(&V3::z()).normalize();
+        let side = (random.vector() - V3::z() * 0.3)
+            .cross(&V3::z())
+            .normalize();
         let (way, width) = (0.35, 4.0);
         let foot = random.vector() * (0.5 * size - 2.5).max(0.0);
         let top = V3::new(foot.x, foot.y, 0.5 * size + 0.1 * random.below(6) as f64);
@@ -68,11 +74,21 @@ fn measure(cells: usize) {
             [middle - side * (width / 2.0), middle + side * (width / 2.0)]
         };
         for k in 0..(4.0 / way) as usize {
-            let sweep = Sweep { before: place(k), now: place(k + 1) };
+            let sweep = Sweep {
+                before: place(k),
+                now: place(k + 1),
+            };
             let outside = sweep.before.map(|p| p + V3::z() * (2.0 * size));
-            let outside = Sweep { before: outside, now: outside };
+            let outside = Sweep {
+                before: outside,
+                now: outside,
+            };
             let settings = Settings::default();
-            let blade = |sweep| Blade::Sweep { sweep, before: &positions, now: &positions };
+            let blade = |sweep| Blade::Sweep {
+                sweep,
+                before: &positions,
+                now: &positions,
+            };
             let start = cpu();
             let nothing = topology.cut(&mesh, &mut Stroke::new(), &blade(&outside), &settings);
             let after_search = cpu();

@@ -119,7 +119,9 @@ impl Clusters {
     /// A new element (the next one) comes from `parent`.
     pub(crate) fn appended(&mut self, parent: u32) {
         let cluster = self.of[parent as usize];
-        self.clusters[cluster as usize].elements.push(self.of.len() as u32);
+        self.clusters[cluster as usize]
+            .elements
+            .push(self.of.len() as u32);
         self.of.push(cluster);
     }
 
@@ -134,7 +136,12 @@ impl Clusters {
     }
 
     /// Halves the groups of `elements` that have become large.
-    pub(crate) fn halve_large(&mut self, elements: &[u32], tets: &[[u32; 4]], neighbours: &[[u32; 4]]) {
+    pub(crate) fn halve_large(
+        &mut self,
+        elements: &[u32],
+        tets: &[[u32; 4]],
+        neighbours: &[[u32; 4]],
+    ) {
         for &element in elements {
             let index = self.of[element as usize] as usize;
             if self.clusters[index].elements.len() <= LARGE {

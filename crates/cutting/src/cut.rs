@@ -2,6 +2,7 @@
 
 use crate::decide::{self, Decisions, Fate};
 use crate::editor::Editor;
+use crate::opening;
 use crate::pattern::{self, PatternNode};
 use crate::report::{Cut, Rejected};
 use crate::sheet::{Crossing, Sheet};
@@ -13,15 +14,22 @@ use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Cosine of the turn between two steps from which on a blade makes another cut: 45°.
+const TURNED: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// Limits of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Edges are divided no nearer to an end than this share (NUMERICS 3.5 a).
     pub least_share: f64,
-    /// No division leaves a part of an edge shorter than this share of the mean edge of the whole mesh.
+    /// An edge shorter than this share of the mean edge of the whole mesh is not divided: the cut goes through its nearer end, and so
+    /// strays by half of it at most. With twice the least share that is no more than on a whole edge.
     pub least_edge: f64,
     /// No division leaves an element with less than this share of the mean volume of the whole mesh (NUMERICS 3.5 e).
     pub least_volume: f64,
+    /// The teeth that clamped nodes leave on the lips of a cut: what another cut would take off them in a few elements with less than
+    /// this share of the mean volume stays on.
+    pub flake_volume: f64,
     /// What comes off with less than this share of the mean volume is a crumb and is taken away.
     pub crumb_volume: f64,
 }
@@ -30,8 +38,9 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             least_share: 0.15,
-            least_edge: 0.01,
-            least_volume: 1e-4,
+            least_edge: 0.3,
+            least_volume: 1e-3,
+            flake_volume: 0.05,
             crumb_volume: 1e-3,
         }
     }
@@ -131,7 +140,13 @@ impl Topology {
         blade.check(mesh.positions.len())?;
         let mut crossings = self.crossings(blade)?;
         if crossings.is_empty() {
+            if stroke.sheet != 0 && self.is_clear(blade) {
+                *stroke = Stroke::new();
+            }
             return Ok(None);
+        }
+        if matches!(blade, Blade::Sweep { .. }) && is_turned(stroke, &crossings) {
+            *stroke = Stroke::new();
         }
         if stroke.sheet == 0 {
             self.sheets += 1;
@@ -190,6 +205,19 @@ impl Topology {
         Ok(crossings)
     }
 
+    /// Whether a blade that moves has come to where no element is.
+    fn is_clear(&self, blade: &Blade) -> bool {
+        let Blade::Sweep { sweep, now, .. } = blade else {
+            return false;
+        };
+        let mut clear = true;
+        self.clusters
+            .near(&Aabb::of(&sweep.now), &self.tets, [now, now], |_| {
+                clear = false;
+            });
+        clear
+    }
+
     /// Every edge, smaller node first and ascending, whose way in the step comes into `bounds`.
     fn edges_near(&self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 2]> {
         let around = |nodes: &[u32]| {
@@ -197,12 +225,13 @@ impl Topology {
             Aabb::of(places.flat_map(|n| [&positions[0][n], &positions[1][n]]))
         };
         let mut edges = Vec::new();
-        self.clusters.near(bounds, &self.tets, positions, |element| {
-            let tet = self.tets[element as usize];
-            for [i, j] in pattern::EDGES {
-                edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
-            }
-        });
+        self.clusters
+            .near(bounds, &self.tets, positions, |element| {
+                let tet = self.tets[element as usize];
+                for [i, j] in pattern::EDGES {
+                    edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
+                }
+            });
         edges.sort_unstable();
         edges.dedup();
         // Not a number is near everything: it is found out later.
@@ -230,6 +259,24 @@ impl Topology {
         }
     }
 
+    /// Nodes on the edges of older cuts that this one goes on from: corners of elements that the blade goes into, with corners on both
+    /// sides of it, while it passes these ones by on neither. Without them a cut in several strokes would leave a bridge at each.
+    fn continued(&self, stroke: &Stroke, elements: &BTreeSet<u32>) -> BTreeSet<u32> {
+        let mut found = BTreeSet::new();
+        for &element in elements {
+            let sides = stroke.sides_of(element);
+            if !sides.contains(&1) || !sides.contains(&-1) {
+                continue;
+            }
+            for (node, side) in self.tets[element as usize].iter().zip(sides) {
+                if side == 0 && self.front.contains(node) {
+                    found.insert(*node);
+                }
+            }
+        }
+        found
+    }
+
     /// Divides and opens.
     fn carry_out(
         &mut self,
@@ -248,7 +295,12 @@ impl Topology {
                 && stroke.path.insert(node)
             {
                 touched.extend(self.elements_at(node));
+                self.front.insert(node);
             }
+        }
+        for node in self.continued(stroke, &touched) {
+            stroke.path.insert(node);
+            touched.extend(self.elements_at(node));
         }
         let mut editor = Editor::new(self, mesh, current);
         let mut new_nodes: BTreeMap<[u32; 2], u32> = BTreeMap::new();
@@ -258,6 +310,7 @@ impl Topology {
                 editor.add_node(*edge, share);
                 new_nodes.insert(*edge, node);
                 stroke.path.insert(node);
+                editor.topology.front.insert(node);
             }
         }
         let mut replaced = Vec::with_capacity(decisions.elements.len());
@@ -287,14 +340,17 @@ impl Topology {
                     corners: child.map(node),
                     marks: child_marks(&child, &marks),
                 });
-                stroke.sides.insert(slot, child.map(|[near, _]| sides[near as usize]));
+                stroke
+                    .sides
+                    .insert(slot, child.map(|[near, _]| sides[near as usize]));
                 touched.insert(slot);
             }
             replaced.push((element, children));
         }
         editor.divide(&replaced);
-        give_flat_ones(editor.topology, stroke, &touched);
-        let faces = faces_to_open(editor.topology, stroke, &touched);
+        opening::give_flat_ones(editor.topology, stroke, &touched);
+        let mut faces = opening::faces_to_open(editor.topology, stroke, &touched);
+        opening::keep_flakes(&editor, sheet, &mut faces, settings);
         for [node, copy] in editor.open(&faces, sheet) {
             if stroke.path.contains(&node) {
                 stroke.path.insert(copy);
@@ -313,81 +369,21 @@ fn child_marks(child: &[PatternNode; 4], marks: &[u32; 4]) -> [u32; 4] {
     })
 }
 
-/// The inner faces of `elements` that the blade has passed: all nodes on the path, and the elements not on the same side. Each
-/// once, with whether the element is on the negative side.
-fn faces_to_open(
-    topology: &Topology,
-    stroke: &Stroke,
-    elements: &BTreeSet<u32>,
-) -> Vec<(u32, usize, bool)> {
-    let mut faces = Vec::new();
-    for &element in elements {
-        for (corner, other) in closed_faces(topology, element) {
-            let face = topology.face(element, corner);
-            let once = other > element || !elements.contains(&other);
-            if once && face.iter().all(|node| stroke.path.contains(node)) {
-                let mine = side(topology, stroke, element, corner);
-                let theirs = side(topology, stroke, other, topology.back(element, other));
-                if mine != theirs {
-                    faces.push((element, corner, mine < theirs));
-                }
-            }
+/// Whether the blade goes on across its way so far: then it makes another cut, from whose point of view the first is an old one.
+fn is_turned(stroke: &Stroke, crossings: &BTreeMap<[u32; 2], Crossing>) -> bool {
+    if stroke.normal == Vector3::zeros() {
+        return false;
+    }
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for crossing in crossings.values() {
+        let length = crossing.normal.norm();
+        if length > 0.0 {
+            sum += (crossing.normal.dot(&stroke.normal) / length).abs();
+            count += 1.0;
         }
     }
-    faces
-}
-
-/// The inner faces of an element that no sheet has passed: opposite corner, and element across.
-fn closed_faces(topology: &Topology, element: u32) -> impl Iterator<Item = (usize, u32)> + '_ {
-    (0..4).filter_map(move |corner| {
-        let other = topology.neighbour(element, corner)?;
-        let is_closed = topology.marks[element as usize][corner] == 0;
-        is_closed.then_some((corner, other))
-    })
-}
-
-/// The side on which an element lies that has its face opposite to `corner` on the path: that of the corner; of an element with all
-/// corners on the path the one to which it was given.
-fn side(topology: &Topology, stroke: &Stroke, element: u32, corner: usize) -> i8 {
-    let node = topology.tets[element as usize][corner];
-    if stroke.path.contains(&node) {
-        stroke.given.get(&element).copied().unwrap_or_default()
-    } else {
-        stroke.sides_of(element)[corner]
-    }
-}
-
-/// Elements with all corners on the path lie in the cut itself, as flat as what was clamped leaves them. They are given to a side
-/// that they have a face to, together with all such that they hang together with: so nothing comes off that the blade has not
-/// cut out.
-fn give_flat_ones(topology: &Topology, stroke: &mut Stroke, elements: &BTreeSet<u32>) {
-    let is_flat = |stroke: &Stroke, element: u32| {
-        let tet = &topology.tets[element as usize];
-        tet.iter().all(|node| stroke.path.contains(node)) && !stroke.given.contains_key(&element)
-    };
-    for &start in elements {
-        if !is_flat(stroke, start) {
-            continue;
-        }
-        let mut group = vec![start];
-        let mut votes = 0;
-        let mut next = 0;
-        while let Some(&element) = group.get(next) {
-            next += 1;
-            votes += stroke.sides_of(element).iter().sum::<i8>().signum() as i32;
-            for (_, other) in closed_faces(topology, element) {
-                if !is_flat(stroke, other) {
-                    // One face weighs more than what the group itself was divided from.
-                    let theirs = side(topology, stroke, other, topology.back(element, other));
-                    votes += 1000 * i32::from(theirs);
-                } else if !group.contains(&other) {
-                    group.push(other);
-                }
-            }
-        }
-        let given = if votes < 0 { -1 } else { 1 };
-        stroke.given.extend(group.into_iter().map(|e| (e, given)));
-    }
+    sum < TURNED * count
 }
 
 /// Gives all crossings the same positive side as the stroke has so far: a blade that turns back would exchange the sides.

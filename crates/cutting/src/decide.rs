@@ -59,7 +59,15 @@ pub(crate) fn decide(
 ) -> Decisions {
     let mut decisions = Decisions::default();
     for (edge, crossing) in crossings {
-        let fate = first_fate(topology, mesh, stroke, edge, &crossing, settings, &mut decisions);
+        let fate = first_fate(
+            topology,
+            mesh,
+            stroke,
+            edge,
+            &crossing,
+            settings,
+            &mut decisions,
+        );
         decisions.edges.insert(edge, CrossedEdge { crossing, fate });
     }
     decisions.legalise(topology, mesh);
@@ -83,7 +91,7 @@ fn first_fate(
 ) -> Fate {
     let least = settings.least_share;
     let share = crossing.share.clamp(least, 1.0 - least);
-    let on_path = edge.map(|node| stroke.path.contains(&node));
+    let on_path = edge.map(|node| stroke.path.contains(&node) || topology.front.contains(&node));
     let end = match on_path {
         [false, false] => {
             let touched = crossing.share.min(1.0 - crossing.share) <= TOUCHING;
@@ -113,7 +121,7 @@ fn first_fate(
         return Fate::Kept(node);
     }
     let [a, b] = edge.map(|n| mesh.positions[n as usize]);
-    if (b - a).norm() * share.min(1.0 - share) < settings.least_edge * topology.mean_edge {
+    if (b - a).norm() < settings.least_edge * topology.mean_edge {
         decisions.snapped += 1;
         return Fate::Kept(nearer(crossing, edge));
     }
@@ -241,7 +249,13 @@ impl Decisions {
     }
 
     /// Rest place of a node of a pattern: a corner, or the new node on an edge.
-    fn new_place(&self, tet: &[u32; 4], corners: &[Vector3<f64>; 4], i: usize, j: usize) -> Vector3<f64> {
+    fn new_place(
+        &self,
+        tet: &[u32; 4],
+        corners: &[Vector3<f64>; 4],
+        i: usize,
+        j: usize,
+    ) -> Vector3<f64> {
         if i == j {
             return corners[i];
         }

@@ -59,7 +59,10 @@ impl<'a> Editor<'a> {
     fn place(&self, node: u32) -> [Vector3<f64>; 2] {
         let old = self.mesh.positions.len();
         match (node as usize).checked_sub(old) {
-            None => [self.mesh.positions[node as usize], self.current[node as usize]],
+            None => [
+                self.mesh.positions[node as usize],
+                self.current[node as usize],
+            ],
             Some(new) => self.new_places[new],
         }
     }
@@ -93,7 +96,8 @@ impl<'a> Editor<'a> {
     pub(crate) fn divide(&mut self, replaced: &[(u32, Vec<Child>)]) {
         for (element, children) in replaced {
             self.touch(*element);
-            self.parents.extend(children.iter().skip(1).map(|_| *element));
+            self.parents
+                .extend(children.iter().skip(1).map(|_| *element));
         }
         let nodes = self.next_node() as usize;
         self.topology.replace(replaced, nodes);
@@ -156,7 +160,10 @@ impl<'a> Editor<'a> {
         if self.touched.is_empty() {
             return None;
         }
-        let pairs = self.opened.iter().map(|o| o.faces.map(|(element, _)| element));
+        let pairs = self
+            .opened
+            .iter()
+            .map(|o| o.faces.map(|(element, _)| element));
         let mut pieces = pieces::come_off(self.topology, &pairs.collect::<Vec<_>>());
         let mut crumbs = Vec::new();
         pieces.retain(|piece| {
@@ -186,8 +193,17 @@ impl<'a> Editor<'a> {
             || (piece.len() < 64 && longest() < least_edge * self.topology.mean_edge)
     }
 
+    /// Area of a face at rest [m²].
+    pub(crate) fn face_area(&self, element: u32, corner: usize) -> f64 {
+        let [a, b, c] = self
+            .topology
+            .face(element, corner)
+            .map(|n| self.place(n)[0]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    }
+
     /// Rest volume of an element [m³].
-    fn rest_volume(&self, element: u32) -> f64 {
+    pub(crate) fn rest_volume(&self, element: u32) -> f64 {
         let [a, b, c, d] = self.topology.tets[element as usize].map(|n| self.place(n)[0]);
         microsim_geometry::signed_volume(&a, &b, &c, &d)
     }
@@ -207,8 +223,8 @@ impl<'a> Editor<'a> {
             .into_iter()
             .map(|(element, children)| Replacement { element, children })
             .filter(|r| {
-                let unchanged = r.children.len() == 1
-                    && r.children[0] == self.mesh.tets[r.element as usize];
+                let unchanged =
+                    r.children.len() == 1 && r.children[0] == self.mesh.tets[r.element as usize];
                 !unchanged
             });
         let mut edit = TopologyEdit {
@@ -217,7 +233,11 @@ impl<'a> Editor<'a> {
             elements: elements.collect(),
             ..TopologyEdit::default()
         };
-        let divided = edit.elements.iter().filter(|r| r.children.len() > 1).count();
+        let divided = edit
+            .elements
+            .iter()
+            .filter(|r| r.children.len() > 1)
+            .count();
         let lost_volume = crumbs.iter().map(|&e| self.rest_volume(e)).sum();
         let opened = self.opened_area();
         let mut now: BTreeSet<u32> = self.touched.keys().copied().collect();
@@ -278,7 +298,9 @@ impl<'a> Editor<'a> {
         let gone = self.topology.remove(crumbs);
         debug_assert_eq!(gone, leaving);
         let moved = |element: u32| {
-            moves.iter().fold(element, |e, &(from, to)| if e == from { to } else { e })
+            moves
+                .iter()
+                .fold(element, |e, &(from, to)| if e == from { to } else { e })
         };
         let is_crumb = |e: &u32| crumbs.binary_search(e).is_ok();
         let renumbered = renumbered.into_iter().filter(|e| !is_crumb(e)).map(moved);
@@ -289,14 +311,22 @@ impl<'a> Editor<'a> {
             .map(|&e| (e, self.topology.tets[e as usize]))
             .collect();
         now.extend(self.touched.keys());
-        *now = now.iter().filter(|e| !is_crumb(e)).map(|&e| moved(e)).collect();
+        *now = now
+            .iter()
+            .filter(|e| !is_crumb(e))
+            .map(|&e| moved(e))
+            .collect();
         for piece in pieces.iter_mut() {
             piece.iter_mut().for_each(|e| *e = moved(*e));
             piece.sort_unstable();
         }
         self.opened.retain_mut(|o| {
             for (element, _) in &mut o.faces {
-                *element = if is_crumb(element) { u32::MAX } else { moved(*element) };
+                *element = if is_crumb(element) {
+                    u32::MAX
+                } else {
+                    moved(*element)
+                };
             }
             o.faces.iter().any(|(e, _)| *e != u32::MAX)
         });

@@ -1,10 +1,35 @@
-//! Cutting and tearing: from the path of a blade to the edit of a mesh.
+//! Cutting and tearing: from the path of a blade, or from faces that give way, to one atomic edit of a tetrahedral mesh.
+//!
+//! What is here: [`Topology`], the connectivity of a body kept up to date edit by edit; [`Blade`]s that stand still or move through
+//! tissue that moves; the six patterns by which elements are divided ([`divide`]); what opens, comes off and is laid open ([`Cut`]);
+//! tears; points that stay in place ([`MaterialPoint`]); and the check of all that ([`check`]). What is not: forces, tools, when to cut, files,
+//! clocks, threads. Pure: the same input gives the same bits.
+//!
+//! A step goes so. Every edge that the blade has crossed gets a node on the path ([`Sweep`], [`Sheet`]), and all elements at it are divided
+//! at once, each by the pattern for its crossed edges (dissertation, appendix B; NUMERICS 4): neighbours fit as every decision is that
+//! of an edge or a face alone. Then faces with all three nodes on the path and elements on both sides of it come apart: nodes are
+//! doubled once per group of elements that hang together by faces around them (NUMERICS 4.9). So the mesh is conforming and its surface
+//! closed after every step, with the blade inside too, and no face opens that the blade has not passed.
+//!
+//! This differs from the dissertation (4.2.1) in one point. There an element is divided when the blade has left it, and a partial pattern opens to the
+//! edge opposite: a crack that the blade did not make, and beside which it goes on. Here a [`Stroke`] remembers the nodes on the path, and
+//! what is cut in part is divided and holds together until the blade has passed it.
+//!
+//! A stroke that ends on its way leaves the edge of its cut in the topology, and the next goes on from there: a blade may be drawn back
+//! and set in again, in any number of strokes, without a bridge between them.
+//!
+//! Limitations: a blade that meets no edge, as it is narrower than an element, cuts nothing. Where elements have become too small to be divided
+//! ([`Settings`]) the cut goes through nodes nearby. A cut that comes within an element of the edge of an older one goes through its nodes. Two legs
+//! of one stroke that turns by less than 45° are one cut: so near each other that they cross the same edges, parts may hang together between
+//! them until another stroke.
+
 mod check;
 mod clusters;
 mod cut;
 mod decide;
 mod editor;
 mod material_point;
+mod opening;
 mod pattern;
 mod pieces;
 mod report;

@@ -73,11 +73,15 @@ fn corner_weights(edit: &TopologyEdit, replaced: &Replaced, nodes: usize, node: 
     if let Some(corner) = replaced.corners.iter().position(|&n| n == node) {
         return std::array::from_fn(|k| if k == corner { 1.0 } else { 0.0 });
     }
-    let new = (node as usize).checked_sub(nodes).and_then(|k| edit.nodes.get(k));
+    let new = (node as usize)
+        .checked_sub(nodes)
+        .and_then(|k| edit.nodes.get(k));
     let Some(new) = new else {
         return [0.0; 4];
     };
-    let [a, b] = new.between.map(|n| corner_weights(edit, replaced, nodes, n));
+    let [a, b] = new
+        .between
+        .map(|n| corner_weights(edit, replaced, nodes, n));
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * new.share)
 }
 

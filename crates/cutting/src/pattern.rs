@@ -194,7 +194,12 @@ pub static PATTERNS: [Pattern; 6] = [
         crossed: &[[0, 3], [1, 2]],
         rows: &[Row {
             when: &[],
-            tets: &[[A, B, BC, AD], [A, CB, C, AD], [DA, B, BC, D], [DA, CB, C, D]],
+            tets: &[
+                [A, B, BC, AD],
+                [A, CB, C, AD],
+                [DA, B, BC, D],
+                [DA, CB, C, D],
+            ],
         }],
     },
 ];
@@ -247,7 +252,9 @@ static POSITIONS: LazyLock<[Option<Position>; 64]> = LazyLock::new(|| {
 fn permutations() -> impl Iterator<Item = [usize; 4]> {
     (0..256).filter_map(|code: usize| {
         let order = [code / 64, code / 16 % 4, code / 4 % 4, code % 4];
-        (1..4).all(|i| !order[..i].contains(&order[i])).then_some(order)
+        (1..4)
+            .all(|i| !order[..i].contains(&order[i]))
+            .then_some(order)
     })
 }
 
@@ -278,12 +285,8 @@ pub fn divide(set: EdgeSet, ids: [u32; 4]) -> Vec<[PatternNode; 4]> {
     });
     rows.flat_map(|row| row.tets)
         .map(|tet| {
-            let mut child = tet.map(|[near, far]| {
-                [
-                    corners[near as usize] as u8,
-                    corners[far as usize] as u8,
-                ]
-            });
+            let mut child =
+                tet.map(|[near, far]| [corners[near as usize] as u8, corners[far as usize] as u8]);
             if odd {
                 child.swap(2, 3);
             }

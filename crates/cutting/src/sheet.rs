@@ -45,11 +45,7 @@ impl Sheet {
     }
 
     /// The surface of `rows` × `columns` quads through the points that `at` gives for numbers 0..1 along both: a curved or twisted sheet.
-    pub fn grid(
-        rows: usize,
-        columns: usize,
-        mut at: impl FnMut(f64, f64) -> Vector3<f64>,
-    ) -> Self {
+    pub fn grid(rows: usize, columns: usize, mut at: impl FnMut(f64, f64) -> Vector3<f64>) -> Self {
         let mut sheet = Self::default();
         for i in 0..=rows {
             for j in 0..=columns {
@@ -140,13 +136,16 @@ impl Sheet {
         let share = at_u / (at_u - at_v);
         Some(Crossing {
             // Rounded values near 0 have the right sign alone.
-            share: if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 },
+            share: if share.is_finite() {
+                share.clamp(0.0, 1.0)
+            } else {
+                0.5
+            },
             positive: at_v >= 0.0,
             normal: (b - a).cross(&(c - a)),
         })
     }
 }
-
 
 #[cfg(test)]
 mod tests;

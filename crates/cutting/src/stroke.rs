@@ -8,7 +8,8 @@ use microsim_mesh::TopologyEdit;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// One pass of a blade through one body. Plain data: it is saved with the mesh between two generations.
+/// One pass of a blade through one body. Plain data: it is saved with the mesh between two generations. It begins anew by itself when the blade
+/// is clear of all elements, or turns by more than 45°; a caller may begin a new one at any time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stroke {
     /// Number of its sheet in the body, from 1; 0 before the first crossing.

@@ -61,7 +61,9 @@ impl Sweep {
         let coefficients = self.coefficients(edge);
         let (least, most) = coefficients
             .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), &c| (l.min(c), m.max(c)));
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), &c| {
+                (l.min(c), m.max(c))
+            });
         // A polynomial lies between its Bernstein coefficients.
         if least >= 0.0 || most < 0.0 {
             return None;
@@ -165,7 +167,6 @@ fn root(c: &[f64; 4], mut from: f64, mut to: f64) -> Option<f64> {
     }
     Some(to)
 }
-
 
 #[cfg(test)]
 mod tests;

@@ -9,6 +9,7 @@
 
 use crate::clusters::Clusters;
 use microsim_mesh::TetMesh;
+use std::collections::BTreeSet;
 
 /// No neighbour: the face is on the surface.
 pub const NONE: u32 = u32::MAX;
@@ -28,6 +29,8 @@ pub struct Topology {
     /// The elements at each node, ascending.
     pub(crate) node_elements: Vec<Vec<u32>>,
     pub(crate) clusters: Clusters,
+    /// Nodes that a blade has passed and around which all elements still hang together: the edge of a cut.
+    pub(crate) front: BTreeSet<u32>,
     /// Mean rest volume of an element of the mesh as it was whole [m³].
     pub(crate) mean_volume: f64,
     /// Mean rest length of an edge of the mesh as it was whole [m].
@@ -41,6 +44,8 @@ pub struct Topology {
 pub struct TopologyState {
     /// Element, corner opposite to the face, and mark of every face that has one.
     pub marks: Vec<(u32, u8, u32)>,
+    /// Nodes on the edges of cuts, ascending.
+    pub front: Vec<u32>,
     /// Mean rest volume of an element of the mesh as it was whole [m³].
     pub mean_volume: f64,
     /// Mean rest length of an edge of the mesh as it was whole [m].
@@ -73,6 +78,7 @@ impl Topology {
             marks: vec![[0; 4]; count],
             node_elements: vec![Vec::new(); mesh.positions.len()],
             clusters: Clusters::new(mesh),
+            front: BTreeSet::new(),
             mean_volume: mesh.volumes().iter().sum::<f64>() / count as f64,
             mean_edge: mesh.mean_edge_length(),
             sheets: 0,
@@ -110,6 +116,7 @@ impl Topology {
                 *place = mark;
             }
         }
+        topology.front = state.front.iter().copied().collect();
         topology.mean_volume = state.mean_volume;
         topology.mean_edge = state.mean_edge;
         topology.sheets = state.sheets;
@@ -124,6 +131,7 @@ impl Topology {
             marks: marked
                 .map(|(e, k)| (e as u32, k as u8, self.marks[e][k]))
                 .collect(),
+            front: self.front.iter().copied().collect(),
             mean_volume: self.mean_volume,
             mean_edge: self.mean_edge,
             sheets: self.sheets,
@@ -297,11 +305,14 @@ impl Topology {
         }
         for &element in group {
             let tet = &mut self.tets[element as usize];
-            tet.iter_mut().filter(|n| **n == node).for_each(|n| *n = copy);
+            tet.iter_mut()
+                .filter(|n| **n == node)
+                .for_each(|n| *n = copy);
             self.clusters.has_nodes(element, &[copy]);
         }
         self.node_elements[node as usize].retain(|e| group.binary_search(e).is_err());
         self.node_elements.push(group.to_vec());
+        self.front.remove(&node);
     }
 
     /// The groups into which the elements at `node` fall when one may pass through faces at `node` that have no mark: each
@@ -366,19 +377,28 @@ impl Topology {
             for other in self.neighbours[gone as usize] {
                 if other != NONE {
                     let places = &mut self.neighbours[other as usize];
-                    places.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
+                    places
+                        .iter_mut()
+                        .filter(|n| **n == last)
+                        .for_each(|n| *n = gone);
                 }
             }
         }
         for &gone in nodes.iter().rev() {
             let last = self.node_elements.len() as u32 - 1;
             self.node_elements.swap_remove(gone as usize);
+            self.front.remove(&gone);
+            if self.front.remove(&last) && last != gone {
+                self.front.insert(gone);
+            }
             if last == gone {
                 continue;
             }
             for e in self.node_elements[gone as usize].clone() {
                 let tet = &mut self.tets[e as usize];
-                tet.iter_mut().filter(|n| **n == last).for_each(|n| *n = gone);
+                tet.iter_mut()
+                    .filter(|n| **n == last)
+                    .for_each(|n| *n = gone);
                 self.clusters.has_nodes(e, &[gone]);
             }
         }

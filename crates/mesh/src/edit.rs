@@ -151,7 +151,11 @@ impl std::error::Error for EditError {}
 /// The moves by which `removed` (ascending) leave a list of `count`: from, to.
 fn moves(count: usize, removed: &[u32]) -> Vec<(u32, u32)> {
     let lasts = (0..count as u32).rev();
-    let moves = removed.iter().rev().zip(lasts).map(|(&to, from)| (from, to));
+    let moves = removed
+        .iter()
+        .rev()
+        .zip(lasts)
+        .map(|(&to, from)| (from, to));
     moves.filter(|(from, to)| from != to).collect()
 }
 

@@ -18,10 +18,19 @@ fn block(cells: [usize; 3]) -> TetMesh {
 /// A square around `center` with this normal, far over the body.
 fn plane(center: V3, normal: V3) -> Sheet {
     let normal = normal.normalize();
-    let side = normal.cross(&if normal.x.abs() < 0.7 { V3::x() } else { V3::y() }).normalize();
+    let side = normal
+        .cross(&if normal.x.abs() < 0.7 {
+            V3::x()
+        } else {
+            V3::y()
+        })
+        .normalize();
     let up = normal.cross(&side);
     let at = |a: f64, b: f64| center + (side * a + up * b) * 40.0;
-    Sheet::quad([at(-1.0, -1.0), at(1.0, -1.0)], [at(-1.0, 1.0), at(1.0, 1.0)])
+    Sheet::quad(
+        [at(-1.0, -1.0), at(1.0, -1.0)],
+        [at(-1.0, 1.0), at(1.0, 1.0)],
+    )
 }
 
 struct Body {
@@ -163,7 +172,10 @@ fn a_plane_through_nodes_opens_the_faces_in_it() {
             body.sweep(&mut Stroke::new(), &sweep).unwrap()
         };
         let after = body.check().unwrap();
-        assert_eq!((after.parts, cut.divided, body.mesh.tets.len()), (2, 0, elements));
+        assert_eq!(
+            (after.parts, cut.divided, body.mesh.tets.len()),
+            (2, 0, elements)
+        );
         // 4 × 4 cells of 1; 5 × 5 nodes twice.
         assert!((cut.opened[0].area - 16.0).abs() < 1e-12);
         assert_eq!(cut.edit.nodes.len(), 25);
@@ -240,7 +252,11 @@ fn a_cut_lies_where_the_blade_went() {
     let exact = 16.0 / normal.z;
     // Clamped nodes make it rough, and so larger.
     assert!((sum.0 / exact - 1.0).abs() < 0.05, "{} {exact}", sum.0);
-    assert!((sum.1 / sum.0 - V3::z() * 0.3).norm() < 0.05, "{:?}", sum.1 / sum.0);
+    assert!(
+        (sum.1 / sum.0 - V3::z() * 0.3).norm() < 0.05,
+        "{:?}",
+        sum.1 / sum.0
+    );
     assert!(sum.2.normalize().cross(&normal).norm() < 0.01);
     assert_eq!(body.check().unwrap().parts, 2);
 }
@@ -314,21 +330,27 @@ fn what_is_rejected_changes_nothing() {
             before: &positions,
             now,
         };
-        let found = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+        let found = body
+            .topology
+            .cut(&body.mesh, &mut stroke, &blade, &settings);
         assert_eq!(found, Err(why));
     }
     let blade = Blade::Sheet {
         sheet: &flat,
         positions: &positions,
     };
-    let found = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+    let found = body
+        .topology
+        .cut(&body.mesh, &mut stroke, &blade, &settings);
     assert_eq!(found, Err(Rejected::NoBlade));
     let short = Blade::Sweep {
         sweep: &good,
         before: &positions[1..],
         now: &positions,
     };
-    let found = body.topology.cut(&body.mesh, &mut stroke, &short, &settings);
+    let found = body
+        .topology
+        .cut(&body.mesh, &mut stroke, &short, &settings);
     assert!(matches!(found, Err(Rejected::Positions { .. })));
     body.mesh.generation = 4;
     let blade = Blade::Sweep {
@@ -336,10 +358,15 @@ fn what_is_rejected_changes_nothing() {
         before: &positions,
         now: &positions,
     };
-    let found = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+    let found = body
+        .topology
+        .cut(&body.mesh, &mut stroke, &blade, &settings);
     assert!(matches!(found, Err(Rejected::Generation { .. })));
     body.mesh.generation = 0;
-    assert_eq!((body.topology.state(), stroke.clone()), (state, Stroke::new()));
+    assert_eq!(
+        (body.topology.state(), stroke.clone()),
+        (state, Stroke::new())
+    );
     // A blade at rest cuts nothing; neither does one beside the body, nor one inside that meets no edge.
     let small = [V3::new(0.4, 0.3, 0.2), V3::new(0.41, 0.3, 0.2)];
     for (before, now) in [
@@ -376,7 +403,9 @@ fn flattened_and_inverted_elements_are_cut() {
         };
         let settings = Settings::default();
         let mut stroke = Stroke::new();
-        let cut = body.topology.cut(&body.mesh, &mut stroke, &blade, &settings);
+        let cut = body
+            .topology
+            .cut(&body.mesh, &mut stroke, &blade, &settings);
         let cut = cut.unwrap().unwrap();
         body.mesh.apply(&cut.edit).unwrap();
         let after = body.check().unwrap();
@@ -385,12 +414,50 @@ fn flattened_and_inverted_elements_are_cut() {
     }
 }
 
+/// Snips: every step is a stroke of its own, which knows nothing of those before. They make one cut, without a bridge.
+#[test]
+fn strokes_that_go_on_from_one_another_make_one_cut() {
+    let mut random = Random(12);
+    for n in 0..20 {
+        let mut mesh = block([3, 3, 3]);
+        for p in &mut mesh.positions {
+            *p += random.vector() * 0.12;
+        }
+        let originals = mesh.positions.len();
+        let mut body = Body::new(mesh);
+        let normal = random.vector().normalize();
+        let center = random.vector() * 0.5;
+        let along = normal.cross(&random.vector()).normalize();
+        let across = normal.cross(&along) * 6.0;
+        let steps = 2 + random.below(40) as i32;
+        let at = |step: i32| {
+            let middle = center + along * (8.0 * f64::from(step) / f64::from(steps) - 4.0);
+            [middle - across, middle + across]
+        };
+        for step in 0..steps {
+            let sweep = Sweep {
+                before: at(step),
+                now: at(step + 1),
+            };
+            body.sweep(&mut Stroke::new(), &sweep);
+            body.check().unwrap();
+        }
+        assert_eq!(body.check().unwrap().parts, 2, "{n}");
+        let side = |node: u32| (body.mesh.positions[node as usize] - center).dot(&normal) > 0.0;
+        for tet in &body.mesh.tets {
+            let mut old = tet.iter().filter(|n| (**n as usize) < originals);
+            let first = old.next().map(|n| side(*n));
+            assert!(old.all(|n| Some(side(*n)) == first), "{n}");
+        }
+    }
+}
+
 /// Three planes, one after another, in one step or in many: as many parts as there are combinations of sides among points in the block,
 /// and as large; neither a bridge nor a flake. Elements that are cut for the third time are small: the parts are compared to 0.2 % of the
 /// body.
 #[test]
 fn planes_one_after_another_make_exactly_their_parts() {
-    for (seed, steps) in [(0, 1), (1, 1), (2, 1), (2, 20), (3, 20), (4, 20)] {
+    for (seed, steps) in (0..4).flat_map(|s| [(s, 1), (s, 20)]) {
         let mut random = Random(seed);
         let mut mesh = block([5, 5, 5]);
         for p in &mut mesh.positions {
@@ -427,12 +494,18 @@ fn planes_one_after_another_make_exactly_their_parts() {
             .map(|same| same.len() as f64 / points.len() as f64)
             .collect();
         let mut found = part_volumes(&body);
-        assert_eq!(parts, expected.len(), "{seed} {steps} {expected:?} {found:?}");
+        // What is less than a sixth of an element stays on.
+        expected.retain(|share| *share > 2e-4);
+        assert_eq!(
+            parts,
+            expected.len(),
+            "{seed} {steps} {expected:?} {found:?}"
+        );
         expected.sort_unstable_by(f64::total_cmp);
         found.sort_unstable_by(f64::total_cmp);
         for (a, b) in expected.iter().zip(&found) {
-            // The share of 50,000 points is right to 2 √(0.25 / 50,000), four times in nine hundred not.
-            assert!((a - b).abs() < 0.0045 + 0.002, "{expected:?} {found:?}");
+            // The share of 50,000 points is right to 3 √(0.25 / 50,000) but for one in 400.
+            assert!((a - b).abs() < 0.0067 + 0.005, "{expected:?} {found:?}");
         }
     }
 }
@@ -457,4 +530,44 @@ fn part_volumes(body: &Body) -> Vec<f64> {
         }
     }
     found
+}
+
+/// A blade that goes through twice, crosswise, and is never told that it has left: as many parts as combinations of sides.
+#[test]
+fn a_blade_that_comes_back_crosswise_cuts_through_both_times() {
+    let mut random = Random(13);
+    for n in 0..10 {
+        let mut mesh = block([4, 4, 4]);
+        for p in &mut mesh.positions {
+            let inside = p.map(|x| if x.abs() < 1.9 { 0.15 } else { 0.0 });
+            *p += random.vector().component_mul(&inside);
+        }
+        let mut body = Body::new(mesh);
+        let mut stroke = Stroke::new();
+        let mut points: Vec<(V3, u8)> = (0..10_000).map(|_| (random.vector() * 2.0, 0)).collect();
+        for _ in 0..2 {
+            let normal = random.vector().normalize();
+            let center = random.vector() * 0.3;
+            let along = normal.cross(&random.vector()).normalize();
+            let across = normal.cross(&along) * 6.0;
+            for (point, sides) in &mut points {
+                *sides = *sides << 1 | u8::from((*point - center).dot(&normal) > 0.0);
+            }
+            let steps = 20 + random.below(20) as i32;
+            let at = |step: i32| {
+                let middle = center + along * (10.0 * f64::from(step) / f64::from(steps) - 5.0);
+                [middle - across, middle + across]
+            };
+            for step in 0..steps {
+                let sweep = Sweep {
+                    before: at(step),
+                    now: at(step + 1),
+                };
+                body.sweep(&mut stroke, &sweep);
+            }
+        }
+        points.sort_unstable_by_key(|(_, sides)| *sides);
+        let expected = points.chunk_by(|a, b| a.1 == b.1).count();
+        assert_eq!(body.check().unwrap().parts, expected, "{n}");
+    }
 }

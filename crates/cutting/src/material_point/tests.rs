@@ -65,7 +65,11 @@ fn points_stay_in_place_through_cuts() {
             }
         }
     }
-    assert!(mesh.tets.len() > 3000 && left < 5, "{} {left}", mesh.tets.len());
+    assert!(
+        mesh.tets.len() > 3000 && left < 5,
+        "{} {left}",
+        mesh.tets.len()
+    );
     for (point, expected) in points.iter().zip(&places) {
         if point.element == u32::MAX {
             continue;

@@ -78,9 +78,17 @@ fn face_rule(f: [u8; 3], set: EdgeSet, ids: [u32; 4]) -> Vec<[PatternNode; 3]> {
         0 => vec![[at(u), at(v), at(w)]],
         1 => vec![[at(u), [u, v], at(w)], [[v, u], at(v), at(w)]],
         _ if ids[u as usize] < ids[v as usize] => {
-            vec![[[w, u], [w, v], at(w)], [at(u), at(v), [v, w]], [at(u), [v, w], [u, w]]]
+            vec![
+                [[w, u], [w, v], at(w)],
+                [at(u), at(v), [v, w]],
+                [at(u), [v, w], [u, w]],
+            ]
         }
-        _ => vec![[[w, u], [w, v], at(w)], [at(u), at(v), [u, w]], [at(v), [v, w], [u, w]]],
+        _ => vec![
+            [[w, u], [w, v], at(w)],
+            [at(u), at(v), [u, w]],
+            [at(v), [v, w], [u, w]],
+        ],
     };
     triangles.into_iter().map(turned).collect()
 }
@@ -88,17 +96,17 @@ fn face_rule(f: [u8; 3], set: EdgeSet, ids: [u32; 4]) -> Vec<[PatternNode; 3]> {
 /// The 41 sets without three edges of a face.
 fn divisible() -> Vec<EdgeSet> {
     let holds_face = |set: u8| {
-        FACES.iter().any(|f| {
-            (0..3).all(|k| set & 1 << edge_between(f[k], f[(k + 1) % 3]) != 0)
-        })
+        FACES
+            .iter()
+            .any(|f| (0..3).all(|k| set & 1 << edge_between(f[k], f[(k + 1) % 3]) != 0))
     };
     (1..64).filter(|&set| !holds_face(set)).collect()
 }
 
 fn every_case() -> impl Iterator<Item = (EdgeSet, [u32; 4])> {
-    divisible().into_iter().flat_map(|set| {
-        permutations().map(move |order| (set, order.map(|i| i as u32 + 5)))
-    })
+    divisible()
+        .into_iter()
+        .flat_map(|set| permutations().map(move |order| (set, order.map(|i| i as u32 + 5))))
 }
 
 /// NUMERICS 4.7: 41 sets with the empty one.
@@ -130,9 +138,15 @@ fn children_fill_their_parent_and_their_faces_keep_the_rule() {
                 .map(|tet| volume(tet.map(|node| place(node, &corners, &shares))));
             let volumes: Vec<f64> = volumes.collect();
             let name = pattern_of(set).unwrap();
-            assert!(volumes.iter().all(|&v| v > 0.0), "{name} {set:06b} {ids:?} {volumes:?}");
+            assert!(
+                volumes.iter().all(|&v| v > 0.0),
+                "{name} {set:06b} {ids:?} {volumes:?}"
+            );
             let sum: f64 = volumes.iter().sum();
-            assert!((sum - volume(corners)).abs() < 1e-14, "{name} {set:06b} {ids:?}");
+            assert!(
+                (sum - volume(corners)).abs() < 1e-14,
+                "{name} {set:06b} {ids:?}"
+            );
         }
         let mut open = boundary(&tets);
         for face in FACES {
@@ -190,7 +204,9 @@ fn complete_patterns_fall_apart() {
                 let common = tets[i].iter().filter(|n| tets[j].contains(n)).count();
                 if common == 3 {
                     let (from, to) = (part[i].max(part[j]), part[i].min(part[j]));
-                    part.iter_mut().filter(|p| **p == from).for_each(|p| *p = to);
+                    part.iter_mut()
+                        .filter(|p| **p == from)
+                        .for_each(|p| *p = to);
                 }
             }
         }
@@ -261,7 +277,10 @@ fn halving_edge_by_edge_comes_to_the_same_sides() {
         for (k, edge) in EDGES.iter().enumerate() {
             if set & 1 << k != 0 {
                 let edge = edge.map(|c| c as u8);
-                halved = halved.into_iter().flat_map(|tet| halve(tet, edge)).collect();
+                halved = halved
+                    .into_iter()
+                    .flat_map(|tet| halve(tet, edge))
+                    .collect();
             }
         }
         let crossed = |i: u8, j: u8| i != j && set & 1 << edge_between(i as usize, j as usize) != 0;
@@ -272,7 +291,10 @@ fn halving_edge_by_edge_comes_to_the_same_sides() {
                 own.any(|[i, _]| !crossed(*i, corner))
             };
             let places = |tet: &[PatternNode; 4]| tet.map(|node| place(node, &corners, &shares));
-            tets.iter().filter(here).map(|tet| volume(places(tet))).sum()
+            tets.iter()
+                .filter(here)
+                .map(|tet| volume(places(tet)))
+                .sum()
         };
         let divided = divide(set, ids);
         for tet in halved.iter().chain(&divided) {

@@ -30,7 +30,9 @@ fn random_edges_are_crossed_as_geometry_says() {
             assert_eq!(found.positive, !expected.from_front);
             assert_eq!(found.positive, (v - u).dot(&found.normal) > 0.0);
             let back = crossing(&sheet, &v, &u).unwrap();
-            assert!(back.positive != found.positive && (back.share + found.share - 1.0).abs() < 1e-9);
+            assert!(
+                back.positive != found.positive && (back.share + found.share - 1.0).abs() < 1e-9
+            );
         }
     }
     assert!(hits > 500 && doubles > 50, "{hits} {doubles}");
@@ -56,7 +58,11 @@ fn every_way_through_a_sheet_crosses_it_an_odd_number_of_times() {
         // An edge is always asked from the same end, here the one with the smaller coordinates.
         let crossed = |pair: &[V3]| {
             let key = |p: &V3| (p.x, p.y, p.z);
-            let (u, v) = if key(&pair[0]) < key(&pair[1]) { (0, 1) } else { (1, 0) };
+            let (u, v) = if key(&pair[0]) < key(&pair[1]) {
+                (0, 1)
+            } else {
+                (1, 0)
+            };
             crossing(&sheet, &pair[u], &pair[v]).is_some()
         };
         let count = way.windows(2).filter(|pair| crossed(pair)).count();
@@ -75,15 +81,26 @@ fn what_has_no_area_crosses_nothing() {
         assert_eq!(crossing(&sheet, &-V3::z(), &V3::z()), None);
     }
     // In the plane of the sheet, and beside it.
-    let sheet = Sheet::quad([-V3::x() - V3::y(), V3::x() - V3::y()], [V3::y() - V3::x(), V3::x() + V3::y()]);
+    let sheet = Sheet::quad(
+        [-V3::x() - V3::y(), V3::x() - V3::y()],
+        [V3::y() - V3::x(), V3::x() + V3::y()],
+    );
     assert_eq!(crossing(&sheet, &(V3::x() * -2.0), &(V3::x() * 2.0)), None);
-    assert_eq!(crossing(&sheet, &V3::new(2.0, 0.0, -1.0), &V3::new(2.0, 0.0, 1.0)), None);
+    assert_eq!(
+        crossing(&sheet, &V3::new(2.0, 0.0, -1.0), &V3::new(2.0, 0.0, 1.0)),
+        None
+    );
     assert!(crossing(&sheet, &-V3::z(), &V3::z()).is_some());
 }
 
 #[test]
 fn a_quad_is_divided_along_its_shorter_diagonal() {
-    let points = [V3::zeros(), V3::x(), V3::new(0.0, 1.0, 0.0), V3::new(3.0, 1.0, 0.0)];
+    let points = [
+        V3::zeros(),
+        V3::x(),
+        V3::new(0.0, 1.0, 0.0),
+        V3::new(3.0, 1.0, 0.0),
+    ];
     // From 0 to (3, 1) it is √10, from (1, 0) to (0, 1) √2.
     let sheet = Sheet::quad([points[0], points[1]], [points[2], points[3]]);
     assert_eq!(sheet.triangles, [[0, 1, 3], [1, 2, 3]]);

@@ -61,12 +61,20 @@ fn two_half_steps_cross_what_one_does() {
         let parts = |s: &Sweep| {
             let middle = s.at(time);
             [
-                Sweep { before: s.before, now: middle },
-                Sweep { before: middle, now: s.now },
+                Sweep {
+                    before: s.before,
+                    now: middle,
+                },
+                Sweep {
+                    before: middle,
+                    now: s.now,
+                },
             ]
         };
         let (blades, edges) = (parts(&blade), parts(&edge));
-        let halves: Vec<_> = (0..2).filter_map(|k| blades[k].crossing(&edges[k])).collect();
+        let halves: Vec<_> = (0..2)
+            .filter_map(|k| blades[k].crossing(&edges[k]))
+            .collect();
         let whole = blade.crossing(&edge);
         assert_eq!(whole.is_some(), halves.len() == 1);
         if let (Some(whole), [half]) = (whole, &halves[..]) {

@@ -1,7 +1,7 @@
 //! Bodies to cut: of size about 1, irregular, with numbers in no order.
 
 use crate::random::Random;
-use microsim_cutting::{Measures, SurfaceChange, SurfaceTriangle, Topology, check};
+use microsim_cutting::{Measures, Settings, SurfaceChange, SurfaceTriangle, Topology, check};
 use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, TriangleSurface, Tube, fill};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -19,6 +19,7 @@ pub struct Body {
     pub mesh: TetMesh,
     pub topology: Topology,
     pub measures: Measures,
+    pub settings: Settings,
     surface: BTreeSet<SurfaceTriangle>,
     /// Number of nodes of the first generation.
     originals: usize,
@@ -62,8 +63,14 @@ fn tube(random: &mut Random) -> TetMesh {
 fn filled(random: &mut Random) -> TetMesh {
     let mut points: Vec<V3> = vec![V3::x(), V3::y(), V3::z(), -V3::x(), -V3::y(), -V3::z()];
     let mut triangles: Vec<[u32; 3]> = vec![
-        [0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2],
-        [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5],
+        [0, 1, 2],
+        [1, 3, 2],
+        [3, 4, 2],
+        [4, 0, 2],
+        [1, 0, 5],
+        [3, 1, 5],
+        [4, 3, 5],
+        [0, 4, 5],
     ];
     for _ in 0..2 {
         let mut next = Vec::new();
@@ -84,7 +91,14 @@ fn filled(random: &mut Random) -> TetMesh {
     }
     let stretch = V3::new(0.6, 0.5 + 0.1 * random.number(), 0.4);
     let points = points.iter().map(|p| p.component_mul(&stretch)).collect();
-    fill(&TriangleSurface { positions: points, triangles }, 0.3).expect("a mesh")
+    fill(
+        &TriangleSurface {
+            positions: points,
+            triangles,
+        },
+        0.3,
+    )
+    .expect("a mesh")
 }
 
 /// The same mesh with nodes and elements in another order.
@@ -104,7 +118,10 @@ fn shuffled(mesh: &TetMesh, random: &mut Random) -> TetMesh {
     }
     TetMesh::new(
         nodes.iter().map(|&n| mesh.positions[n]).collect(),
-        elements.iter().map(|&e| mesh.tets[e].map(|n| new[n as usize])).collect(),
+        elements
+            .iter()
+            .map(|&e| mesh.tets[e].map(|n| new[n as usize]))
+            .collect(),
         elements.iter().map(|&e| mesh.regions[e]).collect(),
     )
 }
@@ -121,7 +138,14 @@ impl Body {
         let measures = check(&mesh, &topology).expect("a sound mesh");
         let surface = topology.surface().into_iter().collect();
         let originals = mesh.positions.len();
-        Self { mesh, topology, measures, surface, originals }
+        Self {
+            mesh,
+            topology,
+            measures,
+            settings: Settings::default(),
+            surface,
+            originals,
+        }
     }
 
     /// A surface that is kept by the changes alone is that of the mesh.
@@ -152,7 +176,13 @@ impl Body {
 
     /// No part has corners on both sides of a plane and further from it than the tolerance. In the `first` stroke the nodes that were there
     /// before count: new ones lie on the cut.
-    pub fn separated(&self, center: &V3, normal: &V3, tolerance: f64, first: bool) -> Result<(), String> {
+    pub fn separated(
+        &self,
+        center: &V3,
+        normal: &V3,
+        tolerance: f64,
+        first: bool,
+    ) -> Result<(), String> {
         let count = self.mesh.tets.len();
         let mut part = vec![usize::MAX; count];
         for start in 0..count {
@@ -179,7 +209,9 @@ impl Body {
                 }
             }
             if least < -tolerance && most > tolerance {
-                return Err(format!("a bridge: a part from {least} to {most}, tolerance {tolerance}"));
+                return Err(format!(
+                    "a bridge: a part from {least} to {most}, tolerance {tolerance}"
+                ));
             }
         }
         Ok(())

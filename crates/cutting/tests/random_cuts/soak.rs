@@ -64,10 +64,16 @@ impl Path {
     fn at(&self, t: f64, s: f64) -> V3 {
         // Sine and cosine of the twist's angle by its half's tangent.
         let half = 0.5 * self.twist * t;
-        let (c, d) = ((1.0 - half * half) / (1.0 + half * half), 2.0 * half / (1.0 + half * half));
+        let (c, d) = (
+            (1.0 - half * half) / (1.0 + half * half),
+            2.0 * half / (1.0 + half * half),
+        );
         let across = self.across * c + self.normal * d;
         let lift = self.wave * 4.0 * t * (1.0 - t * t);
-        self.center + self.along * (self.half_length * t) + across * (self.half_width * s) + self.normal * lift
+        self.center
+            + self.along * (self.half_length * t)
+            + across * (self.half_width * s)
+            + self.normal * lift
     }
 
     fn blade(&self, t: f64) -> [V3; 2] {
@@ -110,7 +116,21 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
     let mut random = Random(seed);
     let kind = [Kind::Block, Kind::Block, Kind::Tube, Kind::Filled][random.below(4) as usize];
     let mut body = Body::new(kind, &mut random);
-    let strokes = if random.below(8) == 0 { most } else { 1 + random.below(4) };
+    if random.below(4) == 0 {
+        // Down to small elements, with crumbs.
+        body.settings = Settings {
+            least_edge: 0.01,
+            least_volume: 1e-4,
+            flake_volume: 0.0,
+            crumb_volume: 1e-2,
+            ..Settings::default()
+        };
+    }
+    let strokes = if random.below(8) == 0 {
+        most
+    } else {
+        1 + random.below(4)
+    };
     summary.bodies += 1;
     for number in 0..strokes {
         let way = random.below(5);
@@ -119,6 +139,7 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
         let path = Path::random(&mut random, complete, plane);
         let mut stroke = Stroke::new();
         let before = body.mesh.tets.len();
+        let snapped_before = summary.snapped;
         // How far the blade may leave its plane in the frame of the tissue, within a step.
         let mut off = 0.0_f64;
         let context = |e: String| format!("seed {seed} stroke {number} ({kind:?}, way {way}): {e}");
@@ -127,14 +148,21 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
                 let rows = if plane { 1 } else { 12 };
                 let sheet = Sheet::grid(rows, rows, |u, v| path.at(2.0 * u - 1.0, 2.0 * v - 1.0));
                 let positions = body.mesh.positions.clone();
-                let blade = Blade::Sheet { sheet: &sheet, positions: &positions };
+                let blade = Blade::Sheet {
+                    sheet: &sheet,
+                    positions: &positions,
+                };
                 body.step(&mut stroke, &blade, summary).map_err(context)?;
             }
             _ => {
-                let steps = 2 + random.below(40);
+                let steps = 2 + random.below(24);
                 let swing = Swing::random(&mut random);
                 // Some blades turn back on their way for a while.
-                let back = if random.below(3) == 0 { random.below(steps) } else { steps };
+                let back = if random.below(3) == 0 {
+                    random.below(steps)
+                } else {
+                    steps
+                };
                 let mut times = vec![0.0];
                 for step in 1..=steps {
                     if step == back {
@@ -144,7 +172,13 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
                 }
                 for (k, pair) in times.windows(2).enumerate() {
                     // Way 2: the tissue rests.
-                    let share = |k: usize| if way == 2 { 0.0 } else { k as f64 / times.len() as f64 };
+                    let share = |k: usize| {
+                        if way == 2 {
+                            0.0
+                        } else {
+                            k as f64 / times.len() as f64
+                        }
+                    };
                     let [from, to] = [share(k), share(k + 1)];
                     let sweep = Sweep {
                         before: path.blade(2.0 * pair[0] - 1.0).map(|p| swing.at(from, &p)),
@@ -155,7 +189,11 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
                         let places = body.mesh.positions.iter();
                         places.map(|p| swing.at(time, p)).collect::<Vec<_>>()
                     });
-                    let blade = Blade::Sweep { sweep: &sweep, before: &before, now: &now };
+                    let blade = Blade::Sweep {
+                        sweep: &sweep,
+                        before: &before,
+                        now: &now,
+                    };
                     body.step(&mut stroke, &blade, summary)
                         .map_err(|e| context(format!("step {k} of {}: {e}", times.len())))?;
                 }
@@ -164,22 +202,36 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
         summary.strokes += 1;
         if complete && plane {
             summary.complete += 1;
-            // Fresh meshes are separated exactly; where parts are too small to be divided the cut follows their edges.
-            let snapped = if number == 0 { 0.0 } else { 0.5 * body.longest_edge() };
+            // Edges of the first stroke are separated exactly but for those that are too short to be divided, where the
+            // path strays by half an edge. Later on flakes stay on, of an edge at most.
+            let snapped = match (number, summary.snapped - snapped_before) {
+                (0, 0) => 0.0,
+                (0, _) => 0.5 * body.longest_edge(),
+                _ => body.longest_edge(),
+            };
             let tolerance = snapped + off;
-            body.separated(&path.center, &path.normal, tolerance, number == 0).map_err(context)?;
+            body.separated(&path.center, &path.normal, tolerance, number == 0)
+                .map_err(context)?;
         }
         summary.largest = summary.largest.max(body.mesh.tets.len());
         if body.mesh.tets.len() > 6 * before + 4000 {
-            return Err(format!("seed {seed}: from {before} to {} elements in a stroke", body.mesh.tets.len()));
+            return Err(format!(
+                "seed {seed}: from {before} to {} elements in a stroke",
+                body.mesh.tets.len()
+            ));
         }
     }
     Ok(strokes as usize)
 }
 
 impl Body {
-    fn step(&mut self, stroke: &mut Stroke, blade: &Blade, summary: &mut Summary) -> Result<(), String> {
-        let settings = Settings::default();
+    fn step(
+        &mut self,
+        stroke: &mut Stroke,
+        blade: &Blade,
+        summary: &mut Summary,
+    ) -> Result<(), String> {
+        let settings = self.settings;
         let before = self.measures.clone();
         let cut = self.topology.cut(&self.mesh, stroke, blade, &settings);
         let Some(cut) = cut.map_err(|e| e.to_string())? else {
@@ -189,12 +241,18 @@ impl Body {
         let now = check(&self.mesh, &self.topology).map_err(|e| format!("{e:?}"))?;
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
         if !close(now.volume + cut.lost_volume, before.volume) {
-            return Err(format!("volume {} + {} from {}", now.volume, cut.lost_volume, before.volume));
+            return Err(format!(
+                "volume {} + {} from {}",
+                now.volume, cut.lost_volume, before.volume
+            ));
         }
         if cut.edit.removed.is_empty() {
             // Nothing opens but what the blade made: the rest of the surface is what it was.
             if !close(now.outer_area, before.outer_area) {
-                return Err(format!("surface {} from {}", now.outer_area, before.outer_area));
+                return Err(format!(
+                    "surface {} from {}",
+                    now.outer_area, before.outer_area
+                ));
             }
             for (k, (area, rest)) in now.sheets.iter().enumerate() {
                 let (area_before, rest_before) = before.sheets.get(k).copied().unwrap_or_default();
@@ -208,10 +266,20 @@ impl Body {
             }
         }
         if now.parts < before.parts || now.parts != before.parts + cut.pieces.len() {
-            return Err(format!("{} parts from {}, {} pieces", now.parts, before.parts, cut.pieces.len()));
+            return Err(format!(
+                "{} parts from {}, {} pieces",
+                now.parts,
+                before.parts,
+                cut.pieces.len()
+            ));
         }
         let least = now.least_volume / self.topology.mean_volume();
-        if least < settings.least_volume.min(before.least_volume / self.topology.mean_volume()) * (1.0 - 1e-9) {
+        if least
+            < settings
+                .least_volume
+                .min(before.least_volume / self.topology.mean_volume())
+                * (1.0 - 1e-9)
+        {
             return Err(format!("an element of {least} of the mean volume"));
         }
         self.follow_surface(&cut.surface)?;
@@ -231,7 +299,12 @@ impl Body {
 }
 
 /// At least `strokes` strokes, up to `most` in a body.
-pub fn run(strokes: usize, seed: u64, most: u64, mut told: impl FnMut(&Summary)) -> Result<Summary, String> {
+pub fn run(
+    strokes: usize,
+    seed: u64,
+    most: u64,
+    mut told: impl FnMut(&Summary),
+) -> Result<Summary, String> {
     let mut summary = Summary {
         least_volume: f64::INFINITY,
         ..Summary::default()

@@ -143,6 +143,7 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeMemory, RestoreError
             };
             Ok((line, stroke))
         })?,
+        leaving: Vec::new(),
     })
 }
 
@@ -189,6 +190,7 @@ fn put_topology(bytes: &mut Vec<u8>, state: &TopologyState) {
     put_list(bytes, &state.marks, |bytes, (element, corner, sheet)| {
         put_numbers(bytes, &[*element, u32::from(*corner), *sheet]);
     });
+    put_list(bytes, &state.front, |bytes, node| put_u32(bytes, *node));
     put_f64(bytes, state.mean_volume);
     put_f64(bytes, state.mean_edge);
     put_u32(bytes, state.sheets);
@@ -201,6 +203,7 @@ fn topology(reader: &mut Reader<'_>) -> Result<TopologyState, RestoreError> {
             let corner = u8::try_from(corner).map_err(|_| RestoreError::OtherScene)?;
             Ok((element, corner, sheet))
         })?,
+        front: reader.list(Reader::u32)?,
         mean_volume: reader.f64()?,
         mean_edge: reader.f64()?,
         sheets: reader.u32()?,
