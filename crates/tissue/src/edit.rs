@@ -20,8 +20,8 @@
 //! floor and an explicit solver, the 99th of a hundred 0.4 to 1 ms, in bodies of 10,000 to 100,000 tetrahedra alike. What goes with the
 //! body: 4 ns per node for the parts that are told to a solver; memory that has to grow, once in many cuts, 7 ms at 100,000
 //! tetrahedra; pieces that come off, whose parts are found anew, 10 ns per tetrahedron; a union of bodies, made anew, 5 to 40 ns per
-//! tetrahedron. An implicit solver is made anew with all of its analysis: 2.4 ms (patch-pressure) to 9 ms (selective) at 3,200 tetrahedra,
-//! 12 and 31 ms at 10,500 (`cargo run --release -p microsim-tissue --example edit_time`).
+//! tetrahedron. An implicit solver is made anew with all of its analysis: 3.6 ms (patch-pressure) to 12 ms (selective) at 3,200
+//! tetrahedra, 16 and 38 ms at 10,500 (`cargo run --release -p microsim-tissue --example edit_time`).
 //!
 //! # Limitations
 //! A model that others share (a clone, the union of several bodies) shares its sets with them: the first edit then copies each
