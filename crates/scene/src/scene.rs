@@ -124,7 +124,7 @@ impl Scene {
             let mut pairs = spec.contacts.iter();
             pairs.any(|pair| pair.body == body.name || other(&pair.with))
         };
-        let bodies = spec
+        let mut bodies = spec
             .bodies
             .iter()
             .map(|body| {
@@ -149,15 +149,18 @@ impl Scene {
             blades: vec![BladeMemory::default(); cuts.len()],
             time: 0.0,
         };
+        let is_cut = bodies.iter().any(|body| body.topology.is_some());
+        let uncut = is_cut.then(|| Box::new((bodies.clone(), groups.clone())));
+        // After the copy, so that the first cut has nothing to copy.
+        for body in bodies.iter_mut().filter(|body| body.topology.is_some()) {
+            body.model.prepare_edits();
+        }
         Ok(Self {
             tools,
             things,
             rigid,
             pairs,
-            uncut: bodies
-                .iter()
-                .any(|body| body.topology.is_some())
-                .then(|| Box::new((bodies.clone(), groups.clone()))),
+            uncut,
             cuts,
             groups,
             edits: Vec::new(),
@@ -542,9 +545,6 @@ impl Body {
                 body: name.clone(),
                 source,
             })?;
-        if cut {
-            model.prepare_edits();
-        }
         let drive = Drive::new(mesh, &origin, &clamps, &loads, model.clamped());
         if touched && !method.keeps_gaps() {
             return Err(SceneError::Contact {

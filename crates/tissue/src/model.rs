@@ -7,7 +7,7 @@ pub use error::ModelError;
 pub(crate) use parallel::Part;
 
 use crate::components::Components;
-use crate::edit::Index;
+use crate::edit::IndexCell;
 use crate::elements::Elements;
 use crate::material;
 use crate::stability::{self, gershgorin_bound};
@@ -36,10 +36,10 @@ pub struct TissueModel {
     pub(crate) mean_edge_length: f64,
     pub(crate) parts: Vec<Part>,
     /// What edits look up; made at the first one.
-    pub(crate) index: OnceLock<Arc<Index>>,
+    pub(crate) index: IndexCell,
     rate_bound: OnceLock<f64>,
     pub(crate) components: OnceLock<Arc<Components>>,
-    /// S_i of NUMERICS 3.2 at rest [N/m], once it was asked for.
+    /// S_i of NUMERICS 3.2 at rest [N/m]; edits keep them up to date.
     pub(crate) row_sums: OnceLock<Vec<f64>>,
 }
 
@@ -137,7 +137,7 @@ impl TissueModel {
             internal,
             mean_edge_length,
             parts,
-            index: OnceLock::new(),
+            index: IndexCell::default(),
             rate_bound: OnceLock::new(),
             components: OnceLock::new(),
             row_sums: OnceLock::new(),
@@ -162,7 +162,7 @@ impl TissueModel {
             drags: Vec::new(),
             mean_edge_length: f64::INFINITY,
             parts: Vec::new(),
-            index: OnceLock::new(),
+            index: IndexCell::default(),
             rate_bound: OnceLock::new(),
             components: OnceLock::new(),
             row_sums: OnceLock::new(),

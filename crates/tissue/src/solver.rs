@@ -40,7 +40,7 @@ pub trait Solver: Debug + Send {
 
     /// Follows an edit of its model: from then on it does what a solver made for the model as it is now does, to the bit. Working
     /// memory of explicit and position-based methods is kept; an implicit one is made anew, with all analysis of its
-    /// system, in a time that goes with the body.
+    /// system, in a time that goes with the body: some milliseconds for 3,000 tetrahedra.
     fn follow(&mut self, model: &TissueModel);
 
     /// A copy, for a scene that is copied.

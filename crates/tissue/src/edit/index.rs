@@ -4,7 +4,7 @@ use crate::elements::Elements;
 use crate::elements::key::Key;
 use crate::elements::splice::places;
 use crate::model::TissueModel;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The tetrahedra at each node, and the elements of each set by their keys.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -150,31 +150,42 @@ impl SetIndex {
     }
 }
 
+/// The index of a model, once it was needed. A clone makes its own: an edit then never copies one.
+#[derive(Debug, Default)]
+pub(crate) struct IndexCell(OnceLock<Index>);
+
+impl Clone for IndexCell {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 impl TissueModel {
-    /// Builds what [`edit`](Self::edit) and [`stability::floor_nodes`](crate::stability::floor_nodes) look up, in a time that goes
-    /// with the body; done by the first of them otherwise.
-    pub fn prepare_edits(&self) {
+    /// Builds what [`edit`](Self::edit) and [`stability::floor_nodes`](crate::stability::floor_nodes) look up, and takes the sets of
+    /// elements to itself where clones share them, in a time that goes with the body. Else the first edit does it.
+    pub fn prepare_edits(&mut self) {
         self.index();
         self.rate_bound();
+        self.row_sums();
+        self.components();
+        for set in 0..self.sets.len() {
+            self.own_set(set);
+        }
     }
 
     /// What edits look up.
     pub(crate) fn index(&self) -> &Index {
-        self.index.get_or_init(|| {
-            let index = Index::new(self.node_count(), &self.tets, &self.sets);
-            Arc::new(index)
-        })
+        let index = || Index::new(self.node_count(), &self.tets, &self.sets);
+        self.index.0.get_or_init(index)
     }
 
     /// Takes the index out, to be changed and [put back](Self::put_index).
     pub(super) fn take_index(&mut self) -> Index {
         self.index();
-        self.index
-            .take()
-            .map_or_else(Index::default, Arc::unwrap_or_clone)
+        self.index.0.take().unwrap_or_default()
     }
 
     pub(super) fn put_index(&mut self, index: Index) {
-        self.index = Arc::new(index).into();
+        self.index = IndexCell(index.into());
     }
 }

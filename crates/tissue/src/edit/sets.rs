@@ -418,7 +418,8 @@ impl TissueModel {
         index
             .set_mut(set)
             .before_splice(&*self.sets[set], removed, added.count());
-        self.own_set(set).splice(removed, &**added);
+        let fits = self.own_set(set).splice(removed, &**added);
+        assert!(fits, "a part of a material makes sets of one kind");
         placed.extend(moves.iter().map(|[_, to]| *to));
         index.set_mut(set).after_splice(&*self.sets[set], &placed);
         self.put_index(index);

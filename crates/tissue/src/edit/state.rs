@@ -75,7 +75,7 @@ impl SetChange {
 }
 
 impl State {
-    /// Follows an edit of the model. New nodes have positions, velocities and accelerations of the line on which they are, moved ones
+    /// Follows an edit of the model, of whose state before it this is one. New nodes have positions, velocities and accelerations of the line on which they are, moved ones
     /// those of the place to which they went; internal variables are inherited.
     pub fn edit(&mut self, change: &ModelChange) {
         for values in [

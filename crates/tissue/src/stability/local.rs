@@ -19,7 +19,10 @@ pub struct Remedied {
 /// [`mass_floor`](super::mass_floor) for all. With every node of a body above its floor h·√λ_max ≤ 2 s.
 ///
 /// Gershgorin's bound is 2 to 3.5 times λ_max (NUMERICS 3.2): at a `safety` close to 1 nodes that are well without it stay
-/// as they are where the step is half of the limit or less.
+/// as they are where the step is half of the limit or less. After 500 cuts in a cube of 10,368 tetrahedra, which make it 20,864, a step
+/// of 0.6 of the limit before needs 15 % (selective) to 80 % more inertia (tetrahedra) at 60 to 90 % of the nodes; undamped the energy then
+/// drifts by less than 0.3 % over 10,000 steps. Without it the body is gone after ten (`cargo run --release -p microsim-tissue
+/// --example cut_stability`).
 pub fn floor_nodes(model: &mut TissueModel, nodes: &[u32], h: f64, safety: f64) -> Remedied {
     let sums = model.row_sums();
     let sums: Vec<f64> = nodes.iter().map(|node| sums[*node as usize]).collect();
