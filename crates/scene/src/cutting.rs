@@ -10,7 +10,9 @@ use crate::scene::{Body, Pair, PairPartner, Pieces, Scene, node_areas};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};
-use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
+use microsim_geometry::{
+    Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
+};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
@@ -33,8 +35,23 @@ pub(crate) struct Edit {
     pub edit: TopologyEdit,
 }
 
+const STILL: &str = "quasi-static tissue has no inertia, so that a piece which comes off could not fall: use another method";
+
 /// The cuts of a description.
 pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneError> {
+    let still = matches!(spec.method, Method::QuasiStatic(_));
+    if let Some(body) = spec
+        .bodies
+        .iter()
+        .find(|body| still && !body.tear_strains.is_empty())
+    {
+        return Err(SceneError::Value {
+            body: body.name.clone(),
+            what: "cutting",
+            index: 0,
+            reason: STILL,
+        });
+    }
     let mut cuts: Vec<Cut> = Vec::new();
     for (index, cut) in spec.cuts.iter().enumerate() {
         let wrong = |reason| SceneError::Cuts {
@@ -53,10 +70,8 @@ pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneEr
         if !spec.tools[tool].capsules.iter().any(|part| part.lonor) {
             return Err(wrong("the tool has no line of no return"));
         }
-        if matches!(spec.method, Method::QuasiStatic(_)) {
-            return Err(wrong(
-                "quasi-static tissue has no inertia, so that a piece which comes off could not fall: use another method",
-            ));
+        if still {
+            return Err(wrong(STILL));
         }
         let touch = |pair: &Pair| pair.body == body && pair.with == PairPartner::Tool(tool);
         let (of_body, of_tool) = (&spec.bodies[body], &spec.tools[tool]);
@@ -202,18 +217,26 @@ impl Scene {
                 }
             }
             before[body] = Some(before_now);
+            self.state.blades[index].leave();
             let force = contacts
                 .iter()
                 .find(|contact| (contact.body, contact.with) == (body, ContactPartner::Tool(tool)));
             let force = force.map_or(0.0, |contact| Vector3::from(contact.force_on_tissue).norm());
-            reports.extend(sum.report(body, tool, force));
+            reports.extend(sum.report(body, Some(tool), force));
+        }
+        for body in 0..self.bodies.len() {
+            let mut sum = Sum::default();
+            if let Some(torn) = self.tear(body) {
+                sum.add(torn);
+            }
+            reports.extend(sum.report(body, None, 0.0));
         }
         (reports, rejected)
     }
 
-    /// The capsules among `inside` that still reach into a body at the end of a motion.
-    fn reaching(&self, body: usize, motion: &ToolMotion, inside: &[u32]) -> Vec<u32> {
-        if inside.is_empty() {
+    /// The capsules among `edges` that still reach into a body at the end of a motion.
+    fn reaching(&self, body: usize, motion: &ToolMotion, edges: &[u32]) -> Vec<u32> {
+        if edges.is_empty() {
             return Vec::new();
         }
         let positions = &self.state.bodies[body].positions;
@@ -224,9 +247,10 @@ impl Scene {
                 let triangle = triangle.map(|node| positions[node as usize]);
                 closest_segment_triangle(&line.a, &line.b, &triangle).distance() < line.radius
             };
-            triangles.iter().any(near)
+            let within = || inside(&self.bodies[body].mesh, positions, [line.a, line.b]);
+            triangles.iter().any(near) || within()
         };
-        let of_edges = lines.iter().filter(|line| inside.contains(&line.capsule));
+        let of_edges = lines.iter().filter(|line| edges.contains(&line.capsule));
         of_edges.filter(reaches).map(|line| line.capsule).collect()
     }
 
@@ -254,19 +278,21 @@ impl Scene {
         };
         let made = topology.cut(mesh, stroke, &blade, &cutting::Settings::default())?;
         let Some(made) = made else {
-            if !inside(mesh, &self.state.bodies[body].positions, path.to) {
-                self.state.blades[cut].end_stroke(path.line);
-            }
             return Ok(None);
         };
         made.edit.carry_nodes(before);
-        self.tell_strokes(body, (cut, path.line), &made.edit);
+        self.tell_strokes(body, Some((cut, path.line)), &made.edit);
         let pieces = self.follow(body, &made);
         Ok(Some((made, pieces)))
     }
 
-    /// Tells the other lines that are under way in a body of an edit that one of them has made, before the body follows it.
-    fn tell_strokes(&mut self, body: usize, own: (usize, u32), edit: &TopologyEdit) {
+    /// Tells the other lines that are under way in a body of an edit that one of them (cut and line) has made, before the body follows it.
+    pub(crate) fn tell_strokes(
+        &mut self,
+        body: usize,
+        own: Option<(usize, u32)>,
+        edit: &TopologyEdit,
+    ) {
         let mesh = &self.bodies[body].mesh;
         let (nodes, elements) = (mesh.positions.len(), mesh.tets.len());
         for (cut, memory) in self.state.blades.iter_mut().enumerate() {
@@ -274,14 +300,14 @@ impl Scene {
                 continue;
             }
             let others = memory.strokes.iter_mut();
-            for (_, stroke) in others.filter(|(line, _)| (cut, *line) != own) {
+            for (_, stroke) in others.filter(|(line, _)| Some((cut, *line)) != own) {
                 stroke.follow(edit, nodes, elements);
             }
         }
     }
 
     /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off.
-    fn follow(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
+    pub(crate) fn follow(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
         let old = self.bodies[body].mesh.positions.len();
         let change = self.bodies[body].follow(&made.edit, &self.method);
         let change = change.expect("the edit was made for this mesh, of which the model is");
@@ -312,7 +338,7 @@ impl Scene {
             node if node < end => number(node - first).map(|node| node + first),
             node => Some(node - end + first + new),
         });
-        self.groups[group].renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
+        self.groups[group].follow(&self.bodies, &self.pairs, &self.rigid, &self.method);
     }
 
     /// The bodies as they were before the first edit.
@@ -421,8 +447,7 @@ fn inside(mesh: &TetMesh, positions: &[Vector3<f64>], segment: [Vector3<f64>; 2]
         }
         let within = |end: &Vector3<f64>| point_in_tetrahedron(end, &corners).is_some();
         let through = |face: [usize; 3]| {
-            closest_segment_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).distance()
-                == 0.0
+            edge_through_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).is_some()
         };
         within(&segment[0])
             || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
@@ -465,7 +490,7 @@ impl Sum {
         self.pieces.extend(pieces);
     }
 
-    fn report(self, body: usize, tool: usize, force_n: f64) -> Option<CutReport> {
+    fn report(self, body: usize, tool: Option<usize>, force_n: f64) -> Option<CutReport> {
         let mean = |sum: Vector3<f64>, area: f64| if area > 0.0 { sum / area } else { sum };
         let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_default();
         self.any.then(|| CutReport {

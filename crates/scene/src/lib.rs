@@ -21,6 +21,7 @@ mod select;
 mod spec;
 mod stress;
 mod tally;
+mod tear;
 mod tick;
 mod tool;
 mod touching;

@@ -60,6 +60,8 @@ pub(crate) struct BladeMemory {
     pub closed: Vec<Option<f64>>,
     /// What is under way, per line.
     pub strokes: Vec<(u32, Stroke)>,
+    /// Lines that leave the tissue in this tick; empty between ticks.
+    pub leaving: Vec<u32>,
 }
 
 /// The way of a blade through the tissue: a segment before and after.
@@ -219,10 +221,13 @@ impl BladeMemory {
         let mut paths = Vec::new();
         for (from, to) in both().filter(|(_, to)| to.edge.is_some()) {
             match self.inside.binary_search(&to.capsule) {
-                Ok(_) if case.reach.contains(&to.capsule) => paths.push(straight((from, to))),
                 Ok(place) => {
-                    self.inside.remove(place);
-                    self.end_stroke(to.capsule);
+                    // Tissue may have sprung over the line and be gone at the end.
+                    paths.push(straight((from, to)));
+                    if !case.reach.contains(&to.capsule) {
+                        self.inside.remove(place);
+                        self.leaving.push(to.capsule);
+                    }
                 }
                 Err(place) => {
                     let at = Touched {
@@ -240,13 +245,12 @@ impl BladeMemory {
         }
         let couples = [couples(&lines[0]), couples(&lines[1])];
         self.closed.resize(couples[0].len(), None);
-        let mut ended = Vec::new();
         for (index, (from, to)) in couples[0].iter().zip(&couples[1]).enumerate() {
             let reach = case.ability.pinch * (to[0].radius + to[1].radius);
             let closed = &mut self.closed[index];
             if closed.is_some() && to.least_gap() >= REOPENED * reach {
                 *closed = None;
-                ended.push(to[0].capsule);
+                self.leaving.push(to[0].capsule);
             }
             let Some(point) = to.closing_point(reach) else {
                 continue;
@@ -264,7 +268,6 @@ impl BladeMemory {
                 *closed = Some(before);
             }
         }
-        ended.into_iter().for_each(|line| self.end_stroke(line));
         paths
     }
 
@@ -276,6 +279,12 @@ impl BladeMemory {
             self.strokes.len() - 1
         });
         &mut self.strokes[place].1
+    }
+
+    /// Ends the strokes of the lines that have left the tissue in this tick, once all is cut.
+    pub fn leave(&mut self) {
+        let leaving = std::mem::take(&mut self.leaving);
+        leaving.into_iter().for_each(|line| self.end_stroke(line));
     }
 
     /// A line has left the tissue.

@@ -8,7 +8,7 @@ use crate::spec::Jaw;
 pub struct TickReport {
     /// One entry per contact pair that touched, in the order of the scene's pairs.
     pub contacts: Vec<ContactReport>,
-    /// One entry per body and tool that cut it.
+    /// One entry per body and tool that cut it, and per body that tore.
     pub cuts: Vec<CutReport>,
     /// Cuts that could not be made: the body is as it was.
     pub rejected: Vec<RejectedCut>,
@@ -73,13 +73,13 @@ pub struct ContactReport {
     pub jaws: Vec<JawReport>,
 }
 
-/// What a tool cut in a tick.
+/// What a tool cut in a tick, or what tore.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutReport {
     /// Index of the body.
     pub body: usize,
-    /// Index of the tool.
-    pub tool: usize,
+    /// Index of the tool; `None` of tissue that tore by itself.
+    pub tool: Option<usize>,
     /// Elements that were divided.
     pub divided: usize,
     /// Area that was opened, of one side, at rest [m²].

@@ -44,6 +44,7 @@ pub(crate) struct Body {
     pub ends: Vec<Vec<[u32; 3]>>,
     /// Who is next to whom, of a body that can be cut.
     pub topology: Option<Topology>,
+    pub tear_strains: Vec<(u32, f64)>,
     /// Of each triangle of the surface whether a cut has opened it.
     pub inner: Vec<bool>,
     pub pieces: Pieces,
@@ -161,6 +162,7 @@ impl Scene {
             .iter()
             .map(|body| {
                 let cut = spec.cuts.iter().any(|cut| cut.body == body.name);
+                let cut = cut || !body.tear_strains.is_empty();
                 Body::new(body, &spec.method, touched(body), cut)
             })
             .collect::<Result<Vec<_>, _>>()?;
@@ -185,7 +187,10 @@ impl Scene {
             things,
             rigid,
             pairs,
-            uncut: (!cuts.is_empty()).then(|| Box::new((bodies.clone(), groups.clone()))),
+            uncut: bodies
+                .iter()
+                .any(|body| body.topology.is_some())
+                .then(|| Box::new((bodies.clone(), groups.clone()))),
             cuts,
             groups,
             edits: Vec::new(),
@@ -398,9 +403,9 @@ impl Scene {
         self.bodies[body].pieces.count
     }
 
-    /// Whether any tool cuts anything.
+    /// Whether anything can be cut or tear.
     pub fn has_cuts(&self) -> bool {
-        !self.cuts.is_empty()
+        self.uncut.is_some()
     }
 
     /// What cuts have done to a body.
@@ -611,6 +616,7 @@ impl Body {
             origin,
             stable_step,
             name,
+            tear_strains: spec.tear_strains.clone(),
             topology: cut.then(|| Topology::new(mesh)),
             pieces: Pieces {
                 of_nodes: vec![0; mesh.positions.len()],

@@ -5,6 +5,7 @@ use microsim_mesh::{Block, CellSplit};
 use microsim_tissue::{Behaviour, Newton, SpringConstants};
 use nalgebra::{UnitQuaternion, Vector3};
 
+mod cutting;
 mod hard;
 mod limits;
 
@@ -49,6 +50,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
             drag: 100.0,
             toughness: f64::INFINITY,
             brittleness: 0.0,
+            tear_strains: Vec::new(),
             clamps: vec![end(-10e-3), end(10e-3)],
             couplings: Vec::new(),
             loads: Vec::new(),

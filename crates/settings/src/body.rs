@@ -249,6 +249,8 @@ pub struct Material {
     pub density: f64,
     /// Its law.
     pub law: Law,
+    /// Strain across a plane at which it tears by itself; `None` for never.
+    pub tear_strain: Option<f64>,
     /// Time of Kelvin–Voigt damping \[s\].
     pub relaxation_time: Option<f64>,
     /// Viscosity of Kelvin–Voigt damping in uniaxial stretch \[Pa s\].

@@ -376,6 +376,11 @@ fn material_keys() -> Vec<Key> {
             "`springs` along edges with area and volume forces, or a law of a continuum.",
         ),
         Key::optional(
+            "tear_strain",
+            Kind::quantity(Unit::Ratio, 0.01, 100.0),
+            "Strain across a plane at which it tears by itself; without it never.",
+        ),
+        Key::optional(
             "relaxation_time",
             time(0.0, 600.0),
             "Kelvin-Voigt damping: a strain rate resists as that strain times this time.",

@@ -1,16 +1,19 @@
-//! What it takes a model to follow a cut of about 60 elements, against the size of the body, part by part.
+//! What it takes a model to follow a cut of about 60 elements, against the size of the body, part by part; and what it takes an implicit
+//! method to begin anew, stage by stage.
 //!
-//! `cargo run --release -p microsim-tissue --example edit_time` prints a table: medians and the largest of the edits [µs], one core.
+//! `cargo run --release -p microsim-tissue --example edit_time [MATERIAL]` prints two tables [µs], one core.
 
 use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology};
 use microsim_mesh::{Block, CellSplit, TetMesh};
+use microsim_sparse::{LinearSolver, Ordering, Pattern, Symbolic};
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{Part, floor_nodes, gershgorin_bound};
 use microsim_tissue::{
-    Behaviour, ContinuumConstants, Discretisation, Material, Method, ModelEdit, Newton,
-    SpringConstants, State, TissueModel, build_model,
+    Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Material, Method, ModelEdit,
+    Newton, Serial, SpringConstants, State, TissueModel, build_model,
 };
 use nalgebra::Vector3;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Cells along each edge of the cube, with six tetrahedra each: 1,296 to 105,456 tetrahedra.
@@ -24,6 +27,9 @@ const CUTS_PER_CELLS: usize = 14;
 
 /// Edge of the square that is cut, in cells.
 const SQUARE: f64 = 2.6;
+
+/// Repeats of which the fastest is told, in the second table.
+const REPEATS: usize = 7;
 
 /// What is timed.
 const SHARES: [&str; 7] = [
@@ -54,6 +60,72 @@ fn main() {
             }
         }
     }
+    println!(
+        "\nA new implicit solver after a cut, fastest of {REPEATS} [µs]: stages of its linear system, all of it, and a step with one iteration.\n"
+    );
+    println!("| material | tetrahedra | blocks | pattern | order | analysis | all | way | step |");
+    println!("|{}", "---|".repeat(9));
+    for (name, material) in materials() {
+        for cells in [8, 12] {
+            if wanted.as_ref().is_none_or(|wanted| wanted == name) {
+                begin_anew(name, &material, cells);
+            }
+        }
+    }
+}
+
+/// One row of the second table.
+fn begin_anew(name: &str, material: &Material, cells: usize) {
+    let (mut mesh, mut model) = body(material, cells);
+    let mut topology = Topology::new(&mesh);
+    let mut next = numbers();
+    let Some(edit) = square(&mut mesh, &mut topology, cells as f64, &mut next) else {
+        return;
+    };
+    let edit = ModelEdit::new(&mesh, &edit, model.clamped());
+    let change = model.edit(&edit).expect("cuts are sound");
+    drop(change);
+    let (mut pattern, mut order, mut linear, mut solver) = (None, None, None, None);
+    let cliques = || {
+        let sets = model.sets().iter();
+        sets.flat_map(|set| (0..set.count()).map(|element| set.nodes(element)))
+    };
+    let nodes = model.node_count();
+    let patterned = fastest(|| pattern = Some(Arc::new(Pattern::from_cliques(nodes, cliques()))));
+    let pattern = pattern.expect("just made");
+    let positions = model.rest_positions();
+    let ordered = fastest(|| order = Some(Ordering::nested_dissection(&pattern, Some(positions))));
+    let order = order.expect("just made");
+    let analysed = fastest(|| drop(Symbolic::analyse(&pattern, &order)));
+    micros(|| linear = Some(LinearSolver::new(&pattern, positions)));
+    let method = Method::GuardedMidpoint(Newton {
+        iterations: 1,
+        must_converge: false,
+        ..Newton::default()
+    });
+    let all = fastest(|| solver = method.solver(&model).ok());
+    let mut solver = solver.expect("any model has it");
+    let mut state = State::at_rest(&model);
+    let control = Control {
+        gravity: Vector3::new(0.0, 0.0, -1e-3),
+        ..Control::default()
+    };
+    let mut step = || {
+        let contacts = Contacts::default();
+        micros(|| {
+            let made = solver.step(&model, &mut state, &control, &contacts, 4e-3, &Serial);
+            made.expect("a small load");
+        })
+    };
+    // The first one makes room.
+    step();
+    let step = (0..REPEATS).map(|_| step()).fold(f64::INFINITY, f64::min);
+    println!(
+        "| {name} | {} | {} | {patterned:.0} | {ordered:.0} | {analysed:.0} | {all:.0} | {} | {step:.0} |",
+        mesh.tets.len(),
+        pattern.blocks(),
+        linear.expect("just made").way()
+    );
 }
 
 fn materials() -> Vec<(&'static str, Material)> {
@@ -79,7 +151,8 @@ fn materials() -> Vec<(&'static str, Material)> {
     all.map(material).collect()
 }
 
-fn row(name: &str, material: &Material, cells: usize) {
+/// A cube of so many cells of size one along each edge, clamped on one side.
+fn body(material: &Material, cells: usize) -> (TetMesh, TissueModel) {
     let size = cells as f64;
     let block = Block {
         center: [0.0; 3],
@@ -87,14 +160,17 @@ fn row(name: &str, material: &Material, cells: usize) {
         cells: [cells; 3],
         split: CellSplit::Kuhn,
     };
-    let mut mesh = block.mesh().expect("cells of size one");
-    let clamped: Vec<bool> = mesh
-        .positions
-        .iter()
-        .map(|p| p.x < 0.1 - 0.5 * size)
-        .collect();
-    let mut model = build_model(&mesh, &[(0, *material)], &clamped, 0.0, Vec::new())
-        .expect("a block can be a body");
+    let mesh = block.mesh().expect("cells of size one");
+    let clamped = mesh.positions.iter().map(|p| p.x < 0.1 - 0.5 * size);
+    let clamped: Vec<bool> = clamped.collect();
+    let model = build_model(&mesh, &[(0, *material)], &clamped, 0.0, Vec::new());
+    (mesh, model.expect("a block can be a body"))
+}
+
+/// One row of the first table.
+fn row(name: &str, material: &Material, cells: usize) {
+    let (mut mesh, mut model) = body(material, cells);
+    let size = cells as f64;
     let h = 1.8 / gershgorin_bound(&model, Part::Stiffness).sqrt();
     let (mut state, mut topology) = (State::at_rest(&model), Topology::new(&mesh));
     let mut verlet = Method::StoermerVerlet
@@ -173,6 +249,13 @@ fn square(
     let edit = cut.ok()??.edit;
     mesh.apply(&edit).ok()?;
     Some(edit)
+}
+
+/// The fastest of some repeats.
+fn fastest(mut work: impl FnMut()) -> f64 {
+    (0..REPEATS)
+        .map(|_| micros(&mut work))
+        .fold(f64::INFINITY, f64::min)
 }
 
 fn micros(work: impl FnOnce()) -> f64 {

@@ -39,6 +39,25 @@ impl Components {
         }
         components
     }
+
+    /// Those of the union of bodies, one after another.
+    pub fn joined(bodies: &[&TissueModel]) -> Self {
+        let mut joined = Self {
+            of_node: Vec::new(),
+            lowest: Vec::new(),
+        };
+        for body in bodies {
+            let (first, part) = (joined.of_node.len() as u32, joined.lowest.len() as u32);
+            let own = body.components();
+            joined
+                .of_node
+                .extend(own.of_node.iter().map(|own| own + part));
+            joined
+                .lowest
+                .extend(own.lowest.iter().map(|node| node + first));
+        }
+        joined
+    }
 }
 
 impl TissueModel {

@@ -207,6 +207,7 @@ impl TissueModel {
         if bodies.iter().all(|body| body.parts.len() == 1) && union.tets.len() < PARALLEL_ELEMENTS {
             union.parts = parts(union.tets.len(), union.node_count(), &union.sets);
         }
+        union.components = Arc::new(Components::joined(bodies)).into();
         // That of the members where edits may have kept it from before; else the same comes out.
         let bounds = bodies.iter().map(|body| body.rate_bound.get().copied());
         if let Some(bounds) = bounds.collect::<Option<Vec<f64>>>() {

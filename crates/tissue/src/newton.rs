@@ -220,7 +220,8 @@ impl NewtonSolver {
             damping: 0.0,
             rate: 0.0,
         };
-        system.assemble(model, &State::at_rest(model), none, Tangent::Positive);
+        // At rest there is nothing to be left out, and the exact one is cheap.
+        system.assemble(model, &State::at_rest(model), none, Tangent::Exact);
         let stiffness = |node| system.matrix().diagonal(node).trace() / 3.0;
         Self {
             stiffness: (0..model.node_count()).map(stiffness).collect(),

@@ -241,7 +241,7 @@ impl Plugin for Physics {
         for cut in &report.cuts {
             tick.publish(&TissueCut {
                 body: scene.body_name(cut.body).to_owned(),
-                tool: scene.tool_name(cut.tool).to_owned(),
+                tool: cut.tool.map_or_else(String::new, |tool| scene.tool_name(tool).to_owned()),
                 area: cut.area,
                 centroid: cut.centroid,
                 normal: cut.normal,

@@ -90,6 +90,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             drag: 0.0,
             toughness: f64::INFINITY,
             brittleness: 0.0,
+            tear_strains: Vec::new(),
             clamps: vec![ClampSpec {
                 nodes: Selection::Box(BoxSpec {
                     min: [-1.0, -1.0, -1.0],

@@ -146,7 +146,10 @@ fn cut(runner: &Runner) -> Value {
     let mass: f64 = bodies().flat_map(|body| scene.masses(body)).sum();
     let start_mass: f64 = bodies().map(|body| scene.uncut(body).1).sum();
     let remarks = runner.remarks();
-    let named = |body, tool| json!({"body": scene.body_name(body), "tool": scene.tool_name(tool)});
+    let named = |body, tool: Option<usize>| {
+        let tool = tool.map(|tool| scene.tool_name(tool));
+        json!({"body": scene.body_name(body), "tool": tool})
+    };
     json!({
         "divided": tallies().map(|tally| tally.divided).sum::<u64>(),
         "rejected": tallies().map(|tally| tally.rejected).sum::<u64>(),
@@ -169,7 +172,7 @@ fn cut(runner: &Runner) -> Value {
         })).collect::<Vec<_>>(),
         "rejections": remarks.rejected.iter().map(|(time, cut)| json!({
             "time": time,
-            "of": named(cut.body, cut.tool),
+            "of": named(cut.body, Some(cut.tool)),
             "why": cut.why,
         })).collect::<Vec<_>>(),
     })

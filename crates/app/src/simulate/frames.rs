@@ -94,7 +94,7 @@ fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
             signed_volume(a, b, c, d) / rest
         })
         .collect();
-    let stress = von_mises(body, now);
+    let stress = von_mises(body, scene.mesh(index), now);
     let mut of_elements = vec![Field {
         name: "volume ratio",
         values: FieldValues::Scalars(&ratio),

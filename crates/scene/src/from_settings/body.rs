@@ -22,7 +22,7 @@ pub(super) fn body(
     notes: &mut Vec<String>,
 ) -> Result<BodySpec, FromSettingsError> {
     let (mesh, ends) = mesh(body, key, load, notes)?;
-    let materials = materials(body, key, &mesh)?;
+    let (materials, tear_strains) = materials(body, key, &mesh)?;
     let mut loads = Vec::new();
     for (index, load) in body.load.iter().enumerate() {
         let kind = match (load.pressure, load.traction) {
@@ -62,6 +62,7 @@ pub(super) fn body(
         drag: body.drag,
         toughness: body.toughness.unwrap_or(f64::INFINITY),
         brittleness: body.brittleness,
+        tear_strains,
         clamps: body.clamp.iter().map(clamp).collect(),
         couplings: couplings.collect(),
         loads,
@@ -243,15 +244,16 @@ fn materials(
     body: &settings::Body,
     key: &KeyPath,
     mesh: &TetMesh,
-) -> Result<Vec<(u32, Material)>, FromSettingsError> {
+) -> Result<(Vec<(u32, Material)>, Vec<(u32, f64)>), FromSettingsError> {
     let mut regions = mesh.regions.clone();
     regions.sort_unstable();
     regions.dedup();
     let named: Vec<u32> = body.material.iter().filter_map(|m| m.region).collect();
-    let mut materials = Vec::new();
+    let (mut materials, mut tears) = (Vec::new(), Vec::new());
     for (index, of) in body.material.iter().enumerate() {
         let key = key.key("material").at(index);
         let material = super::material::material(of, &key)?;
+        let before = materials.len();
         match of.region {
             Some(region) if !regions.contains(&region) => {
                 let cause = FromSettingsCause::Region { region, regions };
@@ -263,6 +265,10 @@ fn materials(
                 materials.extend(rest.map(|&region| (region, material)));
             }
         }
+        if let Some(strain) = of.tear_strain {
+            let new = materials[before..].iter();
+            tears.extend(new.map(|(region, _)| (*region, strain)));
+        }
     }
-    Ok(materials)
+    Ok((materials, tears))
 }

@@ -143,6 +143,7 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeMemory, RestoreError
             };
             Ok((line, stroke))
         })?,
+        leaving: Vec::new(),
     })
 }
 

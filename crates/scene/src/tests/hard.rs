@@ -37,6 +37,7 @@ fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Bod
         drag: 100.0,
         toughness: f64::INFINITY,
         brittleness: 0.0,
+        tear_strains: Vec::new(),
         clamps: Vec::new(),
         couplings: Vec::new(),
         loads: Vec::new(),

@@ -100,7 +100,7 @@ fn materials() -> Vec<Material> {
 }
 
 fn clamps(mesh: &TetMesh) -> Vec<bool> {
-    mesh.positions.iter().map(|p| p.x < -0.45).collect()
+    mesh.positions.iter().map(|p| p.x < -0.4999).collect()
 }
 
 /// The two layers of these materials.

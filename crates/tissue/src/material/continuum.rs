@@ -61,7 +61,7 @@ pub enum Discretisation {
     NodalPressure,
     /// The part of μ in tetrahedra, the part of λ in patches of about five around a common edge: one pressure for each, of the volume
     /// of the mean deformation gradient (after the patches of de Souza Neto et al. 2005). Does not lock: there are fewer patches than
-    /// nodes. As stiff in bending as nodal-pressure. After a cut the patches of the region are formed anew.
+    /// nodes. As stiff in bending as nodal-pressure. After a cut the patches that it touched are formed anew.
     PatchPressure,
 }
 

@@ -7,14 +7,15 @@ use crate::newton::Newton;
 use crate::stability::stable_step;
 use crate::state::{Contacts, Control};
 use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology};
+use microsim_mesh::TopologyEdit;
 
-/// Cuts a mesh by a quad where its nodes are.
-fn cut(
+/// Cuts a mesh by a quad where its nodes are; none where it crosses nothing.
+fn try_cut(
     mesh: &mut TetMesh,
     topology: &mut Topology,
     positions: &[Vector3<f64>],
     quad: [[f64; 3]; 4],
-) -> microsim_mesh::TopologyEdit {
+) -> Option<TopologyEdit> {
     let [a, b, c, d] = quad.map(Vector3::from);
     let sheet = Sheet::quad([a, b], [c, d]);
     let blade = Blade::Sheet {
@@ -22,9 +23,18 @@ fn cut(
         positions,
     };
     let cut = topology.cut(mesh, &mut Stroke::new(), &blade, &Settings::default());
-    let edit = cut.unwrap().expect("the quad crosses the body").edit;
+    let edit = cut.unwrap()?.edit;
     mesh.apply(&edit).unwrap();
-    edit
+    Some(edit)
+}
+
+fn cut(
+    mesh: &mut TetMesh,
+    topology: &mut Topology,
+    positions: &[Vector3<f64>],
+    quad: [[f64; 3]; 4],
+) -> TopologyEdit {
+    try_cut(mesh, topology, positions, quad).expect("the quad crosses the body")
 }
 
 const INTO: [[f64; 3]; 4] = [
@@ -110,18 +120,31 @@ fn anew_components(model: &TissueModel) -> crate::components::Components {
     (**copy.components()).clone()
 }
 
-/// The same contract as for edits by hand, for cuts with all that comes with them.
+/// The same contract as for edits by hand, for cuts with all that comes with them: two that are planned, then random ones.
 #[test]
 fn a_cut_body_is_the_one_built_of_the_mesh_after_the_cut() {
+    cut_and_compare(3);
+}
+
+/// Cuts bodies of all materials so many times, and compares each time with one built anew.
+fn cut_and_compare(cuts: usize) {
     for (number, material) in materials().into_iter().enumerate() {
         let mut mesh = layers([3, 3, 2]);
         let clamped = clamps(&mesh);
         let mut model = build(&mesh, [material; 2], &clamped);
         let (mut state, mut topology) = (State::at_rest(&model), Topology::new(&mesh));
-        for quad in [INTO, THROUGH] {
-            let before = model.clamped().to_vec();
-            let edit = cut(&mut mesh, &mut topology, &state.positions, quad);
-            let change = model.edit(&ModelEdit::new(&mesh, &edit, &before)).unwrap();
+        let mut next = numbers();
+        for round in 0..cuts {
+            let quad = match round {
+                0 => INTO,
+                1 => THROUGH,
+                _ => [0; 4].map(|_| [next(), next(), next()]),
+            };
+            let Some(edit) = try_cut(&mut mesh, &mut topology, &state.positions, quad) else {
+                continue;
+            };
+            let edit = ModelEdit::new(&mesh, &edit, model.clamped());
+            let change = model.edit(&edit).unwrap();
             state.edit(&change);
             // Nodes between clamped ones are clamped.
             let clamped = clamps(&mesh);
@@ -133,6 +156,7 @@ fn a_cut_body_is_the_one_built_of_the_mesh_after_the_cut() {
             }
             check_same(&model, &anew, &state.internal);
             check_index(&model);
+            assert_eq!(**model.components(), anew_components(&model));
         }
     }
 }
@@ -162,6 +186,7 @@ fn a_union_is_made_anew_of_edited_members() {
         joint.components().lowest.len(),
         1 + model.components().lowest.len()
     );
+    assert_eq!(**joint.components(), anew_components(&joint));
     let mut energies = [0.0; 2];
     for (energy, model) in energies.iter_mut().zip([&joint, &model]) {
         let mut state = State::at_rest(model);

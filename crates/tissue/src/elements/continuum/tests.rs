@@ -433,3 +433,31 @@ fn factors_scale_every_element() {
         }
     });
 }
+
+/// Every law is linear elasticity at rest, and so is every part of it.
+#[test]
+fn norms_at_rest_are_those_of_the_matrices() {
+    each(0.0, |model, _| {
+        let (mut norms, mut matrix) = (Vec::new(), ElementMatrix::new());
+        let at = Configuration {
+            positions: model.rest_positions(),
+            velocities: model.rest_positions(),
+            internal: &[],
+        };
+        for set in model.sets() {
+            for element in 0..set.count() {
+                set.rest_norms(element, model.rest_positions(), &mut norms);
+                set.stiffness(element, &at, Tangent::Exact, &mut matrix);
+                let count = set.nodes(element).len();
+                let largest = norms.iter().copied().fold(0.0, f64::max);
+                for (place, norm) in norms.iter().enumerate() {
+                    let expected = matrix.block(place / count, place % count).norm();
+                    assert!(
+                        (norm - expected).abs() <= 1e-12 * largest,
+                        "{norm} {expected}"
+                    );
+                }
+            }
+        }
+    });
+}

@@ -1,0 +1,482 @@
+//! Cutting in a scene: what every cut leaves, the decisions at a line of no return with their opposites, saving in the middle of a cut.
+
+use super::*;
+use microsim_cutting::check;
+use microsim_tissue::law::LawName;
+use microsim_tissue::{ContinuumConstants, Discretisation};
+
+const NEWTON: Newton = Newton {
+    iterations: 2,
+    tolerance: 1e-2,
+    must_converge: false,
+};
+
+/// A bar of 6 × 2 × 1 mm along x, clamped at −x.
+fn bar(discretisation: Discretisation, relaxation_time: f64) -> BodySpec {
+    let block = Block {
+        center: [0.0; 3],
+        size: [6e-3, 2e-3, 1e-3],
+        cells: [12, 4, 2],
+        split: CellSplit::Kuhn,
+    };
+    BodySpec {
+        name: "bar".into(),
+        mesh: block.mesh().unwrap(),
+        origin: [0.0; 3],
+        materials: vec![(
+            0,
+            Material {
+                density: 1060.0,
+                relaxation_time,
+                behaviour: Behaviour::Continuum(ContinuumConstants {
+                    law: LawName::StableNeoHookean,
+                    young: 50e3,
+                    poisson: 0.3,
+                    discretisation,
+                }),
+            },
+        )],
+        drag: 20.0,
+        toughness: f64::INFINITY,
+        brittleness: 0.0,
+        tear_strains: Vec::new(),
+        clamps: vec![ClampSpec {
+            nodes: Selection::Box(BoxSpec {
+                min: [-3e-3, -1.0, -1.0],
+                max: [-3e-3, 1.0, 1.0],
+            }),
+            motion: None,
+            release: None,
+        }],
+        couplings: Vec::new(),
+        loads: Vec::new(),
+        start: Vec::new(),
+        ends: Vec::new(),
+    }
+}
+
+/// A line of no return along y.
+fn line(radius: f64, edge: Option<[f64; 3]>) -> CapsuleSpec {
+    CapsuleSpec {
+        a: [0.0, -2e-3, 0.0],
+        b: [0.0, 2e-3, 0.0],
+        radius,
+        hinge: None,
+        jaw: None,
+        lonor: true,
+        edge,
+    }
+}
+
+fn tool(name: &str, sharpness: f64, capsules: Vec<CapsuleSpec>) -> ToolSpec {
+    ToolSpec {
+        name: name.into(),
+        capsules,
+        sharpness,
+        motion: Vec::new(),
+    }
+}
+
+fn cut(tool: &str) -> CutSpec {
+    CutSpec {
+        body: "bar".into(),
+        tool: tool.into(),
+    }
+}
+
+fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneSpec {
+    let contact = ContactSpec {
+        body: body.name.clone(),
+        with: PartnerSpec::Tool(tool.name.clone()),
+        friction: 0.1,
+        force_limit: f64::INFINITY,
+    };
+    SceneSpec {
+        cuts: vec![cut(&tool.name)],
+        bodies: vec![body],
+        tools: vec![tool],
+        rigid: Vec::new(),
+        contacts: if touches { vec![contact] } else { Vec::new() },
+        gravity: [0.0; 3],
+        method,
+        containment: true,
+    }
+}
+
+/// From one height to another [m] at a place x [m], with the opening of jaws.
+fn down(x: f64, heights: [f64; 2], openings: [f64; 2]) -> ToolMotion {
+    let pose = |z| Pose {
+        position: Vector3::new(x, 0.0, z),
+        ..Pose::identity()
+    };
+    ToolMotion {
+        tool: 0,
+        from: pose(heights[0]),
+        to: pose(heights[1]),
+        opening_from: openings[0],
+        opening_to: openings[1],
+        active: true,
+    }
+}
+
+/// A blade from above to below in `ticks` of a millisecond; one entry per tick.
+fn through(scene: &mut Scene, x: f64, ticks: usize) -> Vec<TickReport> {
+    let steps = scene.required_steps(1e-3);
+    let height = |k: usize| 1e-3 - 2e-3 * k as f64 / ticks as f64;
+    let tick = |k| {
+        let motion = down(x, [height(k), height(k + 1)], [0.0; 2]);
+        scene.tick(&[motion], 1e-3, steps, &Serial).unwrap()
+    };
+    (0..ticks).map(tick).collect()
+}
+
+fn area(reports: &[TickReport]) -> f64 {
+    let cuts = reports.iter().flat_map(|report| &report.cuts);
+    cuts.map(|cut| cut.area).sum()
+}
+
+/// Every discretisation and a method of each kind: the bar comes apart into two, nothing is lost, the model is that of the mesh, and what was
+/// laid open is the bar's cross section of 2 mm².
+#[test]
+fn a_blade_leaves_two_pieces_and_loses_nothing() {
+    let methods = [
+        Method::StoermerVerlet,
+        Method::SymplecticEuler,
+        Method::ImplicitEuler(NEWTON),
+        Method::Sdirk2(NEWTON),
+        Method::Xpbd {
+            substeps: 10,
+            iterations: 1,
+        },
+    ];
+    for (index, discretisation) in Discretisation::ALL.into_iter().enumerate() {
+        let method = methods[index % (methods.len() - 1)];
+        check_blade(bar(discretisation, 0.0), method);
+    }
+    let mut springs = bar(Discretisation::Tetrahedra, 0.0);
+    springs.materials[0].1.behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+    check_blade(springs, methods[4]);
+}
+
+fn check_blade(body: BodySpec, method: Method) {
+    let mut scene = Scene::new(&spec(
+        body,
+        tool("blade", 0.0, vec![line(5e-5, None)]),
+        false,
+        method,
+    ))
+    .unwrap();
+    let what = format!(
+        "{} {:?}",
+        method.name(),
+        scene.bodies[0].model.sets()[0].kind()
+    );
+    let (volume, mass) = scene.uncut(0);
+    let reports = through(&mut scene, 0.37e-3, 20);
+    assert_eq!(scene.piece_count(0), 2, "{what}");
+    let pieces: Vec<u32> = reports
+        .iter()
+        .flat_map(|r| &r.cuts)
+        .flat_map(|c| c.pieces.clone())
+        .collect();
+    assert_eq!(pieces, [1], "{what}");
+    // On a flat blade the cut is the cross section, but for nodes that were kept: with shares clamped to 0.15 they are at most that share of
+    // an edge off the plane, and a slope of 0.3 over an edge lengthens the surface by less than 5 %.
+    let opened = area(&reports);
+    assert!((opened / 2e-6 - 1.0).abs() < 0.05, "{what}: {opened}");
+    for (piece, side) in [(0, -1.0), (1, 1.0)] {
+        let of = scene.pieces(0).iter().zip(scene.rest_positions(0));
+        let x = of
+            .filter(|(p, _)| **p == piece)
+            .map(|(_, r)| side * (r.x - 0.37e-3));
+        // No node lies further beyond the blade than an edge's share that snapping allows: half an edge of the grid.
+        assert!(x.fold(f64::INFINITY, f64::min) > -0.25e-3, "{what}");
+    }
+    let of = &scene.bodies[0];
+    let measures = check(&of.mesh, of.topology.as_ref().unwrap()).unwrap();
+    assert!((measures.volume / volume - 1.0).abs() < 1e-12, "{what}");
+    let now: f64 = scene.masses(0).iter().sum();
+    assert!((now / mass - 1.0).abs() < 1e-12, "{what}");
+    let mesh = &of.mesh;
+    assert_eq!(of.model.tets(), mesh.tets, "{what}");
+    assert_eq!(of.model.rest_positions(), mesh.positions, "{what}");
+    assert_eq!(scene.positions(0).len(), mesh.positions.len());
+    assert_eq!(of.inner.iter().filter(|inner| **inner).count() % 2, 0);
+    // Nothing was pushed: what moves has got its energy from rounding alone.
+    assert!(
+        scene.energies(0).total() < 1e-9 * of.energy_scale,
+        "{what}: {:?}",
+        scene.energies(0)
+    );
+}
+
+/// Saved at each tick of a cut and restored, into the same scene and into a new one, it goes on with the same bits; reset, it begins anew.
+#[test]
+fn a_cut_that_is_under_way_is_saved() {
+    for method in [Method::StoermerVerlet, Method::ImplicitEuler(NEWTON)] {
+        let of = spec(
+            bar(Discretisation::EdgeSmoothed, 0.0),
+            tool("blade", 0.0, vec![line(5e-5, None)]),
+            false,
+            method,
+        );
+        let fresh = || Scene::new(&of).unwrap();
+        let mut scene = fresh();
+        let start = scene.save();
+        let steps = scene.required_steps(1e-3);
+        let height = |k: usize| 1e-3 - 1e-4 * k as f64;
+        let motion = |k| [down(0.37e-3, [height(k), height(k + 1)], [0.0; 2])];
+        let mut saved = Vec::new();
+        for k in 0..20 {
+            saved.push(scene.save());
+            scene.tick(&motion(k), 1e-3, steps, &Serial).unwrap();
+        }
+        let end = scene.save();
+        assert!(scene.piece_count(0) == 2 && end.len() > start.len());
+        for from in [3, 7, 12] {
+            let mut again = fresh();
+            again.restore(&saved[from]).unwrap();
+            assert_eq!(again.save(), saved[from], "tick {from}");
+            for k in from..20 {
+                again.tick(&motion(k), 1e-3, steps, &Serial).unwrap();
+            }
+            assert_eq!(again.save(), end, "from tick {from}");
+        }
+        scene.restore(&saved[12]).unwrap();
+        assert_eq!(scene.save(), saved[12]);
+        for damaged in [&end[..end.len() - 1], &end[..40]] {
+            assert!(scene.restore(damaged).is_err());
+            assert_eq!(scene.save(), saved[12]);
+        }
+        scene.reset();
+        assert_eq!(scene.save(), start);
+    }
+}
+
+/// A clamp that is cut through holds on both sides; what is held by none falls.
+#[test]
+fn clamps_and_weight_after_a_cut() {
+    let mut body = bar(Discretisation::Tetrahedra, 0.0);
+    // The last cells on the left: a cut at x = −2.7 mm goes through what is held.
+    body.clamps[0].nodes = Selection::Box(BoxSpec {
+        min: [-3e-3, -1.0, -1.0],
+        max: [-2.5e-3, 1.0, 1.0],
+    });
+    let mut of = spec(
+        body,
+        tool("blade", 0.0, vec![line(5e-5, None)]),
+        false,
+        Method::ImplicitEuler(NEWTON),
+    );
+    of.gravity = [0.0, 0.0, -9.81];
+    let mut scene = Scene::new(&of).unwrap();
+    let free = scene.clamped(0).iter().filter(|held| !**held).count();
+    through(&mut scene, -2.7e-3, 20);
+    assert_eq!(scene.piece_count(0), 2);
+    // All nodes that the cut made come from held ones.
+    assert_eq!(scene.clamped(0).iter().filter(|held| !**held).count(), free);
+    through(&mut scene, 0.1e-3, 20);
+    let (mut fallen, mut count) = (0.0, 0);
+    for _ in 0..20 {
+        scene.tick(&[], 1e-3, 1, &Serial).unwrap();
+    }
+    for ((piece, now), start) in scene
+        .pieces(0)
+        .iter()
+        .zip(scene.positions(0))
+        .zip(scene.start_positions(0))
+    {
+        if *piece == 2 {
+            (fallen, count) = (fallen + now.z - start.z, count + 1);
+        }
+    }
+    // 20 ms and more of free fall, ½ g t² at the least; drag of 20/s takes less than a third.
+    assert!(count > 0 && fallen / f64::from(count) < -1.3e-3, "{fallen}");
+}
+
+/// Case 1 and 2: a single edge pushes until its force per length is that of the tissue, and then goes through; with its back it only pushes, and
+/// tissue that is tougher, or an edge that is blunt, is only pushed as well.
+#[test]
+fn an_edge_pushes_until_it_cuts() {
+    let pressed = |toughness: f64, sharpness: f64, edge: [f64; 3], lonor: bool| {
+        let mut body = bar(Discretisation::Tetrahedra, 2e-3);
+        body.toughness = toughness;
+        let mut held = body.clamps[0].clone();
+        held.nodes = Selection::Box(BoxSpec {
+            min: [3e-3, -1.0, -1.0],
+            max: [3e-3, 1.0, 1.0],
+        });
+        body.clamps.push(held);
+        let knife = tool("knife", sharpness, vec![line(1e-4, Some(edge))]);
+        let mut of = spec(body, knife, true, Method::ImplicitEuler(NEWTON));
+        if !lonor {
+            of.cuts.clear();
+        }
+        let mut scene = Scene::new(&of).unwrap();
+        let (mut force, mut lowest) = (0.0, 0.0);
+        for k in 0..60 {
+            let height = |k: usize| 0.7e-3 - 4e-5 * k as f64;
+            let motion = down(0.3e-3, [height(k), height(k + 1)], [0.0; 2]);
+            let report = scene.tick(&[motion], 4e-3, 2, &Serial).unwrap();
+            if scene.piece_count(0) == 1 && report.cuts.is_empty() {
+                for contact in &report.contacts {
+                    force = f64::max(force, Vector3::from(contact.force_on_tissue).norm());
+                }
+                let lows = scene.positions(0).iter().map(|p| p.z);
+                lowest = lows.fold(lowest, f64::min);
+            }
+        }
+        (scene.piece_count(0), force, lowest)
+    };
+    let down = [0.0, 0.0, -1.0];
+    let (pieces, force, _) = pressed(4.0, 0.8, down, true);
+    assert_eq!(pieces, 2);
+    // It gives way at 4 / 0.8 N/m over the 2 mm of the bar's width: within what one tick of 0.16 mm adds, and what the ends of the edge bear
+    // less than its middle.
+    assert!((0.5..1.3).contains(&(force / 10e-3)), "{force}");
+    for (toughness, sharpness, edge, lonor) in [
+        (4.0, 0.8, [0.0, 0.0, 1.0], true),
+        (1e4, 0.8, down, true),
+        (4.0, 0.0, down, true),
+        (4.0, 0.8, down, false),
+    ] {
+        let (pieces, _, lowest) = pressed(toughness, sharpness, edge, lonor);
+        assert_eq!(pieces, 1, "{toughness} {sharpness} {edge:?} {lonor}");
+        assert!(lowest < -1.3e-3, "pushed to {lowest}");
+    }
+}
+
+/// Case 3: two jaws that meet. Brittle tissue is pinched off by blunt jaws, tissue like rubber is not; sharp jaws cut both.
+#[test]
+fn jaws_cut_by_sharpness_or_brittleness() {
+    let closed = |sharpness: f64, brittleness: f64, lonor: bool| {
+        let mut body = bar(Discretisation::Tetrahedra, 5e-3);
+        body.brittleness = brittleness;
+        let jaw = |side: f64, jaw| CapsuleSpec {
+            a: [0.0, -2e-3, 1.2e-4 * side],
+            b: [0.0, 2e-3, 1.2e-4 * side],
+            radius: 1.2e-4,
+            hinge: Some(HingeSpec {
+                pivot: [0.0, 8e-3, 0.0],
+                axis: [1.0, 0.0, 0.0],
+                angle: -0.15 * side,
+            }),
+            jaw: Some(jaw),
+            lonor: true,
+            edge: None,
+        };
+        let jaws = tool(
+            "jaws",
+            sharpness,
+            vec![jaw(1.0, Jaw::Left), jaw(-1.0, Jaw::Right)],
+        );
+        let mut of = spec(body, jaws, true, Method::ImplicitEuler(NEWTON));
+        if !lonor {
+            of.cuts.clear();
+        }
+        let mut scene = Scene::new(&of).unwrap();
+        for k in 0..50 {
+            let opening = |k: usize| 1.0 - k as f64 / 50.0;
+            let motion = down(0.3e-3, [0.0; 2], [opening(k), opening(k + 1)]);
+            scene.tick(&[motion], 4e-3, 2, &Serial).unwrap();
+        }
+        scene.piece_count(0)
+    };
+    for (sharpness, brittleness, lonor, pieces) in [
+        (0.0, 0.6, true, 2),
+        (0.0, 0.0, true, 1),
+        (1.0, 0.0, true, 2),
+        (1.0, 0.6, false, 1),
+    ] {
+        let found = closed(sharpness, brittleness, lonor);
+        assert_eq!(
+            found, pieces,
+            "sharpness {sharpness}, brittleness {brittleness}, {lonor}"
+        );
+    }
+}
+
+/// A bar that is pulled apart tears where its region may, and holds where it may not.
+#[test]
+fn tissue_tears_by_strain() {
+    let pulled = |tear_strains: Vec<(u32, f64)>| {
+        let mut body = bar(Discretisation::Tetrahedra, 2e-3);
+        body.tear_strains = tear_strains;
+        let mut pull = body.clamps[0].clone();
+        pull.nodes = Selection::Box(BoxSpec {
+            min: [3e-3, -1.0, -1.0],
+            max: [3e-3, 1.0, 1.0],
+        });
+        pull.motion = Some(MotionSpec {
+            pivot: [0.0; 3],
+            axis: [0.0, 0.0, 1.0],
+            keys: vec![MotionKey {
+                time: 0.1,
+                shift: [6e-3, 0.0, 0.0],
+                angle: 0.0,
+            }],
+        });
+        body.clamps.push(pull);
+        let mut of = spec(
+            body,
+            tool("blade", 0.0, vec![line(5e-5, None)]),
+            false,
+            Method::ImplicitEuler(NEWTON),
+        );
+        of.cuts.clear();
+        let mut scene = Scene::new(&of).unwrap();
+        let mut torn_at = None;
+        for _ in 0..60 {
+            scene.tick(&[], 2e-3, 1, &Serial).unwrap();
+            if torn_at.is_none() && scene.generation(0) > 0 {
+                torn_at = Some(scene.time());
+            }
+        }
+        let of = &scene.bodies[0];
+        if let Some(topology) = &of.topology {
+            check(&of.mesh, topology).unwrap();
+        }
+        (torn_at, scene.energies(0).elastic())
+    };
+    let (never, whole) = pulled(Vec::new());
+    assert_eq!(never, None);
+    assert_eq!(
+        pulled(vec![(0, 2.0)]),
+        (None, whole),
+        "stretched to twice its length"
+    );
+    let (torn_at, left) = pulled(vec![(0, 0.5)]);
+    // The ends neck, so that the strain at the clamps is ahead of the mean one, which is 0.5 at 50 ms.
+    let time = torn_at.expect("it tears");
+    assert!((0.02..0.052).contains(&time), "{time}");
+    // Stretched on to twice the strain that it bears, most of what it would hold whole is gone.
+    assert!(left < 0.5 * whole, "{left} of {whole}");
+}
+
+#[test]
+fn cuts_that_cannot_be_are_refused() {
+    let of = |change: fn(&mut SceneSpec)| {
+        let body = bar(Discretisation::Tetrahedra, 0.0);
+        let mut of = spec(
+            body,
+            tool("blade", 0.0, vec![line(5e-5, None)]),
+            false,
+            Method::StoermerVerlet,
+        );
+        change(&mut of);
+        Scene::new(&of).map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(of(|s| s.cuts[0].tool = "saw".into()).ends_with("no such tool"));
+    assert!(of(|s| s.cuts[0].body = "bone".into()).ends_with("no such body"));
+    assert!(of(|s| s.cuts.push(s.cuts[0].clone())).ends_with("stands twice"));
+    assert!(of(|s| s.tools[0].capsules[0].lonor = false).contains("no line of no return"));
+    assert!(of(|s| s.method = Method::QuasiStatic(NEWTON)).contains("no inertia"));
+    let tears: fn(&mut SceneSpec) = |s| {
+        s.bodies[0].tear_strains = vec![(0, 0.5)];
+        s.method = Method::QuasiStatic(NEWTON);
+    };
+    assert!(of(tears).contains("no inertia"));
+    assert!(of(|s| s.bodies[0].brittleness = 1.5).contains("brittleness from 0 to 1"));
+    assert!(of(|s| s.bodies[0].toughness = 0.0).contains("toughness is above 0"));
+    assert!(of(|s| s.tools[0].sharpness = f64::NAN).contains("sharpness from 0 to 1"));
+}
