@@ -355,7 +355,12 @@ impl Topology {
             if stroke.path.contains(&node) {
                 stroke.path.insert(copy);
             }
+            if editor.topology.front.contains(&node) {
+                editor.topology.front.insert(copy);
+                editor.topology.parted.extend([node, copy]);
+            }
         }
+        opening::leave_front(&mut editor, stroke, &touched);
         editor.conclude(settings)
     }
 }

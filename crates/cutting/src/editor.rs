@@ -56,7 +56,8 @@ impl<'a> Editor<'a> {
         (self.mesh.positions.len() + self.nodes.len()) as u32
     }
 
-    fn place(&self, node: u32) -> [Vector3<f64>; 2] {
+    /// Where a node is, at rest and now [m].
+    pub(crate) fn place(&self, node: u32) -> [Vector3<f64>; 2] {
         let old = self.mesh.positions.len();
         match (node as usize).checked_sub(old) {
             None => [

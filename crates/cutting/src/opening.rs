@@ -89,6 +89,49 @@ pub(crate) fn give_flat_ones(topology: &Topology, stroke: &mut Stroke, elements:
     }
 }
 
+/// Whether the blade has passed a node of its path: no element there on one side hangs together with one on the other. Of an element that it
+/// has not come to, where it lies tells.
+fn is_passed(editor: &Editor, stroke: &Stroke, node: u32) -> bool {
+    let topology = &*editor.topology;
+    let here = editor.place(node)[1];
+    let (mut negative, mut positive) = (false, false);
+    for &element in topology.elements_at(node) {
+        if stroke.given.contains_key(&element) {
+            continue;
+        }
+        let tet = &topology.tets[element as usize];
+        let (mut known, mut height) = (false, 0.0);
+        for (&corner, side) in tet.iter().zip(stroke.sides_of(element)) {
+            if !stroke.path.contains(&corner) {
+                negative |= side < 0;
+                positive |= side > 0;
+                known |= side != 0;
+                height += (editor.place(corner)[1] - here).dot(&stroke.normal);
+            }
+        }
+        if !known {
+            negative |= height < 0.0;
+            positive |= height > 0.0;
+        }
+    }
+    !(negative && positive)
+}
+
+/// Takes those of the parted nodes at `elements` out of the edge of the cut that the blade has passed.
+pub(crate) fn leave_front(editor: &mut Editor, stroke: &Stroke, elements: &BTreeSet<u32>) {
+    let topology = &*editor.topology;
+    let nodes = elements.iter().flat_map(|&e| topology.tets[e as usize]);
+    let nodes: BTreeSet<u32> = nodes
+        .filter(|node| topology.parted.contains(node))
+        .collect();
+    for node in nodes {
+        if is_passed(editor, stroke, node) {
+            editor.topology.front.remove(&node);
+            editor.topology.parted.remove(&node);
+        }
+    }
+}
+
 /// Takes faces out of the list that would set flakes free: a few small elements on the lip of an older cut. A flake keeps the
 /// largest of its faces, and with it hangs on one side; it is no bridge to another.
 pub(crate) fn keep_flakes(

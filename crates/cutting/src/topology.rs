@@ -29,8 +29,10 @@ pub struct Topology {
     /// The elements at each node, ascending.
     pub(crate) node_elements: Vec<Vec<u32>>,
     pub(crate) clusters: Clusters,
-    /// Nodes that a blade has passed and around which all elements still hang together: the edge of a cut.
+    /// Nodes that a blade has come to and not yet passed: the edge of a cut.
     pub(crate) front: BTreeSet<u32>,
+    /// Of these the ones that have been doubled, though not all around them may be cut.
+    pub(crate) parted: BTreeSet<u32>,
     /// Mean rest volume of an element of the mesh as it was whole [m³].
     pub(crate) mean_volume: f64,
     /// Mean rest length of an edge of the mesh as it was whole [m].
@@ -46,6 +48,8 @@ pub struct TopologyState {
     pub marks: Vec<(u32, u8, u32)>,
     /// Nodes on the edges of cuts, ascending.
     pub front: Vec<u32>,
+    /// Of these the ones that have been doubled.
+    pub parted: Vec<u32>,
     /// Mean rest volume of an element of the mesh as it was whole [m³].
     pub mean_volume: f64,
     /// Mean rest length of an edge of the mesh as it was whole [m].
@@ -79,6 +83,7 @@ impl Topology {
             node_elements: vec![Vec::new(); mesh.positions.len()],
             clusters: Clusters::new(mesh),
             front: BTreeSet::new(),
+            parted: BTreeSet::new(),
             mean_volume: mesh.volumes().iter().sum::<f64>() / count as f64,
             mean_edge: mesh.mean_edge_length(),
             sheets: 0,
@@ -117,6 +122,7 @@ impl Topology {
             }
         }
         topology.front = state.front.iter().copied().collect();
+        topology.parted = state.parted.iter().copied().collect();
         topology.mean_volume = state.mean_volume;
         topology.mean_edge = state.mean_edge;
         topology.sheets = state.sheets;
@@ -132,6 +138,7 @@ impl Topology {
                 .map(|(e, k)| (e as u32, k as u8, self.marks[e][k]))
                 .collect(),
             front: self.front.iter().copied().collect(),
+            parted: self.parted.iter().copied().collect(),
             mean_volume: self.mean_volume,
             mean_edge: self.mean_edge,
             sheets: self.sheets,
@@ -312,7 +319,6 @@ impl Topology {
         }
         self.node_elements[node as usize].retain(|e| group.binary_search(e).is_err());
         self.node_elements.push(group.to_vec());
-        self.front.remove(&node);
     }
 
     /// The groups into which the elements at `node` fall when one may pass through faces at `node` that have no mark: each
@@ -387,9 +393,11 @@ impl Topology {
         for &gone in nodes.iter().rev() {
             let last = self.node_elements.len() as u32 - 1;
             self.node_elements.swap_remove(gone as usize);
-            self.front.remove(&gone);
-            if self.front.remove(&last) && last != gone {
-                self.front.insert(gone);
+            for set in [&mut self.front, &mut self.parted] {
+                set.remove(&gone);
+                if set.remove(&last) && last != gone {
+                    set.insert(gone);
+                }
             }
             if last == gone {
                 continue;

@@ -170,7 +170,12 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
                     }
                     times.push(step as f64 / steps as f64);
                 }
+                // Some are drawn back and set in again.
+                let snips = random.below(3) == 0;
                 for (k, pair) in times.windows(2).enumerate() {
+                    if snips && random.below(3) == 0 {
+                        stroke = Stroke::new();
+                    }
                     // Way 2: the tissue rests.
                     let share = |k: usize| {
                         if way == 2 {

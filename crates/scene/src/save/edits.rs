@@ -191,6 +191,7 @@ fn put_topology(bytes: &mut Vec<u8>, state: &TopologyState) {
         put_numbers(bytes, &[*element, u32::from(*corner), *sheet]);
     });
     put_list(bytes, &state.front, |bytes, node| put_u32(bytes, *node));
+    put_list(bytes, &state.parted, |bytes, node| put_u32(bytes, *node));
     put_f64(bytes, state.mean_volume);
     put_f64(bytes, state.mean_edge);
     put_u32(bytes, state.sheets);
@@ -204,6 +205,7 @@ fn topology(reader: &mut Reader<'_>) -> Result<TopologyState, RestoreError> {
             Ok((element, corner, sheet))
         })?,
         front: reader.list(Reader::u32)?,
+        parted: reader.list(Reader::u32)?,
         mean_volume: reader.f64()?,
         mean_edge: reader.f64()?,
         sheets: reader.u32()?,
