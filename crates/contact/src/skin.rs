@@ -1,6 +1,6 @@
 //! What contact needs to know of a body.
 
-use microsim_mesh::TetMesh;
+use microsim_mesh::{Surface, TetMesh};
 
 /// No triangle.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -70,7 +70,18 @@ pub struct Skin {
 impl Skin {
     /// Of a body whose first node is node `offset` of its group.
     pub fn new(mesh: &TetMesh, offset: u32) -> Self {
-        let surface = mesh.surface();
+        Self::of_surface(mesh, &mesh.surface(), mesh.mean_edge_length(), offset, true)
+    }
+
+    /// [`new`](Self::new) of a mesh whose surface and characteristic length [m] are known. Without `inside` nothing is looked up that lies
+    /// inside the body: for one that touches tools and rigid things alone, in a time that goes with its surface.
+    pub fn of_surface(
+        mesh: &TetMesh,
+        surface: &Surface,
+        mean_edge: f64,
+        offset: u32,
+        inside: bool,
+    ) -> Self {
         let shift = |node: u32| node + offset;
         let triangles: Vec<[u32; 3]> = surface
             .triangles
@@ -104,7 +115,10 @@ impl Skin {
         let corners = surface.triangles.iter().enumerate();
         let node_triangles =
             corners.flat_map(|(index, triangle)| triangle.map(|node| (node, index as u32)));
-        let mesh_edges = mesh.edges();
+        let (mesh_edges, tets) = match inside {
+            true => (mesh.edges(), mesh.tets.as_slice()),
+            false => Default::default(),
+        };
         let neighbours = mesh_edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
         let neighbours = neighbours.map(|(a, b)| (a, b + offset));
         Self {
@@ -113,10 +127,10 @@ impl Skin {
             nodes: surface.nodes.iter().copied().map(shift).collect(),
             edges,
             triangle_edges,
-            tets: mesh.tets.iter().map(|tet| tet.map(shift)).collect(),
+            tets: tets.iter().map(|tet| tet.map(shift)).collect(),
             node_triangles: Lists::new(count, node_triangles.collect()),
             neighbours: Lists::new(count, neighbours.collect()),
-            mean_edge: mesh.mean_edge_length(),
+            mean_edge,
             triangles,
         }
     }

@@ -19,8 +19,16 @@ pub(crate) fn check(body: &BodySpec) -> Result<(), SceneError> {
         let reason = "toughness is above 0 N/m, brittleness from 0 to 1";
         return Err(wrong("cutting", 0, reason));
     }
-    if body.tear_strains.iter().any(|(_, strain)| strain.is_nan() || *strain <= 0.0) {
-        return Err(wrong("cutting", 0, "a strain at which tissue tears is above 0"));
+    if body
+        .tear_strains
+        .iter()
+        .any(|(_, strain)| strain.is_nan() || *strain <= 0.0)
+    {
+        return Err(wrong(
+            "cutting",
+            0,
+            "a strain at which tissue tears is above 0",
+        ));
     }
     for (index, clamp) in body.clamps.iter().enumerate() {
         let reason = selection(&clamp.nodes).or_else(|| clamp.motion.as_ref().and_then(motion));

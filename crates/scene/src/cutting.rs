@@ -10,7 +10,9 @@ use crate::scene::{Body, Pair, PairPartner, Pieces, Scene, node_areas};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade, Sweep};
-use microsim_geometry::{Aabb, closest_segment_triangle, point_in_tetrahedron};
+use microsim_geometry::{
+    Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
+};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
@@ -38,7 +40,11 @@ const STILL: &str = "quasi-static tissue has no inertia, so that a piece which c
 /// The cuts of a description.
 pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneError> {
     let still = matches!(spec.method, Method::QuasiStatic(_));
-    if let Some(body) = spec.bodies.iter().find(|body| still && !body.tear_strains.is_empty()) {
+    if let Some(body) = spec
+        .bodies
+        .iter()
+        .find(|body| still && !body.tear_strains.is_empty())
+    {
         return Err(SceneError::Value {
             body: body.name.clone(),
             what: "cutting",
@@ -272,9 +278,6 @@ impl Scene {
         };
         let made = topology.cut(mesh, stroke, &blade, &cutting::Settings::default())?;
         let Some(made) = made else {
-            if !inside(mesh, &self.state.bodies[body].positions, path.to) {
-                self.state.blades[cut].end_stroke(path.line);
-            }
             return Ok(None);
         };
         made.edit.carry_nodes(before);
@@ -335,7 +338,7 @@ impl Scene {
             node if node < end => number(node - first).map(|node| node + first),
             node => Some(node - end + first + new),
         });
-        self.groups[group].renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
+        self.groups[group].follow(&self.bodies, &self.pairs, &self.rigid, &self.method);
     }
 
     /// The bodies as they were before the first edit.
@@ -444,8 +447,7 @@ fn inside(mesh: &TetMesh, positions: &[Vector3<f64>], segment: [Vector3<f64>; 2]
         }
         let within = |end: &Vector3<f64>| point_in_tetrahedron(end, &corners).is_some();
         let through = |face: [usize; 3]| {
-            closest_segment_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).distance()
-                == 0.0
+            edge_through_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).is_some()
         };
         within(&segment[0])
             || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]

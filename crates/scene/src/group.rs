@@ -96,13 +96,19 @@ impl Group {
         })
     }
 
-    /// Makes all anew that knows the meshes of its bodies.
-    pub fn renew(&mut self, bodies: &[Body], pairs: &[Pair], rigid: &[Rigid], method: &Method) {
-        let members: Vec<usize> = self.members.iter().map(|member| member.body).collect();
-        let iterations = self.iterations;
-        *self = Self::new(&members, bodies, pairs, rigid, method)
-            .expect("a method that could treat the bodies can treat them cut");
-        self.iterations = iterations;
+    /// Follows its bodies, whose meshes have changed.
+    pub fn follow(&mut self, bodies: &[Body], pairs: &[Pair], rigid: &[Rigid], method: &Method) {
+        let mut first_node = 0;
+        for member in &mut self.members {
+            member.first_node = first_node;
+            first_node += bodies[member.body].model.node_count();
+        }
+        let models = self.members.iter().map(|member| &bodies[member.body].model);
+        let models: Vec<&TissueModel> = models.collect();
+        self.union = (models.len() > 1).then(|| TissueModel::union(&models));
+        let model = self.union.as_ref().unwrap_or(models[0]);
+        self.solver.follow(model);
+        self.touching = GroupTouching::new(&self.members, bodies, pairs, rigid, method, model);
     }
 
     /// The model of its bodies.

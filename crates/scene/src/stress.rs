@@ -10,11 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 /// volume or inverted; `None` for a body without any.
 ///
 /// The deformation is that of the tetrahedron itself, whatever smoothing its discretisation does.
-pub fn von_mises(
-    body: &BodySpec,
-    mesh: &TetMesh,
-    positions: &[Vector3<f64>],
-) -> Option<Vec<f64>> {
+pub fn von_mises(body: &BodySpec, mesh: &TetMesh, positions: &[Vector3<f64>]) -> Option<Vec<f64>> {
     let continua: Vec<(u32, ContinuumConstants)> = body
         .materials
         .iter()
@@ -26,17 +22,13 @@ pub fn von_mises(
     if continua.is_empty() {
         return None;
     }
-    let stresses = mesh
-        .regions
-        .iter()
-        .enumerate()
-        .map(|(element, region)| {
-            let constants = continua.iter().find(|(of, _)| of == region);
-            constants.map_or(0.0, |(_, constants)| {
-                let f = deformation(mesh, element, positions);
-                equivalent(&constants.cauchy_stress(&f))
-            })
-        });
+    let stresses = mesh.regions.iter().enumerate().map(|(element, region)| {
+        let constants = continua.iter().find(|(of, _)| of == region);
+        constants.map_or(0.0, |(_, constants)| {
+            let f = deformation(mesh, element, positions);
+            equivalent(&constants.cauchy_stress(&f))
+        })
+    });
     Some(stresses.collect())
 }
 

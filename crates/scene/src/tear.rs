@@ -37,7 +37,10 @@ fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
     };
     let limit_of = |region: u32| {
         let strains = body.tear_strains.iter();
-        strains.filter(|(of, _)| *of == region).map(|(_, strain)| *strain).next()
+        strains
+            .filter(|(of, _)| *of == region)
+            .map(|(_, strain)| *strain)
+            .next()
     };
     let mut found: Vec<(f64, u32, u8)> = Vec::new();
     for element in 0..body.mesh.tets.len() as u32 {
@@ -59,14 +62,21 @@ fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
             }
         }
     }
-    let worst = found.iter().fold(0.0, |worst, (excess, _, _)| f64::max(worst, *excess));
-    let near = found.iter().filter(|(excess, _, _)| *excess >= TOGETHER * worst);
-    near.map(|(_, element, corner)| (*element, *corner)).collect()
+    let worst = found
+        .iter()
+        .fold(0.0, |worst, (excess, _, _)| f64::max(worst, *excess));
+    let near = found
+        .iter()
+        .filter(|(excess, _, _)| *excess >= TOGETHER * worst);
+    near.map(|(_, element, corner)| (*element, *corner))
+        .collect()
 }
 
 /// Normal at rest of the face opposite to a corner.
 fn normal(topology: &Topology, rest: &[Vector3<f64>], element: u32, corner: usize) -> Vector3<f64> {
-    let [a, b, c] = topology.face(element, corner).map(|node| rest[node as usize]);
+    let [a, b, c] = topology
+        .face(element, corner)
+        .map(|node| rest[node as usize]);
     (b - a).cross(&(c - a)).normalize()
 }
 

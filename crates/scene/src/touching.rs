@@ -184,17 +184,29 @@ impl GroupTouching {
             return None;
         }
         let tools_only = touches.iter().all(|t| matches!(t, Touch::Tool { .. }));
-        let skins = members.iter().map(|member| {
-            let mesh = &bodies[member.body].mesh;
-            Skin::new(mesh, member.first_node as u32)
+        let skins = members.iter().enumerate().map(|(place, member)| {
+            let Body {
+                mesh,
+                surface,
+                model,
+                ..
+            } = &bodies[member.body];
+            let inside = touches.iter().any(|touch| match touch {
+                Touch::Bodies { body, with, .. } => [*body, *with].contains(&(place as u32)),
+                Touch::Itself { body } => *body == place as u32,
+                Touch::Tool { .. } | Touch::Rigid { .. } => false,
+            });
+            let (edge, offset) = (model.mean_edge_length(), member.first_node as u32);
+            Skin::of_surface(mesh, surface, edge, offset, inside)
         });
+        let skins: Vec<Skin> = skins.collect();
         let edge = model.mean_edge_length();
         let reach = match method.is_explicit() {
             true => REACH_EXPLICIT,
             false => REACH_IMPLICIT,
         };
         Some(Self {
-            detector: Detector::new(skins.collect(), rigid.to_vec(), touches),
+            detector: Detector::new(skins, rigid.to_vec(), touches),
             pair_of,
             friction: pairs.iter().map(|pair| pair.friction).collect(),
             tools,

@@ -80,12 +80,14 @@ impl LinearSolver {
 
     fn with_analysis(symbolic: Arc<Symbolic>, positions: Arc<[Vector3<f64>]>, first: Way) -> Self {
         let zeros = vec![Vector3::zeros(); positions.len()];
+        // Now, and not with the first matrix: new memory takes as long as a factor.
+        let single = (first == Way::Single).then(|| Box::new(Factor::new(symbolic.clone())));
         Self {
             symbolic,
             first,
             way: first,
             two_level: None,
-            single: None,
+            single,
             double: None,
             gradients: ConjugateGradients::new(positions.len()),
             fixed: vec![false; positions.len()],

@@ -374,6 +374,7 @@ impl Domains for Tetrahedra {
         true
     }
 
+    #[inline(always)]
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {
         let gradients = self.gradients(domain);
         match i {

@@ -35,7 +35,7 @@ fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
         values
     };
     let count = tetrahedra.count();
-    let all = forces(&[0..count]);
+    let all = forces(std::slice::from_ref(&(0..count)));
     // To the bit: parts of a body begin anywhere.
     assert_eq!(all, forces(&[0..3, 3..3, 3..18, 18..count]), "{}", L::NAME);
 

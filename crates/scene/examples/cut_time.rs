@@ -1,0 +1,143 @@
+//! What a step of a cut costs, all that follows it included, over the size of the body: `cargo run --release -p microsim-scene --example
+//! cut_time`. A blade goes through a block on a table in contact, so far per tick that it divides about 60 elements; the time of a tick is
+//! compared with that of the same tick without the blade.
+
+use microsim_scene::*;
+use microsim_tissue::law::LawName;
+use microsim_tissue::{ContinuumConstants, Discretisation};
+use nalgebra::Vector3;
+use std::time::Instant;
+
+fn main() {
+    println!("tetrahedra  touched  without [ms]  cut p50 [ms]  cut p99 [ms]  largest [ms]");
+    for cells in [
+        [5, 6, 6],
+        [8, 10, 8],
+        [12, 12, 12],
+        [20, 20, 18],
+        [34, 26, 20],
+    ] {
+        measure(cells);
+    }
+}
+
+fn measure(cells: [usize; 3]) {
+    let edge = 0.3e-3;
+    let size = cells.map(|n| n as f64 * edge);
+    let block = microsim_mesh::Block {
+        center: [0.0; 3],
+        size,
+        cells,
+        split: microsim_mesh::CellSplit::Kuhn,
+    };
+    let mesh = block.mesh().expect("a block");
+    let elements = mesh.tets.len();
+    let spec = SceneSpec {
+        bodies: vec![BodySpec {
+            name: "block".into(),
+            mesh,
+            origin: [0.0; 3],
+            materials: vec![(
+                0,
+                Material {
+                    density: 1060.0,
+                    relaxation_time: 0.0,
+                    behaviour: Behaviour::Continuum(ContinuumConstants {
+                        law: LawName::StableNeoHookean,
+                        young: 40e3,
+                        poisson: 0.4,
+                        discretisation: Discretisation::EdgeSmoothed,
+                    }),
+                },
+            )],
+            drag: 20.0,
+            toughness: f64::INFINITY,
+            brittleness: 0.0,
+            tear_strains: Vec::new(),
+            clamps: Vec::new(),
+            couplings: Vec::new(),
+            loads: Vec::new(),
+            start: Vec::new(),
+            ends: Vec::new(),
+        }],
+        tools: vec![ToolSpec {
+            name: "blade".into(),
+            capsules: vec![CapsuleSpec {
+                a: [0.0, -20e-3, 0.0],
+                b: [0.0, 20e-3, 0.0],
+                radius: 5e-5,
+                hinge: None,
+                jaw: None,
+                lonor: true,
+                edge: None,
+            }],
+            sharpness: 0.0,
+            motion: Vec::new(),
+        }],
+        rigid: vec![RigidSpec {
+            name: "table".into(),
+            parts: vec![Rigid {
+                shape: RigidShape::HalfSpace,
+                pose: Pose {
+                    position: Vector3::new(0.0, 0.0, -0.5 * size[2]),
+                    ..Pose::identity()
+                },
+            }],
+        }],
+        contacts: vec![ContactSpec {
+            body: "block".into(),
+            with: PartnerSpec::Rigid("table".into()),
+            friction: 0.3,
+            force_limit: f64::INFINITY,
+        }],
+        cuts: vec![CutSpec {
+            body: "block".into(),
+            tool: "blade".into(),
+        }],
+        gravity: [0.0; 3],
+        method: Method::StoermerVerlet,
+        containment: false,
+    };
+    let mut scene = Scene::new(&spec).expect("a scene");
+    let tick = 5e-6;
+    let at = |z: f64| Pose {
+        position: Vector3::new(0.13 * edge, 0.0, z),
+        ..Pose::identity()
+    };
+    // A layer of cells across the block has 6 · cells[1] elements; four of them cross a plane.
+    let way = edge * 60.0 / (8.0 * cells[1] as f64);
+    let top = 0.5 * size[2] + 0.5 * way;
+    let (mut without, mut cut, mut touched) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..(size[2] / way) as usize + 1 {
+        let motion = ToolMotion {
+            tool: 0,
+            from: at(top - k as f64 * way),
+            to: at(top - (k + 1) as f64 * way),
+            opening_from: 0.0,
+            opening_to: 0.0,
+            active: true,
+        };
+        let start = Instant::now();
+        scene.tick(&[], tick, 1, &Serial).expect("a tick");
+        without.push(start.elapsed().as_secs_f64() * 1e3);
+        let start = Instant::now();
+        let report = scene.tick(&[motion], tick, 1, &Serial).expect("a tick");
+        let time = start.elapsed().as_secs_f64() * 1e3;
+        let divided: usize = report.cuts.iter().map(|cut| cut.divided).sum();
+        if divided > 0 {
+            cut.push(time);
+            touched.push(divided as f64);
+        }
+    }
+    without.sort_by(f64::total_cmp);
+    cut.sort_by(f64::total_cmp);
+    let of = |times: &[f64], share: f64| times[((times.len() - 1) as f64 * share).round() as usize];
+    let mean = touched.iter().sum::<f64>() / touched.len() as f64;
+    println!(
+        "{elements:10} {mean:8.0} {:13.2} {:13.2} {:13.2} {:13.2}",
+        of(&without, 0.5),
+        of(&cut, 0.5),
+        of(&cut, 0.99),
+        of(&cut, 1.0)
+    );
+}
