@@ -80,6 +80,8 @@ impl SceneFile {
         let left_out = |what: &str| without.iter().any(|named| named == what);
         if left_out("lonor") {
             described.spec.cuts.clear();
+            let bodies = described.spec.bodies.iter_mut();
+            bodies.for_each(|body| body.tear_strains.clear());
         }
         if left_out("friction") {
             let contacts = described.spec.contacts.iter_mut();

@@ -182,6 +182,11 @@ impl Topology {
         (neighbour != NONE).then_some(neighbour)
     }
 
+    /// The sheet that made, or tore, the face of `element` opposite to its corner `corner`, from 1; 0 for none.
+    pub fn sheet(&self, element: u32, corner: usize) -> u32 {
+        self.marks[element as usize][corner]
+    }
+
     /// The nodes of the face of `element` opposite to its corner `corner`, outward.
     pub fn face(&self, element: u32, corner: usize) -> [u32; 3] {
         FACES[corner].map(|k| self.tets[element as usize][k])

@@ -14,7 +14,7 @@ use microsim_cutting::{self as cutting, Blade, Sweep};
 use microsim_geometry::{
     Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
 };
-use microsim_mesh::{Surface, TetMesh, TopologyEdit};
+use microsim_mesh::{NewNode, Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -101,15 +101,28 @@ pub(crate) fn renumbering(edit: &TopologyEdit, old: usize) -> impl Fn(u32) -> Op
     }
 }
 
-/// What becomes of a selection of nodes: a new node is in it if both nodes are that it comes from.
+/// What becomes of a selection of nodes: a new node is in it if both nodes are that it comes from. Ascending.
 pub(crate) fn follow_nodes(
     nodes: impl IntoIterator<Item = u32>,
     edit: &TopologyEdit,
     old: usize,
 ) -> Vec<u32> {
+    follow_nodes_by(nodes, edit, old, |all, _, node| {
+        node.between.iter().all(|parent| all.contains(parent))
+    })
+}
+
+/// What becomes of a selection of nodes: a new node is in it if `joins` says so of what is in it already, the node's number before any leaves, and
+/// what it comes from. Ascending.
+pub(crate) fn follow_nodes_by(
+    nodes: impl IntoIterator<Item = u32>,
+    edit: &TopologyEdit,
+    old: usize,
+    joins: impl Fn(&BTreeSet<u32>, u32, &NewNode) -> bool,
+) -> Vec<u32> {
     let mut all: BTreeSet<u32> = nodes.into_iter().collect();
     for (new, node) in (old as u32..).zip(&edit.nodes) {
-        if node.between.iter().all(|parent| all.contains(parent)) {
+        if joins(&all, new, node) {
             all.insert(new);
         }
     }
@@ -344,11 +357,14 @@ impl Scene {
 
     /// The bodies as they were before the first edit.
     pub(crate) fn undo_edits(&mut self) {
-        if let (Some(uncut), false) = (&self.uncut, self.edits.is_empty()) {
+        if let Some(uncut) = &self.uncut {
             let (bodies, groups) = &**uncut;
+            // Without an edit marks of topologies may have changed.
             self.bodies.clone_from(bodies);
-            self.groups.clone_from(groups);
-            self.edits.clear();
+            if !self.edits.is_empty() {
+                self.groups.clone_from(groups);
+                self.edits.clear();
+            }
         }
     }
 }
@@ -430,6 +446,14 @@ impl Body {
         self.inner = triangles.iter().map(|t| t.sheet != 0).collect();
         let outside = triangles.iter().filter(|t| t.sheet == 0);
         let outside: Vec<[u32; 3]> = outside.map(|t| t.nodes).collect();
+        for (end, nodes) in self.ends.iter_mut().zip(&self.end_nodes) {
+            let whole = |triangle: &&[u32; 3]| {
+                triangle
+                    .iter()
+                    .all(|node| nodes.binary_search(node).is_ok())
+            };
+            *end = outside.iter().filter(whole).copied().collect();
+        }
         self.drive.renew_loads(&self.mesh, &outside);
         self.node_areas = node_areas(&self.surface, &self.mesh);
     }

@@ -1,6 +1,6 @@
 //! What drives the bodies from step to step: moving clamps, grips that let go, loads that grow.
 
-use crate::cutting::follow_nodes;
+use crate::cutting::{follow_nodes, follow_nodes_by, renumbering};
 use crate::spec::{ClampSpec, LoadKind, LoadSpec, MotionSpec};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Contacts, Control, NodeTarget, Pressure};
@@ -114,9 +114,16 @@ impl Drive {
     /// Follows an edit that brought `mesh` to where it is: what a clamp, grip or load has both nodes of that a new node comes from, it has too. `old` is
     /// the number of nodes before, `clamped` are the model's clamped nodes now.
     pub fn follow(&mut self, edit: &TopologyEdit, old: usize, mesh: &TetMesh, clamped: &[u32]) {
+        let now = renumbering(edit, old);
         let rest = |node: u32| mesh.positions[node as usize];
         for clamp in &mut self.clamps {
-            let nodes = follow_nodes(clamp.nodes.iter().map(|held| held.node), edit, old);
+            // A node between two clamps goes with the first: the model holds every node that comes from two held ones.
+            let held = clamp.nodes.iter().map(|held| held.node);
+            let is_held =
+                |node: u32| now(node).is_some_and(|now| clamped.binary_search(&now).is_ok());
+            let nodes = follow_nodes_by(held, edit, old, |all, new, node| {
+                all.contains(&node.between[0]) && is_held(new)
+            });
             let nodes = nodes.into_iter().filter_map(|node| {
                 let (place, rest) = (clamped.binary_search(&node).ok()?, rest(node));
                 Some(ClampedNode { node, place, rest })

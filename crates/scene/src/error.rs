@@ -195,7 +195,7 @@ impl std::fmt::Display for SceneError {
                 part: Some(part),
             } => write!(
                 f,
-                "capsule {part} of tool '{tool}' needs finite ends, a radius above 0 m, and a hinge axis and an edge that are not zero"
+                "capsule {part} of tool '{tool}' needs finite ends, a radius above 0 m, a hinge axis and an edge that are not zero, and a line of no return a length"
             ),
             Self::ToolMotion { tool, key } => write!(
                 f,

@@ -7,10 +7,11 @@
 //! - A single edge (`edge`) is held off until it presses on the tissue with more than toughness / sharpness per length. From then on it is in
 //!   the tissue, which closes over the line and is cut by it (cases 1 and 2), until the capsule is free of tissue again. Its back is
 //!   blunt: only forces within 60° of the edge count. Tissue that was not cut is pushed back by contact (case 2).
-//! - Lines of two jaws cut where the gap between their capsules is below max(sharpness, brittleness) · (r₁ + r₂) (case 3): from the
-//!   hinge to the closing point, not along the whole blade. They are open again when the gap has grown to half as much more (hysteresis).
+//! - Lines of two jaws cut where the gap between their capsules is below max(sharpness, brittleness) · (r₁ + r₂) (case 3): at the
+//!   ends of the part that is closed, not along the whole blade. A place is open again when the gap has grown to half as much more
+//!   (hysteresis).
 //!
-//! What is in a blade is not touched by it: contact with those parts of the capsules is left out.
+//! What is in a blade is not touched by it: contact with those parts of the capsules is left out, as long as they cut.
 
 use crate::spec::Jaw;
 use crate::tool::{Line, Tool, ToolMotion};
@@ -55,9 +56,8 @@ impl Ability {
 pub(crate) struct BladeMemory {
     /// Capsules whose single edge is in the tissue, ascending.
     pub inside: Vec<u32>,
-    /// Per couple of jaws' lines, in their order: the place of the closing point along the lines, from 0 (`a`) to 1 (`b`), of jaws that are closed
-    /// to there.
-    pub closed: Vec<Option<f64>>,
+    /// Per couple of jaws' lines, in their order: the part along the lines, from 0 (`a`) to 1 (`b`), that is closed.
+    pub closed: Vec<Option<[f64; 2]>>,
     /// What is under way, per line.
     pub strokes: Vec<(u32, Stroke)>,
     /// Lines that leave the tissue in this tick; empty between ticks.
@@ -67,7 +67,7 @@ pub(crate) struct BladeMemory {
 /// The way of a blade through the tissue: a segment before and after.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Path {
-    /// The capsule whose axis it is; of lines that cut against each other the left one's.
+    /// The capsule whose axis it is; of the two ends of a part that is closed the left jaw's and the right one's.
     pub line: u32,
     pub from: [Vector3<f64>; 2],
     pub to: [Vector3<f64>; 2],
@@ -243,32 +243,46 @@ impl BladeMemory {
                 }
             }
         }
+        if case.ability.pinch > 0.0 {
+            self.close(&lines, case.ability.pinch, &mut paths);
+        }
+        paths
+    }
+
+    /// Adds the ways of closing points: of each couple both ends of the part that is closed, which grows as the jaws close and is swept along
+    /// with them.
+    fn close(&mut self, lines: &[Vec<Line>; 2], pinch: f64, paths: &mut Vec<Path>) {
         let couples = [couples(&lines[0]), couples(&lines[1])];
         self.closed.resize(couples[0].len(), None);
         for (index, (from, to)) in couples[0].iter().zip(&couples[1]).enumerate() {
-            let reach = case.ability.pinch * (to[0].radius + to[1].radius);
-            let closed = &mut self.closed[index];
-            if closed.is_some() && to.least_gap() >= REOPENED * reach {
-                *closed = None;
-                self.leaving.push(to[0].capsule);
-            }
-            let Some(point) = to.closing_point(reach) else {
-                continue;
+            let reach = pinch * (to[0].radius + to[1].radius);
+            // What has opened again is closed no more.
+            let open = to.closed_part(REOPENED * reach);
+            let before = self.closed[index].zip(open).and_then(|(closed, still)| {
+                let part = [closed[0].max(still[0]), closed[1].min(still[1])];
+                (part[0] <= part[1]).then_some(part)
+            });
+            let now = match (before, to.closed_part(reach)) {
+                (Some(before), Some(now)) => Some([before[0].min(now[0]), before[1].max(now[1])]),
+                (before, now) => before.or(now),
             };
-            let before = closed.unwrap_or_else(|| to.hinge_end());
-            // Only on from where they are closed to, and not while they open.
-            if (point - to.hinge_end()).abs() > (before - to.hinge_end()).abs() {
-                paths.push(Path {
-                    line: to[0].capsule,
-                    from: from.across(before),
-                    to: to.across(point),
-                });
-                *closed = Some(point);
-            } else {
-                *closed = Some(before);
+            let lines = [0, 1].map(|end| to[end].capsule);
+            if let Some(now) = now {
+                // What closes for the first time does so from one end to the other.
+                let starts = before.unwrap_or([now[0], now[0]]);
+                let ends = if before.is_some() { &[0, 1][..] } else { &[1] };
+                for &end in ends {
+                    paths.push(Path {
+                        line: lines[end],
+                        from: from.across(starts[end]),
+                        to: to.across(now[end]),
+                    });
+                }
+            } else if self.closed[index].is_some() {
+                self.leaving.extend(lines);
             }
+            self.closed[index] = now;
         }
-        paths
     }
 
     /// The stroke of a line, a new one where none is under way.
@@ -303,12 +317,16 @@ impl BladeMemory {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
         let mut parts: Vec<Passed> = self.inside.iter().map(|&c| part(c, ALL)).collect();
         for (couple, closed) in couples(lines).iter().zip(&self.closed) {
-            let Some(point) = closed else { continue };
-            let range = match couple.hinge_end() == 0.0 {
-                true => [f64::NEG_INFINITY, *point],
-                false => [*point, f64::INFINITY],
+            let cuts = |jaw: usize| {
+                let of_line = |(line, stroke): &&(u32, Stroke)| {
+                    *line == couple[jaw].capsule && stroke.sheet != 0
+                };
+                self.strokes.iter().any(|stroke| of_line(&stroke))
             };
-            parts.extend([0, 1].map(|jaw| part(couple[jaw].capsule, range)));
+            // Jaws that have closed on nothing are as solid as before.
+            if let (Some(range), true) = (closed, cuts(0) || cuts(1)) {
+                parts.extend([0, 1].map(|jaw| part(couple[jaw].capsule, *range)));
+            }
         }
         parts
     }
@@ -349,39 +367,38 @@ impl Couple<'_> {
         (left - right).norm() - self[0].radius - self[1].radius
     }
 
-    /// The end at which the gap is smaller.
-    fn hinge_end(&self) -> f64 {
-        if self.gap(0.0) < self.gap(1.0) {
-            0.0
+    /// The part along which the gap is below `reach` [m]; `None` if it is nowhere. The distance of two points that move linearly is convex,
+    /// so it is one part.
+    fn closed_part(&self, reach: f64) -> Option<[f64; 2]> {
+        let [left, right] = [self.points(0.0), self.points(1.0)];
+        let (start, turn) = (
+            left[1] - left[0],
+            (right[1] - right[0]) - (left[1] - left[0]),
+        );
+        let square = turn.norm_squared();
+        let nearest = if square > 0.0 {
+            (-start.dot(&turn) / square).clamp(0.0, 1.0)
         } else {
-            1.0
-        }
-    }
-
-    fn least_gap(&self) -> f64 {
-        self.gap(self.hinge_end())
-    }
-
-    /// The furthest place from the hinge to which the gap is below `reach` [m] all the way; `None` if it is nowhere.
-    fn closing_point(&self, reach: f64) -> Option<f64> {
-        let hinge = self.hinge_end();
-        if self.gap(hinge) >= reach {
+            0.0
+        };
+        if self.gap(nearest) >= reach {
             return None;
         }
-        let other = 1.0 - hinge;
-        if self.gap(other) < reach {
-            return Some(other);
-        }
-        // The distance of two points that move linearly is convex: between the ends it passes `reach` once.
-        let (mut closed, mut open) = (hinge, other);
-        for _ in 0..f64::MANTISSA_DIGITS {
-            let middle = 0.5 * (closed + open);
-            match self.gap(middle) < reach {
-                true => closed = middle,
-                false => open = middle,
+        let bound = |end: f64| {
+            if self.gap(end) < reach {
+                return end;
             }
-        }
-        Some(closed)
+            let (mut closed, mut open) = (nearest, end);
+            for _ in 0..f64::MANTISSA_DIGITS {
+                let middle = 0.5 * (closed + open);
+                match self.gap(middle) < reach {
+                    true => closed = middle,
+                    false => open = middle,
+                }
+            }
+            closed
+        };
+        Some([bound(0.0), bound(1.0)])
     }
 
     /// The segment from beyond one line to beyond the other at a place along them: as far as their capsules reach.

@@ -248,7 +248,8 @@ impl Runner {
             match self.scene.tick(&motions, length, steps, exec) {
                 Ok(report) => {
                     for edit in &self.scene.edits[edits..] {
-                        self.probes.iter_mut().for_each(|probe| probe.follow(edit));
+                        let probes = self.probes.iter_mut();
+                        probes.for_each(|probe| probe.follow(edit, &self.scene));
                     }
                     self.note(report, length);
                 }
@@ -373,6 +374,15 @@ impl Runner {
     /// Whether no node is faster than `speed`, now and on the mean over the last sample. A body that swings stands still for a
     /// moment at its turning points, and comes back to where it was around them; never both at once.
     fn rests(&self, before: &[Vec<Vector3<f64>>], speed: f64) -> bool {
+        // What was cut has other nodes.
+        let cut = self
+            .remarks
+            .cuts
+            .last()
+            .is_some_and(|(time, _)| *time > self.scene.time() - self.sample);
+        if cut {
+            return false;
+        }
         let way = speed * self.sample;
         let mut bodies = self.positions().zip(before).enumerate();
         bodies.all(|(body, (now, before))| {

@@ -227,7 +227,9 @@ impl Scene {
         let (bodies, _) = self.uncut.as_deref().ok_or(RestoreError::OtherScene)?;
         let mut bodies = bodies.clone();
         for edit in edits {
-            let body = bodies.get_mut(edit.body).ok_or(RestoreError::OtherScene)?;
+            let body = bodies.get_mut(edit.body);
+            let body = body.filter(|body| body.topology.is_some());
+            let body = body.ok_or(RestoreError::OtherScene)?;
             body.follow(&edit.edit, &self.method)
                 .map_err(|_| RestoreError::OtherScene)?;
         }

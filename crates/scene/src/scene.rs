@@ -42,6 +42,8 @@ pub(crate) struct Body {
     pub node_areas: Vec<f64>,
     /// The faces at the open ends of a vessel.
     pub ends: Vec<Vec<[u32; 3]>>,
+    /// The nodes of each, ascending.
+    pub end_nodes: Vec<Vec<u32>>,
     /// Who is next to whom, of a body that can be cut.
     pub topology: Option<Topology>,
     pub tear_strains: Vec<(u32, f64)>,
@@ -572,10 +574,15 @@ impl Body {
             }
         }
         let stable_step = stable_step(method, &model, &State::at_rest(&model));
-        Ok(Self {
+        let mut body = Self {
             inner: vec![false; surface.triangles.len()],
             energy_scale: energy_scale(&model),
             node_areas: node_areas(&surface, mesh),
+            end_nodes: spec
+                .ends
+                .iter()
+                .map(|end| Surface::new(end.clone()).nodes)
+                .collect(),
             ends: spec.ends.clone(),
             surface,
             drive,
@@ -592,7 +599,10 @@ impl Body {
             tally: CutTally::default(),
             mesh: spec.mesh.clone(),
             model,
-        })
+        };
+        // In the order in which a cut leaves it.
+        body.renew_surface();
+        Ok(body)
     }
 }
 

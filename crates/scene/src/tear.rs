@@ -49,6 +49,10 @@ fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
             let Some(other) = topology.neighbour(element, corner) else {
                 continue;
             };
+            // What has torn but holds together around it does not tear again.
+            if topology.sheet(element, corner) != 0 {
+                continue;
+            }
             let theirs = limit_of(body.mesh.regions[other as usize]);
             let limit = [own, theirs].into_iter().flatten().reduce(f64::min);
             let (Some(limit), true) = (limit, element < other) else {

@@ -88,7 +88,8 @@ impl Tool {
                 radius: part.radius,
             };
             let ends_finite = capsule.a.iter().chain(&capsule.b).all(|c| c.is_finite());
-            if !ends_finite || !capsule.radius.is_finite() || capsule.radius <= 0.0 {
+            let no_line = part.lonor && capsule.a == capsule.b;
+            if !ends_finite || !capsule.radius.is_finite() || capsule.radius <= 0.0 || no_line {
                 return Err(wrong(Some(index)));
             }
             let hinge = match &part.hinge {

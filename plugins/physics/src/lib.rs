@@ -188,9 +188,13 @@ impl Plugin for Physics {
             Ok(file.bytes.clone())
         };
         let described = level_spec(&level, &mut load);
-        let spec = described
+        let mut spec = described
             .map_err(|error| Fault::new(error.to_string()))?
             .spec;
+        if config.cuts.is_none() {
+            let bodies = spec.bodies.iter_mut();
+            bodies.for_each(|body| body.tear_strains.clear());
+        }
         let scene = Scene::new(&spec).map_err(|error| Fault::new(error.to_string()))?;
         let checked = scene.check_step(setup.tick_ns as f64 * 1e-9, setup.steps);
         checked.map_err(|error| Fault::new(error.to_string()))?;
@@ -241,7 +245,9 @@ impl Plugin for Physics {
         for cut in &report.cuts {
             tick.publish(&TissueCut {
                 body: scene.body_name(cut.body).to_owned(),
-                tool: cut.tool.map_or_else(String::new, |tool| scene.tool_name(tool).to_owned()),
+                tool: cut
+                    .tool
+                    .map_or_else(String::new, |tool| scene.tool_name(tool).to_owned()),
                 area: cut.area,
                 centroid: cut.centroid,
                 normal: cut.normal,

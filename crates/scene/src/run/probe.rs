@@ -207,9 +207,15 @@ impl Probe {
     }
 
     /// Follows an edit of the body's mesh.
-    pub fn follow(&mut self, edit: &Edit) {
-        if edit.body == self.body {
-            self.nodes = follow_nodes(self.nodes.iter().copied(), &edit.edit, edit.nodes);
+    pub fn follow(&mut self, edit: &Edit, scene: &Scene) {
+        if edit.body != self.body {
+            return;
+        }
+        self.nodes = follow_nodes(self.nodes.iter().copied(), &edit.edit, edit.nodes);
+        // New nodes have a mean distance from the axis of their own.
+        let last = edit.edit.generation + 1 == scene.generation(self.body);
+        if last && self.quantity == Quantity::Radius {
+            self.reference = self.mean_radius(scene.rest_positions(self.body));
         }
     }
 

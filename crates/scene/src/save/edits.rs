@@ -4,7 +4,7 @@ use super::{Reader, RestoreError, put_f64, put_u32, put_vector};
 use crate::cutting::Edit;
 use crate::lonor::BladeMemory;
 use crate::scene::{Body, CutTally};
-use microsim_cutting::{Stroke, Topology, TopologyState};
+use microsim_cutting::{Stroke, Topology, TopologyState, check};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -90,14 +90,15 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
     Ok(Edit { body, nodes, edit })
 }
 
-/// What decides and what is under way of a cut: capsules in tissue (u32), closing points (u32 whether there is one, f64), strokes.
+/// What decides and what is under way of a cut: capsules in tissue (u32), closed parts (u32 whether there is one, 2 × f64), strokes.
 pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeMemory) {
     put_list(bytes, &blade.inside, |bytes, capsule| {
         put_u32(bytes, *capsule)
     });
     put_list(bytes, &blade.closed, |bytes, closed| {
         put_u32(bytes, u32::from(closed.is_some()));
-        put_f64(bytes, closed.unwrap_or_default());
+        let part = closed.unwrap_or_default();
+        part.into_iter().for_each(|end| put_f64(bytes, end));
     });
     put_list(bytes, &blade.strokes, |bytes, (line, stroke)| {
         put_u32(bytes, *line);
@@ -123,8 +124,8 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeMemory, RestoreError
         inside: reader.list(Reader::u32)?,
         closed: reader.list(|r| {
             let there = r.u32()? != 0;
-            let place = r.f64()?;
-            Ok(there.then_some(place))
+            let part = [r.f64()?, r.f64()?];
+            Ok(there.then_some(part))
         })?,
         strokes: reader.list(|r| {
             let line = r.u32()?;
@@ -180,7 +181,15 @@ pub(super) fn cut(reader: &mut Reader<'_>, body: &mut Body) -> Result<(), Restor
     for piece in &mut body.pieces.of_nodes {
         *piece = reader.u32()?;
     }
-    body.topology = Some(Topology::restore(&body.mesh, &topology(reader)?));
+    let numbers = 1..=body.mesh.tets.len() as u32 + 1;
+    let known = |piece: &u32| *piece < body.pieces.count;
+    let pieces = numbers.contains(&body.pieces.count) && body.pieces.of_nodes.iter().all(known);
+    let topology = Topology::restore(&body.mesh, &topology(reader)?);
+    let sound = check(&body.mesh, &topology).is_ok() && body.model.tets() == body.mesh.tets;
+    if !pieces || !sound {
+        return Err(RestoreError::OtherScene);
+    }
+    body.topology = Some(topology);
     body.renew_surface();
     Ok(())
 }

@@ -201,7 +201,23 @@ fn check_blade(body: BodySpec, method: Method) {
     assert_eq!(of.model.tets(), mesh.tets, "{what}");
     assert_eq!(of.model.rest_positions(), mesh.positions, "{what}");
     assert_eq!(scene.positions(0).len(), mesh.positions.len());
-    assert_eq!(of.inner.iter().filter(|inner| **inner).count() % 2, 0);
+    // Both sides of the cut are open, and nothing else.
+    let sides = of
+        .surface
+        .triangles
+        .iter()
+        .zip(&of.inner)
+        .filter(|(_, inner)| **inner);
+    let sides: f64 = sides
+        .map(|(t, _)| {
+            let [a, b, c] = t.map(|node| mesh.positions[node as usize]);
+            0.5 * (b - a).cross(&(c - a)).norm()
+        })
+        .sum();
+    assert!(
+        (sides / (2.0 * opened) - 1.0).abs() < 1e-9,
+        "{what}: {sides}"
+    );
     // Nothing was pushed: what moves has got its energy from rounding alone.
     assert!(
         scene.energies(0).total() < 1e-9 * of.energy_scale,
@@ -376,7 +392,8 @@ fn jaws_cut_by_sharpness_or_brittleness() {
         }
         let mut scene = Scene::new(&of).unwrap();
         for k in 0..50 {
-            let opening = |k: usize| 1.0 - k as f64 / 50.0;
+            // Not to nothing: what lies between must have somewhere to be.
+            let opening = |k: usize| 1.0 - 0.96 * k as f64 / 50.0;
             let motion = down(0.3e-3, [0.0; 2], [opening(k), opening(k + 1)]);
             scene.tick(&[motion], 4e-3, 2, &Serial).unwrap();
         }
@@ -394,6 +411,75 @@ fn jaws_cut_by_sharpness_or_brittleness() {
             "sharpness {sharpness}, brittleness {brittleness}, {lonor}"
         );
     }
+}
+
+/// Jaws that closed in air are solid: pushed on the bar they push it, and cut nothing. Opened and closed around it they cut it; opened again, moved on
+/// and closed again they cut it again.
+#[test]
+fn jaws_cut_again_and_not_when_they_were_closed_before() {
+    let jaw = |side: f64, jaw| CapsuleSpec {
+        a: [0.0, -2e-3, 1.2e-4 * side],
+        // At the hinge, where jaws of scissors never open.
+        b: [0.0, 8e-3, 1.2e-4 * side],
+        radius: 1.2e-4,
+        hinge: Some(HingeSpec {
+            pivot: [0.0, 8e-3, 0.0],
+            axis: [1.0, 0.0, 0.0],
+            angle: -0.15 * side,
+        }),
+        jaw: Some(jaw),
+        lonor: true,
+        edge: None,
+    };
+    let jaws = tool(
+        "jaws",
+        1.0,
+        vec![jaw(1.0, Jaw::Left), jaw(-1.0, Jaw::Right)],
+    );
+    let of = spec(
+        bar(Discretisation::Tetrahedra, 5e-3),
+        jaws,
+        true,
+        Method::ImplicitEuler(NEWTON),
+    );
+    let mut scene = Scene::new(&of).unwrap();
+    let mut lead = |x: [f64; 2], z: [f64; 2], opening: [f64; 2], ticks: usize| {
+        for k in 0..ticks {
+            let at = |range: [f64; 2], k: usize| {
+                range[0] + (range[1] - range[0]) * k as f64 / ticks as f64
+            };
+            let mut motion = down(
+                at(x, k),
+                [at(z, k), at(z, k + 1)],
+                [at(opening, k), at(opening, k + 1)],
+            );
+            motion.to.position.x = at(x, k + 1);
+            scene.tick(&[motion], 4e-3, 2, &Serial).unwrap();
+        }
+        (
+            scene.piece_count(0),
+            scene
+                .positions(0)
+                .iter()
+                .map(|p| p.z)
+                .fold(f64::INFINITY, f64::min),
+        )
+    };
+    let (far, near) = (3e-3, 1.6e-3);
+    let (high, low) = (1.5e-3, 0.0);
+    let closed = lead([far; 2], [high; 2], [1.0, 0.0], 20);
+    assert_eq!(closed.0, 1);
+    let (pieces, lowest) = lead([near; 2], [high, low], [0.0; 2], 30);
+    assert_eq!(pieces, 1);
+    assert!(lowest < -0.7e-3, "pushed to {lowest}");
+    lead([near; 2], [low, high], [0.0; 2], 30);
+    lead([near, 4.5e-3], [high; 2], [0.0, 1.0], 20);
+    lead([4.5e-3; 2], [high, low], [1.0; 2], 20);
+    lead([4.5e-3, near], [low; 2], [1.0; 2], 20);
+    assert_eq!(lead([near; 2], [low; 2], [1.0, 0.0], 40).0, 2);
+    lead([near; 2], [low; 2], [0.0, 1.0], 40);
+    lead([near, 0.2e-3], [low; 2], [1.0; 2], 20);
+    assert_eq!(lead([0.2e-3; 2], [low; 2], [1.0, 0.0], 40).0, 3);
 }
 
 /// A bar that is pulled apart tears where its region may, and holds where it may not.
