@@ -1,5 +1,5 @@
-//! `cargo xtask bench` and `cargo xtask soak`: measurements and long checks, by name. Each is an example of the package
-//! `microsim-tests` and works on the assembled tree.
+//! `cargo xtask bench` and `cargo xtask soak`: measurements and long checks, by name. Each is an example of a package; those of
+//! `microsim-tests` work on the assembled tree.
 
 use crate::child;
 use crate::failure::Failure;
@@ -11,52 +11,83 @@ use std::ffi::OsString;
 pub struct Program {
     /// As the command line says it.
     pub name: &'static str,
-    /// Example of `microsim-tests`.
+    /// The package that has it.
+    pub package: &'static str,
+    /// Its name there.
     pub example: &'static str,
     /// What it shows, for the help.
     pub shows: &'static str,
 }
 
+const TESTS: &str = "microsim-tests";
+
 /// What `bench` runs.
 pub const BENCHES: &[Program] = &[
     Program {
         name: "host",
+        package: TESTS,
         example: "bench_host",
         shows: "cost per step of host, bus and recording without physics, p50 and p99",
     },
     Program {
         name: "kernels",
+        package: TESTS,
         example: "bench_kernels",
         shows: "cost of forces and of an explicit step per tetrahedron, cache, memory",
     },
     Program {
         name: "solvers",
+        package: TESTS,
         example: "bench_solvers",
         shows: "cost of implicit methods: phases, first peak, rest, larger beams",
     },
     Program {
         name: "counts",
+        package: TESTS,
         example: "bench_counts",
         shows: "instructions of kernels under callgrind, compared with the recorded ones",
     },
     Program {
         name: "contact",
+        package: TESTS,
         example: "bench_contact",
         shows: "contact: two tubes that collide, a thin wall, a vessel with two tools, size",
     },
     Program {
+        name: "cutting",
+        package: "microsim-scene",
+        example: "cut_tick",
+        shows: "cutting: a tick that divides about 60 elements, over the size of the body",
+    },
+    Program {
         name: "peers",
+        package: TESTS,
         example: "bench_peers",
         shows: "the reference beam in MuJoCo, Drake and pyPBD (from PyPI) and in ours",
     },
 ];
 
 /// What `soak` runs.
-pub const SOAKS: &[Program] = &[Program {
-    name: "kills",
-    example: "soak_kills",
-    shows: "200 runs killed by `kill -9`: what of each session can be read",
-}];
+pub const SOAKS: &[Program] = &[
+    Program {
+        name: "kills",
+        package: TESTS,
+        example: "soak_kills",
+        shows: "200 runs killed by `kill -9`: what of each session can be read",
+    },
+    Program {
+        name: "cuts",
+        package: "microsim-cutting",
+        example: "soak_cuts",
+        shows: "10,000 random cuts of blocks, tubes and filled meshes, checked step by step",
+    },
+    Program {
+        name: "stability",
+        package: "microsim-tissue",
+        example: "cut_stability",
+        shows: "500 cuts in a cube, then 10,000 steps with the mass floor and without",
+    },
+];
 
 /// The program of a name; all of them without one. An unknown name is told the known ones.
 pub fn select(
@@ -87,7 +118,7 @@ pub fn run(
         "run",
         "--release",
         "-p",
-        "microsim-tests",
+        program.package,
         "--example",
         program.example,
     ]);
@@ -109,7 +140,7 @@ mod tests {
         assert_eq!(names(None).map(|all| all.len()), Ok(SOAKS.len()));
         assert_eq!(
             names(Some("kill")),
-            Err("there is no \"kill\"; there are: kills".into())
+            Err("there is no \"kill\"; there are: kills, cuts, stability".into())
         );
     }
 }

@@ -129,7 +129,11 @@ fn body(block: &BlockView<'_>, bodies: &[settings::Body]) -> Option<Vec<Item>> {
         .chunks_exact(3)
         .map(|t| [t[0], t[1], t[2]]);
     // A session from before cutting has none.
-    let inner = block.u32s("inner").unwrap_or_default().iter().map(|inner| *inner != 0);
+    let inner = block
+        .u32s("inner")
+        .unwrap_or_default()
+        .iter()
+        .map(|inner| *inner != 0);
     Some(Item::tissue(
         positions.collect(),
         &triangles.collect::<Vec<_>>(),

@@ -1,5 +1,5 @@
 //! What a step of a cut costs, all that follows it included, over the size of the body: `cargo run --release -p microsim-scene --example
-//! cut_time`. A blade goes through a block on a table in contact, so far per tick that it divides about 60 elements; the CPU time of a tick is
+//! cut_tick`. A blade goes through a block on a table in contact, so far per tick that it divides about 60 elements; the CPU time of a tick is
 //! compared with that of the same tick without the blade.
 
 use microsim_scene::*;
