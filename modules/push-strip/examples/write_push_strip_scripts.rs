@@ -176,23 +176,23 @@ mod hold {
 mod cut {
     use super::{Path, Trainee};
 
-    /// Of the forceps: handle towards −x and 30° up, jaws above one another.
-    const HOLD: &str = "orientation = [0, -0.5, 0, 0.8660254037844386]";
+    /// Of the forceps: handle towards −x and 10° up, jaws above one another.
+    const HOLD: &str = "orientation = [0, -0.6427876096865394, 0, 0.766044443118978]";
 
     /// Of the scissors: handle towards −y, blades above one another.
     const CUT: &str = "orientation = [0.5, -0.5, 0.5, 0.5]";
 
     /// Openings of the forceps: around the strip, on it, and far into it.
     const OPEN: f64 = 0.75;
-    const GRIP: f64 = 0.2;
-    const CRUSH: f64 = 0.03;
+    const GRIP: f64 = 0.13;
+    const CRUSH: f64 = 0.0;
 
     /// How far the strip sags where it is gripped \[m\] (level 4, measured).
     const SAG: f64 = 0.0012;
 
     /// Where the free end is gripped, and how far the scissors' tips reach beyond the mark \[m\].
-    const END: f64 = -0.0042;
-    const BEYOND: f64 = 0.0021;
+    const END: f64 = -0.002;
+    const BEYOND: f64 = 0.00165;
 
     /// Where the scissors wait, beside the mark \[m\].
     const AWAY: f64 = -0.010;
@@ -235,7 +235,7 @@ mod cut {
 
         /// Leads the open scissors around the strip at `x`, closes them, and takes them away.
         fn cut(&mut self, x: f64, closed: f64) {
-            self.scissors = ([x, AWAY, 0.0], 0.9);
+            self.scissors = ([x, AWAY, 0.0], 0.8);
             self.key(0.5);
             self.scissors.0[1] = BEYOND;
             self.key(1.0);
@@ -258,7 +258,7 @@ mod cut {
             self.forceps.1 = 0.5;
             self.key(0.5);
             self.forceps.0[0] -= 0.003;
-            self.forceps.0[2] += 0.0018;
+            self.forceps.0[2] += 0.001;
             self.key(1.0);
         }
 
@@ -269,8 +269,8 @@ mod cut {
     }
 
     pub fn write(folder: &Path, level: u32, mark: [f64; 3], tray: [f64; 3], dwell: f64) {
-        // From the middle of the piece to that of the tray; the tips of the forceps end above its floor.
-        let way = [tray[0] - 0.5 * (mark[0] - 0.005), tray[2] + 0.0009];
+        // From the middle of the piece to that of the tray; the tips of the forceps end above its walls.
+        let way = [tray[0] - 0.5 * (mark[0] - 0.004), tray[2] + 0.003];
         let stay = dwell + 0.5;
 
         let mut pass = Hands::new(
