@@ -185,13 +185,13 @@ mod cut {
     /// Openings of the forceps: around the strip, on it, and far into it.
     const OPEN: f64 = 0.75;
     const GRIP: f64 = 0.13;
-    const CRUSH: f64 = 0.0;
+    const CRUSH: f64 = 0.045;
 
     /// How far the strip sags where it is gripped \[m\] (level 4, measured).
     const SAG: f64 = 0.0012;
 
     /// Where the free end is gripped, and how far the scissors' tips reach beyond the mark \[m\].
-    const END: f64 = -0.002;
+    const END: f64 = -0.0031;
     const BEYOND: f64 = 0.00165;
 
     /// Where the scissors wait, beside the mark \[m\].

@@ -16,6 +16,9 @@ pub(crate) const FLOOR: &str = "tray-floor";
 /// The object of the level that holds the strip.
 const CLAMP: &str = "clamp";
 
+/// Ticks without a grip after which a piece has been dropped.
+const DROPPED: u32 = 12;
+
 /// What a level asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Site {
@@ -72,6 +75,8 @@ pub(crate) struct Progress {
     pub off: bool,
     /// Whether it is in the tray.
     pub inside: bool,
+    /// Number of ticks for which nobody has held it, outside the tray.
+    loose: u32,
 }
 
 impl Progress {
@@ -92,6 +97,13 @@ impl Progress {
     pub fn cut_distance(&self) -> Option<f64> {
         let [area, moment] = self.cut;
         (area > 0.0).then(|| moment / area)
+    }
+
+    /// Whether the piece counts as dropped in this tick; `held` tells whether it is in a grip. A grip that trembles for a tick has not let go.
+    pub fn dropped(&mut self, held: bool) -> bool {
+        let loose = self.off && !self.inside && !held;
+        self.loose = if loose { self.loose + 1 } else { 0 };
+        self.loose == DROPPED
     }
 
     /// Looks where the pieces are.

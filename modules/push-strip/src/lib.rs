@@ -233,6 +233,7 @@ impl PushStrip {
                 ..ObjectSet::default()
             });
         }
+        state.drops += u32::from(state.progress.dropped(state.held));
         let lies = state.progress.inside && state.on_tray && !state.held;
         let mut colour = if lies { HOLDING } else { CURRENT };
         if state.current == 1 && state.dwell.update(tick.time(), lies) == DwellState::Complete {
@@ -301,10 +302,8 @@ impl PushStrip {
             .iter()
             .all(|tool| contacts.iter().any(|c| c.tool == *tool && grip(c) > 0.0));
         if course.running() {
-            // What may be let go: before the cut the strip, after it a piece that lies in the tray.
-            let may = matches!(self.task, Some(Task::Cut(_)))
-                && (!state.progress.off || state.progress.inside);
-            state.drops += u32::from(state.held && !held && !may);
+            let lost = state.held && !held && matches!(self.task, Some(Task::Hold(_)));
+            state.drops += u32::from(lost);
             for contact in contacts {
                 state.peak_force = state.peak_force.max(distance(contact.force, [0.0; 3]));
                 if self.tools.contains(&contact.tool) {
