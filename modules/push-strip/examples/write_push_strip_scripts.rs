@@ -172,6 +172,152 @@ mod hold {
     }
 }
 
+/// Levels in which forceps hold the free end, scissors cut it off and a tray takes it.
+mod cut {
+    use super::{Path, Trainee};
+
+    /// Of the forceps: handle towards −x and 10° up, jaws above one another.
+    const HOLD: &str = "orientation = [0, -0.6427876096865394, 0, 0.766044443118978]";
+
+    /// Of the scissors: handle towards −y, blades above one another.
+    const CUT: &str = "orientation = [0.5, -0.5, 0.5, 0.5]";
+
+    /// Openings of the forceps: around the strip, on it, and far into it.
+    const OPEN: f64 = 0.75;
+    const GRIP: f64 = 0.13;
+    const CRUSH: f64 = 0.045;
+
+    /// How far the strip sags where it is gripped \[m\] (level 4, measured).
+    const SAG: f64 = 0.0012;
+
+    /// Where the free end is gripped, and how far the scissors' tips reach beyond the mark \[m\].
+    const END: f64 = -0.0031;
+    const BEYOND: f64 = 0.00165;
+
+    /// Where the scissors wait, beside the mark \[m\].
+    const AWAY: f64 = -0.010;
+
+    struct Hands {
+        trainee: Trainee,
+        forceps: ([f64; 3], f64),
+        scissors: ([f64; 3], f64),
+    }
+
+    impl Hands {
+        fn new(doc: &str, mark: [f64; 3]) -> Self {
+            let mut hands = Self {
+                trainee: Trainee::new(doc, &["left", "right"]),
+                forceps: ([END - 0.006, 0.0, 0.002], OPEN),
+                scissors: ([mark[0], AWAY, 0.0], 0.0),
+            };
+            hands.key(0.0);
+            hands
+        }
+
+        /// Both are where they are to be after `seconds`.
+        fn key(&mut self, seconds: f64) {
+            self.trainee.time += seconds;
+            let (place, opening) = self.forceps;
+            self.trainee.key(0, place, HOLD, opening);
+            let (place, opening) = self.scissors;
+            self.trainee.key(1, place, CUT, opening);
+        }
+
+        /// Grips the end and holds it straight.
+        fn grip(&mut self, grip: f64) {
+            self.forceps.0 = [END, 0.0, -SAG];
+            self.key(1.5);
+            self.forceps.1 = grip;
+            self.key(1.0);
+            self.forceps = ([END - 0.0002, 0.0, 0.0], GRIP);
+            self.key(1.0);
+        }
+
+        /// Leads the open scissors around the strip at `x`, closes them, and takes them away.
+        fn cut(&mut self, x: f64, closed: f64) {
+            self.scissors = ([x, AWAY, 0.0], 0.8);
+            self.key(0.5);
+            self.scissors.0[1] = BEYOND;
+            self.key(1.0);
+            self.scissors.1 = closed;
+            self.key(1.5);
+            self.forceps.0[0] -= 0.0005;
+            self.key(0.5);
+            self.scissors.0[1] = AWAY;
+            self.key(1.0);
+        }
+
+        /// Carries what it holds by `way` and lets it go there.
+        fn put(&mut self, [out, height]: [f64; 2]) {
+            self.forceps.0[2] += 0.001;
+            self.key(0.5);
+            self.forceps.0[0] += out;
+            self.key(1.5);
+            self.forceps.0[2] = height;
+            self.key(1.5);
+            self.forceps.1 = 0.5;
+            self.key(0.5);
+            self.forceps.0[0] -= 0.003;
+            self.forceps.0[2] += 0.001;
+            self.key(1.0);
+        }
+
+        fn write(mut self, folder: &Path, name: String, stay: f64) {
+            self.key(stay);
+            self.trainee.write(folder, &name);
+        }
+    }
+
+    pub fn write(folder: &Path, level: u32, mark: [f64; 3], tray: [f64; 3], dwell: f64) {
+        // From the middle of the piece to that of the tray; the tips of the forceps end above its walls.
+        let way = [tray[0] - 0.5 * (mark[0] - 0.004), tray[2] + 0.003];
+        let stay = dwell + 0.5;
+
+        let mut pass = Hands::new(
+            "Holds the free end, cuts at the mark and puts the piece into the tray.",
+            mark,
+        );
+        pass.grip(GRIP);
+        pass.cut(mark[0], 0.0);
+        pass.put(way);
+        pass.write(folder, format!("level{level}-pass.toml"), stay);
+
+        let mut uncut = Hands::new(
+            "Leads the scissors around the strip, but hardly closes them.",
+            mark,
+        );
+        uncut.grip(GRIP);
+        uncut.cut(mark[0], 0.8);
+        uncut.write(folder, format!("level{level}-fail-not-cut.toml"), stay);
+
+        let mut beside = Hands::new("Cuts 1.5 mm beside the mark.", mark);
+        beside.grip(GRIP);
+        beside.cut(mark[0] - 0.0015, 0.0);
+        beside.put(way);
+        beside.write(
+            folder,
+            format!("level{level}-fail-cut-beside-the-mark.toml"),
+            stay,
+        );
+
+        let mut dropped = Hands::new("Lets the piece go beside the tray.", mark);
+        dropped.grip(GRIP);
+        dropped.cut(mark[0], 0.0);
+        dropped.put([0.0, -0.001]);
+        dropped.write(folder, format!("level{level}-fail-not-in-tray.toml"), stay);
+
+        let mut hard = Hands::new("Crushes the end before it lifts it.", mark);
+        hard.grip(CRUSH);
+        hard.cut(mark[0], 0.0);
+        hard.put(way);
+        hard.write(
+            folder,
+            format!("level{level}-fail-gripped-too-hard.toml"),
+            stay,
+        );
+    }
+}
+
 fn main() {
     let module = Path::new(env!("CARGO_MANIFEST_DIR"));
     let manifest =
@@ -191,9 +337,15 @@ fn main() {
             .filter(|object| object.name.starts_with("mark-"))
             .map(|object| object.position)
             .collect();
-        match objects.iter().find(|object| object.name == "ring") {
-            Some(ring) => hold::write(&folder, level, marks[0], ring.position, key("dwell")),
-            None => push::write(&folder, level, &marks, key("depth"), key("dwell")),
+        let place = |name: &str| {
+            let object = objects.iter().find(|object| object.name == name);
+            object.map(|object| object.position)
+        };
+        let dwell = key("dwell");
+        match (place("ring"), place("tray-floor")) {
+            (Some(ring), _) => hold::write(&folder, level, marks[0], ring, dwell),
+            (None, Some(tray)) => cut::write(&folder, level, marks[0], tray, dwell),
+            (None, None) => push::write(&folder, level, &marks, key("depth"), dwell),
         }
     }
 }

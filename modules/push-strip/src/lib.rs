@@ -1,16 +1,19 @@
 //! Push a clamped strip of tissue to a marked depth and hold it there; or pick its free end up with two forceps and hold it in a
-//! ring. The thin end of tissue and contact: what it judges by comes from the physics plugin alone, as snapshots of the nodes and
-//! forces in newtons.
+//! ring; or cut it at the mark and put the piece into a tray. The thin end of tissue, contact and cutting: what it judges by comes
+//! from the physics plugin alone, as snapshots of the nodes, forces in newtons and cuts.
 //!
 //! One mark after the other is the current one: orange, yellow while it is held right, red when it is too deep, green when done.
 //! Marks move with the tissue.
 
+mod cut;
 mod patch;
 mod task;
 
+use cut::{FLOOR, Progress, Site, TRAY};
+
 use microsim_sdk::message::{
-    Colour, ContactForce, ContactForces, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, ToolStates,
-    ToolStatus, decode_bytes, encode,
+    Colour, ContactForce, ContactForces, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut,
+    ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockView, Course, CourseConfig, Fault, Plugin, Services, Setup, Tick, export_plugin,
@@ -18,7 +21,7 @@ use microsim_sdk::{
 use microsim_training::{Dwell, DwellState};
 use patch::Patch;
 use serde::{Deserialize, Serialize};
-use task::{CURRENT, DONE, Keys, Ring, Task, TaskName, WAITING, distance};
+use task::{CURRENT, DONE, HOLDING, Keys, Ring, Task, TaskName, WAITING, distance};
 
 /// Share of its radius by which a mark's centre lies below the tissue's surface.
 const SUNK: f64 = 0.7;
@@ -37,7 +40,15 @@ struct Object {
     radius: f64,
     #[serde(default)]
     tube: f64,
+    #[serde(default)]
+    half_size: [f64; 3],
     position: [f64; 3],
+    #[serde(default = "unturned")]
+    orientation: [f64; 4],
+}
+
+fn unturned() -> [f64; 4] {
+    Pose::default().orientation
 }
 
 /// What evolves here besides the course.
@@ -47,6 +58,7 @@ struct State {
     /// Whether the strip has been touched.
     touched: bool,
     patches: Vec<Patch>,
+    /// Number of targets done, and so the current one.
     current: usize,
     dwell: Dwell,
     colour: Colour,
@@ -59,9 +71,12 @@ struct State {
     overshoot: f64,
     /// Number of ticks and sum of distances from what is asked for \[m\], over all holding that counted.
     counted: (u64, f64),
-    /// Whether every tool had the tissue in the last tick, and how often one lost it.
+    /// Whether every tool that can hold the tissue had it in the last tick, and how often one lost it.
     held: bool,
     drops: u32,
+    /// Of the task `cut`; whether anything of the strip touched the tray in the last tick.
+    progress: Progress,
+    on_tray: bool,
     /// First tracked position of the tip \[m\].
     start: Option<[f64; 3]>,
 }
@@ -73,7 +88,9 @@ pub struct PushStrip {
     keys: Option<Keys>,
     task: Option<Task>,
     marks: Vec<Object>,
+    targets: Vec<String>,
     body: String,
+    /// Those that hold tissue and do not cut it.
     tools: Vec<String>,
     state: Option<State>,
 }
@@ -95,6 +112,8 @@ impl PushStrip {
             counted: (0, 0.0),
             held: false,
             drops: 0,
+            progress: Progress::default(),
+            on_tray: false,
             start: None,
         })
     }
@@ -110,21 +129,14 @@ impl PushStrip {
         }
     }
 
-    /// One tick of the task: the tissue at the current mark against what is asked for.
-    fn judge(
-        &self,
-        state: &mut State,
-        course: &mut Course,
-        task: &Task,
-        block: &BlockView<'_>,
-        tick: &mut Tick<'_>,
-    ) -> Result<(), Fault> {
+    /// Lets marks move with the tissue.
+    fn move_marks(&self, state: &State, block: &BlockView<'_>, tick: &mut Tick<'_>) {
         for (mark, patch) in self.marks.iter().zip(&state.patches) {
             if let Some((_, [x, y, z])) = patch.now(block) {
                 // Sunk so far that a cap shows around the tool that stands on it.
                 let pose = Some(Pose {
                     position: [x, y, z - SUNK * mark.radius],
-                    ..Pose::default()
+                    orientation: mark.orientation,
                 });
                 tick.publish(&ObjectSet {
                     name: mark.name.clone(),
@@ -133,6 +145,17 @@ impl PushStrip {
                 });
             }
         }
+    }
+
+    /// One tick of a task at marks: the tissue at the current one against what is asked for.
+    fn judge(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        task: &Task,
+        block: &BlockView<'_>,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         let Some(patch) = state
             .patches
             .get(state.current)
@@ -147,7 +170,9 @@ impl PushStrip {
         if let Task::Push { depth: wanted, .. } = task {
             state.overshoot = state.overshoot.max(depth - wanted);
         }
-        let standing = task.standing(depth, place, state.held);
+        let Some(standing) = task.standing(depth, place, state.held) else {
+            return Ok(());
+        };
         let (holds, colour) = (standing.holds, standing.colour);
         if holds {
             state.reached = true;
@@ -173,6 +198,62 @@ impl PushStrip {
         } else if colour != state.colour {
             state.colour = colour;
             self.colour(tick, state.current, colour);
+        }
+        Ok(())
+    }
+
+    /// One tick of the task `cut`.
+    fn judge_cut(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        site: &Site,
+        block: &BlockView<'_>,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
+        if !course.running() {
+            return Ok(());
+        }
+        for cut in tick.messages::<TissueCut>()? {
+            if cut.body == self.body {
+                state.progress.hear(&cut, site);
+            }
+        }
+        state.progress.look(block, site);
+        if state.current == 0 && state.progress.off {
+            (state.current, state.colour) = (1, WAITING);
+            let said = LocalText {
+                de: "Stück abgeschnitten".into(),
+                en: "Piece cut off".into(),
+            };
+            course.target_done(tick, &self.marks[0].name, said)?;
+            tick.publish(&ObjectSet {
+                name: self.marks[0].name.clone(),
+                active: Some(false),
+                ..ObjectSet::default()
+            });
+        }
+        state.drops += u32::from(state.progress.dropped(state.held));
+        let lies = state.progress.inside && state.on_tray && !state.held;
+        let mut colour = if lies { HOLDING } else { CURRENT };
+        if state.current == 1 && state.dwell.update(tick.time(), lies) == DwellState::Complete {
+            state.current = 2;
+            let said = LocalText {
+                de: "Stück liegt in der Schale".into(),
+                en: "Piece lies in the tray".into(),
+            };
+            course.target_done(tick, TRAY, said)?;
+        }
+        if state.current == 2 {
+            colour = DONE;
+        }
+        if state.current > 0 && colour != state.colour {
+            state.colour = colour;
+            tick.publish(&ObjectSet {
+                name: FLOOR.into(),
+                colour: Some(colour),
+                ..ObjectSet::default()
+            });
         }
         Ok(())
     }
@@ -221,13 +302,20 @@ impl PushStrip {
             .iter()
             .all(|tool| contacts.iter().any(|c| c.tool == *tool && grip(c) > 0.0));
         if course.running() {
-            state.drops += u32::from(state.held && !held);
+            let lost = state.held && !held && matches!(self.task, Some(Task::Hold(_)));
+            state.drops += u32::from(lost);
             for contact in contacts {
                 state.peak_force = state.peak_force.max(distance(contact.force, [0.0; 3]));
-                state.peak_grip = state.peak_grip.max(grip(contact));
+                if self.tools.contains(&contact.tool) {
+                    state.peak_grip = state.peak_grip.max(grip(contact));
+                }
             }
         }
         state.held = held;
+        let between = forces.iter().flat_map(|forces| &forces.between);
+        state.on_tray = between
+            .filter(|contact| contact.body == self.body)
+            .any(|contact| contact.tool == TRAY);
         Ok(())
     }
 }
@@ -245,6 +333,8 @@ fn reason(state: &State, task: &Task) -> &'static str {
     match task {
         Task::Push { depth, tolerance } if state.deepest < depth - tolerance => "not-deep-enough",
         Task::Hold(_) if !state.reached => "not-in-ring",
+        Task::Cut(_) if !state.progress.off => "not-cut",
+        Task::Cut(_) => "not-in-tray",
         _ => "dwell-too-short",
     }
 }
@@ -278,6 +368,7 @@ impl Plugin for PushStrip {
                     opening: ring.radius - ring.tube,
                 })
             }
+            TaskName::Cut => Task::Cut(Site::new(&objects)?),
         });
         self.marks = objects
             .into_iter()
@@ -293,14 +384,17 @@ impl Plugin for PushStrip {
             .next()
             .ok_or_else(|| Fault::new("the level needs a body"))?;
         self.body = body.name;
-        self.tools = config.tools.iter().map(|tool| tool.name.clone()).collect();
+        let cuts = |model: &str| config.models.get(model).is_some_and(|m| m.sharpness > 0.0);
+        let holding = config.tools.iter().filter(|tool| !cuts(&tool.model));
+        self.tools = holding.map(|tool| tool.name.clone()).collect();
         if self.tools.is_empty() {
             return Err(Fault::new("the level needs a tool"));
         }
-        self.course = Some(Course::new(
-            &config,
-            self.marks.iter().map(|m| m.name.clone()).collect(),
-        )?);
+        self.targets = self.marks.iter().map(|m| m.name.clone()).collect();
+        if let Some(Task::Cut(_)) = self.task {
+            self.targets = vec![self.marks[0].name.clone(), TRAY.to_owned()];
+        }
+        self.course = Some(Course::new(&config, self.targets.clone())?);
         self.state = Some(Self::fresh_state(&keys)?);
         self.keys = Some(keys);
         Ok(())
@@ -344,7 +438,13 @@ impl Plugin for PushStrip {
                     )));
                 }
             }
-            self.judge(&mut state, &mut course, &task, &block, tick)?;
+            self.move_marks(&state, &block, tick);
+            match &task {
+                Task::Cut(site) => {
+                    self.judge_cut(&mut state, &mut course, site, &block, tick)?;
+                }
+                _ => self.judge(&mut state, &mut course, &task, &block, tick)?,
+            }
         }
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         let tool = tools
@@ -361,25 +461,25 @@ impl Plugin for PushStrip {
         }
         // Without tissue there is nothing to measure, and nothing is not zero.
         if !state.patches.is_empty() {
-            match task {
-                Task::Push { .. } => {
-                    course.measure("peak-force", state.peak_force);
-                    course.measure("overshoot", state.overshoot);
-                }
-                Task::Hold(_) => {
-                    course.measure("peak-grip", state.peak_grip);
-                    course.measure("drops", f64::from(state.drops));
-                }
+            if let Task::Push { .. } = task {
+                course.measure("peak-force", state.peak_force);
+                course.measure("overshoot", state.overshoot);
+            } else {
+                course.measure("peak-grip", state.peak_grip);
+                course.measure("drops", f64::from(state.drops));
             }
         }
         if let (n @ 1.., errors) = state.counted {
             let id = match task {
                 Task::Push { .. } => "depth-error",
-                Task::Hold(_) => "place-error",
+                _ => "place-error",
             };
             course.measure(id, errors / n as f64);
         }
-        let unfinished = state.current < self.marks.len();
+        if let Some(distance) = state.progress.cut_distance() {
+            course.measure("cut-distance", distance);
+        }
+        let unfinished = state.current < self.targets.len();
         course.conclude(tick, |course| {
             if unfinished && state.start.is_some() {
                 course.speaks_against(reason(&state, &task));

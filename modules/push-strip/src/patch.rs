@@ -14,8 +14,13 @@ pub(crate) struct Patch {
     pub heights: Vec<f64>,
 }
 
-/// Node positions of a snapshot \[m\].
-fn position(positions: &[f64], node: usize) -> [f64; 3] {
+/// Row of the node with an id in the arrays of a snapshot. Ids are stable, but not in order: a cut may move nodes to other rows.
+pub(crate) fn node_of(ids: &[u32], id: u32) -> Option<usize> {
+    ids.iter().position(|other| *other == id)
+}
+
+/// Place of a node of a snapshot \[m\].
+pub(crate) fn position(positions: &[f64], node: usize) -> [f64; 3] {
     [
         positions[3 * node],
         positions[3 * node + 1],
@@ -53,8 +58,7 @@ impl Patch {
         let mut deepest = f64::NEG_INFINITY;
         let (mut sum, mut found) = ([0.0; 3], 0_u32);
         for (id, height) in self.nodes.iter().zip(&self.heights) {
-            // Ids are stable and ascending, whatever a cut does to their places.
-            let Ok(node) = ids.binary_search(id) else {
+            let Some(node) = node_of(ids, *id) else {
                 continue;
             };
             let p = position(positions, node);

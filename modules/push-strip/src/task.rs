@@ -1,5 +1,6 @@
 //! What is to be done with the tissue at a mark, and how far from it the trainee is.
 
+use crate::cut::Site;
 use microsim_sdk::message::Colour;
 use serde::Deserialize;
 
@@ -31,6 +32,8 @@ pub(crate) enum TaskName {
     Push,
     /// Bring the marked tissue into the ring, with every tool of the level on it, and hold it there.
     Hold,
+    /// Cut the strip at the mark and put what comes off into the tray.
+    Cut,
 }
 
 /// The ring of the level.
@@ -54,6 +57,8 @@ pub(crate) enum Task {
     },
     /// See [`TaskName::Hold`].
     Hold(Ring),
+    /// See [`TaskName::Cut`].
+    Cut(Site),
 }
 
 /// How the marked tissue stands to its task.
@@ -69,8 +74,8 @@ pub(crate) struct Standing {
 
 impl Task {
     /// How tissue stands whose deepest node is `depth` \[m\] below where it lay and whose middle is `place` \[m\]; `held` tells whether
-    /// every tool of the level has it.
-    pub fn standing(&self, depth: f64, place: [f64; 3], held: bool) -> Standing {
+    /// every tool of the level has it. `None` for the task `cut`, which does not ask for a place of the mark.
+    pub fn standing(&self, depth: f64, place: [f64; 3], held: bool) -> Option<Standing> {
         match self {
             Self::Push {
                 depth: wanted,
@@ -83,11 +88,11 @@ impl Task {
                     (false, true) => TOO_FAR,
                     (false, false) => CURRENT,
                 };
-                Standing {
+                Some(Standing {
                     error,
                     holds,
                     colour,
-                }
+                })
             }
             Self::Hold(ring) => {
                 let error = distance(place, ring.centre);
@@ -96,12 +101,13 @@ impl Task {
                     true => HOLDING,
                     false => CURRENT,
                 };
-                Standing {
+                Some(Standing {
                     error,
                     holds,
                     colour,
-                }
+                })
             }
+            Self::Cut(_) => None,
         }
     }
 }

@@ -62,6 +62,7 @@ fn host() -> TestHost<PushStrip> {
         "tool.states",
         "contact.forces",
         "tissue.snapshot",
+        "tissue.cut",
     ];
     let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
     host.moving()

@@ -1,0 +1,274 @@
+//! The task `cut`: what is shown of the tray against what is touched, and the verdict, in-process and without physics.
+
+use microsim_host::assemble::known_metrics;
+use microsim_module_push_strip::PushStrip;
+use microsim_sdk::message::{
+    ContactForce, ContactForces, Jaw, JawForce, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut,
+    ToolState, ToolStates, ToolStatus, TrainingResult,
+};
+use microsim_sdk::{BlockBuilder, Setup, TestHost};
+use microsim_settings::{Level, RigidShape, Shape};
+use serde_json::json;
+use std::path::Path;
+
+fn level() -> Level {
+    let module = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest = microsim_settings::load_manifest(&module.join("module.toml"));
+    let manifest = manifest.expect("a good manifest").settings;
+    let path = module.join("levels/level4.toml");
+    let level = microsim_settings::load_level(&path, &manifest, &known_metrics());
+    level.expect("a good level").settings
+}
+
+/// The boxes are those of which the rigid tray is made: a floor under the inner space, walls of its thickness around it.
+#[test]
+fn the_tray_is_where_it_is_seen() {
+    let level = level();
+    let tray = level.rigid.iter().find(|thing| thing.name == "tray");
+    let tray = tray.expect("a tray");
+    let RigidShape::Tray {
+        half_size: [x, y, z],
+        wall,
+        ..
+    } = tray.shape
+    else {
+        panic!("{:?}", tray.shape);
+    };
+    let [at_x, at_y, at_z] = tray.position;
+    let half = 0.5 * wall;
+    let (beside_x, beside_y) = (x + half, y + half);
+    let expected = [
+        ("tray-floor", [x, y, half], [0.0, 0.0, -z - half]),
+        (
+            "tray-left",
+            [half, y + wall, z + half],
+            [-beside_x, 0.0, -half],
+        ),
+        (
+            "tray-right",
+            [half, y + wall, z + half],
+            [beside_x, 0.0, -half],
+        ),
+        ("tray-far", [x, half, z + half], [0.0, beside_y, -half]),
+        ("tray-near", [x, half, z + half], [0.0, -beside_y, -half]),
+    ];
+    for (name, size, [dx, dy, dz]) in expected {
+        let object = level.object.iter().find(|object| object.name == name);
+        let object = object.expect(name);
+        let Shape::Box { half_size } = object.shape else {
+            panic!("{name}");
+        };
+        let place = [at_x + dx, at_y + dy, at_z + dz];
+        for k in 0..3 {
+            // Lengths of millimetres, written in decimals: rounding is below a nanometre by far.
+            assert!((half_size[k] - size[k]).abs() < 1e-12, "{name}");
+            assert!((object.position[k] - place[k]).abs() < 1e-12, "{name}");
+        }
+    }
+}
+
+const DWELL: f64 = 0.2;
+/// Ticks of 8 ms that a piece has to lie for 0.2 s: time counts from the first one.
+const STAY: u64 = 26;
+
+fn started() -> TestHost<PushStrip> {
+    let tool = |name: &str, sharpness: f64| {
+        json!({
+            "title": { "de": name, "en": name }, "doc": "-", "hinge": null, "opening_angle": null, "colour": "#888888",
+            "finish": "metal", "sharpness": sharpness, "capsule": [],
+        })
+    };
+    let config = json!({
+        "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
+        "models": { "forceps": tool("forceps", 0.0), "scissors": tool("scissors", 1.0) },
+        "limits": [{
+            "metric": "cut-distance", "min": null, "max": 0.001, "full": null, "zero": null,
+            "source": "this test", "provisional": true, "reason": "cut-beside-the-mark",
+        }],
+        "metrics": {
+            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05,
+            "resample_rate": 60.0, "gap": 0.1, "shortest_path": null,
+        },
+        "own_metrics": [{
+            "id": "cut-distance", "unit": "m", "display_unit": "um", "direction": "lower",
+            "category": "target", "formula": "cut-distance/1", "source": "this test",
+            "title": { "de": "Abstand", "en": "Distance" }, "advice": { "de": "-", "en": "-" },
+        }],
+        "reasons": [],
+        "module": { "task": "cut", "depth": 0.001, "depth_tolerance": 0.0001, "dwell": DWELL, "mark_radius": 0.0021 },
+        "objects": [
+            { "name": "clamp", "position": [0.004, 0.0, 0.0], "half_size": [0.001, 0.001, 0.001] },
+            { "name": "mark-1", "position": [0.001, 0.0, 0.0], "radius": 0.0002 },
+            { "name": "tray-floor", "position": [-0.01, 0.0, -0.005], "half_size": [0.003, 0.002, 0.0005] },
+            { "name": "tray-left", "position": [-0.013, 0.0, -0.004], "half_size": [0.0005, 0.002, 0.0015] },
+        ],
+        "bodies": [{ "name": "strip" }],
+    });
+    let setup = Setup {
+        name: "push-strip".into(),
+        seed: 1,
+        tick_ns: 8_000_000,
+        steps: 1,
+        level: 4,
+        config,
+        files: Vec::new(),
+    };
+    let publishes = [
+        "object.set",
+        "level.state",
+        "level.event",
+        "training.result",
+    ];
+    let subscribes = [
+        "level.control",
+        "tool.sample",
+        "tool.states",
+        "contact.forces",
+        "tissue.snapshot",
+        "tissue.cut",
+    ];
+    let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
+    let mut host = host.moving();
+    host.send(&LevelControl::Start);
+    assert!(tick(&mut host, Piece::None, true).is_none());
+    host
+}
+
+/// Where the free half of the strip is.
+#[derive(Clone, Copy)]
+enum Piece {
+    None,
+    Off([f64; 3]),
+}
+
+/// A tick with a strip of four nodes, whose ids stand in another order after the cut, as after one that has removed crumbs.
+fn tick(host: &mut TestHost<PushStrip>, piece: Piece, held: bool) -> Option<TrainingResult> {
+    let (ids, off, [x, y, z]) = match piece {
+        Piece::None => ([10, 11, 12, 13], 0, [0.0; 3]),
+        Piece::Off(by) => ([10, 13, 12, 11], 1, by),
+    };
+    let free = |at: f64| [at + x, y, z];
+    let places = match piece {
+        Piece::None => [
+            [0.004, 0.0, 0.0],
+            free(-0.003),
+            free(-0.002),
+            [0.003, 0.0, 0.0],
+        ],
+        Piece::Off(_) => [
+            [0.004, 0.0, 0.0],
+            [0.003, 0.0, 0.0],
+            free(-0.002),
+            free(-0.003),
+        ],
+    };
+    let pieces = match piece {
+        Piece::None => [0; 4],
+        Piece::Off(_) => [0, 0, off, off],
+    };
+    let block = BlockBuilder::new(TISSUE_SNAPSHOT, "strip", 0, 0)
+        .u32s("node_id", ids)
+        .f64s("position", places.into_iter().flatten())
+        .u32s("piece", pieces)
+        .u32s("triangle", [0, 1, 2]);
+    host.send_block(&block.finish());
+    let state = |tool: &str| ToolState {
+        tool: tool.into(),
+        model: "-".into(),
+        status: ToolStatus::Tracked,
+        pose: Pose::default(),
+        opening: 0.0,
+    };
+    host.send(&ToolStates {
+        tools: vec![state("left"), state("right")],
+    });
+    let force = |tool: &str, jaws: Vec<JawForce>| ContactForce {
+        tool: tool.into(),
+        body: "strip".into(),
+        jaws,
+        ..ContactForce::default()
+    };
+    let jaw = |jaw| JawForce {
+        jaw,
+        force: 0.01,
+        pressure: 1.0,
+    };
+    let grip = held.then(|| force("left", vec![jaw(Jaw::Left), jaw(Jaw::Right)]));
+    host.send(&ContactForces {
+        contacts: grip.into_iter().collect(),
+        between: vec![force("tray", Vec::new())],
+    });
+    host.tick().expect("a good tick").last()
+}
+
+fn cut(host: &mut TestHost<PushStrip>, x: f64) {
+    host.send(&TissueCut {
+        body: "strip".into(),
+        tool: "right".into(),
+        area: 1e-6,
+        // Only along the normal does it count.
+        rest_centroid: [x, 0.0005, -0.0005],
+        rest_normal: [1.0, 0.0, 0.0],
+        ..TissueCut::default()
+    });
+}
+
+const IN_TRAY: Piece = Piece::Off([-0.0075, 0.0, -0.0035]);
+const BESIDE: Piece = Piece::Off([-0.0075, 0.0, -0.0049]);
+
+fn lie(
+    host: &mut TestHost<PushStrip>,
+    piece: Piece,
+    held: bool,
+    ticks: u64,
+) -> Option<TrainingResult> {
+    (0..ticks).find_map(|_| tick(host, piece, held))
+}
+
+fn end(host: &mut TestHost<PushStrip>) -> TrainingResult {
+    host.send(&LevelControl::InputEnded);
+    let result = host.tick().expect("a good tick").last();
+    result.expect("a verdict when the input has ended")
+}
+
+fn metric(result: &TrainingResult, id: &str) -> Option<f64> {
+    result.metrics.iter().find(|m| m.id == id)?.value
+}
+
+#[test]
+fn a_piece_cut_off_at_the_mark_that_lies_in_the_tray_passes() {
+    let mut host = started();
+    cut(&mut host, 0.0018);
+    cut(&mut host, 0.0008);
+    assert!(lie(&mut host, Piece::Off([0.0; 3]), true, 3).is_none());
+    // What is done to the piece afterwards does not count.
+    cut(&mut host, -0.003);
+    assert!(lie(&mut host, IN_TRAY, true, 2 * STAY).is_none(), "held");
+    assert!(
+        lie(&mut host, IN_TRAY, false, STAY - 1).is_none(),
+        "a tick too early"
+    );
+    let result = tick(&mut host, IN_TRAY, false).expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+    // The mean of 0.8 and 0.2 mm; tolerance: rounding.
+    let distance = metric(&result, "cut-distance").expect("measured");
+    assert!((distance - 0.0005).abs() < 1e-12, "{distance}");
+}
+
+#[test]
+fn each_reason_comes_alone() {
+    let mut uncut = started();
+    lie(&mut uncut, Piece::None, false, 2 * STAY);
+    assert_eq!(end(&mut uncut).failed, ["not-cut"]);
+
+    let mut lost = started();
+    cut(&mut lost, 0.001);
+    lie(&mut lost, Piece::Off([0.0; 3]), true, 1);
+    lie(&mut lost, BESIDE, false, 2 * STAY);
+    assert_eq!(end(&mut lost).failed, ["not-in-tray"]);
+
+    let mut beside = started();
+    cut(&mut beside, -0.0005);
+    let result = lie(&mut beside, IN_TRAY, false, 2 * STAY).expect("the verdict");
+    assert_eq!(result.failed, ["cut-beside-the-mark"]);
+}
