@@ -324,8 +324,16 @@ impl BladeMemory {
                 self.strokes.iter().any(|stroke| of_line(&stroke))
             };
             // Jaws that have closed on nothing are as solid as before.
-            if let (Some(range), true) = (closed, cuts(0) || cuts(1)) {
-                parts.extend([0, 1].map(|jaw| part(couple[jaw].capsule, *range)));
+            if let (Some([first, last]), true) = (*closed, cuts(0) || cuts(1)) {
+                // Closed to an end the cap of the capsule there is passed too.
+                let first = if first <= 0.0 {
+                    f64::NEG_INFINITY
+                } else {
+                    first
+                };
+                let last = if last >= 1.0 { f64::INFINITY } else { last };
+                let range = [first, last];
+                parts.extend([0, 1].map(|jaw| part(couple[jaw].capsule, range)));
             }
         }
         parts
