@@ -239,12 +239,15 @@ fn allowed(count: f64) -> Result<(), FromSettingsCause> {
     }
 }
 
-/// The material of each region of the mesh; one without a region is for all that no other names.
+/// Regions with something each.
+type OfRegions<T> = Vec<(u32, T)>;
+
+/// The material of each region of the mesh, and the strain at which those tear that do; one without a region is for all that no other names.
 fn materials(
     body: &settings::Body,
     key: &KeyPath,
     mesh: &TetMesh,
-) -> Result<(Vec<(u32, Material)>, Vec<(u32, f64)>), FromSettingsError> {
+) -> Result<(OfRegions<Material>, OfRegions<f64>), FromSettingsError> {
     let mut regions = mesh.regions.clone();
     regions.sort_unstable();
     regions.dedup();
