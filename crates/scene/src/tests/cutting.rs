@@ -68,6 +68,21 @@ fn line(radius: f64, edge: Option<[f64; 3]>) -> CapsuleSpec {
     }
 }
 
+/// A jaw along y up to `end` [m], on one `side` of the middle, about a hinge at y = 8 mm.
+fn jaw(end: f64, side: f64, jaw: Jaw) -> CapsuleSpec {
+    CapsuleSpec {
+        a: [0.0, -2e-3, 1.2e-4 * side],
+        b: [0.0, end, 1.2e-4 * side],
+        hinge: Some(HingeSpec {
+            pivot: [0.0, 8e-3, 0.0],
+            axis: [1.0, 0.0, 0.0],
+            angle: -0.15 * side,
+        }),
+        jaw: Some(jaw),
+        ..line(1.2e-4, None)
+    }
+}
+
 fn tool(name: &str, sharpness: f64, capsules: Vec<CapsuleSpec>) -> ToolSpec {
     ToolSpec {
         name: name.into(),
@@ -368,23 +383,10 @@ fn jaws_cut_by_sharpness_or_brittleness() {
     let closed = |sharpness: f64, brittleness: f64, lonor: bool| {
         let mut body = bar(Discretisation::Tetrahedra, 5e-3);
         body.brittleness = brittleness;
-        let jaw = |side: f64, jaw| CapsuleSpec {
-            a: [0.0, -2e-3, 1.2e-4 * side],
-            b: [0.0, 2e-3, 1.2e-4 * side],
-            radius: 1.2e-4,
-            hinge: Some(HingeSpec {
-                pivot: [0.0, 8e-3, 0.0],
-                axis: [1.0, 0.0, 0.0],
-                angle: -0.15 * side,
-            }),
-            jaw: Some(jaw),
-            lonor: true,
-            edge: None,
-        };
         let jaws = tool(
             "jaws",
             sharpness,
-            vec![jaw(1.0, Jaw::Left), jaw(-1.0, Jaw::Right)],
+            vec![jaw(2e-3, 1.0, Jaw::Left), jaw(2e-3, -1.0, Jaw::Right)],
         );
         let mut of = spec(body, jaws, true, Method::ImplicitEuler(NEWTON));
         if !lonor {
@@ -417,24 +419,11 @@ fn jaws_cut_by_sharpness_or_brittleness() {
 /// and closed again they cut it again.
 #[test]
 fn jaws_cut_again_and_not_when_they_were_closed_before() {
-    let jaw = |side: f64, jaw| CapsuleSpec {
-        a: [0.0, -2e-3, 1.2e-4 * side],
-        // At the hinge, where jaws of scissors never open.
-        b: [0.0, 8e-3, 1.2e-4 * side],
-        radius: 1.2e-4,
-        hinge: Some(HingeSpec {
-            pivot: [0.0, 8e-3, 0.0],
-            axis: [1.0, 0.0, 0.0],
-            angle: -0.15 * side,
-        }),
-        jaw: Some(jaw),
-        lonor: true,
-        edge: None,
-    };
+    // To the hinge, where jaws of scissors never open.
     let jaws = tool(
         "jaws",
         1.0,
-        vec![jaw(1.0, Jaw::Left), jaw(-1.0, Jaw::Right)],
+        vec![jaw(8e-3, 1.0, Jaw::Left), jaw(8e-3, -1.0, Jaw::Right)],
     );
     let of = spec(
         bar(Discretisation::Tetrahedra, 5e-3),
