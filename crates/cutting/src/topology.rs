@@ -199,8 +199,8 @@ impl Topology {
         corner.expect("neighbours know each other")
     }
 
-    /// The triangles of an element that lie on the surface.
-    pub(crate) fn triangles_of(&self, element: u32) -> impl Iterator<Item = SurfaceTriangle> + '_ {
+    /// The triangles of an element that lie on the surface, in the order of the corners opposite to them.
+    pub fn triangles_of(&self, element: u32) -> impl Iterator<Item = SurfaceTriangle> + '_ {
         let outer = (0..4).filter(move |&k| self.neighbours[element as usize][k] == NONE);
         outer.map(move |corner| SurfaceTriangle {
             nodes: self.face(element, corner),

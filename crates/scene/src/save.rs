@@ -202,7 +202,7 @@ impl Scene {
             self.bodies = cut;
             self.edits = edits;
             for group in &mut self.groups {
-                group.follow(&self.bodies, &self.pairs, &self.rigid, &self.method);
+                group.renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
             }
         } else {
             self.bodies = cut;
