@@ -30,6 +30,9 @@ fn main() {
 const WIDTH: f64 = 8.0;
 const WAY: f64 = 0.25;
 
+/// Ticks without the blade before the cut, and as many after it.
+const REST: usize = 10;
+
 /// CPU time of this process [s].
 fn cpu() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
@@ -122,23 +125,26 @@ fn measure(cells: [usize; 3]) {
     let way = WAY * edge;
     let top = 0.5 * size[2] + 0.5 * way;
     let (mut without, mut cut, mut touched) = (Vec::new(), Vec::new(), Vec::new());
-    for k in 0..(size[2] / way) as usize + 1 {
-        let motion = ToolMotion {
+    let ticks = (size[2] / way) as usize + 1;
+    // Without the blade before and after, as the body grows by the cut.
+    for k in 0..2 * REST + ticks {
+        let cutting = (REST..REST + ticks).contains(&k);
+        let way_before = k.saturating_sub(REST) as f64 * way;
+        let motion = cutting.then(|| ToolMotion {
             tool: 0,
-            from: at(top - k as f64 * way),
-            to: at(top - (k + 1) as f64 * way),
+            from: at(top - way_before),
+            to: at(top - way_before - way),
             opening_from: 0.0,
             opening_to: 0.0,
             active: true,
-        };
+        });
         let start = cpu();
-        scene.tick(&[], tick, 1, &Serial).expect("a tick");
-        without.push((cpu() - start) * 1e3);
-        let start = cpu();
-        let report = scene.tick(&[motion], tick, 1, &Serial).expect("a tick");
+        let report = scene.tick(motion.as_slice(), tick, 1, &Serial).expect("a tick");
         let time = (cpu() - start) * 1e3;
         let divided: usize = report.cuts.iter().map(|cut| cut.divided).sum();
-        if divided > 0 {
+        if !cutting {
+            without.push(time);
+        } else if divided > 0 {
             cut.push(time);
             touched.push(divided as f64);
         }
