@@ -111,6 +111,8 @@ impl Clusters {
             return slack;
         }
         self.places.clear();
+        // New nodes come with every cut.
+        self.places.reserve(positions[1].len() * 3 / 2);
         self.places.extend_from_slice(positions[1]);
         for cluster in &mut self.clusters {
             let nodes = cluster.nodes.iter();
@@ -158,6 +160,11 @@ impl Clusters {
         if !self.places.is_empty() {
             edit.carry_nodes(&mut self.places);
         }
+    }
+
+    /// Makes room for so many more elements.
+    pub(crate) fn make_room(&mut self, elements: usize) {
+        self.of.reserve(elements);
     }
 
     /// A new element (the next one) comes from `parent`.

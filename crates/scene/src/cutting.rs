@@ -383,6 +383,7 @@ impl Scene {
                 self.groups.clone_from(groups);
                 self.edits.clear();
             }
+            self.bodies.iter_mut().for_each(Body::prepare_edits);
         }
     }
 }
@@ -392,6 +393,29 @@ impl Scene {
 pub(crate) struct Misfit;
 
 impl Body {
+    /// Makes what edits look up, and room for what they add: else the first ones wait for it.
+    pub(crate) fn prepare_edits(&mut self) {
+        let Some(topology) = &mut self.topology else {
+            return;
+        };
+        topology.make_room();
+        self.model.prepare_edits();
+        let TetMesh {
+            positions,
+            node_ids,
+            tets,
+            element_ids,
+            regions,
+            ..
+        } = &mut self.mesh;
+        let (nodes, elements) = (positions.len() / 2, tets.len() / 2);
+        positions.reserve(nodes);
+        node_ids.reserve(nodes);
+        tets.reserve(elements);
+        element_ids.reserve(elements);
+        regions.reserve(elements);
+    }
+
     /// Follows an edit: mesh, model, what drives it. Its surface is then still that of the mesh before. After an error the body is of no
     /// use any more.
     pub(crate) fn follow(

@@ -207,6 +207,7 @@ impl Scene {
         } else {
             self.bodies = cut;
         }
+        self.bodies.iter_mut().for_each(Body::prepare_edits);
         self.state = SceneState {
             bodies,
             memories,

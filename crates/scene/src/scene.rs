@@ -151,9 +151,7 @@ impl Scene {
         let is_cut = bodies.iter().any(|body| body.topology.is_some());
         let uncut = is_cut.then(|| Box::new((bodies.clone(), groups.clone())));
         // After the copy, so that the first cut has nothing to copy.
-        for body in bodies.iter_mut().filter(|body| body.topology.is_some()) {
-            body.model.prepare_edits();
-        }
+        bodies.iter_mut().for_each(Body::prepare_edits);
         Ok(Self {
             tools,
             things,

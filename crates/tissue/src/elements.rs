@@ -171,6 +171,9 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// nothing changed, where `added` is a set of another kind.
     fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool;
 
+    /// Makes room for half as many elements again, so that edits do not wait for memory.
+    fn make_room(&mut self);
+
     /// The internal variables that the elements of `added` inherit from elements `ancestors[i]` of this set, in the order of those of
     /// `added`; empty for elements without any.
     fn inherited(&self, _added: &dyn Elements, _ancestors: &[Vec<u32>]) -> Vec<Inherited> {

@@ -200,6 +200,10 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         added.is_some_and(|added| self.domains.splice(removed, &added.domains))
     }
 
+    fn make_room(&mut self) {
+        self.domains.make_room();
+    }
+
     fn constraints(&self) -> Option<&dyn Constraints> {
         if L::IS_SUM_OF_SQUARES {
             Some(self)
