@@ -525,8 +525,9 @@ impl Planner<'_> {
                 "module": level["module"],
                 "objects": level["object"],
                 "bodies": level["body"],
+                "rigid": level["rigid"],
             }),
-            PluginKind::Objects => json!({ "objects": level["object"] }),
+            PluginKind::Objects => json!({ "objects": level["object"], "rigid": level["rigid"] }),
             PluginKind::Renderer => json!({
                 "view": level["view"],
                 "models": self.models,

@@ -7,6 +7,7 @@
 //! - [`Playback`]: samples of a file as an input source.
 //! - [`Parallel`]: a parallel loop with a fixed partition (physics only).
 //! - [`Course`]: levels, targets, limits, metrics and the result of a training module.
+//! - [`Tray`]: the inner space of a tray of the level.
 //! - [`TestHost`]: runs a plugin in-process without any file, every crossing through a byte copy.
 //!
 //! The raw boundary (crate `abi`) is not visible from here; every panic is caught before it reaches it.
@@ -20,6 +21,7 @@ mod plugin;
 mod random;
 mod test_host;
 mod tick;
+mod tray;
 
 pub use course::{Course, CourseConfig};
 pub use fault::Fault;
@@ -32,6 +34,7 @@ pub use plugin::{Plugin, Services};
 pub use random::RandomStream;
 pub use test_host::{Heard, TestHost};
 pub use tick::Tick;
+pub use tray::Tray;
 
 #[doc(hidden)]
 pub mod export {
