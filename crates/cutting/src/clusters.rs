@@ -303,7 +303,13 @@ mod tests {
             some += usize::from(!found.is_empty());
             none += usize::from(found.is_empty());
             if step % 4 == 0 {
-                let sheet = Sheet::plane(vector(), vector(), 10.0);
+                let center = vector();
+                let [along, across] = [vector(), vector()].map(|v| v.normalize() * 20.0);
+                let corner = |s: f64, t: f64| center + along * s + across * t;
+                let sheet = Sheet::quad(
+                    [corner(-1.0, -1.0), corner(1.0, -1.0)],
+                    [corner(-1.0, 1.0), corner(1.0, 1.0)],
+                );
                 let positions = mesh.positions.clone();
                 let blade = Blade::Sheet { sheet: &sheet, positions: &positions };
                 let made = topology.cut(&mesh, &mut Stroke::new(), &blade, &Settings::default());
