@@ -9,7 +9,9 @@ use nalgebra::Vector3;
 use rustix::time::{ClockId, clock_gettime};
 
 fn main() {
-    println!("tetrahedra  cuts  divided (most)  tick [ms]  cut p50 [ms]  cut p99 [ms]  both p50 [ms]  both p99 [ms]");
+    println!(
+        "tetrahedra  cuts  divided (most)  tick [ms]  cut p50 [ms]  cut p99 [ms]  both p50 [ms]  both p99 [ms]"
+    );
     let bodies = [
         [5, 6, 6],
         [8, 10, 8],
@@ -139,7 +141,9 @@ fn measure(cells: [usize; 3]) {
             active: true,
         });
         let start = cpu();
-        let report = scene.tick(motion.as_slice(), tick, 1, &Serial).expect("a tick");
+        let report = scene
+            .tick(motion.as_slice(), tick, 1, &Serial)
+            .expect("a tick");
         let time = (cpu() - start) * 1e3;
         let divided: usize = report.cuts.iter().map(|cut| cut.divided).sum();
         if !cutting {

@@ -10,7 +10,9 @@ fn surface(triangles: &[SurfaceTriangle]) -> Surface {
 /// Where those of `one` stand that are not in `other`.
 fn beyond(one: &[SurfaceTriangle], other: &[SurfaceTriangle]) -> Vec<u32> {
     let places = 0..one.len() as u32;
-    places.filter(|&place| !other.contains(&one[place as usize])).collect()
+    places
+        .filter(|&place| !other.contains(&one[place as usize]))
+        .collect()
 }
 
 /// Blocks that are cut by planes and patches again and again, crumbs and pieces that come off among them: a skin that follows is, list by
@@ -50,7 +52,9 @@ fn a_skin_that_follows_cuts_is_the_one_made_anew() {
                 crumb_volume: 0.5,
                 ..Settings::default()
             };
-            let made_cut = topology.cut(&mesh, &mut Stroke::new(), &blade, &settings).unwrap();
+            let made_cut = topology
+                .cut(&mesh, &mut Stroke::new(), &blade, &settings)
+                .unwrap();
             let Some(cut) = made_cut else {
                 continue;
             };

@@ -114,9 +114,17 @@ fn check_boundaries(scene: &Scene, what: &str) {
             of.map(|(a, _)| a.norm()).sum::<f64>()
         };
         // A bar of 5 × 2 × 1 mm.
-        assert!((area(false) / 34e-6 - 1.0).abs() < 1e-9, "{what}: {}", area(false));
+        assert!(
+            (area(false) / 34e-6 - 1.0).abs() < 1e-9,
+            "{what}: {}",
+            area(false)
+        );
         let (of_nodes, count) = (body.pieces.of_nodes.clone(), body.pieces.count());
-        assert_eq!(body.pieces, Pieces::new(of_nodes, count, &body.mesh.tets), "{what}");
+        assert_eq!(
+            body.pieces,
+            Pieces::new(of_nodes, count, &body.mesh.tets),
+            "{what}"
+        );
         // What hangs together is of one piece.
         let topology = body.topology.as_ref().unwrap();
         for (element, tet) in body.mesh.tets.iter().enumerate() {
@@ -146,7 +154,10 @@ fn what_follows_cuts_is_what_is_made_anew() {
     };
     let mut divided = 0;
     for stroke in 0..4 {
-        let (x, turn) = (2e-3 * number(), UnitQuaternion::new(Vector3::new(0.2 * number(), 0.3 * number(), number())));
+        let (x, turn) = (
+            2e-3 * number(),
+            UnitQuaternion::new(Vector3::new(0.2 * number(), 0.3 * number(), number())),
+        );
         let at = |k: usize| Pose {
             position: Vector3::new(x, 0.0, 2e-3 - 3e-3 * k as f64 / 6.0),
             orientation: turn,
@@ -170,5 +181,9 @@ fn what_follows_cuts_is_what_is_made_anew() {
             check_boundaries(&scene, &what);
         }
     }
-    assert!(divided > 1000 && scene.piece_count(0) > 4, "{divided}, {}", scene.piece_count(0));
+    assert!(
+        divided > 1000 && scene.piece_count(0) > 4,
+        "{divided}, {}",
+        scene.piece_count(0)
+    );
 }
