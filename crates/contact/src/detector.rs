@@ -152,7 +152,9 @@ impl Detector {
                 let capsules = frame.tools.get(tool as usize).and_then(Option::as_ref);
                 let reached = |capsules: &Vec<CapsuleMotion>| {
                     let of = &self.bodies[body as usize];
-                    capsules.iter().any(|motion| tool::reach(of, motion, frame).is_some())
+                    capsules
+                        .iter()
+                        .any(|motion| tool::reach(of, motion, frame).is_some())
                 };
                 (capsules.is_some_and(reached), [body; 2])
             }

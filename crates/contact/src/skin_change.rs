@@ -37,7 +37,8 @@ impl Skin {
         let from = self.offset;
         let key = |nodes: [u32; 2]| nodes.map(|node| node - from + offset);
         // The edges of triangles that have come or gone.
-        let mut changed: Vec<[u32; 2]> = Vec::with_capacity(3 * (change.removed.len() + change.added.len()));
+        let mut changed: Vec<[u32; 2]> =
+            Vec::with_capacity(3 * (change.removed.len() + change.added.len()));
         for &triangle in change.removed {
             let edges = self.triangle_edges[triangle as usize];
             changed.extend(edges.map(|edge| key(self.edges[edge as usize].nodes)));
@@ -47,7 +48,8 @@ impl Skin {
         self.nodes.clear();
         self.nodes.extend(surface.nodes.iter().copied().map(shift));
         self.triangles.clear();
-        self.triangles.extend(surface.triangles.iter().map(|triangle| triangle.map(shift)));
+        self.triangles
+            .extend(surface.triangles.iter().map(|triangle| triangle.map(shift)));
         self.node_triangles = Lists::at_corners(mesh.positions.len(), &surface.triangles);
         for &triangle in change.added {
             let nodes = self.triangles[triangle as usize];
@@ -95,8 +97,7 @@ impl Skin {
         self.triangle_edges.resize(self.triangles.len(), [NONE; 3]);
         for (edges, &place) in old.iter().zip(to) {
             if place != NONE {
-                self.triangle_edges[place as usize] =
-                    edges.map(|edge| renumbered[edge as usize]);
+                self.triangle_edges[place as usize] = edges.map(|edge| renumbered[edge as usize]);
             }
         }
         for (edges, nodes) in self.triangle_edges.iter_mut().zip(&self.triangles) {
@@ -112,7 +113,10 @@ impl Skin {
 
     /// The edge between two nodes, if a triangle has it.
     fn edge(&self, nodes: [u32; 2]) -> Option<SkinEdge> {
-        if nodes.iter().any(|node| !self.range().contains(&(*node as usize))) {
+        if nodes
+            .iter()
+            .any(|node| !self.range().contains(&(*node as usize)))
+        {
             return None;
         }
         let at = self.triangles_at(nodes[0]).iter().copied();
@@ -129,10 +133,15 @@ impl Skin {
         let offset = self.offset;
         let tets = &change.mesh.tets;
         self.tets.clear();
-        self.tets.extend(tets.iter().map(|tet| tet.map(|node| node + offset)));
+        self.tets
+            .extend(tets.iter().map(|tet| tet.map(|node| node + offset)));
         let count = change.mesh.positions.len();
         self.neighbours.resize(count, Vec::new());
-        for &node in change.touched.iter().filter(|node| (**node as usize) < count) {
+        for &node in change
+            .touched
+            .iter()
+            .filter(|node| (**node as usize) < count)
+        {
             let list = &mut self.neighbours[node as usize];
             list.clear();
             for &element in (change.elements_at)(node) {

@@ -15,8 +15,8 @@ use crate::outward::{self, Outward};
 use crate::point::{Key, Partner, Point};
 use crate::skin::{NONE, Skin};
 use microsim_geometry::{
-    Aabb, Capsule, Motion, TriangleFeature, closest_on_triangle, closest_segments, first_contact_edges,
-    first_contact_point_triangle, triangle_normal,
+    Aabb, Capsule, Motion, TriangleFeature, closest_on_triangle, closest_segments,
+    first_contact_edges, first_contact_point_triangle, triangle_normal,
 };
 use nalgebra::Vector3;
 

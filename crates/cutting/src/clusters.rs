@@ -106,7 +106,11 @@ impl Clusters {
             }
         };
         let known = self.places.len() == positions[1].len();
-        let slack = if known { farthest(&self.places) } else { f64::INFINITY };
+        let slack = if known {
+            farthest(&self.places)
+        } else {
+            f64::INFINITY
+        };
         if slack <= most {
             return slack;
         }
@@ -150,7 +154,9 @@ impl Clusters {
         for cluster in &self.clusters {
             if anywhere || cluster.bounds.overlaps(&bounds) {
                 let elements = cluster.elements.iter().copied();
-                elements.filter(|&e| is_near(&tets[e as usize])).for_each(&mut found);
+                elements
+                    .filter(|&e| is_near(&tets[e as usize]))
+                    .for_each(&mut found);
             }
         }
     }
@@ -291,27 +297,44 @@ mod tests {
             let expected = (0..mesh.tets.len() as u32).filter(|&element| {
                 let corners = mesh.tets[element as usize].map(|node| node as usize);
                 let places = corners.map(|node| [before[node], now[node]]);
-                let finite = places.iter().flatten().all(|p| p.iter().all(|x| x.is_finite()));
+                let finite = places
+                    .iter()
+                    .flatten()
+                    .all(|p| p.iter().all(|x| x.is_finite()));
                 !finite || Aabb::of(places.iter().flatten()).overlaps(&bounds)
             });
             let expected: Vec<u32> = expected.collect();
             let mut found = Vec::new();
             let Topology { clusters, tets, .. } = &mut topology;
-            clusters.near(&bounds, 1.0, tets, [&before, &now], |element| found.push(element));
+            clusters.near(&bounds, 1.0, tets, [&before, &now], |element| {
+                found.push(element)
+            });
             found.sort_unstable();
             assert_eq!(found, expected, "step {step}");
             some += usize::from(!found.is_empty());
             none += usize::from(found.is_empty());
             if step % 4 == 0 {
-                let sheet = Sheet::plane(vector(), vector(), 10.0);
+                let center = vector();
+                let [along, across] = [vector(), vector()].map(|v| v.normalize() * 20.0);
+                let corner = |s: f64, t: f64| center + along * s + across * t;
+                let sheet = Sheet::quad(
+                    [corner(-1.0, -1.0), corner(1.0, -1.0)],
+                    [corner(-1.0, 1.0), corner(1.0, 1.0)],
+                );
                 let positions = mesh.positions.clone();
-                let blade = Blade::Sheet { sheet: &sheet, positions: &positions };
+                let blade = Blade::Sheet {
+                    sheet: &sheet,
+                    positions: &positions,
+                };
                 let made = topology.cut(&mesh, &mut Stroke::new(), &blade, &Settings::default());
                 if let Some(cut) = made.unwrap() {
                     mesh.apply(&cut.edit).unwrap();
                 }
             }
         }
-        assert!(some > 10 && none > 10 && topology.clusters.clusters.len() > 20, "{some}, {none}");
+        assert!(
+            some > 10 && none > 10 && topology.clusters.clusters.len() > 20,
+            "{some}, {none}"
+        );
     }
 }

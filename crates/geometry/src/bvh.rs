@@ -100,7 +100,9 @@ impl Bvh {
         }
         if new > 0 {
             let first = self.leaves.len();
-            let missing = (0u32..).zip(&self.places).filter(|(_, place)| **place == NONE);
+            let missing = (0u32..)
+                .zip(&self.places)
+                .filter(|(_, place)| **place == NONE);
             self.leaves.extend(missing.map(|(index, _)| Leaf {
                 bounds: usable(&boxes[index as usize]),
                 index,
@@ -119,7 +121,8 @@ impl Bvh {
         }
         let last = to.iter().filter(|&&index| index != NONE).max();
         self.places.clear();
-        self.places.resize(last.map_or(0, |&last| last as usize + 1), NONE);
+        self.places
+            .resize(last.map_or(0, |&last| last as usize + 1), NONE);
         self.enter(0);
     }
 

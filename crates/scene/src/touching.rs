@@ -6,7 +6,8 @@ use crate::lonor::Passed;
 use crate::pairs::{Pair, PairPartner};
 use crate::scene::Body;
 use microsim_contact::{
-    CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, SkinChange, Touch, VesselEnd,
+    CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, SkinChange, Touch,
+    VesselEnd,
 };
 use microsim_tissue::{Contact, ContactSource, Method, TissueModel};
 use nalgebra::Vector3;
@@ -230,7 +231,9 @@ impl GroupTouching {
 
     /// Follows cuts of bodies: then it is what would be made anew.
     pub fn follow(&mut self, members: &[Member], bodies: &[Body], renewed: &[Option<Renewed>]) {
-        let first = members.iter().position(|member| renewed[member.body].is_some());
+        let first = members
+            .iter()
+            .position(|member| renewed[member.body].is_some());
         let Some(first) = first else {
             return;
         };

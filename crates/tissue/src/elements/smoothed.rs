@@ -84,6 +84,9 @@ impl SmoothingDomains {
     /// are ascending.
     pub(crate) fn around(mesh: &TetMesh, around: &[(Key, u32)], share: f64) -> Self {
         let mut domains = Self::new(Keys::Around(Vec::new()));
+        // m tetrahedra around an edge have m + 2 or m + 3 nodes; there are more than four around most.
+        domains.nodes.reserve(2 * around.len());
+        domains.gradients.reserve(2 * around.len());
         let mut shares = Vec::new();
         for members in around.chunk_by(|a, b| a.0 == b.0) {
             domains.push(mesh, members, share, &mut shares);
