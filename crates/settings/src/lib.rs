@@ -62,8 +62,8 @@ pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
 pub use guess::guess_kind;
 pub use host::{
-    Host, LateSettings, PictureSettings, QueueSettings, SessionSettings, host_schema, load_host,
-    read_host,
+    Host, LateSettings, PageLanguage, PictureSettings, QueueSettings, ReportSettings,
+    SessionSettings, host_schema, load_host, read_host,
 };
 pub use level::{
     Clock, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape, ToolSlot, View,
