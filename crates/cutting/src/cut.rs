@@ -176,7 +176,7 @@ impl Topology {
     }
 
     /// The crossed edges, smaller node first.
-    fn crossings(&self, blade: &Blade) -> Result<BTreeMap<[u32; 2], Crossing>, Rejected> {
+    fn crossings(&mut self, blade: &Blade) -> Result<BTreeMap<[u32; 2], Crossing>, Rejected> {
         let finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
         let mut crossings = BTreeMap::new();
         match blade {
@@ -220,34 +220,41 @@ impl Topology {
     }
 
     /// Whether a blade that moves has come to where no element is.
-    fn is_clear(&self, blade: &Blade) -> bool {
+    fn is_clear(&mut self, blade: &Blade) -> bool {
         let Blade::Sweep { sweeps, now, .. } = blade else {
             return false;
         };
         let mut clear = true;
         for sweep in *sweeps {
-            self.clusters
-                .near(&Aabb::of(&sweep.now), &self.tets, [now, now], |_| {
-                    clear = false;
-                });
+            self.elements_near(&Aabb::of(&sweep.now), [now, now], |_| clear = false);
         }
         clear
     }
 
+    /// Calls `found` with every element whose way from the first to the second positions comes into `bounds`.
+    fn elements_near(
+        &mut self,
+        bounds: &Aabb,
+        positions: [&[Vector3<f64>]; 2],
+        mut found: impl FnMut(&[u32; 4]),
+    ) {
+        let Self { clusters, tets, .. } = self;
+        let found = |element: u32| found(&tets[element as usize]);
+        clusters.near(bounds, self.mean_edge, tets, positions, found);
+    }
+
     /// Every edge, smaller node first and ascending, whose way in the step comes into `bounds`.
-    fn edges_near(&self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 2]> {
+    fn edges_near(&mut self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 2]> {
         let around = |nodes: &[u32]| {
             let places = nodes.iter().map(|&n| n as usize);
             Aabb::of(places.flat_map(|n| [&positions[0][n], &positions[1][n]]))
         };
         let mut edges = Vec::new();
-        self.clusters
-            .near(bounds, &self.tets, positions, |element| {
-                let tet = self.tets[element as usize];
-                for [i, j] in pattern::EDGES {
-                    edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
-                }
-            });
+        self.elements_near(bounds, positions, |tet| {
+            for [i, j] in pattern::EDGES {
+                edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
+            }
+        });
         edges.sort_unstable();
         edges.dedup();
         // Not a number is near everything: it is found out later.
