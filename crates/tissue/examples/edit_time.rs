@@ -66,7 +66,9 @@ fn main() {
     println!(
         "\nAn implicit solver, fastest of {REPEATS} [µs]: stages of its linear system, all of it, one that follows a cut, and a step with one iteration.\n"
     );
-    println!("| material | tetrahedra | blocks | pattern | order | analysis | all | after a cut | way | step |");
+    println!(
+        "| material | tetrahedra | blocks | pattern | order | analysis | all | after a cut | way | step |"
+    );
     println!("|{}", "---|".repeat(10));
     for (name, material) in materials() {
         for cells in [8, 12] {
