@@ -90,6 +90,9 @@ pub struct RunArgs {
     /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
     #[arg(long, value_name = "HZ", requires = "frames", value_parser = parse_rate)]
     pub frame_rate: Option<f64>,
+    /// Draw no pictures of the key moments into the report; with --json there are none
+    #[arg(long)]
+    pub no_pictures: bool,
     /// Session file to write; it must not exist; the report is written beside it [default: a new name in the folder of config/host.toml]
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub session: Option<PathBuf>,
@@ -254,6 +257,12 @@ pub struct ReportArgs {
     /// Write the page here
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub html: Option<PathBuf>,
+    /// Language in which the page opens [default: `report.language` of config/host.toml]
+    #[arg(long, value_name = "LANGUAGE", requires = "html", value_parser = ["de", "en"])]
+    pub lang: Option<String>,
+    /// Draw the key moments into the page: computes the session again
+    #[arg(long, requires = "html")]
+    pub pictures: bool,
     /// Write the metrics as CSV here
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub csv: Option<PathBuf>,

@@ -35,6 +35,15 @@ pub enum Shape {
         /// Radius of the tube \[m\].
         tube: f64,
     },
+    /// Everything below z = 0.
+    HalfSpace,
+    /// A cylinder along z, centred at the origin.
+    Cylinder {
+        /// Radius \[m\].
+        radius: f64,
+        /// From end to end \[m\].
+        length: f64,
+    },
 }
 
 /// How a surface shines.
@@ -50,10 +59,10 @@ pub enum Finish {
     Metal,
 }
 
-/// Changes an object; what is `None` stays.
+/// Changes an object, or the colour of a rigid thing; what is `None` stays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectSet {
-    /// Unique name of the object.
+    /// Unique name of the object or rigid thing.
     pub name: String,
     /// Shown or not.
     pub active: Option<bool>,
@@ -67,10 +76,10 @@ impl Message for ObjectSet {
     const KIND: &'static str = "object.set";
 }
 
-/// One object as it is now.
+/// One object as it is now, or a solid part of a rigid thing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectState {
-    /// Unique name.
+    /// Name of the object, or of the rigid thing, whose parts share it.
     pub name: String,
     /// Shape in its own frame.
     pub shape: Shape,
@@ -82,10 +91,10 @@ pub struct ObjectState {
     pub finish: Finish,
 }
 
-/// All active objects; published whenever one of them changes.
+/// All active objects and all rigid things; published whenever one of them changes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectScene {
-    /// The objects, in the level's order.
+    /// The rigid things, then the objects, in the level's order.
     pub objects: Vec<ObjectState>,
 }
 

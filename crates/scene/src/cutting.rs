@@ -6,13 +6,14 @@
 use crate::boundary::Renewed;
 use crate::error::SceneError;
 use crate::group::Member;
+use crate::jaws;
 use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
 use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
 use crate::scene::{Body, Scene};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
-use microsim_cutting::{self as cutting, Blade, Sweep};
+use microsim_cutting::{self as cutting, Blade};
 use microsim_geometry::{
     Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
 };
@@ -72,6 +73,11 @@ pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneEr
         }
         if !spec.tools[tool].capsules.iter().any(|part| part.lonor) {
             return Err(wrong("the tool has no line of no return"));
+        }
+        if !jaws::fit(&spec.tools[tool].capsules) {
+            return Err(wrong(
+                "lines of no return of both jaws must be as many, from the tips to the hinge, and b of one must meet a of the next",
+            ));
         }
         if still {
             return Err(wrong(STILL));
@@ -272,7 +278,7 @@ impl Scene {
         of_edges.filter(reaches).map(|line| line.capsule).collect()
     }
 
-    /// Leads a line along its path through a body; `before` are the positions of its nodes before the tick.
+    /// Leads a blade along its path through a body; `before` are the positions of its nodes before the tick.
     fn sweep(
         &mut self,
         cut: usize,
@@ -280,17 +286,13 @@ impl Scene {
         path: &Path,
         before: &mut Vec<Vector3<f64>>,
     ) -> Result<Option<(cutting::Cut, Vec<u32>)>, cutting::Rejected> {
-        let sweep = Sweep {
-            before: path.from,
-            now: path.to,
-        };
         let Body { mesh, topology, .. } = &mut self.bodies[body];
         let Some(topology) = topology else {
             return Ok(None);
         };
         let stroke = self.state.blades[cut].stroke(path.line);
         let blade = Blade::Sweep {
-            sweep: &sweep,
+            sweeps: &path.sweeps,
             before,
             now: &self.state.bodies[body].positions,
         };
@@ -475,12 +477,10 @@ struct Sum {
     centroids: [Vector3<f64>; 2],
     normals: [Vector3<f64>; 2],
     pieces: Vec<u32>,
-    any: bool,
 }
 
 impl Sum {
     fn add(&mut self, (cut, pieces): (cutting::Cut, Vec<u32>)) {
-        self.any = true;
         self.divided += cut.divided;
         let [rest, now] = cut.opened;
         self.area += rest.area;
@@ -499,10 +499,12 @@ impl Sum {
         self.pieces.extend(pieces);
     }
 
+    /// `None` where elements were divided at most, and nothing was laid open.
     fn report(self, body: usize, tool: Option<usize>, force_n: f64) -> Option<CutReport> {
         let mean = |sum: Vector3<f64>, area: f64| if area > 0.0 { sum / area } else { sum };
         let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_default();
-        self.any.then(|| CutReport {
+        let opened = self.area > 0.0 || !self.pieces.is_empty();
+        opened.then(|| CutReport {
             body,
             tool,
             divided: self.divided,

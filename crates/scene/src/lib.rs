@@ -12,6 +12,7 @@ mod drive;
 mod error;
 mod from_settings;
 mod group;
+mod jaws;
 mod lonor;
 mod overlap;
 mod pairs;

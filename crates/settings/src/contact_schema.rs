@@ -1,7 +1,7 @@
 //! The keys of what touches: pairs, rigid things, tools of scenes.
 
 use crate::body_schema::{point, size, size3};
-use crate::contact::RigidShape;
+use crate::rigid::RigidShape;
 use crate::schema::{Form, Key, Kind};
 use crate::text::Finish;
 use crate::tool::{capsule_keys, jaw_keys, sharpness_key};

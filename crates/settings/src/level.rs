@@ -5,13 +5,14 @@
 //! microscope. Everything is in SI.
 
 use crate::body::Body;
-use crate::contact::{ContactPair, CutPair, Rigid};
+use crate::contact::{ContactPair, CutPair};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level_check::check;
 use crate::level_schema::level_schema;
 use crate::manifest::{Direction, Manifest};
 use crate::method::{Accuracy, Method, Tuned};
+use crate::rigid::Rigid;
 use crate::text::{Colour, Finish, LocalText};
 use crate::unit::Unit;
 use serde::Deserialize;

@@ -33,6 +33,7 @@ mod method;
 mod overrides;
 mod read;
 mod recording;
+mod rigid;
 mod scene;
 mod scene_check;
 mod scene_schema;
@@ -54,15 +55,15 @@ pub use chart::{
     ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
 };
 pub use chart_schema::chart_schema;
-pub use contact::{ContactPair, CutPair, Rigid, RigidShape, SceneTool, ToolKey};
+pub use contact::{ContactPair, CutPair, SceneTool, ToolKey};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
 pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
 pub use guess::guess_kind;
 pub use host::{
-    Host, LateSettings, PictureSettings, QueueSettings, SessionSettings, host_schema, load_host,
-    read_host,
+    Host, LateSettings, PageLanguage, PictureSettings, QueueSettings, ReportSettings,
+    SessionSettings, host_schema, load_host, read_host,
 };
 pub use level::{
     Clock, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape, ToolSlot, View,
@@ -80,6 +81,7 @@ pub use recording::{
     DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,
     recording_map_help, recording_map_path, recording_schema,
 };
+pub use rigid::{Rigid, RigidPart, RigidShape, Solid};
 pub use scene::{End, Expect, Feature, Probe, Quantity, Scene, SceneRun, load_scene, read_scene};
 pub use scene_schema::scene_schema;
 pub use schema::{Form, Key, Kind, Presence, Schema};

@@ -4,12 +4,13 @@
 //! Frame: the world's, right-handed, z up. Everything is in SI.
 
 use crate::body::{Body, Nodes};
-use crate::contact::{ContactPair, CutPair, Rigid, SceneTool};
+use crate::contact::{ContactPair, CutPair, SceneTool};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level::View;
 use crate::method::{Accuracy, Method, Tuned};
 use crate::overrides::Override;
+use crate::rigid::Rigid;
 use crate::scene_check::check;
 use crate::scene_schema::scene_schema;
 use crate::text::LocalText;

@@ -4,14 +4,11 @@ use crate::patch::{node_of, position};
 use crate::task::distance;
 use crate::{MARK, Object};
 use microsim_sdk::message::TissueCut;
-use microsim_sdk::{BlockView, Fault};
+use microsim_sdk::{BlockView, Fault, Tray};
 use serde::{Deserialize, Serialize};
 
-/// The rigid thing that is the tray. Objects whose names begin so show it.
+/// The rigid thing of the level that is the tray.
 pub(crate) const TRAY: &str = "tray";
-
-/// The object of the level that is the floor of the tray's inner space.
-pub(crate) const FLOOR: &str = "tray-floor";
 
 /// The object of the level that holds the strip.
 const CLAMP: &str = "clamp";
@@ -26,13 +23,12 @@ pub(crate) struct Site {
     mark: [f64; 3],
     /// Where the strip is held \[m\].
     clamp: [f64; 3],
-    /// Corners of the inner space of the tray \[m\].
-    tray: [[f64; 3]; 2],
+    tray: Tray,
 }
 
 impl Site {
-    /// From the objects of a level.
-    pub fn new(objects: &[Object]) -> Result<Self, Fault> {
+    /// From the objects of a level and its tray.
+    pub fn new(objects: &[Object], tray: Tray) -> Result<Self, Fault> {
         let named = |name: &str| {
             let object = objects.iter().find(|object| object.name.starts_with(name));
             object.ok_or_else(|| {
@@ -41,26 +37,11 @@ impl Site {
                 ))
             })
         };
-        let floor = objects.iter().find(|object| object.name == FLOOR);
-        let floor = floor
-            .ok_or_else(|| Fault::new(format!("the task `cut` needs an object \"{FLOOR}\"")))?;
-        let parts = objects.iter().filter(|o| o.name.starts_with(TRAY));
-        let top = parts.map(|o| o.position[2] + o.half_size[2]);
-        let ([x, y, z], [half_x, half_y, half_z]) = (floor.position, floor.half_size);
         Ok(Self {
             mark: named(MARK)?.position,
             clamp: named(CLAMP)?.position,
-            tray: [
-                [x - half_x, y - half_y, z + half_z],
-                [x + half_x, y + half_y, top.fold(z, f64::max)],
-            ],
+            tray,
         })
-    }
-
-    fn in_tray(&self, [x, y, z]: [f64; 3]) -> bool {
-        let [min, max] = self.tray;
-        let within = |k: usize, c: f64| min[k] <= c && c <= max[k];
-        within(0, x) && within(1, y) && within(2, z)
     }
 }
 
@@ -127,7 +108,7 @@ impl Progress {
             sum = [0, 1, 2].map(|k| sum[k] + place[k]);
             count += 1;
         }
-        self.inside = self.off && site.in_tray(sum.map(|c| c / f64::from(count)));
+        self.inside = self.off && site.tray.contains(sum.map(|c| c / f64::from(count)));
         Some(())
     }
 }

@@ -9,14 +9,14 @@ mod cut;
 mod patch;
 mod task;
 
-use cut::{FLOOR, Progress, Site, TRAY};
+use cut::{Progress, Site, TRAY};
 
 use microsim_sdk::message::{
     Colour, ContactForce, ContactForces, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut,
     ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
-    BlockView, Course, CourseConfig, Fault, Plugin, Services, Setup, Tick, export_plugin,
+    BlockView, Course, CourseConfig, Fault, Plugin, Services, Setup, Tick, Tray, export_plugin,
 };
 use microsim_training::{Dwell, DwellState};
 use patch::Patch;
@@ -40,8 +40,6 @@ struct Object {
     radius: f64,
     #[serde(default)]
     tube: f64,
-    #[serde(default)]
-    half_size: [f64; 3],
     position: [f64; 3],
     #[serde(default = "unturned")]
     orientation: [f64; 4],
@@ -250,7 +248,7 @@ impl PushStrip {
         if state.current > 0 && colour != state.colour {
             state.colour = colour;
             tick.publish(&ObjectSet {
-                name: FLOOR.into(),
+                name: TRAY.into(),
                 colour: Some(colour),
                 ..ObjectSet::default()
             });
@@ -368,7 +366,7 @@ impl Plugin for PushStrip {
                     opening: ring.radius - ring.tube,
                 })
             }
-            TaskName::Cut => Task::Cut(Site::new(&objects)?),
+            TaskName::Cut => Task::Cut(Site::new(&objects, Tray::named(setup, TRAY)?)?),
         });
         self.marks = objects
             .into_iter()

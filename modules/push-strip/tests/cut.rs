@@ -1,71 +1,12 @@
-//! The task `cut`: what is shown of the tray against what is touched, and the verdict, in-process and without physics.
+//! The verdict of the task `cut`, in-process and without physics.
 
-use microsim_host::assemble::known_metrics;
 use microsim_module_push_strip::PushStrip;
 use microsim_sdk::message::{
     ContactForce, ContactForces, Jaw, JawForce, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut,
     ToolState, ToolStates, ToolStatus, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, Setup, TestHost};
-use microsim_settings::{Level, RigidShape, Shape};
 use serde_json::json;
-use std::path::Path;
-
-fn level() -> Level {
-    let module = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let manifest = microsim_settings::load_manifest(&module.join("module.toml"));
-    let manifest = manifest.expect("a good manifest").settings;
-    let path = module.join("levels/level4.toml");
-    let level = microsim_settings::load_level(&path, &manifest, &known_metrics());
-    level.expect("a good level").settings
-}
-
-/// The boxes are those of which the rigid tray is made: a floor under the inner space, walls of its thickness around it.
-#[test]
-fn the_tray_is_where_it_is_seen() {
-    let level = level();
-    let tray = level.rigid.iter().find(|thing| thing.name == "tray");
-    let tray = tray.expect("a tray");
-    let RigidShape::Tray {
-        half_size: [x, y, z],
-        wall,
-        ..
-    } = tray.shape
-    else {
-        panic!("{:?}", tray.shape);
-    };
-    let [at_x, at_y, at_z] = tray.position;
-    let half = 0.5 * wall;
-    let (beside_x, beside_y) = (x + half, y + half);
-    let expected = [
-        ("tray-floor", [x, y, half], [0.0, 0.0, -z - half]),
-        (
-            "tray-left",
-            [half, y + wall, z + half],
-            [-beside_x, 0.0, -half],
-        ),
-        (
-            "tray-right",
-            [half, y + wall, z + half],
-            [beside_x, 0.0, -half],
-        ),
-        ("tray-far", [x, half, z + half], [0.0, beside_y, -half]),
-        ("tray-near", [x, half, z + half], [0.0, -beside_y, -half]),
-    ];
-    for (name, size, [dx, dy, dz]) in expected {
-        let object = level.object.iter().find(|object| object.name == name);
-        let object = object.expect(name);
-        let Shape::Box { half_size } = object.shape else {
-            panic!("{name}");
-        };
-        let place = [at_x + dx, at_y + dy, at_z + dz];
-        for k in 0..3 {
-            // Lengths of millimetres, written in decimals: rounding is below a nanometre by far.
-            assert!((half_size[k] - size[k]).abs() < 1e-12, "{name}");
-            assert!((object.position[k] - place[k]).abs() < 1e-12, "{name}");
-        }
-    }
-}
 
 const DWELL: f64 = 0.2;
 /// Ticks of 8 ms that a piece has to lie for 0.2 s: time counts from the first one.
@@ -99,9 +40,11 @@ fn started() -> TestHost<PushStrip> {
         "objects": [
             { "name": "clamp", "position": [0.004, 0.0, 0.0], "half_size": [0.001, 0.001, 0.001] },
             { "name": "mark-1", "position": [0.001, 0.0, 0.0], "radius": 0.0002 },
-            { "name": "tray-floor", "position": [-0.01, 0.0, -0.005], "half_size": [0.003, 0.002, 0.0005] },
-            { "name": "tray-left", "position": [-0.013, 0.0, -0.004], "half_size": [0.0005, 0.002, 0.0015] },
         ],
+        "rigid": [{
+            "name": "tray", "shape": "tray", "position": [-0.01, 0.0, -0.0035], "orientation": [0.0, 0.0, 0.0, 1.0],
+            "half_size": [0.003, 0.002, 0.001], "wall": 0.0005, "colour": "#c8ccd0", "finish": "matte",
+        }],
         "bodies": [{ "name": "strip" }],
     });
     let setup = Setup {

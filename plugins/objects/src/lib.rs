@@ -1,5 +1,6 @@
 //! Virtual objects (dissertation, 5.2.1): unique names, places in a scene graph, properties for drawing; a module
-//! activates, moves and colours them by name.
+//! activates, moves and colours them by name. The rigid things of the level are shown as well: they stand, and a module
+//! may colour them.
 //!
 //! Tetrahedral bodies are the physics plugin's; model and texture files are not here.
 
@@ -8,7 +9,7 @@ use microsim_sdk::message::{
     Colour, Finish, ObjectScene, ObjectSet, ObjectState, Pose, Shape, decode_bytes, encode,
 };
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
-use microsim_settings::{Object, Shape as LevelShape};
+use microsim_settings::{Object, Rigid, Shape as LevelShape, Solid};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -16,6 +17,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Deserialize)]
 struct Config {
     objects: Vec<Object>,
+    rigid: Vec<Rigid>,
 }
 
 /// What does not change.
@@ -25,6 +27,8 @@ struct Model {
     parent: Option<usize>,
     shape: Shape,
     finish: Finish,
+    /// Whether it is a part of a rigid thing.
+    stands: bool,
 }
 
 /// What a module may change.
@@ -83,27 +87,74 @@ impl Objects {
         }
     }
 
-    fn set(&mut self, change: ObjectSet) -> Result<(), Fault> {
-        let index = self
-            .models
-            .iter()
-            .position(|m| m.name == change.name)
-            .ok_or_else(|| {
-                let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
-                Fault::new(format!(
-                    "a module names the object \"{}\"; this level has: {}",
-                    change.name,
-                    names.join(", ")
-                ))
-            })?;
-        let state = &mut self.states[index];
-        let before = state.clone();
-        state.active = change.active.unwrap_or(state.active);
-        state.pose = change.pose.unwrap_or(state.pose);
-        state.colour = change.colour.unwrap_or(state.colour);
-        self.changed |= *state != before;
-        Ok(())
+    fn set(&mut self, change: &ObjectSet) -> Result<(), Fault> {
+        let mut known = false;
+        for (model, state) in self.models.iter().zip(&mut self.states) {
+            if model.name != change.name {
+                continue;
+            }
+            if model.stands && (change.active.is_some() || change.pose.is_some()) {
+                return Err(Fault::new(format!(
+                    "a module moves or hides the rigid thing \"{}\": it stands, its colour alone may change",
+                    change.name
+                )));
+            }
+            known = true;
+            let before = state.clone();
+            state.active = change.active.unwrap_or(state.active);
+            state.pose = change.pose.unwrap_or(state.pose);
+            state.colour = change.colour.unwrap_or(state.colour);
+            self.changed |= *state != before;
+        }
+        if known {
+            return Ok(());
+        }
+        let mut names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
+        names.dedup();
+        Err(Fault::new(format!(
+            "a module names the object \"{}\"; this level has: {}",
+            change.name,
+            names.join(", ")
+        )))
     }
+
+    /// The solid parts of a rigid thing.
+    fn add_rigid(&mut self, thing: &Rigid) {
+        let place = Place::from_arrays(thing.position, thing.orientation);
+        for part in thing.shape.parts() {
+            self.models.push(Model {
+                name: thing.name.clone(),
+                parent: None,
+                shape: match part.solid {
+                    Solid::HalfSpace => Shape::HalfSpace,
+                    Solid::Cuboid { half_size, .. } => Shape::Box { half_size },
+                    Solid::Cylinder { radius, length } => Shape::Cylinder { radius, length },
+                },
+                finish: finish(thing.finish),
+                stands: true,
+            });
+            self.start.push(State {
+                active: true,
+                pose: Pose {
+                    position: place.apply(&part.centre.into()).into(),
+                    orientation: thing.orientation,
+                },
+                colour: colour(thing.colour),
+            });
+        }
+    }
+}
+
+fn finish(finish: microsim_settings::Finish) -> Finish {
+    match finish {
+        microsim_settings::Finish::Matte => Finish::Matte,
+        microsim_settings::Finish::Moist => Finish::Moist,
+        microsim_settings::Finish::Metal => Finish::Metal,
+    }
+}
+
+fn colour(c: microsim_settings::Colour) -> Colour {
+    [c.red, c.green, c.blue].map(|v| f64::from(v) / 255.0)
 }
 
 impl Plugin for Objects {
@@ -113,15 +164,17 @@ impl Plugin for Objects {
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         let config: Config = serde_json::from_value(setup.config.clone())?;
+        for thing in &config.rigid {
+            self.add_rigid(thing);
+        }
         let mut index = BTreeMap::new();
         for object in &config.objects {
             for name in object.names() {
-                index.insert(name, index.len());
+                index.insert(name, self.models.len() + index.len());
             }
         }
         for object in &config.objects {
             let parent = object.parent.as_ref().and_then(|p| index.get(p).copied());
-            let c = object.colour;
             for name in object.names() {
                 self.models.push(Model {
                     name,
@@ -132,11 +185,8 @@ impl Plugin for Objects {
                         LevelShape::Box { half_size } => Shape::Box { half_size },
                         LevelShape::Ring { radius, tube } => Shape::Ring { radius, tube },
                     },
-                    finish: match object.finish {
-                        microsim_settings::Finish::Matte => Finish::Matte,
-                        microsim_settings::Finish::Moist => Finish::Moist,
-                        microsim_settings::Finish::Metal => Finish::Metal,
-                    },
+                    finish: finish(object.finish),
+                    stands: false,
                 });
                 self.start.push(State {
                     active: object.active,
@@ -144,7 +194,7 @@ impl Plugin for Objects {
                         position: object.position,
                         orientation: object.orientation,
                     },
-                    colour: [c.red, c.green, c.blue].map(|v| f64::from(v) / 255.0),
+                    colour: colour(object.colour),
                 });
             }
         }
@@ -159,7 +209,7 @@ impl Plugin for Objects {
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
         for change in tick.messages::<ObjectSet>()? {
-            self.set(change)?;
+            self.set(&change)?;
         }
         if self.changed {
             tick.publish(&self.scene());

@@ -21,6 +21,9 @@ use std::path::Path;
 const BACKGROUND: [f32; 3] = [0.07, 0.16, 0.17];
 /// From the main lens to the focus \[m\]: a usual focal length of surgical microscopes.
 const WORKING_DISTANCE: f64 = 0.25;
+/// Half the width, and half the thickness, of what stands for a half-space, in fields of view.
+const PLANE: f64 = 2.0;
+const PLANE_THICKNESS: f64 = 0.02;
 /// Opacity of a tool whose pose is not up to date.
 const LOST_OPACITY: f32 = 0.35;
 
@@ -53,7 +56,10 @@ fn finish(finish: settings::Finish) -> Finish {
     }
 }
 
-fn object(object: &ObjectState) -> Item {
+/// What stands in the field of view of this diameter \[m\].
+fn object(object: &ObjectState, field: f64) -> Item {
+    // Of a shape whose origin is not where the renderer's is: along its own z axis \[m\].
+    let mut raised = 0.0;
     let shape = match object.shape {
         message::Shape::Sphere { radius } => Shape::Sphere { radius },
         message::Shape::Capsule { radius, length } => Shape::Capsule {
@@ -67,10 +73,23 @@ fn object(object: &ObjectState) -> Item {
             tube,
             fraction: 1.0,
         },
+        message::Shape::HalfSpace => {
+            let half = [PLANE * field, PLANE * field, PLANE_THICKNESS * field];
+            raised = -half[2];
+            Shape::Box { half }
+        }
+        message::Shape::Cylinder { radius, length } => {
+            raised = -0.5 * length;
+            Shape::Cylinder {
+                radius,
+                height: length,
+            }
+        }
     };
+    let place = Place::from_arrays(object.pose.position, object.pose.orientation);
     Item {
         shape,
-        position: object.pose.position,
+        position: place.apply(&Vector3::new(0.0, 0.0, raised)).into(),
         orientation: object.pose.orientation,
         colour: object.colour.map(|c| c as f32),
         finish: match object.finish {
@@ -147,7 +166,11 @@ impl PictureRenderer {
     fn picture(config: &Config, tick: &Tick<'_>) -> Result<Picture, Fault> {
         let scene = tick.latest::<ObjectScene>()?.unwrap_or_default();
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default();
-        let mut items: Vec<Item> = scene.objects.iter().map(object).collect();
+        let mut items: Vec<Item> = scene
+            .objects
+            .iter()
+            .map(|o| object(o, config.view.field))
+            .collect();
         items.extend(
             tick.blocks(TISSUE_SNAPSHOT)
                 .filter_map(|b| body(&b, &config.bodies))

@@ -105,66 +105,29 @@ fn model(
 pub(super) fn rigid(things: &[settings::Rigid]) -> Vec<RigidSpec> {
     let specs = things.iter().map(|thing| {
         let pose = Pose::from_arrays(thing.position, thing.orientation);
-        let part = |shape, at: [f64; 3]| Rigid {
-            shape,
-            pose: Pose {
-                position: pose.apply(&Vector3::from(at)),
-                ..pose
-            },
-        };
-        let cuboid = |half_size, rounding, at| {
-            part(
-                RigidShape::Cuboid {
+        let parts = thing.shape.parts().into_iter().map(|part| Rigid {
+            shape: match part.solid {
+                settings::Solid::HalfSpace => RigidShape::HalfSpace,
+                settings::Solid::Cuboid {
+                    half_size,
+                    rounding,
+                } => RigidShape::Cuboid {
                     half_size,
                     rounding,
                 },
-                at,
-            )
-        };
-        let parts = match thing.shape {
-            settings::RigidShape::Plane => vec![part(RigidShape::HalfSpace, [0.0; 3])],
-            settings::RigidShape::Box {
-                half_size,
-                rounding,
-            } => vec![cuboid(half_size, rounding, [0.0; 3])],
-            settings::RigidShape::Tray {
-                half_size: [x, y, z],
-                wall,
-                rounding,
-            } => {
-                let half = 0.5 * wall;
-                let (outer_x, outer_y) = (x + wall, y + wall);
-                // Walls stand on the floor's level, so that no edge lies on the way along the floor.
-                vec![
-                    cuboid([outer_x, outer_y, half], rounding, [0.0, 0.0, -z - half]),
-                    cuboid([half, outer_y, z + half], rounding, [x + half, 0.0, -half]),
-                    cuboid([half, outer_y, z + half], rounding, [-x - half, 0.0, -half]),
-                    cuboid([outer_x, half, z + half], rounding, [0.0, y + half, -half]),
-                    cuboid([outer_x, half, z + half], rounding, [0.0, -y - half, -half]),
-                ]
-            }
-            settings::RigidShape::Clamp {
-                half_size,
-                gap,
-                rounding,
-            } => {
-                let x = 0.5 * gap + half_size[0];
-                vec![
-                    cuboid(half_size, rounding, [x, 0.0, 0.0]),
-                    cuboid(half_size, rounding, [-x, 0.0, 0.0]),
-                ]
-            }
-            settings::RigidShape::Cylinder { radius, length } => vec![part(
-                RigidShape::Cylinder {
+                settings::Solid::Cylinder { radius, length } => RigidShape::Cylinder {
                     radius,
                     half_length: 0.5 * length,
                 },
-                [0.0; 3],
-            )],
-        };
+            },
+            pose: Pose {
+                position: pose.apply(&Vector3::from(part.centre)),
+                ..pose
+            },
+        });
         RigidSpec {
             name: thing.name.clone(),
-            parts,
+            parts: parts.collect(),
         }
     });
     specs.collect()
