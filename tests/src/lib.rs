@@ -4,6 +4,7 @@
 //!
 //! - here: running the program and hearing what it says;
 //! - [`alter`]: sessions written anew with one thing changed;
+//! - [`comb`]: a band that is cut a hundred times;
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
 //! - [`detected`]: contact for a solver without a scene;
 //! - [`in_process`]: a run in the test's own process;
@@ -14,6 +15,7 @@
 //! - [`system`]: the linear system of a body, phase by phase.
 
 pub mod alter;
+pub mod comb;
 pub mod counts;
 pub mod detected;
 pub mod in_process;
