@@ -8,12 +8,16 @@
 //! - [`Parallel`]: a parallel loop with a fixed partition (physics only).
 //! - [`Course`]: levels, targets, limits, metrics and the result of a training module.
 //! - [`Tray`]: the inner space of a tray of the level.
+//! - [`Exercise`]: what a training module asks for; [`Training`] is the frame around it.
+//! - [`tissue`]: marks that follow tissue, grips, cuts booked to marks, pieces, rings.
 //! - [`TestHost`]: runs a plugin in-process without any file, every crossing through a byte copy.
 //!
 //! The raw boundary (crate `abi`) is not visible from here; every panic is caught before it reaches it.
 
 mod boundary;
 mod course;
+mod direction;
+mod exercise;
 mod fault;
 mod parallel;
 mod playback;
@@ -21,13 +25,17 @@ mod plugin;
 mod random;
 mod test_host;
 mod tick;
+pub mod tissue;
 mod tray;
 
 pub use course::{Course, CourseConfig};
+pub use direction::{axis, turned_to};
+pub use exercise::{Exercise, Training};
 pub use fault::Fault;
 pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as name_id};
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
+pub use microsim_settings::{Object, Shape};
 pub use parallel::Parallel;
 pub use playback::Playback;
 pub use plugin::{Plugin, Services};

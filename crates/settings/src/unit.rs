@@ -18,6 +18,8 @@ pub enum Unit {
     Count,
     /// \[m\]
     Length,
+    /// \[m²\]
+    Area,
     /// \[m³\]
     Volume,
     /// \[s\]
@@ -138,10 +140,11 @@ use Scale::{Degree, Ten, Times};
 
 impl Unit {
     /// Every dimension.
-    pub const ALL: [Unit; 26] = [
+    pub const ALL: [Unit; 27] = [
         Unit::Ratio,
         Unit::Count,
         Unit::Length,
+        Unit::Area,
         Unit::Volume,
         Unit::Time,
         Unit::Angle,
@@ -179,6 +182,7 @@ impl Unit {
                 ("um", Ten(-6)),
                 ("nm", Ten(-9)),
             ],
+            Unit::Area => &[("m^2", Ten(0)), ("cm^2", Ten(-4)), ("mm^2", Ten(-6))],
             Unit::Volume => &[("m^3", Ten(0)), ("cm^3", Ten(-6)), ("mm^3", Ten(-9))],
             Unit::Time => &[
                 ("s", Ten(0)),
@@ -250,6 +254,7 @@ impl Unit {
             Unit::Ratio => "a number",
             Unit::Count => "a count",
             Unit::Length => "a length",
+            Unit::Area => "an area",
             Unit::Volume => "a volume",
             Unit::Time => "a time",
             Unit::Angle => "an angle",
@@ -434,6 +439,7 @@ mod tests {
             (Unit::Acceleration, "9.81 m/s²", 9.81),
             (Unit::Density, "1060 kg/m^3", 1060.0),
             (Unit::Density, "1.06 g/cm³", 1060.0),
+            (Unit::Area, "0.3 mm²", 0.3e-6),
             (Unit::Volume, "0.3 mm^3", 0.3e-9),
             (Unit::Viscosity, "250 mPa s", 0.25),
             (Unit::AreaStiffness, "2 N/mm³", 2e9),

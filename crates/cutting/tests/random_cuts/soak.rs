@@ -195,7 +195,7 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
                         places.map(|p| swing.at(time, p)).collect::<Vec<_>>()
                     });
                     let blade = Blade::Sweep {
-                        sweep: &sweep,
+                        sweeps: &[sweep],
                         before: &before,
                         now: &now,
                     };

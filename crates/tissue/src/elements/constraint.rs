@@ -6,7 +6,7 @@
 
 use super::measure::{Area, Length, Measure, Volume};
 use super::plasticity::Plasticity;
-use super::splice::{Inherited, splice};
+use super::splice::{Inherited, make_room, splice};
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
 };
@@ -246,6 +246,13 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         splice(&mut self.damping, removed, &added.damping);
         self.viscous |= added.viscous;
         true
+    }
+
+    fn make_room(&mut self) {
+        make_room(&mut self.nodes);
+        make_room(&mut self.rest);
+        make_room(&mut self.stiffness);
+        make_room(&mut self.damping);
     }
 
     /// The mean plastic stretch of rest values, and the mean factor of the stiffness, of the ancestors: a part of an edge has its share

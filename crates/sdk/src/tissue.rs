@@ -1,0 +1,38 @@
+//! What training modules find out of tissue: from snapshots of its nodes, contact forces and cuts alone.
+
+mod contacts;
+mod cuts;
+mod marks;
+mod patch;
+mod pieces;
+mod ring;
+
+pub use contacts::{Contacts, Drops};
+pub use cuts::{Booking, CutLog, MarkLine};
+pub use marks::{colour, mark_colour, mark_places};
+pub use patch::{Patch, PatchPlace};
+pub use pieces::{PieceView, Probes};
+pub use ring::Ring;
+
+/// Between two places \[m\].
+pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    length([a[0] - b[0], a[1] - b[1], a[2] - b[2]])
+}
+
+pub(crate) fn length([x, y, z]: [f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}
+
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Row of the node with an id in the arrays of a snapshot. Ids are stable, but not in order: a cut may move nodes to other rows.
+pub(crate) fn row_of(ids: &[u32], id: u32) -> Option<usize> {
+    ids.iter().position(|other| *other == id)
+}
+
+/// Place of a node of a snapshot \[m\].
+pub(crate) fn place_of(positions: &[f64], row: usize) -> [f64; 3] {
+    [0, 1, 2].map(|k| positions[3 * row + k])
+}

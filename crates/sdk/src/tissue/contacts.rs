@@ -1,0 +1,111 @@
+//! What tools do to a body: whether they hold it, how hard, for how long too hard; and how often it was lost.
+
+use super::length;
+use crate::{Fault, Tick};
+use microsim_message::{ContactForce, ContactForces};
+use serde::{Deserialize, Serialize};
+
+/// Time without a grip after which tissue has been dropped \[s\]. A grip that trembles for a tick has not let go.
+const DROPPED: f64 = 0.1;
+
+/// The contacts of a body, tick by tick.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contacts {
+    /// Whether anything of a tool has touched it so far.
+    pub touched: bool,
+    /// Whether each of the tools that hold had it in the last tick.
+    pub held: Vec<bool>,
+    /// Rigid things and bodies that it touched in the last tick.
+    pub on: Vec<String>,
+    /// Largest force of a tool on it, mean over a tick \[N\].
+    pub peak_force: f64,
+    /// Largest force with which the jaws of a tool that holds squeezed it, mean over a tick \[N\].
+    pub peak_grip: f64,
+    /// Time in which a tool's force was above the limit of its pair \[s\], and whether it was in the last tick.
+    pub excess: f64,
+    /// See [`Contacts::excess`].
+    pub too_hard: bool,
+}
+
+impl Contacts {
+    /// Hears the contacts of a tick. `holders` are the tools that hold it; while `counts` is false, nothing is added up.
+    pub fn hear(
+        &mut self,
+        tick: &Tick<'_>,
+        body: &str,
+        holders: &[String],
+        counts: bool,
+    ) -> Result<(), Fault> {
+        let forces = tick.messages::<ContactForces>()?;
+        let of_it = |contact: &&ContactForce| contact.body == body;
+        let contacts: Vec<&ContactForce> = forces
+            .iter()
+            .flat_map(|f| &f.contacts)
+            .filter(of_it)
+            .collect();
+        self.touched |= !contacts.is_empty();
+        let held = |tool: &String| contacts.iter().any(|c| c.tool == *tool && grip(c) > 0.0);
+        self.held = holders.iter().map(held).collect();
+        let between = forces.iter().flat_map(|f| &f.between).filter(of_it);
+        self.on = between.map(|contact| contact.tool.clone()).collect();
+        let excess = contacts.iter().map(|c| c.over_limit).fold(0.0, f64::max);
+        self.too_hard = excess > 0.0;
+        if counts {
+            self.excess += excess;
+            for contact in contacts {
+                self.peak_force = self.peak_force.max(length(contact.force));
+                if holders.contains(&contact.tool) {
+                    self.peak_grip = self.peak_grip.max(grip(contact));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether every tool that holds has it.
+    pub fn held_by_all(&self) -> bool {
+        !self.held.is_empty() && self.held.iter().all(|held| *held)
+    }
+
+    /// Whether some tool has it.
+    pub fn held_by_any(&self) -> bool {
+        self.held.contains(&true)
+    }
+
+    /// Whether it touches a rigid thing or body.
+    pub fn is_on(&self, name: &str) -> bool {
+        self.on.iter().any(|other| other == name)
+    }
+}
+
+/// The force with which the jaws of a tool squeeze tissue \[N\]: that of the one that presses less, 0 where only one touches.
+fn grip(contact: &ContactForce) -> f64 {
+    match contact.jaws.as_slice() {
+        [first, second] => first.force.min(second.force),
+        _ => 0.0,
+    }
+}
+
+/// Counts how often tissue was lost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Drops {
+    /// How often so far.
+    pub count: u32,
+    since: Option<f64>,
+    told: bool,
+}
+
+impl Drops {
+    /// Whether it counts as dropped from `time` \[s\] on; `loose` tells whether nobody has it where somebody should.
+    pub fn watch(&mut self, time: f64, loose: bool) -> bool {
+        if !loose {
+            (self.since, self.told) = (None, false);
+            return false;
+        }
+        let since = *self.since.get_or_insert(time);
+        let dropped = !self.told && time - since >= DROPPED;
+        self.told |= dropped;
+        self.count += u32::from(dropped);
+        dropped
+    }
+}

@@ -1,0 +1,45 @@
+//! Marks: objects of the level that lie on tissue and move with it, and their colours.
+
+use crate::{Fault, Tick};
+use microsim_message::{Colour, ObjectSet};
+use microsim_settings::Object;
+
+/// Objects of a level whose name starts so are marks.
+const MARK: &str = "mark-";
+
+/// What marks show.
+pub mod colour {
+    use super::Colour;
+
+    /// Not its turn yet.
+    pub const WAITING: Colour = [0.55, 0.58, 0.60];
+    /// To be done now.
+    pub const CURRENT: Colour = [0.95, 0.50, 0.10];
+    /// As it should be.
+    pub const HOLDING: Colour = [0.98, 0.85, 0.15];
+    /// Too far.
+    pub const TOO_FAR: Colour = [0.85, 0.12, 0.12];
+    /// Done.
+    pub const DONE: Colour = [0.20, 0.70, 0.25];
+}
+
+/// The marks among the objects of a level, in its order. A fault where there is none.
+pub fn mark_places(objects: &[Object]) -> Result<Vec<Object>, Fault> {
+    let marks = objects.iter().filter(|o| o.name.starts_with(MARK));
+    let marks: Vec<Object> = marks.cloned().collect();
+    if marks.is_empty() {
+        return Err(Fault::new(format!(
+            "the level needs an object whose name starts with \"{MARK}\""
+        )));
+    }
+    Ok(marks)
+}
+
+/// Lets an object or rigid thing show a colour.
+pub fn mark_colour(tick: &mut Tick<'_>, name: &str, colour: Colour) {
+    tick.publish(&ObjectSet {
+        name: name.to_owned(),
+        colour: Some(colour),
+        ..ObjectSet::default()
+    });
+}

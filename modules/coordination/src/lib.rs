@@ -1,0 +1,292 @@
+//! General coordination under the microscope (dissertation, 5.2.2): tissue is stretched between two clamps; it is gripped and
+//! held in a ring, or cut at its marks, or cut, carried to a tray and dropped there.
+//!
+//! All that is judged comes from the physics plugin: snapshots of nodes, forces in newtons, cuts. Where the tools are matters only
+//! as far as they touch.
+
+mod site;
+mod state;
+
+use microsim_sdk::message::{Colour, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus};
+use microsim_sdk::tissue::{Booking, Patch, Probes, colour, mark_colour};
+use microsim_sdk::{
+    BlockView, Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, export_plugin, turned_to,
+};
+use microsim_training::DwellState;
+use site::{Mark, Site, TRAY, Task};
+use state::State;
+
+/// The module.
+#[derive(Debug)]
+pub struct Coordination {
+    site: Site,
+}
+
+/// The plugin of this module.
+pub type Module = Training<Coordination>;
+
+fn text(de: String, en: String) -> LocalText {
+    LocalText { de, en }
+}
+
+impl Coordination {
+    /// Where marks lie and what tells the pieces apart, as the tissue lies in the first tick.
+    fn settle(&self, state: &mut State, block: &BlockView<'_>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        for mark in &self.site.marks {
+            let around = |end: [f64; 3]| Patch::around(end, self.site.keys.mark_radius, block);
+            let [Some(first), Some(second)] = mark.ends().map(around) else {
+                return Err(Fault::new(format!("no tissue within `mark_radius` of an end of \"{}\"", mark.name)));
+            };
+            state.patches.push([first, second]);
+            tick.publish(&ObjectSet {
+                name: mark.name.clone(),
+                active: Some(true),
+                colour: Some(colour::CURRENT),
+                pose: None,
+            });
+        }
+        state.probes = Probes::nearest(&self.site.parts(), block).unwrap_or_default();
+        Ok(())
+    }
+
+    /// Lets a mark move with the tissue; says where its middle is.
+    fn follow(&self, mark: &Mark, ends: &[Patch; 2], block: &BlockView<'_>, tick: &mut Tick<'_>) -> Option<[f64; 3]> {
+        let [a, b] = [ends[0].now(block)?.place, ends[1].now(block)?.place];
+        let middle = [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
+        let way = microsim_sdk::tissue::distance(a, b);
+        if way > 0.0 {
+            tick.publish(&ObjectSet {
+                name: mark.name.clone(),
+                pose: Some(Pose {
+                    position: middle,
+                    orientation: turned_to([0, 1, 2].map(|k| (b[k] - a[k]) / way)),
+                }),
+                ..ObjectSet::default()
+            });
+        }
+        Some(middle)
+    }
+
+    /// Grips and forces of a tick, with their events.
+    fn hear(&self, state: &mut State, course: &Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let was_too_hard = state.contacts.too_hard;
+        state.contacts.hear(tick, &self.site.body, &self.site.holders, course.running())?;
+        if !course.running() {
+            return Ok(());
+        }
+        let held = state.contacts.held_by_any();
+        if state.release.watch(tick.time(), !held) {
+            state.gripped = false;
+        }
+        if held && !state.gripped {
+            state.gripped = true;
+            course.event(tick, "grip", text("Gewebe gegriffen".into(), "Tissue gripped".into()));
+        }
+        if state.contacts.too_hard && !was_too_hard {
+            course.event(tick, "excess-force", text("Zu viel Kraft auf das Gewebe".into(), "Too much force on the tissue".into()));
+        }
+        Ok(())
+    }
+
+    /// Cuts of a tick.
+    fn book(&self, state: &mut State, course: &Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let steadied = state.contacts.held_by_any();
+        let lines: Vec<_> = self.site.marks.iter().map(|mark| mark.line.clone()).collect();
+        for cut in tick.messages::<TissueCut>()? {
+            if cut.body != self.site.body {
+                continue;
+            }
+            match state.cuts.book(&cut, &lines, self.site.keys.mark_reach, steadied) {
+                Booking::Mark { index, first: true } => {
+                    let n = index + 1;
+                    course.event(tick, "cut", text(format!("Schnitt an Marke {n} begonnen"), format!("Cut at mark {n} begun")));
+                }
+                Booking::Stray => {
+                    course.event(tick, "stray-cut", text("Schnitt abseits der Marken".into(), "Cut away from the marks".into()));
+                }
+                Booking::Tear => {
+                    course.event(tick, "tear", text("Gewebe eingerissen".into(), "Tissue torn".into()));
+                }
+                Booking::Mark { first: false, .. } | Booking::Nothing => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The task `hold`: the tissue of the first mark in the ring.
+    fn hold(&self, state: &mut State, course: &mut Course, place: Option<[f64; 3]>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let (Some(ring), Some(place)) = (self.site.ring, place) else {
+            return Ok(());
+        };
+        let mark = &self.site.marks[0];
+        let held = state.contacts.held_by_all();
+        state.had |= held;
+        if state.drops.watch(tick.time(), state.had && !held) {
+            state.had = false;
+            course.event(tick, "drop", text("Gewebe entglitten".into(), "Tissue slipped away".into()));
+        }
+        let away = ring.away(place);
+        let holds = held && away <= ring.opening;
+        if holds {
+            state.reached = true;
+            state.counted = (state.counted.0 + 1, state.counted.1 + away);
+        }
+        let done = state.dwell.update(tick.time(), holds) == DwellState::Complete;
+        let colour = match (done, holds) {
+            (true, _) => colour::DONE,
+            (false, true) => colour::HOLDING,
+            (false, false) => colour::CURRENT,
+        };
+        show(&mut state.colour, tick, &mark.name, colour);
+        if done {
+            course.target_done(tick, &mark.name, text("Marke im Ring gehalten".into(), "Mark held in the ring".into()))?;
+        }
+        Ok(())
+    }
+
+    /// The tasks `cut` and `deliver`: which marks are cut through.
+    fn part(&self, state: &mut State, course: &mut Course, block: &BlockView<'_>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        for (index, mark) in self.site.marks.iter().enumerate() {
+            if course.is_done(&mark.name) || state.probes.apart(index, index + 1, block) != Some(true) {
+                continue;
+            }
+            let n = index + 1;
+            course.target_done(tick, &mark.name, text(format!("Marke {n} durchtrennt"), format!("Mark {n} cut through")))?;
+            tick.publish(&ObjectSet {
+                name: mark.name.clone(),
+                active: Some(false),
+                ..ObjectSet::default()
+            });
+        }
+        Ok(())
+    }
+
+    /// The task `deliver`: where the piece is, once it is off.
+    fn deliver(&self, state: &mut State, course: &mut Course, block: &BlockView<'_>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let Some(tray) = &self.site.tray else {
+            return Ok(());
+        };
+        if !self.site.marks.iter().all(|mark| course.is_done(&mark.name)) || course.is_done(TRAY) {
+            return Ok(());
+        }
+        let Some(piece) = state.probes.piece(1, block) else {
+            return Ok(());
+        };
+        if !state.off {
+            state.off = true;
+            course.event(tick, "piece", text("Stück ist frei".into(), "Piece is free".into()));
+        }
+        let held = state.contacts.held_by_any();
+        let inside = tray.contains(piece.centre);
+        if state.drops.watch(tick.time(), !inside && !held) {
+            course.event(tick, "drop", text("Stück fallen gelassen".into(), "Piece dropped".into()));
+        }
+        let lies = inside && state.contacts.is_on(TRAY) && !held;
+        let done = state.dwell.update(tick.time(), lies) == DwellState::Complete;
+        let colour = match (done, lies) {
+            (true, _) => colour::DONE,
+            (false, true) => colour::HOLDING,
+            (false, false) => colour::CURRENT,
+        };
+        show(&mut state.colour, tick, TRAY, colour);
+        if done {
+            course.target_done(tick, TRAY, text("Stück liegt in der Schale".into(), "Piece lies in the tray".into()))?;
+        }
+        Ok(())
+    }
+
+    /// What has been measured so far.
+    fn measure(&self, state: &State, course: &mut Course) {
+        course.measure("peak-force", state.contacts.peak_force);
+        course.measure("excess-time", state.contacts.excess);
+        course.measure("peak-grip", state.contacts.peak_grip);
+        let cuts = &state.cuts;
+        if self.site.keys.task == Task::Hold {
+            if let (n @ 1.., errors) = state.counted {
+                course.measure("place-error", errors / n as f64);
+            }
+        } else {
+            course.measure("stray-cut", cuts.stray);
+            course.measure("torn", cuts.torn);
+            let shares = [("cut-distance", cuts.distance()), ("cut-angle", cuts.angle()), ("steadied", cuts.steadied_share())];
+            for (id, value) in shares {
+                value.into_iter().for_each(|value| course.measure(id, value));
+            }
+        }
+        if self.site.keys.task != Task::Cut {
+            course.measure("drops", f64::from(state.drops.count));
+        }
+    }
+}
+
+/// Shows a colour if it is another one.
+fn show(shown: &mut Colour, tick: &mut Tick<'_>, name: &str, colour: Colour) {
+    if *shown != colour {
+        *shown = colour;
+        mark_colour(tick, name, colour);
+    }
+}
+
+impl Exercise for Coordination {
+    type State = State;
+
+    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
+        let site = Site::new(setup, config)?;
+        let targets = site.targets();
+        Ok((Self { site }, targets))
+    }
+
+    fn start(&self) -> Result<State, Fault> {
+        State::new(self.site.keys.dwell)
+    }
+
+    fn judge(&self, state: &mut State, course: &mut Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        self.hear(state, course, tick)?;
+        let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
+        state.seen |= tools.iter().any(|tool| tool.status == ToolStatus::Tracked);
+        // Without tissue there is nothing to judge, and nothing measured is not zero.
+        let Some(block) = tick.block(TISSUE_SNAPSHOT, &self.site.body) else {
+            return Ok(());
+        };
+        if state.patches.is_empty() {
+            self.settle(state, &block, tick)?;
+        }
+        let mut first = None;
+        for (index, (mark, ends)) in self.site.marks.iter().zip(&state.patches).enumerate() {
+            let place = self.follow(mark, ends, &block, tick);
+            if index == 0 {
+                first = place;
+            }
+        }
+        if !course.running() {
+            return Ok(());
+        }
+        self.book(state, course, tick)?;
+        match self.site.keys.task {
+            Task::Hold => self.hold(state, course, first, tick)?,
+            Task::Cut => self.part(state, course, &block, tick)?,
+            Task::Deliver => {
+                self.part(state, course, &block, tick)?;
+                self.deliver(state, course, &block, tick)?;
+            }
+        }
+        self.measure(state, course);
+        Ok(())
+    }
+
+    fn reasons(&self, state: &State, course: &mut Course) {
+        let open = self.site.targets().iter().any(|target| !course.is_done(target));
+        if !open || !state.seen {
+            return;
+        }
+        let uncut = self.site.marks.iter().any(|mark| !course.is_done(&mark.name));
+        course.speaks_against(match self.site.keys.task {
+            Task::Hold if state.reached => "dwell-too-short",
+            Task::Hold => "not-in-ring",
+            _ if uncut => "not-cut",
+            _ => "not-in-tray",
+        });
+    }
+}
+
+export_plugin!(Module, "../module.toml");
