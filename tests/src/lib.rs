@@ -4,6 +4,7 @@
 //!
 //! - here: running the program and hearing what it says;
 //! - [`alter`]: sessions written anew with one thing changed;
+//! - [`comb`]: a band that is cut a hundred times;
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
 //! - [`detected`]: contact for a solver without a scene;
 //! - [`in_process`]: a run in the test's own process;
@@ -15,6 +16,7 @@
 //! - [`trainees`]: synthetic trainees, made and run.
 
 pub mod alter;
+pub mod comb;
 pub mod counts;
 pub mod detected;
 pub mod in_process;

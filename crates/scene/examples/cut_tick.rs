@@ -32,8 +32,11 @@ fn main() {
 const WIDTH: f64 = 8.0;
 const WAY: f64 = 0.25;
 
-/// Ticks without the blade before the cut, and as many after it.
-const REST: usize = 10;
+/// The blade goes down in the middle, and so often on each side of it, a cell further each time.
+const PASSES: i32 = 1;
+
+/// Ticks without the blade before each cut, and as many after it.
+const REST: usize = 5;
 
 /// CPU time of this process [s].
 fn cpu() -> f64 {
@@ -120,52 +123,64 @@ fn measure(cells: [usize; 3]) {
     };
     let mut scene = Scene::new(&spec).expect("a scene");
     let tick = 5e-6;
-    let at = |z: f64| Pose {
-        position: Vector3::new(0.13 * edge, 0.0, z),
-        ..Pose::identity()
-    };
     let way = WAY * edge;
     let top = 0.5 * size[2] + 0.5 * way;
-    let (mut without, mut cut, mut touched) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rest, mut both, mut cut, mut touched) = (vec![], vec![], vec![], vec![]);
     let ticks = (size[2] / way) as usize + 1;
-    // Without the blade before and after, as the body grows by the cut.
-    for k in 0..2 * REST + ticks {
-        let cutting = (REST..REST + ticks).contains(&k);
-        let way_before = k.saturating_sub(REST) as f64 * way;
-        let motion = cutting.then(|| ToolMotion {
-            tool: 0,
-            from: at(top - way_before),
-            to: at(top - way_before - way),
-            opening_from: 0.0,
-            opening_to: 0.0,
-            active: true,
-        });
-        let start = cpu();
-        let report = scene
-            .tick(motion.as_slice(), tick, 1, &Serial)
-            .expect("a tick");
-        let time = (cpu() - start) * 1e3;
-        let divided: usize = report.cuts.iter().map(|cut| cut.divided).sum();
-        if !cutting {
-            without.push(time);
-        } else if divided > 0 {
-            cut.push(time);
-            touched.push(divided as f64);
+    for pass in -PASSES..=PASSES {
+        let at = |z: f64| Pose {
+            position: Vector3::new((0.13 + f64::from(pass)) * edge, 0.0, z),
+            ..Pose::identity()
+        };
+        // Without the blade before and after, as the body grows by the cut.
+        let (mut without, mut with) = (Vec::new(), Vec::new());
+        for k in 0..2 * REST + ticks {
+            let cutting = (REST..REST + ticks).contains(&k);
+            let before = top - k.saturating_sub(REST) as f64 * way;
+            let motion = cutting.then(|| ToolMotion {
+                tool: 0,
+                from: at(before),
+                to: at(before - way),
+                opening_from: 0.0,
+                opening_to: 0.0,
+                active: true,
+            });
+            let start = cpu();
+            let report = scene.tick(motion.as_slice(), tick, 1, &Serial);
+            let time = (cpu() - start) * 1e3;
+            let cuts = report.expect("a tick").cuts;
+            let divided: usize = cuts.iter().map(|cut| cut.divided).sum();
+            if !cutting {
+                without.push(time);
+            } else if divided > 0 {
+                with.push(time);
+                touched.push(divided as f64);
+            }
         }
+        without.sort_by(f64::total_cmp);
+        let tick = share(&without, 0.5);
+        rest.push(tick);
+        // What the edit and all that follows it cost beyond the tick.
+        cut.extend(with.iter().map(|time| time - tick));
+        both.extend(with);
     }
-    without.sort_by(f64::total_cmp);
-    cut.sort_by(f64::total_cmp);
-    let of = |times: &[f64], share: f64| times[((times.len() - 1) as f64 * share).round() as usize];
+    for times in [&mut rest, &mut cut, &mut both] {
+        times.sort_by(f64::total_cmp);
+    }
     let most = touched.iter().copied().fold(0.0, f64::max);
     let mean = touched.iter().sum::<f64>() / touched.len() as f64;
-    // What the edit and all that follows it cost beyond the tick.
-    let tick = of(&without, 0.5);
     println!(
-        "{elements:10} {:5} {mean:8.0} {most:7} {tick:13.2} {:13.2} {:13.2} {:13.2} {:13.2}",
+        "{elements:10} {:5} {mean:8.0} {most:7} {:13.2} {:13.2} {:13.2} {:13.2} {:13.2}",
         cut.len(),
-        of(&cut, 0.5) - tick,
-        of(&cut, 0.99) - tick,
-        of(&cut, 0.5),
-        of(&cut, 0.99),
+        share(&rest, 0.5),
+        share(&cut, 0.5),
+        share(&cut, 0.99),
+        share(&both, 0.5),
+        share(&both, 0.99),
     );
+}
+
+/// The time that so large a share of sorted times does not exceed.
+fn share(times: &[f64], share: f64) -> f64 {
+    times[((times.len() - 1) as f64 * share).round() as usize]
 }
