@@ -93,6 +93,12 @@ pub const SOAKS: &[Program] = &[
         example: "cut_stability",
         shows: "500 cuts in a cube, then 10,000 steps with the mass floor and without",
     },
+    Program {
+        name: "trainees",
+        package: TESTS,
+        example: "soak_trainees",
+        shows: "synthetic experts and novices on a level: each metric, effect sizes (-- MODULE LEVEL N)",
+    },
 ];
 
 /// The program of a name; all of them without one. An unknown name is told the known ones.
@@ -146,7 +152,7 @@ mod tests {
         assert_eq!(names(None).map(|all| all.len()), Ok(SOAKS.len()));
         assert_eq!(
             names(Some("kill")),
-            Err("there is no \"kill\"; there are: kills, cuts, followers, stability".into())
+            Err("there is no \"kill\"; there are: kills, cuts, followers, stability, trainees".into())
         );
     }
 }
