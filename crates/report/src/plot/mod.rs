@@ -140,7 +140,7 @@ fn grid(out: &mut String, x: &Axis, y: &Axis, apart: (f64, f64)) {
         let at = x.at(value);
         let _ = write!(
             out,
-            "<path class=\"grid\" d=\"M{at:.1} {middle:.1}V{bottom:.1}\"/>"
+            "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>"
         );
         tick_label(out, at, bottom + 16.0, "middle", value, columns.decimals);
     }
@@ -165,7 +165,7 @@ fn moment_marks(out: &mut String, x: &Axis, (top, bottom): (f64, f64), moments: 
         let class = kind_class(moment.kind);
         let _ = write!(
             out,
-            "<path class=\"moment {class}\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>"
+            "<path class=\"moment {class}\" d=\"M{at:.1} {middle:.1}V{bottom:.1}\"/>"
         );
         if at - NUMBER_WIDTH / 2.0 >= free_from {
             let _ = write!(
