@@ -176,17 +176,17 @@ impl<'a> MomentCollector<'a> {
         let LocalText { de, en } = self.session.tool_name(tool);
         let text = match kind {
             MomentKind::Grip => in_both(
-                &format!("{de} fasst {body}"),
-                &format!("{en} takes hold of {body}"),
+                &format!("Griff: {de} an {body}"),
+                &format!("Grip: {en} on {body}"),
             ),
             MomentKind::Cut => in_both(
-                &format!("{de} schneidet {body}"),
-                &format!("{en} cuts {body}"),
+                &format!("Schnitt: {de} durch {body}"),
+                &format!("Cut: {en} through {body}"),
             ),
-            MomentKind::Tear => in_both(&format!("{body} reißt ein"), &format!("{body} tears")),
+            MomentKind::Tear => in_both(&format!("Riss: {body}"), &format!("Tear: {body}")),
             MomentKind::PieceOff => in_both(
-                &format!("Ein Stück von {body} ist ab"),
-                &format!("A piece of {body} comes off"),
+                &format!("Ein Stück ist ab: {body}"),
+                &format!("A piece comes off: {body}"),
             ),
             _ => in_both(
                 &format!("Zu viel Kraft: {de} auf {body}"),

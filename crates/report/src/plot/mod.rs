@@ -165,7 +165,7 @@ fn moment_marks(out: &mut String, x: &Axis, (top, bottom): (f64, f64), moments: 
         let class = kind_class(moment.kind);
         let _ = write!(
             out,
-            "<path class=\"moment {class}\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>"
+            "<path class=\"moment {class}\" d=\"M{at:.1} {middle:.1}V{bottom:.1}\"/>"
         );
         if at - NUMBER_WIDTH / 2.0 >= free_from {
             let _ = write!(
