@@ -125,6 +125,9 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// no negative eigenvalue.
     fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix);
 
+    /// The time by which an element's damping at rest is its stiffness at rest [s].
+    fn relaxation_time(&self, element: usize) -> f64;
+
     /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row [N/m].
     fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         let matrix = rest_stiffness(self, element, rest_positions);

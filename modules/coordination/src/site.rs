@@ -49,7 +49,10 @@ pub(crate) struct Mark {
 impl Mark {
     fn new(object: &Object) -> Result<Self, Fault> {
         let Shape::Capsule { length, .. } = object.shape else {
-            return Err(Fault::new(format!("the mark \"{}\" is not of the shape \"capsule\"", object.name)));
+            return Err(Fault::new(format!(
+                "the mark \"{}\" is not of the shape \"capsule\"",
+                object.name
+            )));
         };
         Ok(Self {
             name: object.name.clone(),
@@ -109,7 +112,9 @@ impl Site {
         let cuts = |model: &str| config.models.get(model).is_some_and(|m| m.sharpness > 0.0);
         let holding = config.tools.iter().filter(|tool| !cuts(&tool.model));
         Ok(Self {
-            body: body.ok_or_else(|| Fault::new("the level needs a body"))?.name,
+            body: body
+                .ok_or_else(|| Fault::new("the level needs a body"))?
+                .name,
             holders: holding.map(|tool| tool.name.clone()).collect(),
             ring: match keys.task {
                 Task::Hold => Some(Ring::named(&objects, RING)?),

@@ -144,15 +144,14 @@ fn another_pattern_is_followed() {
         *solver = solver.following(matrix.pattern(), positions);
         assert_eq!(solver.first, way);
         let b = Random(57).vectors(positions.len());
-        let solved = [way, Way::Single, Way::Double].map(|way| {
+        [way, Way::Single, Way::Double].map(|way| {
             let mut x = b.clone();
             solver.factorise(matrix, fixed).unwrap();
             solver.prepare(matrix, way).unwrap();
             solver.solve(matrix, &mut x, 1e-9).unwrap();
             assert!(residual(matrix, fixed, &x, &b) <= 1.01e-9);
             bits(&x)
-        });
-        solved
+        })
     };
     let mut was_large = of(&large);
     let first = check(&mut was_large, &small, Way::TwoLevel);

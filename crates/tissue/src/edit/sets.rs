@@ -8,6 +8,7 @@ use crate::elements::splice::{places, splice};
 use crate::elements::{Coupling, Elements, Followed, patches};
 use crate::material::{Carried, Part};
 use crate::model::TissueModel;
+use crate::stability::RowSums;
 use microsim_mesh::{TetMesh, signed_volume};
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
@@ -63,7 +64,7 @@ impl TissueModel {
                 let removed = ties.iter().flat_map(|ties| ties.removed.iter().copied());
                 self.add_rows(set, removed, -1.0, sums);
             }
-            sums.resize(self.node_count() + edit.new_nodes.len(), 0.0);
+            sums.resize(self.node_count() + edit.new_nodes.len(), RowSums::default());
             splice(sums, &edit.removed_nodes, &[]);
         }
         self.follow_mesh(edit, plan);

@@ -157,6 +157,10 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
 
+    fn relaxation_time(&self, _: usize) -> f64 {
+        self.relaxation_time
+    }
+
     /// Every law is linear elasticity at rest: K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1), with the square of its norm
     /// V² ((λ² + μ²) |b_i|² |b_j|² + (4 λ μ + 5 μ²) (b_i·b_j)²).
     fn rest_norms(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {

@@ -214,6 +214,10 @@ impl Elements for Coupling {
         false
     }
 
+    fn relaxation_time(&self, _: usize) -> f64 {
+        0.0
+    }
+
     fn damping(&self, element: usize, _at: &Configuration<'_>, out: &mut ElementMatrix) {
         out.reset(self.stencils[element].count);
     }
