@@ -157,7 +157,7 @@ fn rigid(told: &settings::Rigid, thing: &RigidSpec, field: f64) -> Vec<Item> {
             }
             microsim_scene::RigidShape::Cuboid { half_size, .. } => (
                 Shape::Box {
-                    half: half_size.into(),
+                    half: half_size,
                 },
                 0.0,
             ),
