@@ -1,13 +1,15 @@
 //! `cargo xtask soak kills`: runs killed by SIGKILL at moments spread evenly over the measured length of the run; what can
 //! be read of each session, and how much simulated time is lost. Writes `tests/results/kills.csv` and `kills.md`.
 //!
-//! `-- --runs N` for another number of paced runs (200). How the loss is measured stands in `microsim_tests::kill`.
+//! `-- --runs N` for another number of paced runs (200). How the loss is measured stands in `microsim_tests::kill`. A third series kills a level of
+//! scissors in ticks that cut, half as many times, and writes `kills_cutting.csv`; `-- --cutting N` prints it alone, with N runs.
 
 use microsim_tests::kill::{Moment, Remains, Target, moments};
-use microsim_tests::repository;
 use microsim_tests::statistics::percentile;
+use microsim_tests::{comb, repository};
 use std::fmt::Write as _;
 use std::fs;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -15,6 +17,117 @@ use std::time::Duration;
 const MAX_LOSS: f64 = 0.1;
 /// Time for which the source of a run gives samples \[s\].
 const LENGTH: f64 = 1.5;
+
+/// Where results are kept.
+fn results() -> PathBuf {
+    repository().join("tests").join("results")
+}
+
+/// Snips of the comb.
+const SNIPS: u32 = 101;
+/// Longest time from the beginning of a tick to the kill \[ms\]: a tick that cuts takes about as long.
+const INTO_TICK: f64 = 8.0;
+
+/// Runs that were killed in ticks that cut.
+struct Cutting {
+    cuts: usize,
+    snips: usize,
+    whole_verified: bool,
+    /// Per run: the tick that was waited for, the time from its beginning to the kill \[ms\], whether the kill fell into a tick that cuts.
+    runs: Vec<(u64, f64, bool, Remains)>,
+}
+
+impl Cutting {
+    fn measure(runs: usize) -> Self {
+        let target = Target::comb(SNIPS);
+        let session = target.whole("whole");
+        let cuts = comb::cuts(&session);
+        eprintln!("{} cuts; killing {runs} runs in ticks that cut", cuts.len());
+        let whole_verified = target.verifies(&session);
+        let killed = (0..runs).map(|n| {
+            // Spread over all cuts and, by the golden ratio, over the tick.
+            let (tick, _) = cuts[(2 * n + 1) * cuts.len() / (2 * runs)];
+            let into = INTO_TICK * (n as f64 * 0.618_034).fract();
+            let remains = target.kill_in(n, tick, Duration::from_secs_f64(1e-3 * into));
+            let in_cut = |tick| cuts.iter().any(|(of, _)| *of == tick);
+            let in_cut = remains.unfinished().is_some_and(in_cut);
+            if n % 20 == 19 {
+                eprintln!("  {} of {runs}", n + 1);
+            }
+            (tick, into, in_cut, remains)
+        });
+        Self {
+            cuts: cuts.len(),
+            snips: comb::snips(&cuts),
+            whole_verified,
+            runs: killed.collect(),
+        }
+    }
+
+    fn count(&self, is: impl Fn(&Remains) -> bool) -> usize {
+        self.runs.iter().filter(|(.., r)| is(r)).count()
+    }
+
+    fn in_cuts(&self) -> usize {
+        self.runs.iter().filter(|(_, _, in_cut, _)| *in_cut).count()
+    }
+
+    /// Everything was kept, and enough kills fell into ticks that cut.
+    fn is_good(&self) -> bool {
+        let sound = |r: &Remains| r.readable && r.verified && r.lost() <= 1;
+        self.whole_verified
+            && self.count(sound) == self.runs.len()
+            && 4 * self.in_cuts() >= self.runs.len()
+    }
+
+    fn write(&self) -> std::io::Result<()> {
+        let mut out = String::from(
+            "run,killed_after_tick_began_ms,waited_for_tick,in_a_tick_that_cuts,readable,ticks_begun,ticks_on_file,ticks_lost,verified,end_of_file\n",
+        );
+        for (n, (tick, into, in_cut, r)) in self.runs.iter().enumerate() {
+            let _ = writeln!(
+                out,
+                "{n},{into:.1},{tick},{in_cut},{},{},{},{},{},\"{}\"",
+                r.readable,
+                r.begun,
+                r.on_file,
+                r.lost(),
+                r.verified,
+                r.complaint.replace('"', "'")
+            );
+        }
+        fs::write(results().join("kills_cutting.csv"), out)
+    }
+
+    fn report(&self) -> String {
+        let all = self.runs.len();
+        format!(
+            "
+## Killed while cutting
+
+Scissors cut a band of tissue into a comb: {} snips in {} ticks that cut (events `tissue.cut`), a run like every other to the
+bit. `replay --verify` of the whole session: {}. Each run is killed when a tick that cuts has begun, up to {INTO_TICK:.0} ms later. That
+the kill fell into an edit is known from the tick that the witness has and the session has not: it is one of those that cut in the whole
+run, and nothing of its edit is on file. One row per run: [`kills_cutting.csv`](kills_cutting.csv).
+
+| | |
+|---|---|
+| runs killed | {all} |
+| … in a tick that cuts, before it was on file | {} |
+| sessions readable | {} |
+| … recomputed to the bit by `replay --verify` | {} |
+| **ticks lost, largest** | **{}** |
+",
+            self.snips,
+            self.cuts,
+            if self.whole_verified { "verified" } else { "**not verified**" },
+            self.in_cuts(),
+            self.count(|r| r.readable),
+            self.count(|r| r.verified),
+            self.runs.iter().map(|(.., r)| r.lost()).max().unwrap_or(0),
+        )
+    }
+}
 
 /// Runs of one kind.
 struct Series {
@@ -183,27 +296,44 @@ At most {:.0} ms may be lost: {}.
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
+    let number = |n: &str| n.parse::<usize>().ok().filter(|n| *n > 0);
     let runs = match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => 200,
-        ["--runs", n] if n.parse::<usize>().is_ok_and(|n| n > 0) => n.parse().unwrap_or(200),
-        _ => {
-            eprintln!("usage: cargo xtask soak kills [-- --runs N]");
-            return ExitCode::from(2);
+        [] => Some(200),
+        ["--runs", n] => number(n),
+        ["--cutting", n] if number(n).is_some() => {
+            let cutting = Cutting::measure(number(n).unwrap_or(1));
+            println!("{}", cutting.report());
+            return match cutting.write() {
+                Ok(()) if cutting.is_good() => ExitCode::SUCCESS,
+                Ok(()) => ExitCode::FAILURE,
+                Err(error) => {
+                    eprintln!("kills_cutting.csv: {error}");
+                    ExitCode::from(2)
+                }
+            };
         }
+        _ => None,
+    };
+    let Some(runs) = runs else {
+        eprintln!("usage: cargo xtask soak kills [-- --runs N | --cutting N]");
+        return ExitCode::from(2);
     };
     let paced = Series::measure(true, runs);
     let fast = Series::measure(false, runs);
     let text = report(&paced, &fast);
+    let cutting = Cutting::measure(runs.div_ceil(2));
+    let text = text + &cutting.report();
     println!("{text}");
     let mut csv = String::from(
         "series,run,killed_after_ms,moment,readable,ticks_begun,ticks_on_file,ticks_lost,lost_ms,last_write_to_kill_ms,verified,end_of_file\n",
     );
     paced.csv(&mut csv);
     fast.csv(&mut csv);
-    let folder = repository().join("tests").join("results");
+    let folder = results();
     let written = fs::create_dir_all(&folder)
         .and_then(|()| fs::write(folder.join("kills.md"), text))
-        .and_then(|()| fs::write(folder.join("kills.csv"), csv));
+        .and_then(|()| fs::write(folder.join("kills.csv"), csv))
+        .and_then(|()| cutting.write());
     if let Err(error) = written {
         eprintln!("{}: {error}", folder.display());
         return ExitCode::from(2);
@@ -216,7 +346,7 @@ fn main() -> ExitCode {
             paced.at(Moment::Running)
         );
     }
-    if enough && paced.is_good() && fast.is_good() {
+    if enough && paced.is_good() && fast.is_good() && cutting.is_good() {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE

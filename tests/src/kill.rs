@@ -4,12 +4,13 @@
 //! index of each tick that begins into a file of its own (the witness), before anything else of the tick is done. What
 //! the witness has and the session has not is lost, the tick in the making counted as a whole. No clock is involved.
 
+use crate::comb;
 use crate::live::LiveTree;
 use crate::statistics::percentile;
 use microsim_host::record::Session;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -44,6 +45,11 @@ pub struct Remains {
 }
 
 impl Remains {
+    /// The tick that had begun and is not in the session: the one in which the kill fell.
+    pub fn unfinished(&self) -> Option<u64> {
+        (self.begun > self.on_file).then(|| self.begun - 1)
+    }
+
     /// Ticks that had begun and are not in the session.
     pub fn lost(&self) -> u64 {
         self.begun.saturating_sub(self.on_file)
@@ -54,7 +60,8 @@ impl Remains {
 #[derive(Debug)]
 pub struct Target {
     tree: LiveTree,
-    args: Vec<&'static str>,
+    module: &'static str,
+    args: Vec<String>,
     /// Length of its tick \[s\].
     pub tick: f64,
 }
@@ -64,21 +71,60 @@ impl Target {
     /// otherwise it goes on as fast as it can until the level's time is over.
     pub fn new(duration: f64, paced: bool) -> Self {
         let behaviour = json!({ "duration": duration, "delay": 8 });
-        let tree = LiveTree::new(&behaviour);
-        let mut behaviour = behaviour;
-        behaviour["witness"] = json!(tree.root().join("witness"));
-        tree.behave(&behaviour);
-        Self {
-            tree,
-            args: if paced { vec!["--realtime"] } else { vec![] },
+        let mut target = Self {
+            tree: LiveTree::new(&behaviour),
+            module: "touch-spheres",
+            args: Vec::new(),
             // `clock.tick` of the level.
             tick: 0.008,
+        };
+        if paced {
+            target.args.push("--realtime".into());
         }
+        target.witness(behaviour);
+        target
+    }
+
+    /// The comb, cut by this number of snips, as fast as it can go: every run is the same.
+    pub fn comb(snips: u32) -> Self {
+        let behaviour = comb::behaviour(snips);
+        let tree = comb::tree(&behaviour);
+        let level = tree.last_level(comb::MODULE).to_string();
+        let target = Self {
+            tree,
+            module: comb::MODULE,
+            args: vec!["--level".into(), level],
+            tick: comb::TICK,
+        };
+        target.witness(behaviour);
+        target
+    }
+
+    /// Lets the source leave a witness.
+    fn witness(&self, mut behaviour: Value) {
+        behaviour["witness"] = json!(self.tree.root().join("witness"));
+        self.tree.behave(&behaviour);
+    }
+
+    /// Runs to the end; the session.
+    ///
+    /// # Panics
+    /// If the run fails.
+    pub fn whole(&self, name: &str) -> PathBuf {
+        let session = self.tree.root().join(format!("{name}.session"));
+        let status = self.start(&session).wait().expect("the run ends");
+        assert!(status.success(), "{status}");
+        session
+    }
+
+    /// Whether a fresh process recomputes a session to the bit.
+    pub fn verifies(&self, session: &Path) -> bool {
+        self.tree.verify(session).code == Some(0)
     }
 
     fn start(&self, session: &Path) -> Child {
         let _ = fs::remove_file(self.tree.root().join("witness"));
-        let mut run = self.tree.run("touch-spheres", session, &self.args);
+        let mut run = self.tree.run(self.module, session, &self.args);
         run.stdout(Stdio::null()).stderr(Stdio::null());
         run.spawn().expect("the built program starts")
     }
@@ -89,10 +135,8 @@ impl Target {
     /// If the run fails.
     pub fn length(&self) -> Duration {
         let lengths = (0..5).map(|n| {
-            let session = self.tree.root().join(format!("whole-{n}.session"));
             let start = Instant::now();
-            let status = self.start(&session).wait().expect("the run ends");
-            assert!(status.success(), "{status}");
+            self.whole(&format!("whole-{n}"));
             start.elapsed().as_secs_f64()
         });
         Duration::from_secs_f64(percentile(&lengths.collect::<Vec<_>>(), 0.5))
@@ -113,9 +157,33 @@ impl Target {
         self.look(&session, killed)
     }
 
+    /// Starts the run, kills it `delay` after a tick has begun and looks at what is left.
+    ///
+    /// # Panics
+    /// If the run ends before the tick, or cannot be killed.
+    pub fn kill_in(&self, number: usize, tick: u64, delay: Duration) -> Remains {
+        let session = self.tree.root().join(format!("killed-{number}.session"));
+        let mut child = self.start(&session);
+        while self.begun() <= tick {
+            let ended = child.try_wait().expect("the process can be asked");
+            assert!(ended.is_none(), "{ended:?} before tick {tick}");
+            std::thread::sleep(Duration::from_micros(100));
+        }
+        std::thread::sleep(delay);
+        child.kill().expect("SIGKILL is sent");
+        let killed = SystemTime::now();
+        child.wait().expect("the process ends");
+        self.look(&session, killed)
+    }
+
+    /// Ticks that have begun, by the witness.
+    fn begun(&self) -> u64 {
+        let witness = fs::metadata(self.tree.root().join("witness"));
+        witness.map_or(0, |file| file.len() / 8)
+    }
+
     fn look(&self, session: &Path, killed: SystemTime) -> Remains {
-        let witness = fs::read(self.tree.root().join("witness")).unwrap_or_default();
-        let begun = (witness.len() / 8) as u64;
+        let begun = self.begun();
         let written = fs::metadata(session).and_then(|file| file.modified()).ok();
         let silence = written.and_then(|written| killed.duration_since(written).ok());
         let read = fs::read(session).map_err(|e| e.to_string());
@@ -140,7 +208,7 @@ impl Target {
                 }
                 remains.on_file = read.ticks.last().map_or(0, |(tick, _)| tick + 1);
                 remains.complaint = read.complaint.unwrap_or_default();
-                remains.verified = self.tree.verify(session).code == Some(0);
+                remains.verified = self.verifies(session);
             }
             Err(error) => remains.complaint = error,
         }

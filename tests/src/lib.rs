@@ -4,6 +4,7 @@
 //!
 //! - here: running the program and hearing what it says;
 //! - [`alter`]: sessions written anew with one thing changed;
+//! - [`comb`]: a band that is cut a hundred times;
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
 //! - [`detected`]: contact for a solver without a scene;
 //! - [`in_process`]: a run in the test's own process;
@@ -11,9 +12,11 @@
 //! - [`live`]: a tree with a source that has a timer of its own;
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
-//! - [`system`]: the linear system of a body, phase by phase.
+//! - [`system`]: the linear system of a body, phase by phase;
+//! - [`trainees`]: synthetic trainees, made and run.
 
 pub mod alter;
+pub mod comb;
 pub mod counts;
 pub mod detected;
 pub mod in_process;
@@ -22,6 +25,7 @@ pub mod live;
 pub mod simulated;
 pub mod statistics;
 pub mod system;
+pub mod trainees;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

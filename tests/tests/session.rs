@@ -2,7 +2,7 @@
 
 use microsim_host::record::{Ended, Session};
 use microsim_tests::kill::{Moment, Target, moments};
-use microsim_tests::{Said, assert_verified, command, report_beside, scratch};
+use microsim_tests::{Said, assert_verified, comb, command, report_beside, scratch};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -79,6 +79,30 @@ fn ctrl_c_ends_with_a_complete_session() {
 #[test]
 fn a_polite_kill_ends_with_a_complete_session() {
     ends_in_order("TERM");
+}
+
+/// A hundred snips of scissors into a band, in the built program: every one lays tissue open, the session verifies, and killed in ticks that cut
+/// it is readable, verifies and has lost that tick at most. A sample of what `cargo xtask soak kills` does as well.
+#[test]
+fn a_session_of_a_hundred_cuts_verifies_and_survives_kills() {
+    let target = Target::comb(101);
+    let session = target.whole("comb");
+    let cuts = comb::cuts(&session);
+    let snips = comb::snips(&cuts);
+    println!("{} cuts in {snips} snips", cuts.len());
+    assert!(cuts.len() >= 100 && snips >= 100, "{} {snips}", cuts.len());
+    assert!(target.verifies(&session));
+    let mut in_cuts = 0;
+    for (n, part) in [(0, 30), (1, 20), (2, 10)] {
+        let (tick, _) = cuts[cuts.len() / part];
+        let remains = target.kill_in(n, tick, Duration::from_millis(n as u64));
+        println!("killed in tick {tick}: {remains:?}");
+        assert!(remains.readable && remains.verified, "{remains:?}");
+        assert!(remains.lost() <= 1, "{remains:?}");
+        let cut = |tick| cuts.iter().any(|(of, _)| *of == tick);
+        in_cuts += usize::from(remains.unfinished().is_some_and(cut));
+    }
+    assert!(in_cuts >= 1, "no kill fell into a tick that cuts");
 }
 
 /// A sample of what `cargo xtask soak kills` does 200 times.

@@ -82,10 +82,22 @@ pub const SOAKS: &[Program] = &[
         shows: "10,000 random cuts of blocks, tubes and filled meshes, checked step by step",
     },
     Program {
+        name: "followers",
+        package: "microsim-scene",
+        example: "soak_followers",
+        shows: "1,000 random cuts with model, solver and contact that follow, against ones made anew",
+    },
+    Program {
         name: "stability",
         package: "microsim-tissue",
         example: "cut_stability",
         shows: "500 cuts in a cube, then 10,000 steps with the mass floor and without",
+    },
+    Program {
+        name: "trainees",
+        package: TESTS,
+        example: "soak_trainees",
+        shows: "synthetic experts and novices on a level: each metric, effect sizes (-- MODULE LEVEL N)",
     },
 ];
 
@@ -140,7 +152,7 @@ mod tests {
         assert_eq!(names(None).map(|all| all.len()), Ok(SOAKS.len()));
         assert_eq!(
             names(Some("kill")),
-            Err("there is no \"kill\"; there are: kills, cuts, stability".into())
+            Err("there is no \"kill\"; there are: kills, cuts, followers, stability, trainees".into())
         );
     }
 }

@@ -24,7 +24,7 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
             .iter()
             .any(|p| p.kind == microsim_host::plan::PluginKind::Renderer)
     {
-        let renderer = microsim_host::assemble::renderer_for(&installation, plan)?;
+        let renderer = microsim_host::assemble::renderer_for(&installation, plan, None)?;
         session.header.plan.plugins.push(renderer);
     }
     args.frames.as_deref().map_or(Ok(()), refuse_old_pictures)?;

@@ -1,9 +1,11 @@
 //! `microsim report`, and the files that `run` writes beside a session.
 
-use crate::cli::ReportArgs;
+use crate::cli::{Place, ReportArgs};
+use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, say, say_json};
-use crate::session_file::{read, report_of};
-use microsim_report::{Report, Verdict};
+use crate::session_file::{installation, read, report_of};
+use microsim_report::{Language, Page, Report, Verdict};
+use microsim_settings::PageLanguage;
 use std::path::{Path, PathBuf};
 
 /// Writes a file, naming it when that fails.
@@ -12,7 +14,7 @@ fn write(path: &Path, content: &str) -> Result<(), Problem> {
 }
 
 /// Shows the result of a session.
-pub fn report(args: &ReportArgs) -> Result<Exit, Problem> {
+pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
     let session = read(&args.session)?;
     let report = report_of(&session, &args.session);
     let same = |path: &PathBuf| path.canonicalize().ok() == args.session.canonicalize().ok();
@@ -24,7 +26,19 @@ pub fn report(args: &ReportArgs) -> Result<Exit, Problem> {
         return Err("the report would overwrite the session; give it another name".into());
     }
     if let Some(path) = &args.html {
-        write(path, &report.to_html())?;
+        let installation = installation(place)?;
+        let page = Page {
+            language: match args.lang.as_deref() {
+                Some("de") => Language::German,
+                Some(_) => Language::English,
+                None => page_language(installation.host.report.language),
+            },
+            pictures: match args.pictures {
+                true => key_pictures(&installation, &session, &report, 1),
+                false => not_asked(),
+            },
+        };
+        write(path, &report.to_html(&page))?;
     }
     if let Some(path) = &args.csv {
         write(path, &report.metrics_csv())?;
@@ -57,13 +71,21 @@ pub fn files_beside(session: &Path) -> [PathBuf; 4] {
 }
 
 /// Writes the files beside a session. Returns the page's path.
-pub fn write_beside(report: &Report, session: &Path) -> Result<PathBuf, Problem> {
+pub fn write_beside(report: &Report, content: &Page, session: &Path) -> Result<PathBuf, Problem> {
     let [page, json, metrics, series] = files_beside(session);
-    write(&page, &report.to_html())?;
+    write(&page, &report.to_html(content))?;
     write(&json, &report.to_json())?;
     write(&metrics, &report.metrics_csv())?;
     write(&series, &report.series_csv())?;
     Ok(page)
+}
+
+/// The language of a page, as the report knows it.
+pub fn page_language(language: PageLanguage) -> Language {
+    match language {
+        PageLanguage::German => Language::German,
+        PageLanguage::English => Language::English,
+    }
 }
 
 /// Name of a verdict for people.
@@ -91,6 +113,9 @@ pub fn summary(report: &Report) -> String {
         report.targets,
         report.duration
     ));
+    if let Some(made) = &s.synthetic {
+        lines.push(format!("    synthetic trainee: {made}"));
+    }
     for (id, text) in report.failed.iter().zip(&report.reasons) {
         lines.push(format!("    {id}: {}", text.en));
     }

@@ -1,17 +1,18 @@
 //! `microsim run`.
 
 use crate::cli::{Place, RunArgs};
+use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, say, say_json};
-use crate::report::{files_beside, summary, verdict_word, write_beside};
+use crate::report::{files_beside, page_language, summary, verdict_word, write_beside};
 use crate::session_file::{installation, is_session, read, report_of};
 use indicatif::{ProgressBar, ProgressStyle};
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
-use microsim_host::picture::{PicturePlan, PictureReport};
+use microsim_host::picture::{PicturePlan, PictureReport, PictureTimes};
 use microsim_host::plan::RunPlan;
 use microsim_host::run::{Realtime, RunOptions, RunOutcome, run as run_plan};
 use microsim_message::{decode_bytes, encode};
-use microsim_report::Report;
+use microsim_report::{Page, Report};
 use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,7 @@ pub fn picture_plan(
     let every = (1e9 / (rate * tick_ns as f64)).round();
     PicturePlan {
         folder: folder.to_path_buf(),
-        every: (every as u64).max(1),
+        when: PictureTimes::Every((every as u64).max(1)),
     }
 }
 
@@ -113,7 +114,7 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
         return Err("--stop-at lies before the checkpoint that the run goes on from".into());
     }
     let outcome = carry_out(&installation, &plan, args, resume)?;
-    finish(&plan, args, &session, &outcome)
+    finish(&installation, &plan, args, &session, &outcome)
 }
 
 /// Refuses what a run would otherwise overwrite, before it begins.
@@ -228,6 +229,7 @@ fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
 
 /// Writes what a run leaves behind, and tells.
 fn finish(
+    installation: &Installation,
     plan: &RunPlan,
     args: &RunArgs,
     session: &Path,
@@ -244,7 +246,16 @@ fn finish(
         (Err(problem), None) => return Err(problem),
     };
     let report = report_of(&recorded, session);
-    let page = write_beside(&report, session);
+    let pictures = if args.json || args.no_pictures || !installation.host.report.pictures {
+        not_asked()
+    } else {
+        key_pictures(installation, &recorded, &report, args.threads.into())
+    };
+    let page = Page {
+        language: page_language(installation.host.report.language),
+        pictures,
+    };
+    let page = write_beside(&report, &page, session);
     let told = match (args.json, page.as_deref().ok()) {
         (true, page) => tell_json(plan, session, page, outcome, &report),
         (false, page) => tell(args, session, page, outcome, &report),

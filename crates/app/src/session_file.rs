@@ -3,8 +3,11 @@
 use crate::cli::Place;
 use crate::output::Problem;
 use microsim_host::assemble::Installation;
+use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::Session;
+use microsim_message::LocalText;
 use microsim_report::{Report, ReportInput};
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -71,6 +74,8 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
                 checkpoint.tick as f64 * plan.tick_ns as f64 * 1e-9
             ),
         },
+        tools: tool_names(plan),
+        synthetic: plan.synthetic.clone(),
         realtime: session.header.realtime,
         without: plan.without.clone(),
         state_hash: session
@@ -81,11 +86,61 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
         failures: session.failures.iter().map(ToString::to_string).collect(),
         late_ticks: session.end.as_ref().map_or(0, |end| end.late_ticks),
         session_file: path.display().to_string(),
-        replay_command: format!("microsim replay {} --verify", path.display()),
+        replay_command: format!("microsim replay {} --verify", shell_word(path)),
     };
     let ticks = session
         .ticks
         .iter()
         .map(|(tick, record)| (*tick, record.log.as_slice()));
     Report::build(&input, ticks)
+}
+
+/// A path as a word of a command line.
+fn shell_word(path: &Path) -> String {
+    let path = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:=@%,".contains(c);
+    match path.chars().all(plain) {
+        true => path,
+        false => format!("'{}'", path.replace('\'', r"'\''")),
+    }
+}
+
+/// What the tools of a run are called: the titles of their models, with the slot where two have the same model.
+fn tool_names(plan: &RunPlan) -> BTreeMap<String, LocalText> {
+    let module = plan.plugins.iter().find(|p| p.kind == PluginKind::Module);
+    let Some(config) = module.map(|module| &module.setup.config) else {
+        return BTreeMap::new();
+    };
+    let slots = config["tools"]
+        .as_array()
+        .map(Vec::as_slice)
+        .unwrap_or_default();
+    let named = slots.iter().filter_map(|slot| {
+        let (name, model) = (slot["name"].as_str()?, slot["model"].as_str()?);
+        let title = &config["models"][model]["title"];
+        let same = slots.iter().filter(|other| other["model"] == model).count();
+        let one = |language: &str| -> Option<String> {
+            let title = title[language].as_str()?;
+            Some(match same {
+                1 => title.to_owned(),
+                _ => format!("{title} ({name})"),
+            })
+        };
+        let (de, en) = (one("de")?, one("en")?);
+        Some((name.to_owned(), LocalText { de, en }))
+    });
+    named.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shell_word;
+    use std::path::Path;
+
+    #[test]
+    fn a_path_is_one_word() {
+        assert_eq!(shell_word(Path::new("a/b-1.session")), "a/b-1.session");
+        assert_eq!(shell_word(Path::new("my run.session")), "'my run.session'");
+        assert_eq!(shell_word(Path::new("it's")), r"'it'\''s'");
+    }
 }

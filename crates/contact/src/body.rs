@@ -4,6 +4,7 @@ use crate::detector::Frame;
 use crate::features::Features;
 use crate::outward::Outward;
 use crate::skin::Skin;
+use crate::skin_change::SkinChange;
 use crate::tool::Inside;
 use crate::tree::Tree;
 
@@ -32,6 +33,13 @@ impl Body {
             outward: Outward::default(),
             skin,
         }
+    }
+
+    /// Follows a cut.
+    pub fn follow(&mut self, change: &SkinChange<'_>) {
+        let to = self.skin.follow(change);
+        self.tree.follow(&to);
+        self.outward = Outward::default();
     }
 
     /// Positions are new.

@@ -126,7 +126,7 @@ impl Depths {
         let p = frame.now[node as usize];
         let itself = first.index == second.index;
         let mut mean = Mean::new();
-        for &other in first.skin.neighbours(node) {
+        for other in first.skin.neighbours(node) {
             // Within one body the other end may be inside as well, but of another part: then the edge comes in all the same.
             if !itself && self.place(other).is_some() {
                 continue;
@@ -153,7 +153,7 @@ impl Depths {
         for layer in 1.. {
             self.next.clear();
             for &place in &self.layer {
-                for &other in skin.neighbours(self.nodes[place as usize].node) {
+                for other in skin.neighbours(self.nodes[place as usize].node) {
                     if let Some(other) = self.place(other)
                         && self.nodes[other].layer == UNREACHED
                     {
@@ -172,7 +172,7 @@ impl Depths {
                 let node = self.nodes[place].node;
                 let p = frame.now[node as usize];
                 let mut mean = Mean::new();
-                for &other in skin.neighbours(node) {
+                for other in skin.neighbours(node) {
                     let Some(other) = self.place(other) else {
                         continue;
                     };

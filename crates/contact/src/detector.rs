@@ -7,6 +7,7 @@ use crate::point::Point;
 use crate::rigid::Rigid;
 use crate::sides::Sides;
 use crate::skin::Skin;
+use crate::skin_change::SkinChange;
 use crate::{meshes, near, standing, tool};
 use nalgebra::Vector3;
 
@@ -122,26 +123,67 @@ impl Detector {
         }
     }
 
+    /// Follows a cut of a body; those behind it in the group follow as well, as their nodes have other numbers.
+    pub fn follow(&mut self, body: u32, change: &SkinChange<'_>) {
+        self.bodies[body as usize].follow(change);
+        for pair in &mut self.pairs {
+            pair.directions = Default::default();
+        }
+    }
+
+    /// Gives the pair of two bodies, in this order, other ends.
+    pub fn set_ends(&mut self, pair: [u32; 2], ends: [VesselEnd; 2]) {
+        for Pair { touch, .. } in &mut self.pairs {
+            match touch {
+                Touch::Bodies {
+                    body,
+                    with,
+                    ends: of_pair,
+                } if [*body, *with] == pair => *of_pair = Some(ends.clone()),
+                _ => {}
+            }
+        }
+    }
+
+    /// Whether a pair asks where triangles are, and of which bodies.
+    fn asks(&self, touch: &Touch, frame: &Frame<'_>) -> Option<[u32; 2]> {
+        let (asks, bodies) = match *touch {
+            Touch::Tool { body, tool } => {
+                let capsules = frame.tools.get(tool as usize).and_then(Option::as_ref);
+                let reached = |capsules: &Vec<CapsuleMotion>| {
+                    let of = &self.bodies[body as usize];
+                    capsules
+                        .iter()
+                        .any(|motion| tool::reach(of, motion, frame).is_some())
+                };
+                (capsules.is_some_and(reached), [body; 2])
+            }
+            Touch::Rigid { body, thing } => {
+                let rigid = &self.rigid[thing as usize];
+                let asks = standing::asks_for_triangles(&self.bodies[body as usize], rigid, frame);
+                (asks, [body; 2])
+            }
+            Touch::Itself { body } => (true, [body; 2]),
+            Touch::Bodies { body, with, .. } => {
+                let [first, second] = [body, with].map(|body| &self.bodies[body as usize]);
+                let reach = meshes::reach(first, frame).max(meshes::reach(second, frame));
+                (near::may_meet(first, second, reach), [body, with])
+            }
+        };
+        asks.then_some(bodies)
+    }
+
     /// Replaces `points` by all points with a gap below `frame.reach`, ascending by their keys.
     pub fn find(&mut self, frame: &Frame<'_>, points: &mut Vec<Point>) {
         points.clear();
         for body in &mut self.bodies {
             body.update(frame);
         }
-        for pair in &self.pairs {
-            let bodies = match pair.touch {
-                Touch::Tool { body, .. } | Touch::Rigid { body, .. } | Touch::Itself { body } => {
-                    [body; 2]
-                }
-                Touch::Bodies { body, with, .. } => [body, with],
-            };
-            let [first, second] = bodies.map(|body| &self.bodies[body as usize]);
-            let reach = meshes::reach(first, frame).max(meshes::reach(second, frame));
-            if near::may_meet(first, second, reach) {
-                for body in bodies {
-                    let Body { tree, skin, .. } = &mut self.bodies[body as usize];
-                    tree.build(skin);
-                }
+        for index in 0..self.pairs.len() {
+            let asked = self.asks(&self.pairs[index].touch, frame);
+            for body in asked.into_iter().flatten() {
+                let Body { tree, skin, .. } = &mut self.bodies[body as usize];
+                tree.build(skin);
             }
         }
         for Pair { touch, directions } in &mut self.pairs {

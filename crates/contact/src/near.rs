@@ -123,11 +123,7 @@ impl Near {
 impl Skin {
     /// Whether two features of one body share a node, or an edge of the mesh leads from one to the other.
     pub(crate) fn is_close(&self, first: &[u32], second: &[u32]) -> bool {
-        first.iter().any(|&a| {
-            let next = self.neighbours(a);
-            second
-                .iter()
-                .any(|&b| a == b || next.binary_search(&b).is_ok())
-        })
+        let close = |a: u32, b: u32| a == b || self.are_neighbours(a, b);
+        first.iter().any(|&a| second.iter().any(|&b| close(a, b)))
     }
 }

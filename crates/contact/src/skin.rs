@@ -1,5 +1,6 @@
 //! What contact needs to know of a body.
 
+use crate::lists::Lists;
 use microsim_mesh::{Surface, TetMesh};
 
 /// No triangle.
@@ -14,41 +15,8 @@ pub(crate) struct SkinEdge {
     pub triangles: [u32; 2],
 }
 
-/// Lists of different lengths, one after another.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Lists {
-    firsts: Vec<u32>,
-    items: Vec<u32>,
-}
-
-impl Lists {
-    /// From pairs of the number of a list and an item of it, in any order.
-    fn new(count: usize, mut pairs: Vec<(u32, u32)>) -> Self {
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut firsts = vec![0; count + 1];
-        for &(list, _) in &pairs {
-            firsts[list as usize + 1] += 1;
-        }
-        for list in 0..count {
-            firsts[list + 1] += firsts[list];
-        }
-        Self {
-            firsts,
-            items: pairs.into_iter().map(|(_, item)| item).collect(),
-        }
-    }
-
-    /// The items of a list, ascending.
-    #[inline]
-    pub fn of(&self, list: u32) -> &[u32] {
-        let list = list as usize;
-        &self.items[self.firsts[list] as usize..self.firsts[list + 1] as usize]
-    }
-}
-
 /// The surface and the elements of a body, with what is next to what. Nodes have the numbers of the group that the body is in.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
     pub(crate) offset: u32,
     pub(crate) node_count: u32,
@@ -61,8 +29,10 @@ pub struct Skin {
     /// The edges of the surface, ascending.
     pub(crate) edges: Vec<SkinEdge>,
     pub(crate) tets: Vec<[u32; 4]>,
-    node_triangles: Lists,
-    neighbours: Lists,
+    pub(crate) node_triangles: Lists,
+    /// The nodes that share an edge of the mesh with each node, ascending, by their numbers in the body; none where nothing is known of the
+    /// body's inside.
+    pub(crate) neighbours: Vec<Vec<u32>>,
     /// Mean length of the edges at rest [m].
     pub(crate) mean_edge: f64,
 }
@@ -112,24 +82,26 @@ impl Skin {
         }
 
         let count = mesh.positions.len();
-        let corners = surface.triangles.iter().enumerate();
-        let node_triangles =
-            corners.flat_map(|(index, triangle)| triangle.map(|node| (node, index as u32)));
-        let (mesh_edges, tets) = match inside {
-            true => (mesh.edges(), mesh.tets.as_slice()),
-            false => Default::default(),
-        };
-        let neighbours = mesh_edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
-        let neighbours = neighbours.map(|(a, b)| (a, b + offset));
+        let mut neighbours = Vec::new();
+        let mut tets = Vec::new();
+        if inside {
+            neighbours.resize(count, Vec::new());
+            // In their order each list becomes ascending.
+            for [a, b] in mesh.edges() {
+                neighbours[a as usize].push(b);
+                neighbours[b as usize].push(a);
+            }
+            tets.extend(mesh.tets.iter().map(|tet| tet.map(shift)));
+        }
         Self {
             offset,
             node_count: count as u32,
             nodes: surface.nodes.iter().copied().map(shift).collect(),
             edges,
             triangle_edges,
-            tets: tets.iter().map(|tet| tet.map(shift)).collect(),
-            node_triangles: Lists::new(count, node_triangles.collect()),
-            neighbours: Lists::new(count, neighbours.collect()),
+            tets,
+            node_triangles: Lists::at_corners(count, &surface.triangles),
+            neighbours,
             mean_edge,
             triangles,
         }
@@ -143,8 +115,16 @@ impl Skin {
 
     /// The nodes that share an edge of the mesh with a node, ascending.
     #[inline]
-    pub(crate) fn neighbours(&self, node: u32) -> &[u32] {
-        self.neighbours.of(node - self.offset)
+    pub(crate) fn neighbours(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
+        let list = self.neighbours[(node - self.offset) as usize].iter();
+        list.map(|other| other + self.offset)
+    }
+
+    /// Whether two nodes share an edge of the mesh.
+    #[inline]
+    pub(crate) fn are_neighbours(&self, a: u32, b: u32) -> bool {
+        let list = &self.neighbours[(a - self.offset) as usize];
+        list.binary_search(&(b - self.offset)).is_ok()
     }
 
     /// The node of a triangle at an edge that is not of the edge; one of the edge's where the triangle has no other.

@@ -30,6 +30,12 @@ const PARALLEL: f64 = 1e-6;
 /// A direction may be outside of the cone of normals of an edge or a corner by this: rounding, of what lies flat on it.
 const CONE: f64 = 1e-6;
 
+/// Whether [`find`] looks up triangles.
+pub(crate) fn asks_for_triangles(body: &Body, rigid: &Rigid, frame: &Frame<'_>) -> bool {
+    let bounds = rigid.bounds().inflated(frame.reach);
+    rigid.shape != RigidShape::HalfSpace && bounds.overlaps(&body.tree.bounds)
+}
+
 /// Adds the points of a body with a rigid thing.
 pub(crate) fn find(
     body: &Body,

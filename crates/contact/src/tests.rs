@@ -3,6 +3,7 @@
 mod brute;
 mod depth;
 mod meshes;
+mod skin_change;
 mod standing;
 mod tool;
 

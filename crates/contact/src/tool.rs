@@ -15,8 +15,8 @@ use crate::outward::{self, Outward};
 use crate::point::{Key, Partner, Point};
 use crate::skin::{NONE, Skin};
 use microsim_geometry::{
-    Capsule, Motion, TriangleFeature, closest_on_triangle, closest_segments, first_contact_edges,
-    first_contact_point_triangle, triangle_normal,
+    Aabb, Capsule, Motion, TriangleFeature, closest_on_triangle, closest_segments,
+    first_contact_edges, first_contact_point_triangle, triangle_normal,
 };
 use nalgebra::Vector3;
 
@@ -67,6 +67,16 @@ struct Touching {
     end: u32,
 }
 
+/// The box of what a capsule may touch, if that of the body comes into it.
+pub(crate) fn reach(body: &Body, motion: &CapsuleMotion, frame: &Frame<'_>) -> Option<Aabb> {
+    if !motion.is_finite() {
+        return None;
+    }
+    let (start, end) = (motion.start, motion.at(frame.way));
+    let bounds = start.swept_bounds(&end).inflated(frame.reach);
+    bounds.overlaps(&body.tree.bounds).then_some(bounds)
+}
+
 /// Adds the points of a body with the capsules of a tool.
 pub(crate) fn find(
     body: &Body,
@@ -76,14 +86,10 @@ pub(crate) fn find(
     points: &mut Vec<Point>,
 ) {
     for (index, motion) in capsules.iter().enumerate() {
-        if !motion.is_finite() {
+        let Some(bounds) = reach(body, motion, frame) else {
             continue;
-        }
+        };
         let (start, end) = (motion.start, motion.at(frame.way));
-        let bounds = start.swept_bounds(&end).inflated(frame.reach);
-        if !bounds.overlaps(&body.tree.bounds) {
-            continue;
-        }
         let features = &mut scratch.features;
         features.find(&body.skin, &body.tree.triangles, &bounds);
         let passage = Passage {

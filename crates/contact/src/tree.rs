@@ -50,6 +50,13 @@ impl Tree {
         self.tets.get_or_insert_default();
     }
 
+    /// Follows a cut: triangles have these numbers now, [`u32::MAX`] where they are gone.
+    pub fn follow(&mut self, to: &[u32]) {
+        self.triangles.renumber(to);
+        // Whatever it was made for is of other nodes.
+        self.start.clear();
+    }
+
     /// Makes sure that the box around all holds what it should.
     pub fn update(&mut self, skin: &Skin, frame: &Frame<'_>) {
         let (start, now) = (&frame.start[skin.range()], &frame.now[skin.range()]);

@@ -85,7 +85,7 @@ fn measure(cells: usize) {
             };
             let settings = Settings::default();
             let blade = |sweep| Blade::Sweep {
-                sweep,
+                sweeps: std::slice::from_ref(sweep),
                 before: &positions,
                 now: &positions,
             };

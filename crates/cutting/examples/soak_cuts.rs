@@ -23,7 +23,7 @@ fn main() -> ExitCode {
             println!("{summary:?}");
         }
     };
-    match soak::run(strokes as usize, seed, 12, told) {
+    match soak::run(strokes as usize, seed, 12, &mut (), told) {
         Ok(summary) => {
             println!("{summary:#?}");
             ExitCode::SUCCESS

@@ -1,12 +1,12 @@
 //! Groups of elements that lie together, with their nodes: where is an element near a blade?
 //!
-//! The nodes move in every step, so no tree stays right without looking at all of them. A group has half as many nodes as
-//! elements: boxes around groups cost little more than a nanosecond per element of the body, and the elements of those
-//! groups alone are looked at whose box a blade comes into. Groups grow as their elements are divided and are halved when
-//! they have become large.
+//! The nodes move in every step. The box around a group is kept as it was at some time; how far any node has gone since is
+//! looked at in every step, a nanosecond per node, and by so much a box counts as larger. When a node has gone too far all boxes are made
+//! anew. The elements of those groups alone are looked at into whose box a blade comes. Groups grow as their elements are divided and are
+//! halved when they have become large.
 
 use microsim_geometry::Aabb;
-use microsim_mesh::TetMesh;
+use microsim_mesh::{TetMesh, TopologyEdit};
 use nalgebra::Vector3;
 
 /// Elements in a new group, at most.
@@ -15,11 +15,16 @@ const NEW: usize = 64;
 /// A group with more elements is halved.
 const LARGE: usize = 160;
 
-#[derive(Clone, Debug, Default)]
+/// Boxes are larger by this share of an edge.
+const ROUNDING: f64 = 1e-6;
+
+#[derive(Clone, Debug)]
 struct Cluster {
     elements: Vec<u32>,
     /// All nodes of its elements, and some that were so.
     nodes: Vec<u32>,
+    /// Around its elements as nodes were at the places that the groups remember; empty before there are any.
+    bounds: Aabb,
 }
 
 /// The groups of a body.
@@ -28,6 +33,8 @@ pub(crate) struct Clusters {
     clusters: Vec<Cluster>,
     /// Group of each element.
     of: Vec<u32>,
+    /// Where nodes were when the boxes were made [m].
+    places: Vec<Vector3<f64>>,
 }
 
 impl Clusters {
@@ -39,6 +46,7 @@ impl Clusters {
         let mut clusters = Self {
             clusters: Vec::new(),
             of: vec![0; mesh.tets.len()],
+            places: Vec::new(),
         };
         clusters.build(&mut elements, &centroids, &mesh.tets);
         clusters
@@ -57,63 +65,112 @@ impl Clusters {
             self.build(first, centroids, tets);
             self.build(second, centroids, tets);
         } else if !elements.is_empty() {
-            self.add(elements.to_vec(), tets);
+            self.put(self.clusters.len(), elements.to_vec(), tets, Aabb::empty());
         }
     }
 
-    fn add(&mut self, elements: Vec<u32>, tets: &[[u32; 4]]) {
-        let index = self.clusters.len() as u32;
-        self.put(index as usize, elements, tets);
-    }
-
-    /// Makes group `index`, or the next one, of these elements.
-    fn put(&mut self, index: usize, elements: Vec<u32>, tets: &[[u32; 4]]) {
+    /// Makes group `index`, or the next one, of these elements, all of which are in `bounds`.
+    fn put(&mut self, index: usize, elements: Vec<u32>, tets: &[[u32; 4]], bounds: Aabb) {
         let mut nodes: Vec<u32> = elements.iter().flat_map(|&e| tets[e as usize]).collect();
         nodes.sort_unstable();
         nodes.dedup();
         for &element in &elements {
             self.of[element as usize] = index as u32;
         }
-        let cluster = Cluster { elements, nodes };
+        let cluster = Cluster {
+            elements,
+            nodes,
+            bounds,
+        };
         match self.clusters.get_mut(index) {
             Some(place) => *place = cluster,
             None => self.clusters.push(cluster),
         }
     }
 
+    /// How much larger than their boxes groups may be with nodes at these places [m]. Boxes are made anew when that is more than `most`.
+    fn slack(&mut self, positions: [&[Vector3<f64>]; 2], most: f64) -> f64 {
+        let farthest = |places: &[Vector3<f64>]| {
+            // Written without a way out of the loop; what is not a number makes the sum so.
+            let (mut farthest, mut finite) = (0.0, 0.0);
+            for positions in positions {
+                for (now, then) in positions.iter().zip(places) {
+                    let way = now - then;
+                    farthest = f64::max(farthest, way.amax());
+                    finite += (way.x + way.y + way.z) * 0.0;
+                }
+            }
+            match finite == 0.0 {
+                true => farthest,
+                false => f64::INFINITY,
+            }
+        };
+        let known = self.places.len() == positions[1].len();
+        let slack = if known {
+            farthest(&self.places)
+        } else {
+            f64::INFINITY
+        };
+        if slack <= most {
+            return slack;
+        }
+        self.places.clear();
+        // New nodes come with every cut.
+        self.places.reserve(positions[1].len() * 3 / 2);
+        self.places.extend_from_slice(positions[1]);
+        for cluster in &mut self.clusters {
+            let nodes = cluster.nodes.iter();
+            cluster.bounds = Aabb::of(nodes.filter_map(|&node| self.places.get(node as usize)));
+        }
+        farthest(&self.places)
+    }
+
     /// Calls `found` for the elements whose corners' way from the first to the second positions comes into `bounds`, or is not
-    /// finite.
+    /// finite. `edge` [m] is how long edges are, more or less.
     pub(crate) fn near(
-        &self,
+        &mut self,
         bounds: &Aabb,
+        edge: f64,
         tets: &[[u32; 4]],
         positions: [&[Vector3<f64>]; 2],
         mut found: impl FnMut(u32),
     ) {
-        let rests = std::ptr::eq(positions[0], positions[1]);
-        let is_near = |nodes: &[u32]| {
+        let is_near = |nodes: &[u32; 4]| {
             let mut around = Aabb::empty();
             let mut finite = 0.0;
             for &node in nodes {
-                for place in positions.iter().take(if rests { 1 } else { 2 }) {
-                    if let Some(place) = place.get(node as usize) {
-                        around.include(place);
-                        // 0, or not a number.
-                        finite += (place.x + place.y + place.z) * 0.0;
-                    }
+                for place in positions.map(|positions| positions[node as usize]) {
+                    around.include(&place);
+                    // 0, or not a number.
+                    finite += (place.x + place.y + place.z) * 0.0;
                 }
             }
             around.overlaps(bounds) || finite != 0.0
         };
+        // Rounding must not leave out what touches.
+        let slack = self.slack(positions, edge) + ROUNDING * edge;
+        let anywhere = slack == f64::INFINITY;
+        let bounds = bounds.inflated(slack);
         for cluster in &self.clusters {
-            if is_near(&cluster.nodes) {
-                for &element in &cluster.elements {
-                    if is_near(&tets[element as usize]) {
-                        found(element);
-                    }
-                }
+            if anywhere || cluster.bounds.overlaps(&bounds) {
+                let elements = cluster.elements.iter().copied();
+                elements
+                    .filter(|&e| is_near(&tets[e as usize]))
+                    .for_each(&mut found);
             }
         }
+    }
+
+    /// Follows an edit that they have followed but for the places of nodes: a new node is between two others, and so in all their boxes.
+    pub(crate) fn follow(&mut self, edit: &TopologyEdit) {
+        if !self.places.is_empty() {
+            edit.carry_nodes(&mut self.places);
+        }
+    }
+
+    /// Makes room for so many more elements.
+    pub(crate) fn make_room(&mut self, elements: usize) {
+        self.of.reserve(elements);
     }
 
     /// A new element (the next one) comes from `parent`.
@@ -149,8 +206,9 @@ impl Clusters {
             }
             let all = std::mem::take(&mut self.clusters[index].elements);
             let (first, second) = halves(&all, neighbours);
-            self.put(index, first, tets);
-            self.add(second, tets);
+            let bounds = self.clusters[index].bounds;
+            self.put(index, first, tets, bounds);
+            self.put(self.clusters.len(), second, tets, bounds);
         }
     }
 
@@ -198,4 +256,85 @@ fn halves(all: &[u32], neighbours: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     let second = sorted.iter().zip(&taken).filter(|(_, taken)| !**taken);
     let second = second.map(|(&e, _)| e).collect();
     (first, second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Blade, Settings, Sheet, Stroke, Topology};
+    use microsim_mesh::{Block, CellSplit};
+
+    /// Nodes that drift, shake, and jump, in a mesh that is cut in between: what is found is what a look at every element finds.
+    #[test]
+    fn near_finds_what_a_look_at_every_element_finds() {
+        let block = Block {
+            center: [0.0; 3],
+            size: [6.0, 5.0, 4.0],
+            cells: [6, 5, 4],
+            split: CellSplit::Kuhn,
+        };
+        let mut mesh = block.mesh().unwrap();
+        let mut topology = Topology::new(&mesh);
+        let mut state = 1_u64;
+        let mut number = move || {
+            state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
+            (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+        };
+        let mut vector = move || Vector3::new(number(), number(), number());
+        let (mut some, mut none) = (0, 0);
+        for step in 0..60_usize {
+            let drift = vector() * [0.0, 0.3, 4.0][step % 3];
+            let shake = [0.0, 0.1, 1.0][step / 3 % 3];
+            let mut now = mesh.positions.clone();
+            now.iter_mut().for_each(|p| *p += drift + vector() * shake);
+            let mut before = now.clone();
+            before.iter_mut().for_each(|p| *p += vector() * shake);
+            if step % 20 == 19 {
+                now[step].x = f64::NAN;
+            }
+            let (a, b) = (vector() * 4.0, vector());
+            let bounds = Aabb::of(&[a, a + b]);
+            let expected = (0..mesh.tets.len() as u32).filter(|&element| {
+                let corners = mesh.tets[element as usize].map(|node| node as usize);
+                let places = corners.map(|node| [before[node], now[node]]);
+                let finite = places
+                    .iter()
+                    .flatten()
+                    .all(|p| p.iter().all(|x| x.is_finite()));
+                !finite || Aabb::of(places.iter().flatten()).overlaps(&bounds)
+            });
+            let expected: Vec<u32> = expected.collect();
+            let mut found = Vec::new();
+            let Topology { clusters, tets, .. } = &mut topology;
+            clusters.near(&bounds, 1.0, tets, [&before, &now], |element| {
+                found.push(element)
+            });
+            found.sort_unstable();
+            assert_eq!(found, expected, "step {step}");
+            some += usize::from(!found.is_empty());
+            none += usize::from(found.is_empty());
+            if step % 4 == 0 {
+                let center = vector();
+                let [along, across] = [vector(), vector()].map(|v| v.normalize() * 20.0);
+                let corner = |s: f64, t: f64| center + along * s + across * t;
+                let sheet = Sheet::quad(
+                    [corner(-1.0, -1.0), corner(1.0, -1.0)],
+                    [corner(-1.0, 1.0), corner(1.0, 1.0)],
+                );
+                let positions = mesh.positions.clone();
+                let blade = Blade::Sheet {
+                    sheet: &sheet,
+                    positions: &positions,
+                };
+                let made = topology.cut(&mesh, &mut Stroke::new(), &blade, &Settings::default());
+                if let Some(cut) = made.unwrap() {
+                    mesh.apply(&cut.edit).unwrap();
+                }
+            }
+        }
+        assert!(
+            some > 10 && none > 10 && topology.clusters.clusters.len() > 20,
+            "{some}, {none}"
+        );
+    }
 }

@@ -58,8 +58,8 @@ pub enum Blade<'a> {
     },
     /// A blade that moves, through nodes that move.
     Sweep {
-        /// The blade.
-        sweep: &'a Sweep,
+        /// Its parts: of one instrument, on one sheet.
+        sweeps: &'a [Sweep],
         /// Where the nodes were before the step [m].
         before: &'a [Vector3<f64>],
         /// Where they are after it [m].
@@ -102,13 +102,20 @@ impl Blade<'_> {
                     return Err(Rejected::NoBlade);
                 }
             }
-            Self::Sweep { sweep, before, now } => {
+            Self::Sweep {
+                sweeps,
+                before,
+                now,
+            } => {
                 count(before)?;
                 count(now)?;
-                if !all(&sweep.before) || !all(&sweep.now) {
+                let finite = |s: &Sweep| all(&s.before) && all(&s.now);
+                if !sweeps.iter().all(finite) {
                     return Err(Rejected::NotFinite);
                 }
-                if sweep.before[0] == sweep.before[1] && sweep.now[0] == sweep.now[1] {
+                let has_length = |[a, b]: &[Vector3<f64>; 2]| a != b;
+                let is_blade = |s: &Sweep| has_length(&s.before) || has_length(&s.now);
+                if !sweeps.iter().any(is_blade) {
                     return Err(Rejected::NoBlade);
                 }
             }
@@ -169,7 +176,7 @@ impl Topology {
     }
 
     /// The crossed edges, smaller node first.
-    fn crossings(&self, blade: &Blade) -> Result<BTreeMap<[u32; 2], Crossing>, Rejected> {
+    fn crossings(&mut self, blade: &Blade) -> Result<BTreeMap<[u32; 2], Crossing>, Rejected> {
         let finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
         let mut crossings = BTreeMap::new();
         match blade {
@@ -186,18 +193,25 @@ impl Topology {
                     }
                 }
             }
-            Blade::Sweep { sweep, before, now } => {
-                let sweep = sweep.displaced(self.mean_edge);
-                for edge in self.edges_near(&sweep.bounds(), [before, now]) {
-                    let motion = Sweep {
-                        before: edge.map(|n| before[n as usize]),
-                        now: edge.map(|n| now[n as usize]),
-                    };
-                    if !motion.before.iter().chain(&motion.now).all(finite) {
-                        return Err(Rejected::NotFinite);
-                    }
-                    if let Some(crossing) = sweep.crossing(&motion) {
-                        crossings.insert(edge, crossing);
+            Blade::Sweep {
+                sweeps,
+                before,
+                now,
+            } => {
+                for sweep in *sweeps {
+                    let sweep = sweep.displaced(self.mean_edge);
+                    for edge in self.edges_near(&sweep.bounds(), [before, now]) {
+                        let motion = Sweep {
+                            before: edge.map(|n| before[n as usize]),
+                            now: edge.map(|n| now[n as usize]),
+                        };
+                        if !motion.before.iter().chain(&motion.now).all(finite) {
+                            return Err(Rejected::NotFinite);
+                        }
+                        // What two parts cross is cut once.
+                        if let Some(crossing) = sweep.crossing(&motion) {
+                            crossings.entry(edge).or_insert(crossing);
+                        }
                     }
                 }
             }
@@ -206,32 +220,41 @@ impl Topology {
     }
 
     /// Whether a blade that moves has come to where no element is.
-    fn is_clear(&self, blade: &Blade) -> bool {
-        let Blade::Sweep { sweep, now, .. } = blade else {
+    fn is_clear(&mut self, blade: &Blade) -> bool {
+        let Blade::Sweep { sweeps, now, .. } = blade else {
             return false;
         };
         let mut clear = true;
-        self.clusters
-            .near(&Aabb::of(&sweep.now), &self.tets, [now, now], |_| {
-                clear = false;
-            });
+        for sweep in *sweeps {
+            self.elements_near(&Aabb::of(&sweep.now), [now, now], |_| clear = false);
+        }
         clear
     }
 
+    /// Calls `found` with every element whose way from the first to the second positions comes into `bounds`.
+    fn elements_near(
+        &mut self,
+        bounds: &Aabb,
+        positions: [&[Vector3<f64>]; 2],
+        mut found: impl FnMut(&[u32; 4]),
+    ) {
+        let Self { clusters, tets, .. } = self;
+        let found = |element: u32| found(&tets[element as usize]);
+        clusters.near(bounds, self.mean_edge, tets, positions, found);
+    }
+
     /// Every edge, smaller node first and ascending, whose way in the step comes into `bounds`.
-    fn edges_near(&self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 2]> {
+    fn edges_near(&mut self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 2]> {
         let around = |nodes: &[u32]| {
             let places = nodes.iter().map(|&n| n as usize);
             Aabb::of(places.flat_map(|n| [&positions[0][n], &positions[1][n]]))
         };
         let mut edges = Vec::new();
-        self.clusters
-            .near(bounds, &self.tets, positions, |element| {
-                let tet = self.tets[element as usize];
-                for [i, j] in pattern::EDGES {
-                    edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
-                }
-            });
+        self.elements_near(bounds, positions, |tet| {
+            for [i, j] in pattern::EDGES {
+                edges.push([tet[i].min(tet[j]), tet[i].max(tet[j])]);
+            }
+        });
         edges.sort_unstable();
         edges.dedup();
         // Not a number is near everything: it is found out later.

@@ -253,6 +253,7 @@ impl<'a> Editor<'a> {
             .flat_map(|&e| self.topology.triangles_of(e))
             .collect();
         self.topology.generation = self.mesh.generation + 1;
+        self.topology.clusters.follow(&edit);
         Cut {
             divided,
             opened,

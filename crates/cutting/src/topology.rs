@@ -129,6 +129,16 @@ impl Topology {
         topology
     }
 
+    /// Makes room for half as many elements again, so that cuts do not wait for memory.
+    pub fn make_room(&mut self) {
+        let (elements, nodes) = (self.tets.len() / 2, self.node_elements.len() / 2);
+        self.tets.reserve(elements);
+        self.neighbours.reserve(elements);
+        self.marks.reserve(elements);
+        self.clusters.make_room(elements);
+        self.node_elements.reserve(nodes);
+    }
+
     /// What [`Topology::restore`] needs. Costs what the mesh holds.
     pub fn state(&self) -> TopologyState {
         let faces = (0..self.tets.len()).flat_map(|e| (0..4).map(move |k| (e, k)));
@@ -199,8 +209,8 @@ impl Topology {
         corner.expect("neighbours know each other")
     }
 
-    /// The triangles of an element that lie on the surface.
-    pub(crate) fn triangles_of(&self, element: u32) -> impl Iterator<Item = SurfaceTriangle> + '_ {
+    /// The triangles of an element that lie on the surface, in the order of the corners opposite to them.
+    pub fn triangles_of(&self, element: u32) -> impl Iterator<Item = SurfaceTriangle> + '_ {
         let outer = (0..4).filter(move |&k| self.neighbours[element as usize][k] == NONE);
         outer.map(move |corner| SurfaceTriangle {
             nodes: self.face(element, corner),

@@ -4,6 +4,9 @@
 //! boxes move (van den Bergen 1997), which costs a fraction of building. It has no size of its own: boxes of any sizes may
 //! mix, and a query over a wide space costs what it finds.
 //!
+//! A set of which a few boxes change keeps its tree as well ([`renumber`](Bvh::renumber)): what is gone leaves an empty place, what is new
+//! stands in a small tree of its own behind the others. When a third of the places is empty or new, all is built anew.
+//!
 //! Limitations: refitting keeps the tree's shape. When neighbours have gone far apart, answers stay right and become slower:
 //! rebuild then.
 
@@ -22,7 +25,15 @@ pub struct Bvh {
     leaves: Vec<Leaf>,
     /// Where each box stands in `leaves`.
     places: Vec<u32>,
+    /// The places of the tree that was built over all; those behind it are of smaller ones.
+    first_tree: usize,
 }
+
+/// No box, or no place.
+const NONE: u32 = u32::MAX;
+
+/// When this share of the places is empty or in small trees all is built anew.
+const LOOSE: f64 = 1.0 / 3.0;
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
@@ -59,23 +70,69 @@ impl Bvh {
         if !boxes.is_empty() {
             self.build(0, boxes.len());
         }
+        self.first_tree = boxes.len();
         self.places.clear();
-        self.places.resize(boxes.len(), 0);
-        for (place, leaf) in self.leaves.iter().enumerate() {
-            self.places[leaf.index as usize] = place as u32;
+        self.places.resize(boxes.len(), NONE);
+        self.enter(0);
+        self.fit();
+    }
+
+    /// Replaces the boxes by others and keeps the tree. Of another number of boxes the last ones are gone or new.
+    pub fn refit(&mut self, boxes: &[Aabb]) {
+        self.places.resize(boxes.len(), NONE);
+        let new = self.places.iter().filter(|&&place| place == NONE).count();
+        let held = self.leaves.len().min(self.first_tree);
+        let mut empty = 0;
+        for leaf in &mut self.leaves {
+            // Empty places, too, hold numbers beyond all.
+            leaf.bounds = match boxes.get(leaf.index as usize) {
+                Some(bounds) => usable(bounds),
+                None => {
+                    leaf.index = NONE;
+                    empty += 1;
+                    Aabb::empty()
+                }
+            };
+        }
+        let loose = empty + new + self.leaves.len() - held;
+        if loose as f64 > LOOSE * self.leaves.len() as f64 {
+            return self.rebuild(boxes);
+        }
+        if new > 0 {
+            let first = self.leaves.len();
+            let missing = (0u32..)
+                .zip(&self.places)
+                .filter(|(_, place)| **place == NONE);
+            self.leaves.extend(missing.map(|(index, _)| Leaf {
+                bounds: usable(&boxes[index as usize]),
+                index,
+            }));
+            self.build(first, self.leaves.len());
+            self.enter(first);
         }
         self.fit();
     }
 
-    /// Replaces the boxes by as many others and keeps the tree; with another number of boxes, rebuilds.
-    pub fn refit(&mut self, boxes: &[Aabb]) {
-        if boxes.len() != self.leaves.len() {
-            return self.rebuild(boxes);
-        }
+    /// Gives the boxes other numbers: `to` has one for each, [`u32::MAX`] of a box that is gone. Before anything is asked, the boxes of
+    /// all numbers, new ones among them, are set by [`refit`](Self::refit).
+    pub fn renumber(&mut self, to: &[u32]) {
         for leaf in &mut self.leaves {
-            leaf.bounds = usable(&boxes[leaf.index as usize]);
+            leaf.index = to.get(leaf.index as usize).copied().unwrap_or(NONE);
         }
-        self.fit();
+        let last = to.iter().filter(|&&index| index != NONE).max();
+        self.places.clear();
+        self.places
+            .resize(last.map_or(0, |&last| last as usize + 1), NONE);
+        self.enter(0);
+    }
+
+    /// Notes where the boxes stand that are at this place and behind it.
+    fn enter(&mut self, first: usize) {
+        for (place, leaf) in self.leaves.iter().enumerate().skip(first) {
+            if let Some(of) = self.places.get_mut(leaf.index as usize) {
+                *of = place as u32;
+            }
+        }
     }
 
     /// Makes the nodes over the boxes `first..last` of `leaves`.
@@ -126,7 +183,7 @@ impl Bvh {
 
 impl BroadPhase for Bvh {
     fn len(&self) -> usize {
-        self.leaves.len()
+        self.places.len()
     }
 
     fn bounds(&self, index: u32) -> &Aabb {

@@ -3,28 +3,22 @@
 //! Only what a scene needs: the run brings source and recorder (and renderer, if pictures are wanted), the module's
 //! manifest names the other plugins, the level the objects, bodies and contacts. Nothing else is loaded.
 
+pub use crate::input::check_recording;
+use crate::input::{SourceSetup, source_setup};
 pub use crate::installation::{Installation, known_metrics};
 use crate::loader::file_hash;
 use crate::plan::{OwnKind, PlannedPart, PlannedPlugin, PluginKind, RunPlan};
-use crate::record::Session;
 use abi_stable::std_types::{ROption, RSlice};
-use microsim_bus::Frames;
-use microsim_message::{InputSample, LocalText, Setup, SetupFile, decode, encode};
+use microsim_message::{LocalText, Setup, SetupFile, encode};
 use microsim_settings as settings;
 use serde_json::{Value, json};
 use settings::{ConfigErrors, Loaded, Manifest};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Plugin that plays scripts.
-const SOURCE_SCRIPT: &str = "source-script";
-/// Plugin that plays recordings.
-const SOURCE_RECORDING: &str = "source-recording";
 /// Plugin that writes sessions.
 const RECORDER: &str = "recorder";
-/// Bytes of a recording's first line that are looked at where it has no column map.
-const HEADER_SHOWN: usize = 2000;
 /// Plugin that draws.
 const RENDERER: &str = "renderer";
 
@@ -46,7 +40,7 @@ impl From<ConfigErrors> for AssembleError {
     }
 }
 
-fn refuse<T>(text: impl Into<String>) -> Result<T, AssembleError> {
+pub(crate) fn refuse<T>(text: impl Into<String>) -> Result<T, AssembleError> {
     Err(AssembleError(text.into()))
 }
 
@@ -90,30 +84,6 @@ pub struct Request {
     pub session: PathBuf,
 }
 
-/// What a source gets.
-struct SourceSetup {
-    plugin: String,
-    why: String,
-    config: Value,
-    files: Vec<SetupFile>,
-    /// Names of the devices that it brings; `None`: not known beforehand.
-    devices: Option<Vec<String>>,
-    /// What the operator must know of the input.
-    note: Option<String>,
-}
-
-impl SourceSetup {
-    /// Digest of all that the source is told, but not of where its file lies.
-    fn digest(&self) -> String {
-        let mut config = self.config.clone();
-        if let Some(config) = config.as_object_mut() {
-            config.remove("name");
-        }
-        let told = encode(&(&self.plugin, &config, &self.files));
-        blake3::hash(&told).to_hex().to_string()
-    }
-}
-
 /// Makes the plan.
 pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPlan, AssembleError> {
     let folder = installation.module(&request.module)?;
@@ -130,141 +100,6 @@ pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPla
         source: &source,
     };
     plan.plan(folder)
-}
-
-fn source_setup(
-    installation: &Installation,
-    request: &Request,
-) -> Result<SourceSetup, AssembleError> {
-    let read = |path: &Path| {
-        std::fs::read(path).map_err(|e| AssembleError(format!("input {}: {e}", path.display())))
-    };
-    match &request.input {
-        Input::Plugin(name) if [SOURCE_SCRIPT, SOURCE_RECORDING].contains(&name.as_str()) => {
-            refuse(format!(
-                "\"{name}\" plays files: say script:FILE or recording:FILE"
-            ))
-        }
-        Input::Plugin(name) => Ok(SourceSetup {
-            plugin: name.clone(),
-            why: "the input is asked for by name".into(),
-            config: json!({}),
-            files: Vec::new(),
-            devices: None,
-            note: None,
-        }),
-        Input::Script(given) => {
-            let scripts = installation
-                .root
-                .join("modules")
-                .join(&request.module)
-                .join("scripts");
-            let path = installation.find(given, &[scripts]);
-            let script = settings::load_script(&path)?;
-            Ok(SourceSetup {
-                plugin: SOURCE_SCRIPT.into(),
-                why: format!("the input is the script {}", path.display()),
-                devices: Some(
-                    script
-                        .settings
-                        .tool
-                        .iter()
-                        .map(|t| t.name.clone())
-                        .collect(),
-                ),
-                config: json!({ "script": script.document.value() }),
-                files: Vec::new(),
-                note: None,
-            })
-        }
-        Input::Recording(given) => {
-            let path = installation.find(given, &[]);
-            let bytes = read(&path)?;
-            let (config, bytes, devices, note) = if bytes.starts_with(microsim_session::MAGIC) {
-                session_input(&path, &bytes)?
-            } else {
-                csv_input(&path, bytes)?
-            };
-            Ok(SourceSetup {
-                plugin: SOURCE_RECORDING.into(),
-                why: format!("the input is the recording {}", path.display()),
-                config,
-                files: vec![SetupFile {
-                    name: "recording".into(),
-                    bytes,
-                }],
-                devices: Some(devices),
-                note,
-            })
-        }
-    }
-}
-
-/// Set-up, file, devices and note.
-type RecordingInput = (Value, Vec<u8>, Vec<String>, Option<String>);
-
-fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<RecordingInput, AssembleError> {
-    let map_path = settings::recording_map_path(path);
-    if !map_path.is_file() {
-        let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
-        let head = String::from_utf8_lossy(&head[..head.len().min(HEADER_SHOWN)]);
-        return refuse(settings::recording_map_help(path, &head));
-    }
-    let map = settings::load_recording_map(path)?;
-    let devices = map.settings.device.iter().map(|d| d.name.clone()).collect();
-    let config =
-        json!({ "format": "csv", "name": path.display().to_string(), "map": map.document.value() });
-    Ok((config, bytes, devices, None))
-}
-
-/// Checks a recording in CSV, its column map and every row, by the plugin that would play it.
-pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), AssembleError> {
-    let bytes = std::fs::read(path)
-        .map_err(|e| AssembleError(format!("recording {}: {e}", path.display())))?;
-    let (config, bytes, ..) = csv_input(path, bytes)?;
-    let files = vec![SetupFile {
-        name: "recording".into(),
-        bytes,
-    }];
-    probe(installation, SOURCE_RECORDING, config, files).map_err(AssembleError)
-}
-
-/// The input samples of a recorded session, to be played again.
-fn session_input(path: &Path, bytes: &[u8]) -> Result<RecordingInput, AssembleError> {
-    let session =
-        Session::read(bytes).map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
-    // Each with the time at which it arrived: devices need not share a clock.
-    let mut samples: Vec<(f64, InputSample)> = Vec::new();
-    let mut devices = BTreeSet::new();
-    for (index, tick) in session.ticks.iter().chain(&session.failed_tick) {
-        let arrival = (index + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9;
-        let frames = Frames::new(&tick.log).filter_map(Result::ok);
-        for sample in frames.filter_map(|f| decode::<InputSample>(&f)) {
-            let sample = sample.map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
-            devices.insert(sample.device.clone());
-            samples.push((arrival, sample));
-        }
-    }
-    if let Some(checkpoint) = &session.resumed {
-        return refuse(format!(
-            "{}: it goes on from tick {} of another session, whose input is not in it; play that one",
-            path.display(),
-            checkpoint.tick
-        ));
-    }
-    let note = session.complaint.map(|complaint| {
-        tracing::warn!(
-            "{}: {complaint}; what comes before it is played",
-            path.display()
-        );
-        format!("not complete: {complaint}")
-    });
-    Ok((
-        json!({ "format": "samples" }),
-        encode(&samples),
-        devices.into_iter().collect(),
-        note,
-    ))
 }
 
 fn tool_models(
@@ -319,6 +154,7 @@ impl Planner<'_> {
                 None => self.request.input.to_string(),
                 Some(note) => format!("{} ({note})", self.request.input),
             },
+            synthetic: self.source.synthetic.clone(),
             input_digest: self.source.digest(),
             queue_messages: self.installation.host.queue.messages,
             queue_bytes: self.installation.host.queue.bytes,
@@ -694,10 +530,12 @@ pub fn locate(
     })
 }
 
-/// The renderer for a session that was recorded without one: it looks at the level as it is installed now.
+/// The renderer for a session that was recorded without one: it looks at the level as it is installed now. Pictures are
+/// as wide and high as `size` says \[px\], else as the host's configuration.
 pub fn renderer_for(
     installation: &Installation,
     plan: &RunPlan,
+    size: Option<u32>,
 ) -> Result<PlannedPlugin, AssembleError> {
     let folder = installation.module(&plan.module)?;
     let level = installation.level(&plan.module, plan.level)?;
@@ -718,6 +556,7 @@ pub fn renderer_for(
         files: Vec::new(),
         devices: None,
         note: None,
+        synthetic: None,
     };
     let planner = Planner {
         installation,
@@ -727,11 +566,13 @@ pub fn renderer_for(
         models,
         source: &source,
     };
-    planner.plugin(
-        installation.plugin(RENDERER)?,
-        "pictures of the replay are wanted".into(),
-        plan,
-    )
+    let why = "pictures of the replay are wanted".into();
+    let mut renderer = planner.plugin(installation.plugin(RENDERER)?, why, plan)?;
+    if let Some(size) = size {
+        renderer.setup.config["width"] = size.into();
+        renderer.setup.config["height"] = size.into();
+    }
+    Ok(renderer)
 }
 
 /// Whether pictures work on this machine; otherwise why not.
@@ -744,7 +585,7 @@ pub fn probe_renderer(installation: &Installation) -> Result<(), String> {
 }
 
 /// Loads and initialises one plugin, and nothing more.
-fn probe(
+pub(crate) fn probe(
     installation: &Installation,
     name: &str,
     config: Value,

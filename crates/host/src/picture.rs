@@ -7,7 +7,7 @@ use abi_stable::std_types::{ROption, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, PluginBox};
 use microsim_bus::{Block, Frames, kind_id};
 use microsim_message::{PictureRequest, encode, push};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,10 +20,32 @@ const QUEUE: usize = 4;
 /// Which pictures are wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PicturePlan {
-    /// Folder for `frame-000000.png` and so on: the number times `every` is the tick, also where some are left out.
+    /// Where they are written.
     pub folder: PathBuf,
-    /// Ticks between two pictures.
-    pub every: u64,
+    /// Of which ticks.
+    pub when: PictureTimes,
+}
+
+/// The ticks of which there are pictures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PictureTimes {
+    /// One in so many, as `frame-000000.png` and so on: the number times this is the tick, also where some are left out.
+    Every(u64),
+    /// These, as `tick-000000.png` by their ticks.
+    At(BTreeSet<u64>),
+}
+
+impl PicturePlan {
+    /// The file for the picture of a tick; `None` if none is wanted.
+    pub fn file(&self, tick: u64) -> Option<PathBuf> {
+        let name = match &self.when {
+            PictureTimes::Every(every) => tick
+                .is_multiple_of(*every)
+                .then(|| format!("frame-{:06}.png", tick / every)),
+            PictureTimes::At(ticks) => ticks.contains(&tick).then(|| format!("tick-{tick:06}.png")),
+        };
+        name.map(|name| self.folder.join(name))
+    }
 }
 
 /// What came of them.
@@ -102,14 +124,9 @@ impl Pictures {
                 self.latest.insert(frame.header.kind, bytes);
             }
         }
-        if !tick.is_multiple_of(self.plan.every) {
+        let (Some(jobs), Some(file)) = (&self.jobs, self.plan.file(tick)) else {
             return;
-        }
-        let Some(jobs) = &self.jobs else { return };
-        let file = self
-            .plan
-            .folder
-            .join(format!("frame-{:06}.png", tick / self.plan.every));
+        };
         let mut messages: Vec<u8> = self.latest.values().flatten().copied().collect();
         push(
             &mut messages,
@@ -196,4 +213,29 @@ fn draw(
         last = job.tick;
     }
     object.stop().into_result().map_err(failure("stop", last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(when: PictureTimes, tick: u64) -> Option<String> {
+        let plan = PicturePlan {
+            folder: PathBuf::from("there"),
+            when,
+        };
+        plan.file(tick).map(|path| path.display().to_string())
+    }
+
+    #[test]
+    fn pictures_are_named_by_their_place_in_time() {
+        assert_eq!(
+            named(PictureTimes::Every(25), 50).as_deref(),
+            Some("there/frame-000002.png")
+        );
+        assert_eq!(named(PictureTimes::Every(25), 51), None);
+        let at = || PictureTimes::At([7, 9].into());
+        assert_eq!(named(at(), 7).as_deref(), Some("there/tick-000007.png"));
+        assert_eq!(named(at(), 8), None);
+    }
 }

@@ -147,6 +147,9 @@ pub struct RunPlan {
     pub hash_every: u64,
     /// What the input is, as the operator gave it.
     pub input: String,
+    /// By what a synthetic trainee was made; `None` for all other input.
+    #[serde(default)]
+    pub synthetic: Option<String>,
     /// Digest of what the source is told, hexadecimal: a checkpoint belongs to its input.
     pub input_digest: String,
     /// Messages that the queue of one plugin holds.

@@ -178,6 +178,7 @@ fn plan() -> RunPlan {
         steps: 1,
         hash_every: 1,
         input: String::new(),
+        synthetic: None,
         input_digest: String::new(),
         queue_messages: 4096,
         queue_bytes: 1 << 20,

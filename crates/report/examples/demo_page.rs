@@ -5,7 +5,7 @@ use microsim_message::{
     LimitRecord, LocalText, Log, LogLevel, MetricRecord, Pose, ToolSample, ToolState, ToolStates,
     ToolStatus, TrainingResult, push,
 };
-use microsim_report::{Report, ReportInput};
+use microsim_report::{Language, Page, Pictures, Report, ReportInput};
 
 const TICK: f64 = 0.02;
 
@@ -300,5 +300,9 @@ fn main() -> std::io::Result<()> {
         push(&mut ticks[2919].1, &result(ending == "passed"));
     }
     let report = Report::build(&input, ticks.iter().map(|(tick, log)| (*tick, &log[..])));
-    std::fs::write(file, report.to_html())
+    let page = Page {
+        language: Language::English,
+        pictures: Pictures::Missing(text("die Daten sind erfunden.", "the data are invented.")),
+    };
+    std::fs::write(file, report.to_html(&page))
 }

@@ -2,6 +2,7 @@
 
 use crate::device::DeviceCollector;
 use crate::force::ForceCollector;
+use crate::moment::MomentCollector;
 use crate::motion::{MotionCollector, PresenceCollector};
 use crate::report::{
     EventRecord, MetricEntry, RecoveryRecord, Report, ReportInput, Verdict, Warning,
@@ -9,7 +10,7 @@ use crate::report::{
 use microsim_bus::{Frame, Frames};
 use microsim_message::{
     ContactForces, DecodeError, InputSample, LevelEvent, LevelState, Log, LogLevel, Message,
-    TissueRecovery, ToolSample, ToolStates, TrainingResult, decode,
+    TissueCut, TissueRecovery, ToolSample, ToolStates, TrainingResult, decode,
 };
 use std::collections::BTreeMap;
 
@@ -20,7 +21,7 @@ impl Report {
         input: &ReportInput,
         ticks: impl IntoIterator<Item = (u64, &'a [u8])>,
     ) -> Self {
-        let mut reading = Reading::default();
+        let mut reading = Reading::new(input);
         let mut ticks_end = 0;
         for (tick, log) in ticks {
             ticks_end = tick + 1;
@@ -46,12 +47,12 @@ impl Report {
 }
 
 /// What has been read so far.
-#[derive(Default)]
-struct Reading {
+struct Reading<'a> {
     devices: DeviceCollector,
     motion: MotionCollector,
     presence: PresenceCollector,
     forces: ForceCollector,
+    moments: MomentCollector<'a>,
     state: LevelState,
     result: Option<TrainingResult>,
     events: Vec<EventRecord>,
@@ -61,7 +62,23 @@ struct Reading {
     warned: BTreeMap<(bool, String), usize>,
 }
 
-impl Reading {
+impl<'a> Reading<'a> {
+    fn new(input: &'a ReportInput) -> Self {
+        Self {
+            devices: DeviceCollector::default(),
+            motion: MotionCollector::default(),
+            presence: PresenceCollector::default(),
+            forces: ForceCollector::default(),
+            moments: MomentCollector::new(input),
+            state: LevelState::default(),
+            result: None,
+            events: Vec::new(),
+            recoveries: Vec::new(),
+            warnings: Vec::new(),
+            warned: BTreeMap::new(),
+        }
+    }
+
     fn take(&mut self, tick: u64, now: f64, frame: &Frame<'_>) -> Result<(), DecodeError> {
         if let Some(sample) = read::<InputSample>(frame)? {
             self.devices.add(sample);
@@ -70,12 +87,17 @@ impl Reading {
         } else if let Some(states) = read::<ToolStates>(frame)? {
             self.presence.add(tick, states);
         } else if let Some(forces) = read::<ContactForces>(frame)? {
+            self.moments.hear_forces(tick, now, &forces);
             self.forces.add(tick, now, forces);
+        } else if let Some(cut) = read::<TissueCut>(frame)? {
+            self.moments.hear_cut(tick, now, &cut);
         } else if let Some(state) = read::<LevelState>(frame)? {
+            self.moments.hear_state(tick, now, &state);
             self.state = state;
         } else if let Some(result) = read::<TrainingResult>(frame)? {
             self.result = Some(result);
         } else if let Some(event) = read::<LevelEvent>(frame)? {
+            self.moments.hear_event(tick, now, &event);
             self.events.push(EventRecord {
                 id: event.id,
                 time: event.time,
@@ -139,6 +161,9 @@ impl Reading {
             series: self.motion.finish(),
             forces: self.forces.finish(),
             events: self.events,
+            moments: self
+                .moments
+                .finish(ticks_end, ticks_end as f64 * input.tick_s),
             recoveries: self.recoveries,
             warnings: self.warnings,
         };

@@ -6,6 +6,7 @@
 //!
 //! - [`Report`]: what a session holds; its JSON form has the field names of the struct.
 //! - `device`, `motion`, `force`: what is read from the raw input, the tools and the contacts.
+//! - `moment`: what happened when.
 //! - `table`: CSV. `html`: the page. `plot`: its drawings. `number`: how numbers are shown.
 //!
 //! # Times
@@ -17,6 +18,7 @@ mod build;
 mod device;
 mod force;
 mod html;
+mod moment;
 mod motion;
 mod number;
 mod plot;
@@ -27,5 +29,7 @@ mod testing;
 
 pub use device::DeviceRecord;
 pub use force::ForceSeries;
+pub use html::{Language, Page, Pictures};
+pub use moment::{Moment, MomentKind};
 pub use motion::{ToolPresence, ToolSeries};
 pub use report::{EventRecord, MetricEntry, RecoveryRecord, Report, ReportInput, Verdict, Warning};

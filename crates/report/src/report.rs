@@ -1,8 +1,9 @@
 //! The report as data.
 
-use crate::{DeviceRecord, ForceSeries, ToolPresence, ToolSeries};
+use crate::{DeviceRecord, ForceSeries, Moment, ToolPresence, ToolSeries};
 use microsim_message::{CategoryScore, LevelPhase, LocalText, LogLevel, MetricRecord};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// What is known of a session besides its messages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,10 @@ pub struct ReportInput {
     pub tick_s: f64,
     /// Where the input came from, as it was given.
     pub input: String,
+    /// What the tools are called, by their slots.
+    pub tools: BTreeMap<String, LocalText>,
+    /// By what a synthetic trainee was made; `None` for all others.
+    pub synthetic: Option<String>,
     /// Whether ticks were paced by the wall clock.
     pub realtime: bool,
     /// What was left out of the computation; if anything, the run is no result.
@@ -45,6 +50,17 @@ pub struct ReportInput {
     pub session_file: String,
     /// The command that replays it.
     pub replay_command: String,
+}
+
+impl ReportInput {
+    /// What the tool of a slot is called: the slot itself if nothing else is known.
+    pub fn tool_name(&self, slot: &str) -> LocalText {
+        let unnamed = || LocalText {
+            de: slot.to_owned(),
+            en: slot.to_owned(),
+        };
+        self.tools.get(slot).cloned().unwrap_or_else(unnamed)
+    }
 }
 
 /// How a session ended for the trainee.
@@ -100,8 +116,10 @@ pub struct Report {
     pub series: Vec<ToolSeries>,
     /// Contact force of each tool on each body that it touched.
     pub forces: Vec<ForceSeries>,
-    /// What happened.
+    /// What the module said.
     pub events: Vec<EventRecord>,
+    /// What happened, in the order of time: the module's events, and what the messages of tissue and contact show.
+    pub moments: Vec<Moment>,
     /// Bodies that diverged and were computed again.
     pub recoveries: Vec<RecoveryRecord>,
     /// Warnings and errors of the plugins, and messages that could not be read.

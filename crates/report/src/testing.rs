@@ -3,7 +3,8 @@
 use crate::ReportInput;
 use microsim_message::{
     CategoryScore, ContactForce, ContactForces, InputSample, LevelEvent, LevelState, LimitRecord,
-    LocalText, Log, MetricRecord, TissueRecovery, ToolSample, ToolStates, TrainingResult, push,
+    LocalText, Log, MetricRecord, TissueCut, TissueRecovery, ToolSample, ToolStates,
+    TrainingResult, push,
 };
 
 /// A message of any kind, as an item of a list.
@@ -22,7 +23,7 @@ macro_rules! any_message {
     };
 }
 
-any_message!(InputSample ToolSample ToolStates ContactForces TissueRecovery LevelState LevelEvent TrainingResult Log);
+any_message!(InputSample ToolSample ToolStates ContactForces TissueCut TissueRecovery LevelState LevelEvent TrainingResult Log);
 
 /// The frames of messages.
 pub fn log(messages: &[&dyn AnyMessage]) -> Vec<u8> {

@@ -158,7 +158,7 @@ pub(crate) fn escaped(body: &Body, state: &State) -> Option<Divergence> {
         let moved = state.positions.iter().zip(rest).map(|(p, r)| p - r);
         moved.zip(&body.pieces.of_nodes)
     };
-    let mut means = vec![(Vector3::zeros(), 0.0); body.pieces.count as usize];
+    let mut means = vec![(Vector3::zeros(), 0.0); body.pieces.count() as usize];
     for (way, &piece) in moved() {
         let (sum, count) = &mut means[piece as usize];
         *sum += way;

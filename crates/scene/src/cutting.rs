@@ -3,18 +3,21 @@
 //! What is here: when the edits of a tick are made (after it was accepted, so that none is ever taken back), what follows an edit and in
 //! which order. What is not: which line cuts (`lonor`), how elements are divided (crate `cutting`), how elements of a model follow (crate `tissue`).
 
+use crate::boundary::Renewed;
 use crate::error::SceneError;
+use crate::group::Member;
+use crate::jaws;
 use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
 use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
-use crate::scene::{Body, Pieces, Scene, node_areas};
+use crate::scene::{Body, Scene};
 use crate::spec::SceneSpec;
 use crate::tool::{Line, ToolMotion};
-use microsim_cutting::{self as cutting, Blade, Sweep};
+use microsim_cutting::{self as cutting, Blade};
 use microsim_geometry::{
     Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
 };
-use microsim_mesh::{NewNode, Surface, TetMesh, TopologyEdit};
+use microsim_mesh::{NewNode, TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -70,6 +73,11 @@ pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneEr
         }
         if !spec.tools[tool].capsules.iter().any(|part| part.lonor) {
             return Err(wrong("the tool has no line of no return"));
+        }
+        if !jaws::fit(&spec.tools[tool].capsules) {
+            return Err(wrong(
+                "lines of no return of both jaws must be as many, from the tips to the hinge, and b of one must meet a of the next",
+            ));
         }
         if still {
             return Err(wrong(STILL));
@@ -201,6 +209,7 @@ impl Scene {
                 self.state.blades[index] = BladeMemory::default();
                 continue;
             };
+            self.renew_surfaces();
             let reaching = self.reaching(body, motion, &self.state.blades[index].inside);
             let case = Case {
                 tool: &self.tools[tool],
@@ -245,6 +254,7 @@ impl Scene {
             }
             reports.extend(sum.report(body, None, 0.0));
         }
+        self.renew_surfaces();
         (reports, rejected)
     }
 
@@ -268,7 +278,7 @@ impl Scene {
         of_edges.filter(reaches).map(|line| line.capsule).collect()
     }
 
-    /// Leads a line along its path through a body; `before` are the positions of its nodes before the tick.
+    /// Leads a blade along its path through a body; `before` are the positions of its nodes before the tick.
     fn sweep(
         &mut self,
         cut: usize,
@@ -276,17 +286,13 @@ impl Scene {
         path: &Path,
         before: &mut Vec<Vector3<f64>>,
     ) -> Result<Option<(cutting::Cut, Vec<u32>)>, cutting::Rejected> {
-        let sweep = Sweep {
-            before: path.from,
-            now: path.to,
-        };
         let Body { mesh, topology, .. } = &mut self.bodies[body];
         let Some(topology) = topology else {
             return Ok(None);
         };
         let stroke = self.state.blades[cut].stroke(path.line);
         let blade = Blade::Sweep {
-            sweep: &sweep,
+            sweeps: &path.sweeps,
             before,
             now: &self.state.bodies[body].positions,
         };
@@ -320,15 +326,17 @@ impl Scene {
         }
     }
 
-    /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off.
+    /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off. Surfaces, and what is
+    /// advanced together, follow once for all edits.
     pub(crate) fn follow(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
         let old = self.bodies[body].mesh.positions.len();
         let change = self.bodies[body].follow(&made.edit, &self.method);
         let change = change.expect("the edit was made for this mesh, of which the model is");
         self.state.bodies[body].edit(&change);
         let of = &mut self.bodies[body];
-        of.renew_surface();
-        let pieces = of.number_pieces(&made.pieces);
+        let waiting = of.waiting.get_or_insert_default();
+        waiting.add(&made.surface, &change.touched);
+        let pieces = of.pieces.number(&made.pieces, &of.mesh.tets);
         of.tally.divided += made.divided as u64;
         of.tally.lost_volume += made.lost_volume;
         self.edits.push(Edit {
@@ -336,12 +344,12 @@ impl Scene {
             nodes: old,
             edit: made.edit.clone(),
         });
-        self.follow_in_groups(body, &made.edit, old);
+        self.renumber_contact(body, &made.edit, old);
         pieces
     }
 
-    /// The group of a body whose mesh has changed, and what contact remembers of it.
-    fn follow_in_groups(&mut self, body: usize, edit: &TopologyEdit, old: usize) {
+    /// Gives what contact remembers of a body whose mesh has changed the numbers of now.
+    fn renumber_contact(&mut self, body: usize, edit: &TopologyEdit, old: usize) {
         let (group, place) = self.place_of(body);
         let first = self.groups[group].members[place as usize].first_node as u32;
         let new = self.bodies[body].mesh.positions.len() as u32;
@@ -352,7 +360,19 @@ impl Scene {
             node if node < end => number(node - first).map(|node| node + first),
             node => Some(node - end + first + new),
         });
-        self.groups[group].follow(&self.bodies, &self.pairs, &self.rigid, &self.method);
+        self.groups[group].renumber(&self.bodies);
+    }
+
+    /// Brings surfaces to where the edits since the last time have brought the meshes, and what is made of them: solvers, contact.
+    fn renew_surfaces(&mut self) {
+        let renewed = self.bodies.iter_mut().map(Body::renew_surface);
+        let renewed: Vec<Option<Renewed>> = renewed.collect();
+        for group in &mut self.groups {
+            let changed = |member: &Member| renewed[member.body].is_some();
+            if group.members.iter().any(changed) {
+                group.follow(&self.bodies, &renewed);
+            }
+        }
     }
 
     /// The bodies as they were before the first edit.
@@ -365,6 +385,7 @@ impl Scene {
                 self.groups.clone_from(groups);
                 self.edits.clear();
             }
+            self.bodies.iter_mut().for_each(Body::prepare_edits);
         }
     }
 }
@@ -374,6 +395,29 @@ impl Scene {
 pub(crate) struct Misfit;
 
 impl Body {
+    /// Makes what edits look up, and room for what they add: else the first ones wait for it.
+    pub(crate) fn prepare_edits(&mut self) {
+        let Some(topology) = &mut self.topology else {
+            return;
+        };
+        topology.make_room();
+        self.model.prepare_edits();
+        let TetMesh {
+            positions,
+            node_ids,
+            tets,
+            element_ids,
+            regions,
+            ..
+        } = &mut self.mesh;
+        let (nodes, elements) = (positions.len() / 2, tets.len() / 2);
+        positions.reserve(nodes);
+        node_ids.reserve(nodes);
+        tets.reserve(elements);
+        element_ids.reserve(elements);
+        regions.reserve(elements);
+    }
+
     /// Follows an edit: mesh, model, what drives it. Its surface is then still that of the mesh before. After an error the body is of no
     /// use any more.
     pub(crate) fn follow(
@@ -383,6 +427,8 @@ impl Body {
     ) -> Result<ModelChange, Misfit> {
         let old = self.mesh.positions.len();
         self.mesh.apply(edit).map_err(|_| Misfit)?;
+        // The model is still that of the mesh before.
+        self.pieces.follow(edit, self.model.tets());
         let edit_of_model = ModelEdit::new(&self.mesh, edit, self.model.clamped());
         let change = self.model.edit(&edit_of_model);
         let change = change.map_err(|_| Misfit)?;
@@ -392,70 +438,10 @@ impl Body {
         self.start.edit(&change);
         self.drive
             .follow(edit, old, &self.mesh, self.model.clamped());
-        let number = renumbering(edit, old);
-        let mut pieces = self.pieces.of_nodes.clone();
-        for node in &edit.nodes {
-            pieces.push(pieces[node.between[0] as usize]);
+        for nodes in &mut self.end_nodes {
+            *nodes = follow_nodes(nodes.iter().copied(), edit, old);
         }
-        let mut of_nodes = vec![0; self.mesh.positions.len()];
-        for (node, piece) in (0u32..).zip(&pieces) {
-            if let Some(node) = number(node) {
-                of_nodes[node as usize] = *piece;
-            }
-        }
-        self.pieces.of_nodes = of_nodes;
         Ok(change)
-    }
-
-    /// Gives parts that have come off numbers: those that leave something of their old piece behind. Returns the new numbers.
-    fn number_pieces(&mut self, parts: &[Vec<u32>]) -> Vec<u32> {
-        let piece_of = |pieces: &Pieces, element: u32| {
-            let node = self.mesh.tets[element as usize][0];
-            pieces.of_nodes[node as usize]
-        };
-        let mut new = Vec::new();
-        for part in parts {
-            let Some(old) = part.first().map(|&first| piece_of(&self.pieces, first)) else {
-                continue;
-            };
-            let elements = 0..self.mesh.tets.len() as u32;
-            let count = elements
-                .filter(|&element| piece_of(&self.pieces, element) == old)
-                .count();
-            if count == part.len() {
-                continue;
-            }
-            for &element in part {
-                for node in self.mesh.tets[element as usize] {
-                    self.pieces.of_nodes[node as usize] = self.pieces.count;
-                }
-            }
-            new.push(self.pieces.count);
-            self.pieces.count += 1;
-        }
-        new
-    }
-
-    /// Takes the surface from the topology, and what goes with it.
-    pub(crate) fn renew_surface(&mut self) {
-        let Some(topology) = &self.topology else {
-            return;
-        };
-        let triangles = topology.surface();
-        self.surface = Surface::new(triangles.iter().map(|t| t.nodes).collect());
-        self.inner = triangles.iter().map(|t| t.sheet != 0).collect();
-        let outside = triangles.iter().filter(|t| t.sheet == 0);
-        let outside: Vec<[u32; 3]> = outside.map(|t| t.nodes).collect();
-        for (end, nodes) in self.ends.iter_mut().zip(&self.end_nodes) {
-            let whole = |triangle: &&[u32; 3]| {
-                triangle
-                    .iter()
-                    .all(|node| nodes.binary_search(node).is_ok())
-            };
-            *end = outside.iter().filter(whole).copied().collect();
-        }
-        self.drive.renew_loads(&self.mesh, &outside);
-        self.node_areas = node_areas(&self.surface, &self.mesh);
     }
 }
 
@@ -491,12 +477,10 @@ struct Sum {
     centroids: [Vector3<f64>; 2],
     normals: [Vector3<f64>; 2],
     pieces: Vec<u32>,
-    any: bool,
 }
 
 impl Sum {
     fn add(&mut self, (cut, pieces): (cutting::Cut, Vec<u32>)) {
-        self.any = true;
         self.divided += cut.divided;
         let [rest, now] = cut.opened;
         self.area += rest.area;
@@ -515,10 +499,12 @@ impl Sum {
         self.pieces.extend(pieces);
     }
 
+    /// `None` where elements were divided at most, and nothing was laid open.
     fn report(self, body: usize, tool: Option<usize>, force_n: f64) -> Option<CutReport> {
         let mean = |sum: Vector3<f64>, area: f64| if area > 0.0 { sum / area } else { sum };
         let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_default();
-        self.any.then(|| CutReport {
+        let opened = self.area > 0.0 || !self.pieces.is_empty();
+        opened.then(|| CutReport {
             body,
             tool,
             divided: self.divided,

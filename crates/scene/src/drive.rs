@@ -152,6 +152,11 @@ impl Drive {
         }
     }
 
+    /// Whether anything loads the surface.
+    pub fn has_loads(&self) -> bool {
+        !self.loads.is_empty()
+    }
+
     /// Whether any grip needs a method that leads nodes.
     pub fn has_grips(&self) -> bool {
         !self.grips.is_empty()

@@ -1,5 +1,6 @@
 //! Bodies that can touch one another are advanced together: one model, one solver, one state while a tick runs.
 
+use crate::boundary::Renewed;
 use crate::containment::Divergence;
 use crate::error::SceneError;
 use crate::pairs::{Pair, PairPartner};
@@ -97,18 +98,36 @@ impl Group {
         })
     }
 
-    /// Follows its bodies, whose meshes have changed.
-    pub fn follow(&mut self, bodies: &[Body], pairs: &[Pair], rigid: &[Rigid], method: &Method) {
+    /// Nodes of bodies have new numbers, before all follows.
+    pub fn renumber(&mut self, bodies: &[Body]) {
         let mut first_node = 0;
         for member in &mut self.members {
             member.first_node = first_node;
-            first_node += bodies[member.body].model.node_count();
+            first_node += bodies[member.body].mesh.positions.len();
         }
+    }
+
+    /// The model and the solver of bodies whose meshes have changed.
+    fn follow_models(&mut self, bodies: &[Body]) {
         let models = self.members.iter().map(|member| &bodies[member.body].model);
         let models: Vec<&TissueModel> = models.collect();
         self.union = (models.len() > 1).then(|| TissueModel::union(&models));
-        let model = self.union.as_ref().unwrap_or(models[0]);
-        self.solver.follow(model);
+        self.solver.follow(self.union.as_ref().unwrap_or(models[0]));
+    }
+
+    /// Follows edits of bodies, after which their surfaces have been renewed.
+    pub fn follow(&mut self, bodies: &[Body], renewed: &[Option<Renewed>]) {
+        self.follow_models(bodies);
+        if let Some(touching) = &mut self.touching {
+            touching.follow(&self.members, bodies, renewed);
+        }
+    }
+
+    /// Takes over bodies whose meshes are others.
+    pub fn renew(&mut self, bodies: &[Body], pairs: &[Pair], rigid: &[Rigid], method: &Method) {
+        self.renumber(bodies);
+        self.follow_models(bodies);
+        let model = self.model(bodies);
         self.touching = GroupTouching::new(&self.members, bodies, pairs, rigid, method, model);
     }
 

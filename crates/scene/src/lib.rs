@@ -4,6 +4,7 @@
 //! body that diverges, exact saving and restoring. Crate `contact` finds where bodies touch, `tissue` keeps the gaps; here one is
 //! translated into the other. What is not: the mathematics of both, files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
 
+mod boundary;
 mod check;
 mod containment;
 mod cutting;
@@ -11,9 +12,11 @@ mod drive;
 mod error;
 mod from_settings;
 mod group;
+mod jaws;
 mod lonor;
 mod overlap;
 mod pairs;
+mod pieces;
 mod report;
 mod run;
 mod save;

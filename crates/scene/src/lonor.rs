@@ -7,18 +7,17 @@
 //! - A single edge (`edge`) is held off until it presses on the tissue with more than toughness / sharpness per length. From then on it is in
 //!   the tissue, which closes over the line and is cut by it (cases 1 and 2), until the capsule is free of tissue again. Its back is
 //!   blunt: only forces within 60° of the edge count. Tissue that was not cut is pushed back by contact (case 2).
-//! - Lines of two jaws cut where the gap between their capsules is below max(sharpness, brittleness) · (r₁ + r₂) (case 3): at the
+//! - Lines of two jaws ([`Jaws`]) cut where the gap between their capsules is below max(sharpness, brittleness) · (r₁ + r₂) (case 3): at the
 //!   ends of the part that is closed, not along the whole blade. A place is open again when the gap has grown to half as much more
 //!   (hysteresis).
 //!
 //! What is in a blade is not touched by it: contact with those parts of the capsules is left out, as long as they cut.
 
-use crate::spec::Jaw;
+use crate::jaws::{self, Jaws};
 use crate::tool::{Line, Tool, ToolMotion};
 use crate::touching::GroupTouching;
 use microsim_contact::{CapsuleMotion, Partner, Point};
-use microsim_cutting::Stroke;
-use nalgebra::Vector3;
+use microsim_cutting::{Stroke, Sweep};
 
 /// Cosine of the angle around the edge within which a blade is sharp.
 const SHARP_SIDE: f64 = 0.5;
@@ -58,19 +57,19 @@ pub(crate) struct BladeMemory {
     pub inside: Vec<u32>,
     /// Per couple of jaws' lines, in their order: the part along the lines, from 0 (`a`) to 1 (`b`), that is closed.
     pub closed: Vec<Option<[f64; 2]>>,
-    /// What is under way, per line.
+    /// What is under way, per line; of jaws there is one, by the left one's first line.
     pub strokes: Vec<(u32, Stroke)>,
     /// Lines that leave the tissue in this tick; empty between ticks.
     pub leaving: Vec<u32>,
 }
 
-/// The way of a blade through the tissue: a segment before and after.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The way of a blade through the tissue.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Path {
-    /// The capsule whose axis it is; of the two ends of a part that is closed the left jaw's and the right one's.
+    /// The capsule whose axis it is; of jaws the left one's first.
     pub line: u32,
-    pub from: [Vector3<f64>; 2],
-    pub to: [Vector3<f64>; 2],
+    /// Of a line itself, or of all closing points of jaws.
+    pub sweeps: Vec<Sweep>,
 }
 
 /// Part of a capsule that touches nothing.
@@ -212,8 +211,10 @@ impl BladeMemory {
         let both = || lines[0].iter().zip(&lines[1]);
         let straight = |(from, to): (&Line, &Line)| Path {
             line: to.capsule,
-            from: [from.a, from.b],
-            to: [to.a, to.b],
+            sweeps: vec![Sweep {
+                before: [from.a, from.b],
+                now: [to.a, to.b],
+            }],
         };
         if case.ability.free {
             return both().map(straight).collect();
@@ -249,40 +250,41 @@ impl BladeMemory {
         paths
     }
 
-    /// Adds the ways of closing points: of each couple both ends of the part that is closed, which grows as the jaws close and is swept along
-    /// with them.
+    /// Adds the way of the closing points: both ends of each part that is closed, which grows as the jaws close and is swept along with them.
     fn close(&mut self, lines: &[Vec<Line>; 2], pinch: f64, paths: &mut Vec<Path>) {
-        let couples = [couples(&lines[0]), couples(&lines[1])];
-        self.closed.resize(couples[0].len(), None);
-        for (index, (from, to)) in couples[0].iter().zip(&couples[1]).enumerate() {
-            let reach = pinch * (to[0].radius + to[1].radius);
-            // What has opened again is closed no more.
-            let open = to.closed_part(REOPENED * reach);
-            let before = self.closed[index].zip(open).and_then(|(closed, still)| {
-                let part = [closed[0].max(still[0]), closed[1].min(still[1])];
-                (part[0] <= part[1]).then_some(part)
-            });
-            let now = match (before, to.closed_part(reach)) {
+        let jaws = [Jaws::new(&lines[0]), Jaws::new(&lines[1])];
+        let Some(line) = jaws[1].line() else {
+            return;
+        };
+        // What has opened again is closed no more.
+        let open = jaws[1].closed(pinch * REOPENED);
+        self.closed.resize(open.len(), None);
+        let still = self.closed.iter().zip(open).map(|(closed, open)| {
+            let (closed, open) = (closed.as_ref()?, open?);
+            let part = [closed[0].max(open[0]), closed[1].min(open[1])];
+            (part[0] <= part[1]).then_some(part)
+        });
+        let before: Vec<_> = still.collect();
+        let both = before.iter().zip(jaws[1].closed(pinch));
+        let now: Vec<_> = both
+            .map(|(before, now)| match (*before, now) {
                 (Some(before), Some(now)) => Some([before[0].min(now[0]), before[1].max(now[1])]),
                 (before, now) => before.or(now),
-            };
-            let lines = [0, 1].map(|end| to[end].capsule);
-            if let Some(now) = now {
-                // What closes for the first time does so from one end to the other.
-                let starts = before.unwrap_or([now[0], now[0]]);
-                let ends = if before.is_some() { &[0, 1][..] } else { &[1] };
-                for &end in ends {
-                    paths.push(Path {
-                        line: lines[end],
-                        from: from.across(starts[end]),
-                        to: to.across(now[end]),
-                    });
-                }
-            } else if self.closed[index].is_some() {
-                self.leaving.extend(lines);
+            })
+            .collect();
+        // Jaws that stay as they are cut what is drawn over their ends, as long as what they have cut lies around them; else they are solid.
+        if now != before || self.is_under_way(line) {
+            let parts = [&self.closed, &before, &now].map(|parts| jaws::parts(parts));
+            let sweeps = jaws::sweeps(&jaws, &parts);
+            if !sweeps.is_empty() {
+                paths.push(Path { line, sweeps });
             }
-            self.closed[index] = now;
         }
+        let none = |parts: &[Option<_>]| parts.iter().all(Option::is_none);
+        if none(&now) && !none(&self.closed) {
+            self.leaving.push(line);
+        }
+        self.closed = now;
     }
 
     /// The stroke of a line, a new one where none is under way.
@@ -293,6 +295,12 @@ impl BladeMemory {
             self.strokes.len() - 1
         });
         &mut self.strokes[place].1
+    }
+
+    /// Whether a line has cut something and is not clear of it.
+    fn is_under_way(&self, line: u32) -> bool {
+        let of_line = |(of, stroke): &(u32, Stroke)| *of == line && stroke.sheet != 0;
+        self.strokes.iter().any(of_line)
     }
 
     /// Ends the strokes of the lines that have left the tissue in this tick, once all is cut.
@@ -316,15 +324,13 @@ impl BladeMemory {
         };
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
         let mut parts: Vec<Passed> = self.inside.iter().map(|&c| part(c, ALL)).collect();
-        for (couple, closed) in couples(lines).iter().zip(&self.closed) {
-            let cuts = |jaw: usize| {
-                let of_line = |(line, stroke): &&(u32, Stroke)| {
-                    *line == couple[jaw].capsule && stroke.sheet != 0
+        let jaws = Jaws::new(lines);
+        // Jaws that have closed on nothing are as solid as before.
+        if jaws.line().is_some_and(|line| self.is_under_way(line)) {
+            for (capsules, closed) in jaws.capsules().zip(&self.closed) {
+                let Some([first, last]) = *closed else {
+                    continue;
                 };
-                self.strokes.iter().any(|stroke| of_line(&stroke))
-            };
-            // Jaws that have closed on nothing are as solid as before.
-            if let (Some([first, last]), true) = (*closed, cuts(0) || cuts(1)) {
                 // Closed to an end the cap of the capsule there is passed too.
                 let first = if first <= 0.0 {
                     f64::NEG_INFINITY
@@ -332,92 +338,9 @@ impl BladeMemory {
                     first
                 };
                 let last = if last >= 1.0 { f64::INFINITY } else { last };
-                let range = [first, last];
-                parts.extend([0, 1].map(|jaw| part(couple[jaw].capsule, range)));
+                parts.extend(capsules.map(|capsule| part(capsule, [first, last])));
             }
         }
         parts
-    }
-}
-
-/// Lines of both jaws that cut against each other.
-#[derive(Clone, Copy, Debug)]
-struct Couple<'a>([&'a Line; 2]);
-
-impl std::ops::Index<usize> for Couple<'_> {
-    type Output = Line;
-
-    fn index(&self, jaw: usize) -> &Line {
-        self.0[jaw]
-    }
-}
-
-/// The first line of the left jaw with the first of the right one, and so on; single edges are in no couple.
-fn couples(lines: &[Line]) -> Vec<Couple<'_>> {
-    let of = |jaw| {
-        lines
-            .iter()
-            .filter(move |line| line.jaw == Some(jaw) && line.edge.is_none())
-    };
-    let both = of(Jaw::Left).zip(of(Jaw::Right));
-    both.map(|(left, right)| Couple([left, right])).collect()
-}
-
-impl Couple<'_> {
-    /// The lines' points at a place along them.
-    fn points(&self, along: f64) -> [Vector3<f64>; 2] {
-        self.0.map(|line| line.a.lerp(&line.b, along))
-    }
-
-    /// Between the capsules at a place along them [m].
-    fn gap(&self, along: f64) -> f64 {
-        let [left, right] = self.points(along);
-        (left - right).norm() - self[0].radius - self[1].radius
-    }
-
-    /// The part along which the gap is below `reach` [m]; `None` if it is nowhere. The distance of two points that move linearly is convex,
-    /// so it is one part.
-    fn closed_part(&self, reach: f64) -> Option<[f64; 2]> {
-        let [left, right] = [self.points(0.0), self.points(1.0)];
-        let (start, turn) = (
-            left[1] - left[0],
-            (right[1] - right[0]) - (left[1] - left[0]),
-        );
-        let square = turn.norm_squared();
-        let nearest = if square > 0.0 {
-            (-start.dot(&turn) / square).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        if self.gap(nearest) >= reach {
-            return None;
-        }
-        let bound = |end: f64| {
-            if self.gap(end) < reach {
-                return end;
-            }
-            let (mut closed, mut open) = (nearest, end);
-            for _ in 0..f64::MANTISSA_DIGITS {
-                let middle = 0.5 * (closed + open);
-                match self.gap(middle) < reach {
-                    true => closed = middle,
-                    false => open = middle,
-                }
-            }
-            closed
-        };
-        Some([bound(0.0), bound(1.0)])
-    }
-
-    /// The segment from beyond one line to beyond the other at a place along them: as far as their capsules reach.
-    fn across(&self, along: f64) -> [Vector3<f64>; 2] {
-        let [left, right] = self.points(along);
-        let way = right - left;
-        let length = way.norm();
-        if length == 0.0 {
-            return [left, right];
-        }
-        let way = way / length;
-        [left - way * self[0].radius, right + way * self[1].radius]
     }
 }

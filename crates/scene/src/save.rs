@@ -202,11 +202,12 @@ impl Scene {
             self.bodies = cut;
             self.edits = edits;
             for group in &mut self.groups {
-                group.follow(&self.bodies, &self.pairs, &self.rigid, &self.method);
+                group.renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
             }
         } else {
             self.bodies = cut;
         }
+        self.bodies.iter_mut().for_each(Body::prepare_edits);
         self.state = SceneState {
             bodies,
             memories,

@@ -1,5 +1,6 @@
 //! The scene: bodies, tools, contact pairs, and what evolves.
 
+use crate::boundary::{Waiting, node_areas};
 use crate::check;
 use crate::cutting::{self, Cut, Edit};
 use crate::drive::Drive;
@@ -7,13 +8,14 @@ use crate::error::SceneError;
 use crate::group::Group;
 use crate::lonor::BladeMemory;
 use crate::pairs::{Pair, PairPartner, Thing, find_pairs, rigid};
+use crate::pieces::Pieces;
 use crate::report::ContactPartner;
 use crate::select;
 use crate::spec::{BodySpec, PartnerSpec, SceneSpec, Selection};
 use crate::tool::{Tool, ToolMotion};
 use crate::touching::ContactMemory;
 use microsim_contact::Rigid;
-use microsim_cutting::Topology;
+use microsim_cutting::{SurfaceTriangle, Topology};
 use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::elements::{CouplingConstants, couple};
 use microsim_tissue::{
@@ -47,19 +49,14 @@ pub(crate) struct Body {
     /// Who is next to whom, of a body that can be cut.
     pub topology: Option<Topology>,
     pub tear_strains: Vec<(u32, f64)>,
+    /// The triangles of the surface with their elements, of a body that can be cut.
+    pub triangles: Vec<SurfaceTriangle>,
+    /// What edits have changed in it since it was renewed.
+    pub waiting: Option<Waiting>,
     /// Of each triangle of the surface whether a cut has opened it.
     pub inner: Vec<bool>,
     pub pieces: Pieces,
     pub tally: CutTally,
-}
-
-/// The pieces of a body.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Pieces {
-    /// The piece that each node is of; 0 before any came off.
-    pub of_nodes: Vec<u32>,
-    /// How many numbers were given so far.
-    pub count: u32,
 }
 
 /// What cuts have done to a body.
@@ -154,9 +151,7 @@ impl Scene {
         let is_cut = bodies.iter().any(|body| body.topology.is_some());
         let uncut = is_cut.then(|| Box::new((bodies.clone(), groups.clone())));
         // After the copy, so that the first cut has nothing to copy.
-        for body in bodies.iter_mut().filter(|body| body.topology.is_some()) {
-            body.model.prepare_edits();
-        }
+        bodies.iter_mut().for_each(Body::prepare_edits);
         Ok(Self {
             tools,
             things,
@@ -372,7 +367,7 @@ impl Scene {
 
     /// Number of pieces of a body so far: 1 before any came off. One that is cut further counts for more.
     pub fn piece_count(&self, body: usize) -> u32 {
-        self.bodies[body].pieces.count
+        self.bodies[body].pieces.count()
     }
 
     /// Whether anything can be cut or tear.
@@ -592,16 +587,15 @@ impl Body {
             name,
             tear_strains: spec.tear_strains.clone(),
             topology: cut.then(|| Topology::new(mesh)),
-            pieces: Pieces {
-                of_nodes: vec![0; mesh.positions.len()],
-                count: 1,
-            },
+            pieces: Pieces::new(vec![0; mesh.positions.len()], 1, &mesh.tets),
+            triangles: Vec::new(),
+            waiting: None,
             tally: CutTally::default(),
             mesh: spec.mesh.clone(),
             model,
         };
         // In the order in which a cut leaves it.
-        body.renew_surface();
+        body.make_surface();
         Ok(body)
     }
 }
@@ -620,16 +614,6 @@ fn stable_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
     // h = 2s/√λ for a body without viscosity; a viscous one has a shorter step, hence a larger λ here, on the safe side.
     let lambda = 4.0 * stability::SAFETY * stability::SAFETY / (step * step);
     step.min(stability::SAFETY * stability::limit(method, lambda, model.drag()))
-}
-
-/// A third of the area of the triangles at each node, at rest [m²].
-pub(crate) fn node_areas(surface: &Surface, mesh: &TetMesh) -> Vec<f64> {
-    let mut all = vec![0.0; mesh.positions.len()];
-    let areas = surface.node_areas(&mesh.positions);
-    for (&node, area) in surface.nodes.iter().zip(areas) {
-        all[node as usize] = area;
-    }
-    all
 }
 
 /// Energy of a body stretched by 1 % along x [J].

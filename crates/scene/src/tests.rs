@@ -5,6 +5,7 @@ use microsim_mesh::{Block, CellSplit};
 use microsim_tissue::{Behaviour, Newton, SpringConstants};
 use nalgebra::{UnitQuaternion, Vector3};
 
+mod boundary;
 mod cutting;
 mod hard;
 mod limits;

@@ -1,11 +1,13 @@
 //! From points of contact to what a solver keeps: friction, remembered forces, how much of an old overlap is undone.
 
+use crate::boundary::Renewed;
 use crate::group::Member;
 use crate::lonor::Passed;
 use crate::pairs::{Pair, PairPartner};
 use crate::scene::Body;
 use microsim_contact::{
-    CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, Touch, VesselEnd,
+    CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, SkinChange, Touch,
+    VesselEnd,
 };
 use microsim_tissue::{Contact, ContactSource, Method, TissueModel};
 use nalgebra::Vector3;
@@ -112,6 +114,8 @@ pub(crate) struct GroupTouching {
     /// The pair that a point belongs to, by the body of its first side and its partner (of a tool without the capsule), and
     /// whether the first side is the pair's body.
     pair_of: BTreeMap<(u32, Partner), (usize, bool)>,
+    /// The pairs of bodies that touch end to end.
+    end_to_end: Vec<[u32; 2]>,
     /// Friction of each pair of the scene.
     friction: Vec<f64>,
     /// The tools that touch anything here.
@@ -145,6 +149,7 @@ impl GroupTouching {
         let mut touches = Vec::new();
         let mut pair_of = BTreeMap::new();
         let mut tools = Vec::new();
+        let mut end_to_end = Vec::new();
         for (index, pair) in pairs.iter().enumerate() {
             let Some(own) = member_of(pair.body) else {
                 continue;
@@ -173,6 +178,7 @@ impl GroupTouching {
                     let ends = pair.end_planes.then(|| {
                         facing_ends([own, other].map(|m| (&bodies[members[m].body], members[m])))
                     });
+                    end_to_end.extend(ends.is_some().then_some([body, with]));
                     touches.push(Touch::Bodies { body, with, ends });
                 }
                 PairPartner::Itself => {
@@ -209,6 +215,7 @@ impl GroupTouching {
         Some(Self {
             detector: Detector::new(skins, rigid.to_vec(), touches),
             pair_of,
+            end_to_end,
             friction: pairs.iter().map(|pair| pair.friction).collect(),
             tools,
             tools_only,
@@ -220,6 +227,53 @@ impl GroupTouching {
             guesses: Vec::new(),
             passed: Vec::new(),
         })
+    }
+
+    /// Follows cuts of bodies: then it is what would be made anew.
+    pub fn follow(&mut self, members: &[Member], bodies: &[Body], renewed: &[Option<Renewed>]) {
+        let first = members
+            .iter()
+            .position(|member| renewed[member.body].is_some());
+        let Some(first) = first else {
+            return;
+        };
+        for (place, member) in members.iter().enumerate().skip(first) {
+            let of = &bodies[member.body];
+            let elements_at = |node: u32| match &of.topology {
+                Some(topology) => topology.elements_at(node),
+                None => &[],
+            };
+            let (removed, added, touched) = match &renewed[member.body] {
+                Some(Renewed {
+                    removed,
+                    added,
+                    touched,
+                }) => (&removed[..], &added[..], &touched[..]),
+                // Its nodes have other numbers in the group.
+                None => Default::default(),
+            };
+            let change = SkinChange {
+                mesh: &of.mesh,
+                surface: &of.surface,
+                offset: member.first_node as u32,
+                removed,
+                added,
+                touched,
+                elements_at: &elements_at,
+            };
+            self.detector.follow(place as u32, &change);
+        }
+        for &[one, other] in &self.end_to_end {
+            let ends = facing_ends([one, other].map(|place| {
+                let member = members[place as usize];
+                (&bodies[member.body], member)
+            }));
+            self.detector.set_ends([one, other], ends);
+        }
+        self.start.clear();
+        self.clear();
+        self.guesses.clear();
+        self.passed.clear();
     }
 
     /// Whether there is anything that could touch.

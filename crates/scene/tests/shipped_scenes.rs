@@ -294,6 +294,35 @@ fn scissors_and_edges_cut_and_brittle_tissue_is_pinched_off() {
     }
 }
 
+/// A wider strip between blades that are made of two capsules, which meet 3 mm from the tips: at the strip's far rim, inside it and on its middle. Every cut is one.
+#[test]
+fn blades_of_two_parts_leave_no_bridge_where_they_meet() {
+    for tip in ["1.6 mm", "2.4 mm", "3.0 mm"] {
+        let key = |time: &str, z: &str, opening: f64| {
+            format!(
+                "{{time=\"{time}\",position=[\"1.2 mm\",\"{tip}\",\"{z}\"],orientation=[0.5,-0.5,0.5,0.5],opening={opening}}}"
+            )
+        };
+        let keys = [
+            key("0 s", "0.1 mm", 0.6),
+            key("60 ms", "-0.1 mm", 0.6),
+            key("250 ms", "-0.1 mm", 0.0),
+        ];
+        let motion = format!("tool.0.motion=[{}]", keys.join(","));
+        let overrides = [
+            "body.0.size=[\"8 mm\",\"3 mm\",\"0.6 mm\"]",
+            "body.0.cells=[20,7,2]",
+            "body.0.clamp.0.nodes={min=[\"-4 mm\",\"-1.5 mm\",\"-0.3 mm\"],max=[\"-4 mm\",\"1.5 mm\",\"0.3 mm\"]}",
+            &motion,
+            "run.duration=0.26 s",
+        ];
+        let runner = run("scissors-strip", &overrides);
+        assert_eq!(runner.scene().piece_count(0), 2, "tips at {tip}");
+        let cuts = &runner.remarks().cuts;
+        assert!(cuts.iter().all(|(_, cut)| cut.area > 0.0), "tips at {tip}");
+    }
+}
+
 /// The outer layer is torn off where it is pulled, and nowhere else: not at the far half of the vessel, and nothing of the media.
 #[test]
 fn the_outer_layer_of_a_vessel_tears_off() {

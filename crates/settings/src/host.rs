@@ -15,6 +15,8 @@ pub struct Host {
     pub session: SessionSettings,
     /// What is drawn of a session.
     pub picture: PictureSettings,
+    /// The page of a session.
+    pub report: ReportSettings,
     /// What happens when the machine is too slow.
     pub late: LateSettings,
     /// The queues of the bus.
@@ -41,6 +43,32 @@ pub struct PictureSettings {
     pub width: u32,
     /// Height \[px\].
     pub height: u32,
+}
+
+/// The page that is written of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReportSettings {
+    /// The language in which it opens.
+    pub language: PageLanguage,
+    /// Whether a run draws the key moments into it, where there is a graphics driver.
+    pub pictures: bool,
+}
+
+/// A language of pages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum PageLanguage {
+    /// German.
+    #[serde(rename = "de")]
+    German,
+    /// English.
+    #[serde(rename = "en")]
+    English,
+}
+
+impl PageLanguage {
+    /// As files and the command line write them.
+    pub const NAMES: [&str; 2] = ["de", "en"];
 }
 
 /// What happens in real time when ticks come late.
@@ -91,6 +119,20 @@ pub fn host_schema() -> Schema {
         Key::with_default("width", pixels(), "Width in pixels.", 800),
         Key::with_default("height", pixels(), "Height in pixels.", 800),
     ];
+    let report = vec![
+        Key::with_default(
+            "language",
+            Kind::choice(&PageLanguage::NAMES),
+            "Language in which the page opens; the reader may switch.",
+            "en",
+        ),
+        Key::with_default(
+            "pictures",
+            Kind::Bool,
+            "Whether `microsim run` draws the key moments into the page, where there is a graphics driver.",
+            true,
+        ),
+    ];
     let late = vec![
         Key::with_default(
             "tolerance",
@@ -131,6 +173,7 @@ pub fn host_schema() -> Schema {
         keys: vec![
             Key::table("session", session, "What is written of a session."),
             Key::table("picture", picture, "What is drawn of a session."),
+            Key::table("report", report, "The page that is written of a session."),
             Key::table(
                 "late",
                 late,

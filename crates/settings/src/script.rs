@@ -16,6 +16,8 @@ pub struct Script {
     pub rate: f64,
     /// How a tool moves between two keys.
     pub interpolation: Interpolation,
+    /// By what a synthetic trainee was made; a session of it is labelled so.
+    pub synthetic: Option<String>,
     /// The tools that move.
     pub tool: Vec<ScriptTool>,
 }
@@ -173,6 +175,11 @@ pub fn script_schema() -> Schema {
                 interpolation,
                 "How a tool moves between two keys: from rest to rest as a hand does, or at constant speed.",
                 "minimum-jerk",
+            ),
+            Key::optional(
+                "synthetic",
+                Kind::Text,
+                "By what a synthetic trainee was made: session and report label it so.",
             ),
             Key::list("tool", Kind::Table(tool), 8, "The tools that move."),
         ],

@@ -19,16 +19,83 @@ impl Pattern {
         nodes: usize,
         cliques: impl IntoIterator<Item = C>,
     ) -> Self {
-        let mut rows = vec![Vec::new(); nodes];
+        Self::with_slots(nodes, cliques).0
+    }
+
+    /// As [`from_cliques`](Self::from_cliques), with the slots of the blocks of the cliques: clique after clique, for each of its nodes i those
+    /// with the nodes before it and with itself, twice the slot, plus one where the node before has the larger number, so that the block is
+    /// stored transposed.
+    ///
+    /// # Panics
+    /// As [`from_cliques`](Self::from_cliques).
+    pub fn with_slots<C: AsRef<[u32]>>(
+        nodes: usize,
+        cliques: impl IntoIterator<Item = C>,
+    ) -> (Self, Vec<u32>) {
+        // The pairs of nodes, and which of them are in each row.
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        let mut ends = vec![0_u32; nodes + 1];
         for clique in cliques {
             let clique = clique.as_ref();
             for (k, &i) in clique.iter().enumerate() {
-                for &j in &clique[..k] {
-                    rows[i.max(j) as usize].push(i.min(j));
+                for &j in &clique[..=k] {
+                    pairs.push([i, j]);
+                    ends[i.max(j) as usize + 1] += 1;
                 }
             }
         }
-        Self::from_rows(rows)
+        for row in 0..nodes {
+            ends[row + 1] += ends[row];
+        }
+        let mut by_row = vec![0_u32; pairs.len()];
+        for (pair, [i, j]) in (0_u32..).zip(&pairs) {
+            // What was the start of a row ends as that of the next one.
+            let place = &mut ends[*i.max(j) as usize];
+            by_row[*place as usize] = pair;
+            *place += 1;
+        }
+        let mut pattern = Self {
+            starts: Vec::with_capacity(nodes + 1),
+            columns: Vec::new(),
+        };
+        pattern.starts.push(0);
+        let mut slots = vec![0_u32; pairs.len()];
+        // Of the columns of the present row: 0, then that it is among the columns, then its slot.
+        let mut slot_of = vec![0_u32; nodes];
+        let mut start = 0;
+        for row in 0..nodes {
+            let of_row = &by_row[start as usize..ends[row] as usize];
+            start = ends[row];
+            let column = |pair: u32| {
+                let [i, j] = pairs[pair as usize];
+                i.min(j)
+            };
+            let first = pattern.columns.len();
+            let unseen = u32::MAX;
+            pattern.columns.push(row as u32);
+            slot_of[row] = unseen;
+            for &pair in of_row {
+                slot_of[column(pair) as usize] = 0;
+            }
+            slot_of[row] = unseen;
+            for &pair in of_row {
+                let seen = &mut slot_of[column(pair) as usize];
+                if *seen != unseen {
+                    *seen = unseen;
+                    pattern.columns.push(column(pair));
+                }
+            }
+            pattern.columns[first..].sort_unstable();
+            for (slot, &column) in (first as u32..).zip(&pattern.columns[first..]) {
+                slot_of[column as usize] = slot;
+            }
+            for &pair in of_row {
+                let [i, j] = pairs[pair as usize];
+                slots[pair as usize] = 2 * slot_of[column(pair) as usize] + u32::from(i < j);
+            }
+            pattern.starts.push(pattern.columns.len() as u32);
+        }
+        (pattern, slots)
     }
 
     /// The pattern with these columns, in any order and number; the diagonal is added.
@@ -122,6 +189,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Random;
 
     #[test]
     fn two_triangles_sharing_an_edge() {
@@ -140,6 +208,34 @@ mod tests {
             neighbours,
             [&[1, 2][..], &[0, 2, 3], &[0, 1, 3], &[1, 2], &[]]
         );
+    }
+
+    /// Random cliques, with nodes that appear twice among them: the slots are those that one looks up block by block.
+    #[test]
+    fn slots_of_cliques_are_those_of_their_blocks() {
+        let mut random = Random(61);
+        for _ in 0..50 {
+            let nodes = 1 + random.below(20) as u32;
+            let count = random.below(30);
+            let cliques = random.cliques(nodes as usize, count);
+            let (pattern, slots) = Pattern::with_slots(nodes as usize, &cliques);
+            let mut slots = slots.into_iter();
+            let mut coupled = vec![false; (nodes * nodes) as usize];
+            for clique in &cliques {
+                for (k, &i) in clique.iter().enumerate() {
+                    for &j in &clique[..=k] {
+                        let slot = pattern.slot(i.max(j) as usize, i.min(j) as usize).unwrap();
+                        assert_eq!(slots.next(), Some(2 * slot as u32 + u32::from(i < j)));
+                        coupled[(i.max(j) * nodes + i.min(j)) as usize] = true;
+                    }
+                }
+            }
+            assert_eq!(slots.next(), None);
+            for (i, j) in (0..nodes).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+                let expected = i == j || coupled[(i * nodes + j) as usize];
+                assert_eq!(pattern.slot(i as usize, j as usize).is_some(), expected);
+            }
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! slender ones without inertia may need that. The solution is the same up to the tolerance, and the choice depends on the numbers
 //! only, never on time.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::Vector3;
 
@@ -45,8 +45,11 @@ enum Way {
 /// A solver for matrices of one pattern.
 #[derive(Debug)]
 pub struct LinearSolver {
-    symbolic: Arc<Symbolic>,
+    /// The analysis of the factors, once it was needed.
+    symbolic: OnceLock<Arc<Symbolic>>,
     positions: Arc<[Vector3<f64>]>,
+    /// The first way of the pattern that it was made for.
+    origin: Way,
     first: Way,
     /// The way whose numbers are those of the matrix.
     way: Way,
@@ -64,36 +67,53 @@ pub struct LinearSolver {
 impl LinearSolver {
     /// Analyses the pattern; `positions` [m] are those of its nodes.
     pub fn new(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Self {
-        let ordering = Ordering::nested_dissection(pattern, Some(positions));
-        let symbolic = Arc::new(Symbolic::analyse(pattern, &ordering));
-        let first = if symbolic.flops() > OPERATIONS * pattern.blocks() as f64 {
-            Way::TwoLevel
-        } else {
-            Way::Single
-        };
-        let mut solver = Self::with_analysis(symbolic, positions.into(), first);
-        if first == Way::TwoLevel {
-            solver.two_level = Some(Box::new(two_level(pattern, positions)));
-        }
-        solver
+        let symbolic = analyse(pattern, positions);
+        let origin = first_way(&symbolic, pattern);
+        Self::with_analysis(Some(symbolic), pattern, positions.into(), [origin; 2])
     }
 
-    fn with_analysis(symbolic: Arc<Symbolic>, positions: Arc<[Vector3<f64>]>, first: Way) -> Self {
+    /// One for another pattern of the same body, which was cut. Where the first way was two levels it stays so, and nothing is
+    /// analysed that this way does not need: that is most of the work. Else the choice is that of the new pattern. So it depends on the pattern
+    /// that the solver was made for and on the present one, not on those between.
+    pub fn following(&self, pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Self {
+        let symbolic = (self.origin != Way::TwoLevel).then(|| analyse(pattern, positions));
+        let first = match &symbolic {
+            Some(symbolic) => first_way(symbolic, pattern),
+            None => Way::TwoLevel,
+        };
+        Self::with_analysis(symbolic, pattern, positions.into(), [self.origin, first])
+    }
+
+    fn with_analysis(
+        symbolic: Option<Arc<Symbolic>>,
+        pattern: &Arc<Pattern>,
+        positions: Arc<[Vector3<f64>]>,
+        [origin, first]: [Way; 2],
+    ) -> Self {
         let zeros = vec![Vector3::zeros(); positions.len()];
-        // Now, and not with the first matrix: new memory takes as long as a factor.
-        let single = (first == Way::Single).then(|| Box::new(Factor::new(symbolic.clone())));
-        Self {
-            symbolic,
+        let two_level = (first == Way::TwoLevel).then(|| Box::new(two_level(pattern, &positions)));
+        let mut solver = Self {
+            symbolic: symbolic.map_or_else(OnceLock::new, OnceLock::from),
+            origin,
             first,
             way: first,
-            two_level: None,
-            single,
+            two_level,
+            single: None,
             double: None,
             gradients: ConjugateGradients::new(positions.len()),
             fixed: vec![false; positions.len()],
             right_side: zeros.clone(),
             solution: zeros,
             positions,
+        };
+        solver.make_room();
+        solver
+    }
+
+    /// Memory for the numbers of the first way, now and not with the first matrix: new memory takes as long as a factor.
+    fn make_room(&mut self) {
+        if let (Way::Single, Some(symbolic)) = (self.first, self.symbolic.get()) {
+            self.single = Some(Box::new(Factor::new(symbolic.clone())));
         }
     }
 
@@ -116,7 +136,9 @@ impl LinearSolver {
 
     /// Bytes of the numbers and places of the ways that were needed so far.
     pub fn bytes(&self) -> usize {
-        let entries = self.symbolic.factor_entries() + self.symbolic.workspace_entries();
+        let entries = self.symbolic.get().map_or(0, |symbolic| {
+            symbolic.factor_entries() + symbolic.workspace_entries()
+        });
         let two_level = self.two_level.as_ref().map_or(0, |way| way.bytes());
         let single = self.single.as_ref().map_or(0, |_| 4 * entries);
         let double = self.double.as_ref().map_or(0, |_| 8 * entries);
@@ -127,6 +149,12 @@ impl LinearSolver {
     fn prepare(&mut self, matrix: &BlockMatrix, way: Way) -> Result<(), NotPositive> {
         self.way = way;
         let fixed = &*self.fixed;
+        let (pattern, positions) = (matrix.pattern(), &self.positions);
+        let symbolic = || {
+            self.symbolic
+                .get_or_init(|| analyse(pattern, positions))
+                .clone()
+        };
         match way {
             Way::TwoLevel => self
                 .two_level
@@ -135,7 +163,7 @@ impl LinearSolver {
             Way::Single => {
                 let single = self
                     .single
-                    .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())));
+                    .get_or_insert_with(|| Box::new(Factor::new(symbolic())));
                 if single.factorise(matrix, Some(fixed)).is_ok() {
                     return Ok(());
                 }
@@ -144,7 +172,7 @@ impl LinearSolver {
             }
             Way::Double => self
                 .double
-                .get_or_insert_with(|| Box::new(Factor::new(self.symbolic.clone())))
+                .get_or_insert_with(|| Box::new(Factor::new(symbolic())))
                 .factorise(matrix, Some(fixed)),
         }
     }
@@ -313,10 +341,36 @@ impl LinearSolver {
 impl Clone for LinearSolver {
     /// Numbers belong to one matrix, so they are not copied.
     fn clone(&self) -> Self {
-        Self {
+        let mut solver = Self {
+            symbolic: self.symbolic.clone(),
+            positions: self.positions.clone(),
+            origin: self.origin,
+            first: self.first,
+            way: self.first,
             two_level: self.two_level.clone(),
-            ..Self::with_analysis(self.symbolic.clone(), self.positions.clone(), self.first)
-        }
+            single: None,
+            double: None,
+            gradients: ConjugateGradients::new(self.positions.len()),
+            fixed: vec![false; self.positions.len()],
+            right_side: self.right_side.clone(),
+            solution: self.solution.clone(),
+        };
+        solver.make_room();
+        solver
+    }
+}
+
+/// What a factor of matrices with a pattern is like.
+fn analyse(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Arc<Symbolic> {
+    let ordering = Ordering::nested_dissection(pattern, Some(positions));
+    Arc::new(Symbolic::analyse(pattern, &ordering))
+}
+
+fn first_way(symbolic: &Symbolic, pattern: &Pattern) -> Way {
+    if symbolic.flops() > OPERATIONS * pattern.blocks() as f64 {
+        Way::TwoLevel
+    } else {
+        Way::Single
     }
 }
 

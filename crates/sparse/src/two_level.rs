@@ -57,25 +57,8 @@ impl TwoLevel {
     /// # Panics
     /// When `lattice` does not have the nodes of `pattern`.
     pub fn new(pattern: &Arc<Pattern>, lattice: Lattice) -> Self {
-        let nodes = pattern.nodes();
         let coarse_pattern = Arc::new(coarse_pattern(pattern, &lattice));
-        let mut targets = Vec::new();
-        for i in 0..nodes {
-            for &j in pattern.row(i) {
-                for_pairs(&lattice, i, j as usize, |a, b, _| {
-                    let slot = coarse_pattern
-                        .slot(a.max(b) as usize, a.min(b) as usize)
-                        .expect("the coarse pattern has all pairs");
-                    let how = match a.cmp(&b) {
-                        std::cmp::Ordering::Greater => STRAIGHT,
-                        std::cmp::Ordering::Less => TRANSPOSED,
-                        std::cmp::Ordering::Equal if i == j as usize => STRAIGHT,
-                        std::cmp::Ordering::Equal => BOTH,
-                    };
-                    targets.push((slot as u32) << 2 | how);
-                });
-            }
-        }
+        let targets = targets(pattern, &lattice, &coarse_pattern);
         let ordering = Ordering::nested_dissection(&coarse_pattern, Some(lattice.positions()));
         let symbolic = Arc::new(Symbolic::analyse(&coarse_pattern, &ordering));
         Self::with_places(
@@ -342,19 +325,71 @@ fn for_pairs(lattice: &Lattice, i: usize, j: usize, mut each: impl FnMut(u32, u3
 
 /// The points that fine blocks couple.
 fn coarse_pattern(pattern: &Pattern, lattice: &Lattice) -> Pattern {
-    let mut rows: Vec<Vec<u32>> = vec![Vec::new(); lattice.count()];
-    for i in 0..pattern.nodes() {
-        for &j in pattern.row(i) {
-            for_pairs(lattice, i, j as usize, |a, b, _| {
-                let (row, column) = (&mut rows[a.max(b) as usize], a.min(b));
-                // Neighbouring blocks have the same pairs.
-                if !row.iter().rev().take(16).any(|&known| known == column) {
-                    row.push(column);
-                }
-            });
+    let graph = pattern.graph();
+    let mut nodes_of: Vec<Vec<u32>> = vec![Vec::new(); lattice.count()];
+    for node in 0..pattern.nodes() {
+        for (point, _) in lattice.weights(node) {
+            nodes_of[point as usize].push(node as u32);
         }
     }
-    Pattern::from_rows(rows)
+    // The last point, counted from 1, that each one was found to be coupled with.
+    let mut found = vec![0_u32; lattice.count()];
+    let row = |(point, nodes): (u32, &Vec<u32>)| {
+        let mut row = Vec::new();
+        for &node in nodes {
+            let others = graph.neighbours(node).iter().copied();
+            for other in others.chain([node]) {
+                for (column, _) in lattice.weights(other as usize) {
+                    if column <= point && found[column as usize] != point + 1 {
+                        found[column as usize] = point + 1;
+                        row.push(column);
+                    }
+                }
+            }
+        }
+        row
+    };
+    Pattern::from_rows((0..).zip(&nodes_of).map(row).collect())
+}
+
+/// Where in the coarse matrix the parts of the fine blocks go, in the order of [`for_pairs`], and how.
+fn targets(pattern: &Pattern, lattice: &Lattice, coarse: &Pattern) -> Vec<u32> {
+    let count = lattice.count();
+    let mut columns: Vec<Vec<(u32, u32)>> = vec![Vec::new(); count];
+    for row in 0..count {
+        for (slot, &column) in (coarse.first_slot(row) as u32..).zip(coarse.row(row)) {
+            columns[row].push((column, slot));
+            if column as usize != row {
+                columns[column as usize].push((row as u32, slot));
+            }
+        }
+    }
+    // The slots of the points of the present node with every other point.
+    let mut slots: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; count]);
+    let mut targets = Vec::new();
+    for i in 0..pattern.nodes() {
+        for ((point, _), slots) in lattice.weights(i).zip(&mut slots) {
+            for &(other, slot) in &columns[point as usize] {
+                slots[other as usize] = slot;
+            }
+        }
+        for &j in pattern.row(i) {
+            let itself = i == j as usize;
+            for ((index, (a, _)), slots) in lattice.weights(i).enumerate().zip(&slots) {
+                let others = if itself { index + 1 } else { usize::MAX };
+                for (b, _) in lattice.weights(j as usize).take(others) {
+                    let how = match a.cmp(&b) {
+                        std::cmp::Ordering::Greater => STRAIGHT,
+                        std::cmp::Ordering::Less => TRANSPOSED,
+                        std::cmp::Ordering::Equal if itself => STRAIGHT,
+                        std::cmp::Ordering::Equal => BOTH,
+                    };
+                    targets.push(slots[b as usize] << 2 | how);
+                }
+            }
+        }
+    }
+    targets
 }
 
 #[cfg(test)]

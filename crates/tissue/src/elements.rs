@@ -125,18 +125,22 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// no negative eigenvalue.
     fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix);
 
+    /// The time by which an element's damping at rest is its stiffness at rest [s].
+    fn relaxation_time(&self, element: usize) -> f64;
+
     /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row [N/m].
     fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
-        let at = Configuration {
-            positions: rest_positions,
-            velocities: rest_positions,
-            internal: &[],
-        };
-        let mut matrix = ElementMatrix::new();
-        self.stiffness(element, &at, Tangent::Exact, &mut matrix);
+        let matrix = rest_stiffness(self, element, rest_positions);
         let blocks = (0..matrix.nodes()).flat_map(|i| (0..matrix.nodes()).map(move |j| (i, j)));
         out.clear();
         out.extend(blocks.map(|(i, j)| matrix.block(i, j).norm()));
+    }
+
+    /// Sets `out` to the traces of the blocks on the diagonal of an element's stiffness at rest, one for each node [N/m].
+    fn rest_traces(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let matrix = rest_stiffness(self, element, rest_positions);
+        out.clear();
+        out.extend((0..matrix.nodes()).map(|i| matrix.block(i, i).trace()));
     }
 
     /// Takes the energy and the viscous forces of an element times a factor, > 0: the stiffness cap of NUMERICS 3.5 d.
@@ -171,6 +175,9 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// nothing changed, where `added` is a set of another kind.
     fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool;
 
+    /// Makes room for half as many elements again, so that edits do not wait for memory.
+    fn make_room(&mut self);
+
     /// The internal variables that the elements of `added` inherit from elements `ancestors[i]` of this set, in the order of those of
     /// `added`; empty for elements without any.
     fn inherited(&self, _added: &dyn Elements, _ancestors: &[Vec<u32>]) -> Vec<Inherited> {
@@ -181,6 +188,22 @@ pub trait Elements: Any + Debug + Send + Sync {
     fn constraints(&self) -> Option<&dyn Constraints> {
         None
     }
+}
+
+/// The stiffness of an element at rest [N/m].
+fn rest_stiffness<E: Elements + ?Sized>(
+    set: &E,
+    element: usize,
+    rest_positions: &[Vector3<f64>],
+) -> ElementMatrix {
+    let at = Configuration {
+        positions: rest_positions,
+        velocities: rest_positions,
+        internal: &[],
+    };
+    let mut matrix = ElementMatrix::new();
+    set.stiffness(element, &at, Tangent::Exact, &mut matrix);
+    matrix
 }
 
 /// A set of elements that position-based methods can treat (XPBD; Macklin, Müller, Chentanez 2016).

@@ -10,7 +10,7 @@ use crate::components::Components;
 use crate::edit::IndexCell;
 use crate::elements::Elements;
 use crate::material;
-use crate::stability::{self, gershgorin_bound};
+use crate::stability::{self, RowSums, gershgorin_bound};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use parallel::{PARALLEL_ELEMENTS, follow, parts};
@@ -40,7 +40,7 @@ pub struct TissueModel {
     rate_bound: OnceLock<f64>,
     pub(crate) components: OnceLock<Arc<Components>>,
     /// S_i of NUMERICS 3.2 at rest [N/m]; edits keep them up to date.
-    pub(crate) row_sums: OnceLock<Vec<f64>>,
+    pub(crate) row_sums: OnceLock<Vec<RowSums>>,
 }
 
 impl TissueModel {
@@ -254,18 +254,6 @@ impl TissueModel {
     pub(crate) fn add_inertia(&mut self, node: usize, added: f64) {
         self.added_inertia[node] = added;
         self.update_inverse_mass(node);
-    }
-
-    /// Scales elements of a set by their factors.
-    pub(crate) fn scale_elements(&mut self, set: usize, factors: &[(u32, f64)]) {
-        let mut sums = self.row_sums.take();
-        for (element, factor) in factors {
-            if let Some(sums) = &mut sums {
-                self.add_rows(set, [*element], *factor - 1.0, sums);
-            }
-            self.own_set(set).scale(*element as usize, *factor);
-        }
-        self.row_sums = sums.map_or_else(OnceLock::new, OnceLock::from);
     }
 
     /// A set to be changed: a copy first, where others share it.

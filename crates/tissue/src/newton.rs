@@ -214,16 +214,18 @@ struct Problem<'a> {
 impl NewtonSolver {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel) -> Self {
+        Self::with_system(model, System::new(model))
+    }
+
+    /// That for the model of the same body after an edit.
+    pub fn following(&self, model: &TissueModel) -> Self {
+        Self::with_system(model, self.system.following(model))
+    }
+
+    fn with_system(model: &TissueModel, system: System) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
-        let mut system = System::new(model);
-        let none = Shares {
-            damping: 0.0,
-            rate: 0.0,
-        };
-        system.assemble(model, &State::at_rest(model), none, Tangent::Positive);
-        let stiffness = |node| system.matrix().diagonal(node).trace() / 3.0;
         Self {
-            stiffness: (0..model.node_count()).map(stiffness).collect(),
+            stiffness: rest_stiffness(model),
             gaps: Gaps::new(model.node_count(), model.mean_edge_length()),
             others: zeros.clone(),
             parts: Parts::new(model),
@@ -687,4 +689,19 @@ impl NewtonSolver {
         }
         self.advance(problem, 0.0);
     }
+}
+
+/// The stiffness of each node by itself at rest [N/m]: the mean of its directions.
+fn rest_stiffness(model: &TissueModel) -> Vec<f64> {
+    let mut stiffness = vec![0.0; model.node_count()];
+    let mut traces = Vec::new();
+    for set in model.sets() {
+        for element in 0..set.count() {
+            set.rest_traces(element, model.rest_positions(), &mut traces);
+            for (&node, trace) in set.nodes(element).iter().zip(&traces) {
+                stiffness[node as usize] += trace / 3.0;
+            }
+        }
+    }
+    stiffness
 }

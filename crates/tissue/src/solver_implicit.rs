@@ -101,11 +101,20 @@ pub struct SolverImplicit {
 impl SolverImplicit {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel, scheme: ImplicitScheme, newton: Newton) -> Self {
+        Self::with_solver(model, scheme, newton, NewtonSolver::new(model))
+    }
+
+    fn with_solver(
+        model: &TissueModel,
+        scheme: ImplicitScheme,
+        newton: Newton,
+        solver: NewtonSolver,
+    ) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
         Self {
             scheme,
             newton,
-            solver: NewtonSolver::new(model),
+            solver,
             equation: Equation {
                 rate: 0.0,
                 base: zeros.clone(),
@@ -415,7 +424,8 @@ impl Solver for SolverImplicit {
     }
 
     fn follow(&mut self, model: &TissueModel) {
-        *self = Self::new(model, self.scheme, self.newton);
+        let solver = self.solver.following(model);
+        *self = Self::with_solver(model, self.scheme, self.newton, solver);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

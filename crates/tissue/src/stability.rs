@@ -12,8 +12,9 @@ mod remedy;
 mod rows;
 
 pub use limit::{delingette_stiffness, limit};
-pub use local::{Remedied, cap_nodes, floor_nodes};
+pub use local::{Remedied, floor_nodes};
 pub use remedy::{mass_floor, stiffness_cap};
+pub(crate) use rows::RowSums;
 
 use crate::elements::{Configuration, ElementMatrix, Tangent};
 use crate::model::TissueModel;

@@ -7,7 +7,7 @@ use crate::contact::Contact;
 use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
-use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive};
+use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive, Pattern};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -34,11 +34,25 @@ pub(crate) struct System {
 impl System {
     /// The system of `model`.
     pub fn new(model: &TissueModel) -> Self {
+        Self::with(model, LinearSolver::new)
+    }
+
+    /// That of the same body after an edit.
+    pub fn following(&self, model: &TissueModel) -> Self {
+        Self::with(model, |pattern, positions| {
+            self.solver.following(pattern, positions)
+        })
+    }
+
+    fn with(
+        model: &TissueModel,
+        solver: impl Fn(&Arc<Pattern>, &[Vector3<f64>]) -> LinearSolver,
+    ) -> Self {
         let sets = model.sets().iter().map(|set| &**set);
         let (pattern, slots) = Slots::of_sets(model.node_count(), sets);
         Self {
             slots: slots.into(),
-            solver: LinearSolver::new(&pattern, model.rest_positions()),
+            solver: solver(&pattern, model.rest_positions()),
             matrix: BlockMatrix::zeros(pattern),
             element: ElementMatrix::new(),
         }

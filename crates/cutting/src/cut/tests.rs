@@ -91,7 +91,7 @@ impl Body {
     fn sweep(&mut self, stroke: &mut Stroke, sweep: &Sweep) -> Option<Cut> {
         let positions = self.mesh.positions.clone();
         let blade = Blade::Sweep {
-            sweep,
+            sweeps: std::slice::from_ref(sweep),
             before: &positions,
             now: &positions,
         };
@@ -326,7 +326,7 @@ fn what_is_rejected_changes_nothing() {
     let state = body.topology.state();
     for (sweep, now, why) in cases {
         let blade = Blade::Sweep {
-            sweep,
+            sweeps: std::slice::from_ref(sweep),
             before: &positions,
             now,
         };
@@ -344,7 +344,7 @@ fn what_is_rejected_changes_nothing() {
         .cut(&body.mesh, &mut stroke, &blade, &settings);
     assert_eq!(found, Err(Rejected::NoBlade));
     let short = Blade::Sweep {
-        sweep: &good,
+        sweeps: &[good],
         before: &positions[1..],
         now: &positions,
     };
@@ -354,7 +354,7 @@ fn what_is_rejected_changes_nothing() {
     assert!(matches!(found, Err(Rejected::Positions { .. })));
     body.mesh.generation = 4;
     let blade = Blade::Sweep {
-        sweep: &good,
+        sweeps: &[good],
         before: &positions,
         now: &positions,
     };

@@ -2,7 +2,7 @@
 
 use crate::bodies::{Body, Kind};
 use crate::random::Random;
-use microsim_cutting::{Blade, Settings, Sheet, Stroke, Sweep, check};
+use microsim_cutting::{Blade, Cut, Settings, Sheet, Stroke, Sweep, check};
 use nalgebra::{Matrix3, Vector3};
 
 type V3 = Vector3<f64>;
@@ -111,8 +111,26 @@ impl Swing {
     }
 }
 
+/// What else follows the bodies; `()` is nothing.
+pub trait Watch {
+    /// A new body, not yet cut.
+    fn begins(&mut self, _: &Body) {}
+
+    /// Its mesh has followed a cut, and is sound.
+    fn edited(&mut self, _: &Body, _: &Cut) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+impl Watch for () {}
+
 /// Cuts one body several times; one in eight up to `most` times.
-pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, String> {
+pub fn cut_body(
+    seed: u64,
+    most: u64,
+    summary: &mut Summary,
+    watch: &mut impl Watch,
+) -> Result<usize, String> {
     let mut random = Random(seed);
     let kind = [Kind::Block, Kind::Block, Kind::Tube, Kind::Filled][random.below(4) as usize];
     let mut body = Body::new(kind, &mut random);
@@ -132,6 +150,7 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
         1 + random.below(4)
     };
     summary.bodies += 1;
+    watch.begins(&body);
     for number in 0..strokes {
         let way = random.below(5);
         let complete = random.below(3) > 0;
@@ -152,7 +171,8 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
                     sheet: &sheet,
                     positions: &positions,
                 };
-                body.step(&mut stroke, &blade, summary).map_err(context)?;
+                body.step(&mut stroke, &blade, summary, watch)
+                    .map_err(context)?;
             }
             _ => {
                 let steps = 2 + random.below(24);
@@ -195,11 +215,11 @@ pub fn cut_body(seed: u64, most: u64, summary: &mut Summary) -> Result<usize, St
                         places.map(|p| swing.at(time, p)).collect::<Vec<_>>()
                     });
                     let blade = Blade::Sweep {
-                        sweep: &sweep,
+                        sweeps: &[sweep],
                         before: &before,
                         now: &now,
                     };
-                    body.step(&mut stroke, &blade, summary)
+                    body.step(&mut stroke, &blade, summary, watch)
                         .map_err(|e| context(format!("step {k} of {}: {e}", times.len())))?;
                 }
             }
@@ -235,6 +255,7 @@ impl Body {
         stroke: &mut Stroke,
         blade: &Blade,
         summary: &mut Summary,
+        watch: &mut impl Watch,
     ) -> Result<(), String> {
         let settings = self.settings;
         let before = self.measures.clone();
@@ -299,7 +320,7 @@ impl Body {
         summary.lost += cut.lost_volume / now.volume;
         summary.least_volume = summary.least_volume.min(least);
         self.measures = now;
-        Ok(())
+        watch.edited(self, &cut)
     }
 }
 
@@ -308,6 +329,7 @@ pub fn run(
     strokes: usize,
     seed: u64,
     most: u64,
+    watch: &mut impl Watch,
     mut told: impl FnMut(&Summary),
 ) -> Result<Summary, String> {
     let mut summary = Summary {
@@ -317,7 +339,7 @@ pub fn run(
     let mut body = 0;
     while summary.strokes < strokes {
         let seed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(body);
-        cut_body(seed, most, &mut summary)?;
+        cut_body(seed, most, &mut summary, watch)?;
         body += 1;
         told(&summary);
     }

@@ -32,12 +32,52 @@ pub fn head(out: &mut String, report: &Report) {
     );
     banners(out, report);
     verdict(out, report);
+    better(out, report);
     categories(out, report);
+}
+
+/// What to do better: the advice of what was outside its limit; if nothing was, of what cost most points.
+fn better(out: &mut String, report: &Report) {
+    let judged = || report.metrics.iter().map(|metric| &metric.record);
+    let mut advised: Vec<_> = judged().filter(|m| m.within == Some(false)).collect();
+    if advised.is_empty() {
+        let lost = judged().filter(|m| m.score.is_some_and(|score| score < 100.0));
+        let points = |m: &microsim_message::MetricRecord| m.score.unwrap_or(100.0);
+        advised.extend(lost.min_by(|a, b| points(a).total_cmp(&points(b))));
+    }
+    if advised.is_empty() {
+        return;
+    }
+    super::section(out, "So wird es besser", "What to do better");
+    out.push_str("<ul class=\"better\">");
+    for metric in advised {
+        let _ = write!(
+            out,
+            "<li><b>{}:</b> {}</li>",
+            spans(&metric.title),
+            spans(&metric.advice)
+        );
+    }
+    out.push_str("</ul>\n</section>\n");
 }
 
 /// Reasons to distrust or disregard the run.
 fn banners(out: &mut String, report: &Report) {
     let session = &report.session;
+    if let Some(made) = &session.synthetic {
+        let made = escape(made);
+        let _ = writeln!(
+            out,
+            "<div class=\"banner made\" role=\"alert\"><b>{}</b> {} <code>{made}</code></div>",
+            say("Künstliche Übende.", "Synthetic trainee."),
+            say(
+                "Ein Programm hat diese Bewegungen gemacht, kein Mensch. Sie prüfen die Software; über Menschen, und darüber, ob \
+                 die Grenzwerte gut gewählt sind, sagen künstliche Übende nichts.",
+                "A program made these motions, not a person. They test the software; about people, and about whether the limits \
+                 are well chosen, synthetic trainees say nothing.",
+            )
+        );
+    }
     let mut banner = |class: &str, title: String, text: String| {
         let _ = writeln!(
             out,

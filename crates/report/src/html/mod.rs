@@ -1,41 +1,86 @@
 //! The report as one HTML page for people: self-contained, without scripts, in German and English (the reader switches,
 //! by the style sheet alone), fit for printing.
 
+mod course;
 mod head;
 mod metrics;
 mod record;
 mod text;
 
+pub(crate) use course::kind_class;
 pub use text::{escape, in_both};
 
 use crate::Report;
 use crate::plot::{colour_class, force_plot, path_plots, speed_plot};
+use microsim_message::LocalText;
+use std::collections::BTreeMap;
 use std::fmt::Write;
-use text::say;
+use text::{say, spans};
 
 const STYLE: &str = include_str!("style.css");
 
+/// The language in which a page opens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// German.
+    German,
+    /// English.
+    English,
+}
+
+/// The pictures of the key moments.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Pictures {
+    /// There are none, and why.
+    Missing(LocalText),
+    /// PNG files by the ticks that they show.
+    Drawn(BTreeMap<u64, Vec<u8>>),
+}
+
+/// What a page needs besides the report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Page {
+    /// The language in which it opens; the reader may switch.
+    pub language: Language,
+    /// The pictures in it.
+    pub pictures: Pictures,
+}
+
 impl Report {
     /// The page. It loads nothing and runs nothing, and forbids the browser to; all text of the session is escaped.
-    pub fn to_html(&self) -> String {
+    pub fn to_html(&self, page: &Page) -> String {
         let mut out = String::from(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+            "<!DOCTYPE html>\n<html>\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n",
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n",
         );
+        let (titles, german, english) = match page.language {
+            Language::German => (
+                [&self.session.module_title.de, &self.session.level_title.de],
+                " checked",
+                "",
+            ),
+            Language::English => (
+                [&self.session.module_title.en, &self.session.level_title.en],
+                "",
+                " checked",
+            ),
+        };
         let _ = write!(
             out,
             "<title>MicroSim · {} · {}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-             <input type=\"radio\" name=\"language\" id=\"language-en\" aria-label=\"English\" checked>\
-             <input type=\"radio\" name=\"language\" id=\"language-de\" aria-label=\"Deutsch\">\n\
+             <input type=\"radio\" name=\"language\" id=\"language-en\" aria-label=\"English\"{english}>\
+             <input type=\"radio\" name=\"language\" id=\"language-de\" aria-label=\"Deutsch\"{german}>\n\
              <div class=\"page\">\n",
-            escape(&self.session.module_title.en),
-            escape(&self.session.level_title.en)
+            escape(titles[0]),
+            escape(titles[1])
         );
         head::head(&mut out, self);
-        metrics::metrics(&mut out, self);
+        course::pictures(&mut out, self, &page.pictures);
+        metrics::judged(&mut out, self);
+        course::course(&mut out, self);
         plots(&mut out, self);
-        record::events(&mut out, self);
+        metrics::further(&mut out, self);
         record::input(&mut out, self);
         record::incidents(&mut out, self);
         record::provenance(&mut out, self);
@@ -58,22 +103,16 @@ fn plots(out: &mut String, report: &Report) {
             "Lücke: nicht gemessen, nichts verbunden",
             "gap: nothing measured, nothing joined",
         );
-        let event = say(
-            "Ereignis, Nummer wie unter „Verlauf“",
-            "event, number as under “Course”",
-        );
         let _ = write!(
             out,
             "<p class=\"legend\"><span class=\"key line-key\"></span>{mean}\
              <span class=\"key line-key pale-key\"></span>{raw}<span class=\"key gap-key\"></span>{gap}"
         );
-        if !report.events.is_empty() {
-            let _ = write!(out, "<span class=\"key event-key\"></span>{event}");
-        }
+        marks_key(out, report);
         let _ = write!(
             out,
             "</p>\n<figure>{}</figure>\n</section>\n",
-            speed_plot(&report.series, &report.events, report.simulated)
+            speed_plot(report)
         );
         section(out, "Wege im Feld", "Paths in the field");
         out.push_str("<p class=\"legend\">");
@@ -82,7 +121,7 @@ fn plots(out: &mut String, report: &Report) {
                 out,
                 "<span class=\"key line-key {}\"></span>{}",
                 colour_class(k),
-                escape(&series.tool)
+                spans(&report.session.tool_name(&series.tool))
             );
         }
         let _ = write!(
@@ -104,18 +143,31 @@ fn plots(out: &mut String, report: &Report) {
     }
     if !report.forces.is_empty() {
         section(out, "Kontaktkraft", "Contact force");
-        let colour_of = |tool: &str| {
-            let place = report.series.iter().position(|s| s.tool == tool);
-            place.unwrap_or(report.series.len())
-        };
         let _ = write!(
             out,
             "<p class=\"legend\"><span class=\"key line-key\"></span>{}\
-             <span class=\"key line-key pale-key\"></span>{}</p>\n<figure>{}</figure>\n</section>\n",
+             <span class=\"key line-key pale-key\"></span>{}<span class=\"key grip-key\"></span>{}",
             say("Mittel je Takt", "mean of a tick"),
             say("größter Wert im Takt", "largest within a tick"),
-            force_plot(&report.forces, report.simulated, colour_of)
+            say(
+                "Griff: Kraft der Backe, die weniger drückt",
+                "grip: force of the jaw that presses less"
+            ),
         );
+        marks_key(out, report);
+        let _ = write!(
+            out,
+            "</p>\n<figure>{}</figure>\n</section>\n",
+            force_plot(report)
+        );
+    }
+}
+
+/// What the lines across a drawing are.
+fn marks_key(out: &mut String, report: &Report) {
+    if !report.moments.is_empty() {
+        let numbers = say("Nummer wie unter „Verlauf“", "number as under “Course”");
+        let _ = write!(out, "<span class=\"key moment-key\"></span>{numbers}");
     }
 }
 

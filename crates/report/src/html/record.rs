@@ -1,4 +1,4 @@
-//! The course, the input, what went wrong, and where all of it comes from.
+//! The input, what went wrong, and where all of it comes from.
 
 use super::section;
 use super::text::{escape, say, spans};
@@ -9,25 +9,6 @@ use std::fmt::Write;
 
 /// Lines of warnings that are shown; the JSON form has all.
 const MAX_WARNINGS: usize = 100;
-
-/// What happened, with the numbers that mark it in the drawing of speed.
-pub fn events(out: &mut String, report: &Report) {
-    if report.events.is_empty() {
-        return;
-    }
-    section(out, "Verlauf", "Course");
-    out.push_str("<ol class=\"events\">\n");
-    for event in &report.events {
-        let _ = writeln!(
-            out,
-            "<li><time>{}</time><span>{} <code>{}</code></span></li>",
-            spans(&shown(event.time, "s")),
-            spans(&event.text),
-            escape(&event.id)
-        );
-    }
-    out.push_str("</ol>\n</section>\n");
-}
 
 /// The raw input of each device and how long each tool was tracked.
 pub fn input(out: &mut String, report: &Report) {
@@ -123,7 +104,7 @@ fn presence(out: &mut String, report: &Report) {
         let _ = write!(
             out,
             "<div class=\"row\"><span><b>{}</b> <small>{}</small></span><span class=\"rail\">",
-            escape(&tool.tool),
+            spans(&report.session.tool_name(&tool.tool)),
             escape(&tool.model)
         );
         for (class, time, ..) in parts {
@@ -207,6 +188,18 @@ pub fn incidents(out: &mut String, report: &Report) {
 /// All that is needed to see the same session again.
 pub fn provenance(out: &mut String, report: &Report) {
     let session = &report.session;
+    super::section(out, "Noch einmal ansehen", "See it again");
+    let _ = write!(
+        out,
+        "<p>{}</p>\n<p class=\"command\"><code>{}</code></p>\n</section>\n",
+        say(
+            "Dieser Befehl rechnet die Sitzung noch einmal und vergleicht jedes Bit; mit --frames ORDNER zeichnet er sie als \
+             Bilderfolge. Ein Klick wählt ihn ganz aus.",
+            "This command computes the session again and compares every bit; with --frames FOLDER it draws it as a series \
+             of pictures. One click selects all of it.",
+        ),
+        escape(&session.replay_command)
+    );
     let _ = write!(
         out,
         "<footer>\n<h2>{}</h2>\n<dl>",
@@ -244,7 +237,6 @@ pub fn provenance(out: &mut String, report: &Report) {
         say("Sitzungsdatei", "Session file"),
         code(&session.session_file),
     );
-    fact(say("Wiedergabe", "Replay"), code(&session.replay_command));
     let _ = write!(
         out,
         "</dl>\n<p>{}</p>\n</footer>\n",

@@ -1,5 +1,6 @@
 //! What the page must and must not hold.
 
+use super::{Language, Page, Pictures};
 use crate::testing::{contact, failed_result, input, log, text};
 use crate::{Report, ReportInput, Verdict};
 use microsim_message::{
@@ -8,6 +9,14 @@ use microsim_message::{
 };
 
 const ATTACK: &str = "<script src=\"https://evil.example/x.js\">'&</script>";
+
+/// An English page with a picture of the first tick.
+fn page() -> Page {
+    Page {
+        language: Language::English,
+        pictures: Pictures::Drawn([(0, vec![1, 2, 3])].into()),
+    }
+}
 
 fn tool_sample(tool: &str, time: f64) -> ToolSample {
     ToolSample {
@@ -40,6 +49,8 @@ fn hostile() -> Report {
         }
     }
     let hostile_input = ReportInput {
+        tools: [(ATTACK.to_owned(), text(ATTACK))].into(),
+        synthetic: Some(ATTACK.into()),
         version: ATTACK.into(),
         trainee: Some(ATTACK.into()),
         module: ATTACK.into(),
@@ -90,7 +101,7 @@ fn hostile() -> Report {
 
 #[test]
 fn all_text_is_escaped() {
-    let html = hostile().to_html();
+    let html = hostile().to_html(&page());
     assert!(!html.contains("<script"));
     assert!(!html.contains("evil.example/x.js\""));
     assert!(html.contains("&lt;script src=&quot;https://evil.example/x.js&quot;&gt;&#39;&amp;"));
@@ -99,23 +110,26 @@ fn all_text_is_escaped() {
 /// Addresses may stand in plain text only: no attribute, no style sheet refers to anything outside.
 #[test]
 fn the_page_loads_nothing() {
-    let html = hostile().to_html();
+    let html = hostile().to_html(&page());
     for (at, _) in html.match_indices("://") {
         let before = &html[..at];
         let in_tag = before.rfind('<') > before.rfind('>');
         assert!(!in_tag, "{}", &html[at.saturating_sub(80)..at + 20]);
     }
-    for word in [
-        "url(", "@import", "src=\"", "href=", "<link", "<img", "<iframe",
-    ] {
+    for word in ["url(", "@import", "href=", "<link", "<iframe"] {
         assert!(!html.contains(word), "{word}");
+    }
+    // Pictures are in the page itself.
+    assert_eq!(html.matches("<img").count(), 1);
+    for (at, _) in html.match_indices("src=\"") {
+        assert!(html[at..].starts_with("src=\"data:image/png;base64,"));
     }
 }
 
 /// Each element that is opened is closed, in order.
 #[test]
 fn elements_are_balanced() {
-    let html = hostile().to_html();
+    let html = hostile().to_html(&page());
     let body = &html[html.find("<body").expect("a body")..];
     let mut open: Vec<&str> = Vec::new();
     for tag in body.split('<').skip(1).filter_map(|t| t.split('>').next()) {
@@ -129,7 +143,7 @@ fn elements_are_balanced() {
             if closed == "body" {
                 return;
             }
-        } else if !tag.ends_with('/') && !["input", "br"].contains(&name) {
+        } else if !tag.ends_with('/') && !["input", "br", "img"].contains(&name) {
             open.push(name);
         }
     }
@@ -140,7 +154,7 @@ fn elements_are_balanced() {
 fn a_failed_session_says_why() {
     let log = log(&[&failed_result(&["depth", "too-slow"])]);
     let report = Report::build(&input(), [(0, &log[..])]);
-    let html = report.to_html();
+    let html = report.to_html(&page());
     assert!(html.contains("class=\"verdict failed\"") && html.contains("Not passed"));
     assert!(html.contains("Reason depth.") && html.contains("Reason too-slow."));
     assert!(html.contains("provisional") && html.contains("no instrument was tracked"));
@@ -162,7 +176,7 @@ fn a_run_without_something_is_no_result() {
     };
     let report = Report::build(&without, [(0, &log[..])]);
     assert_eq!((report.verdict, report.counts), (Verdict::Passed, false));
-    let html = report.to_html();
+    let html = report.to_html(&page());
     assert!(html.contains("This run was computed without physics and does not count."));
     assert!(html.contains("(does not count)") && !html.contains("verdict passed"));
 }
@@ -190,7 +204,7 @@ fn an_incomplete_session_is_shown_as_such() {
     assert_eq!((report.duration, report.simulated), (0.75, 1.0));
     assert_eq!((report.targets_done, report.targets), (1, 5));
     assert_eq!((report.score, report.failed.len()), (None, 0));
-    let html = report.to_html();
+    let html = report.to_html(&page());
     assert!(html.contains("The record ends after 1.0\u{a0}s (state: running)"));
     assert!(html.contains("cut after 512 bytes") && html.contains("none: no clean end"));
 }
@@ -198,12 +212,82 @@ fn an_incomplete_session_is_shown_as_such() {
 /// A session of nothing at all, and one with a tool that never moved, are pages too.
 #[test]
 fn nothing_is_drawn_out_of_nothing() {
-    let empty = Report::build(&input(), []).to_html();
+    let empty = Report::build(&input(), []).to_html(&page());
     assert!(empty.contains("No sample arrived.") && !empty.contains("<svg"));
     let log = log(&[&tool_sample("right", 0.0)]);
-    let lone = Report::build(&input(), [(0, &log[..])]).to_html();
+    let lone = Report::build(&input(), [(0, &log[..])]).to_html(&page());
     let drawings = &lone[lone.find("<svg").expect("a drawing")..];
     for nonsense in ["NaN", ">inf", "\"inf", "Minf", "Linf"] {
         assert!(!drawings.contains(nonsense), "{nonsense}");
     }
+}
+
+/// The language is the one that is asked for; both are there.
+#[test]
+fn the_page_opens_in_the_language_asked_for() {
+    let log = log(&[&failed_result(&["depth"])]);
+    let report = Report::build(&input(), [(0, &log[..])]);
+    let german = report.to_html(&Page {
+        language: Language::German,
+        ..page()
+    });
+    assert!(german.contains("aria-label=\"Deutsch\" checked>"));
+    assert_eq!(german.matches(" checked>").count(), 1);
+    assert!(
+        report
+            .to_html(&page())
+            .contains("aria-label=\"English\" checked>")
+    );
+}
+
+/// Without pictures the page says why; a synthetic trainee is called one before anything else.
+#[test]
+fn what_is_missing_or_made_is_said() {
+    let log = log(&[&failed_result(&["depth"])]);
+    let made = ReportInput {
+        synthetic: Some("novice, seed 3".into()),
+        ..input()
+    };
+    let report = Report::build(&made, [(0, &log[..])]);
+    let html = report.to_html(&Page {
+        pictures: Pictures::Missing(text("There is no driver.")),
+        ..page()
+    });
+    assert!(html.contains("This page has no pictures:") && html.contains("There is no driver."));
+    assert!(!html.contains("<img"));
+    let banner = html.find("Synthetic trainee.").expect("a banner");
+    assert!(banner < html.find("class=\"verdict").expect("a verdict"));
+    assert!(html.contains("novice, seed 3"));
+    assert!(
+        !Report::build(&input(), [(0, &log[..])])
+            .to_html(&page())
+            .contains("Synthetic trainee.")
+    );
+}
+
+/// What failed is advised on at the top; in a run that kept every limit, what cost most points.
+#[test]
+fn advice_is_about_what_cost_most() {
+    let advice = |result: &microsim_message::TrainingResult| {
+        let log = log(&[result]);
+        let html = Report::build(&input(), [(0, &log[..])]).to_html(&page());
+        let from = html.find("class=\"better\"").expect("advice");
+        html[from..][..html[from..].find("</ul>").expect("its end")].to_owned()
+    };
+    let failed = failed_result(&["depth"]);
+    let said = advice(&failed);
+    assert!(
+        said.contains("depth:") && !said.contains("path-length:"),
+        "{said}"
+    );
+    let mut passed = failed;
+    for (metric, score) in passed.metrics.iter_mut().zip([80.0, 30.0, 100.0]) {
+        metric.within = metric.value.map(|_| true);
+        metric.score = Some(score);
+    }
+    let said = advice(&passed);
+    assert!(
+        said.contains("depth:") && !said.contains("path-length:"),
+        "{said}"
+    );
 }

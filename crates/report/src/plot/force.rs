@@ -1,21 +1,24 @@
 //! Contact force over time, one strip for each pair of tool and body.
 
 use super::{
-    Axis, MAX_POINTS, WIDTH, colour_class, from_zero, grid, line, open, range, svg_text, thin,
-    time_label,
+    Axis, MAX_POINTS, WIDTH, colour_class, from_zero, grid, line, moment_marks, open, range,
+    svg_text, thin, time_label,
 };
-use crate::ForceSeries;
-use crate::html::{escape, in_both};
+use crate::html::in_both;
+use crate::{ForceSeries, Report};
+use microsim_message::LocalText;
 use std::fmt::Write;
 
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 988.0;
-const ABOVE: f64 = 24.0;
+const ABOVE: f64 = 50.0;
 const STRIP: f64 = 110.0;
 const BETWEEN: f64 = 44.0;
 
-/// Draws each pair over `0..end` \[s\]; `colour_of` gives the place of a tool in the order of colours.
-pub fn force_plot(forces: &[ForceSeries], end: f64, colour_of: impl Fn(&str) -> usize) -> String {
+/// Draws each pair over the session and marks the moments.
+pub fn force_plot(report: &Report) -> String {
+    let (forces, end) = (&report.forces, report.simulated);
+    let place = |tool: &str| report.series.iter().position(|s| s.tool == tool);
     let last = range(forces.iter().flat_map(|s| s.time.iter().copied()))
         .map_or(end, |(_, last)| last.max(end));
     let x = Axis::new((0.0, if last > 0.0 { last } else { 1.0 }), (LEFT, RIGHT));
@@ -30,19 +33,28 @@ pub fn force_plot(forces: &[ForceSeries], end: f64, colour_of: impl Fn(&str) -> 
             &x,
             top,
             series,
-            &colour_class(colour_of(&series.tool)),
+            &colour_class(place(&series.tool).unwrap_or(report.series.len())),
+            &report.session.tool_name(&series.tool),
         );
     }
     let bottom = ABOVE + forces.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
+    moment_marks(&mut out, &x, (ABOVE, bottom), &report.moments);
     time_label(&mut out, &x, bottom + 34.0);
     out.push_str("</svg>");
     out
 }
 
-fn strip(out: &mut String, x: &Axis, top: f64, series: &ForceSeries, colour: &str) {
+fn strip(
+    out: &mut String,
+    x: &Axis,
+    top: f64,
+    series: &ForceSeries,
+    colour: &str,
+    tool: &LocalText,
+) {
     let bottom = top + STRIP;
-    let both = series.peak.iter().chain(&series.force).copied();
-    let largest = range(both).map_or(0.0, |(_, largest)| largest);
+    let all = series.peak.iter().chain(&series.force).chain(&series.grip);
+    let largest = range(all.copied()).map_or(0.0, |(_, largest)| largest);
     // Millinewtons up to a newton.
     let (factor, unit) = if largest < 1.0 {
         (1e3, "mN")
@@ -51,7 +63,10 @@ fn strip(out: &mut String, x: &Axis, top: f64, series: &ForceSeries, colour: &st
     };
     let y = Axis::new(from_zero(largest * factor), (bottom, top));
     grid(out, x, &y, (70.0, 26.0));
-    for (class, values) in [("peak", &series.peak), ("curve", &series.force)] {
+    let grips = series.grip.iter().any(|grip| *grip > 0.0);
+    let grip = grips.then_some(("grip", &series.grip));
+    let lines = [("peak", &series.peak), ("curve", &series.force)];
+    for (class, values) in lines.into_iter().chain(grip) {
         let drawn = thin::extremes(values, MAX_POINTS).into_iter().map(|i| {
             (
                 series.contact[i],
@@ -72,11 +87,10 @@ fn strip(out: &mut String, x: &Axis, top: f64, series: &ForceSeries, colour: &st
         "end",
         &in_both(unit, unit),
     );
-    let _ = write!(
-        out,
-        "<text class=\"name {colour}\" x=\"{LEFT:.1}\" y=\"{:.1}\">{} → {}</text>",
-        top - 8.0,
-        escape(&series.tool),
-        escape(&series.body)
+    let name = in_both(
+        &format!("{} → {}", tool.de, series.body),
+        &format!("{} → {}", tool.en, series.body),
     );
+    let class = format!("name {colour}");
+    svg_text(out, (LEFT, top - 8.0), &class, "start", &name);
 }

@@ -1,25 +1,25 @@
 //! Speed of the tools over time, one strip for each, with gaps and events.
 
 use super::{
-    Axis, MAX_POINTS, WIDTH, colour_class, from_zero, grid, line, open, range, svg_text, thin,
-    time_label,
+    Axis, MAX_POINTS, WIDTH, colour_class, from_zero, grid, line, moment_marks, open, range,
+    svg_text, thin, time_label,
 };
-use crate::html::{escape, in_both};
-use crate::{EventRecord, ToolSeries};
+use crate::html::in_both;
+use crate::{Report, ToolSeries};
+use microsim_message::LocalText;
 use std::fmt::Write;
 
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 988.0;
-const ABOVE: f64 = 30.0;
+const ABOVE: f64 = 50.0;
 const STRIP: f64 = 130.0;
 const BETWEEN: f64 = 44.0;
 /// What the bold line averages over \[s\].
 const MEAN_WINDOW: f64 = 0.5;
-/// Numbers of events closer than this would overlap.
-const NUMBER_WIDTH: f64 = 17.0;
 
-/// Draws the speed of each tool over `0..end` \[s\] and marks the events by their numbers, from 1.
-pub fn speed_plot(series: &[ToolSeries], events: &[EventRecord], end: f64) -> String {
+/// Draws the speed of each tool over the session and marks the moments by their numbers, from 1.
+pub fn speed_plot(report: &Report) -> String {
+    let (series, end) = (&report.series, report.simulated);
     let height = ABOVE + series.len() as f64 * (STRIP + BETWEEN) - 4.0;
     let last = range(series.iter().flat_map(|s| s.time.iter().copied()))
         .map_or(end, |(_, last)| last.max(end));
@@ -32,16 +32,23 @@ pub fn speed_plot(series: &[ToolSeries], events: &[EventRecord], end: f64) -> St
     open(&mut out, WIDTH, height, &title);
     for (k, series) in series.iter().enumerate() {
         let top = ABOVE + k as f64 * (STRIP + BETWEEN);
-        strip(&mut out, &x, top, series, k);
+        let name = report.session.tool_name(&series.tool);
+        strip(&mut out, &x, top, series, (k, &name));
     }
     let bottom = ABOVE + series.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
-    event_marks(&mut out, &x, bottom, events);
+    moment_marks(&mut out, &x, (ABOVE, bottom), &report.moments);
     time_label(&mut out, &x, bottom + 34.0);
     out.push_str("</svg>");
     out
 }
 
-fn strip(out: &mut String, x: &Axis, top: f64, series: &ToolSeries, k: usize) {
+fn strip(
+    out: &mut String,
+    x: &Axis,
+    top: f64,
+    series: &ToolSeries,
+    (k, name): (usize, &LocalText),
+) {
     // Samples with a speed: time [s], speed [mm/s], segment.
     let points: Vec<(f64, f64, u32)> = (0..series.time.len())
         .filter_map(|i| {
@@ -78,13 +85,8 @@ fn strip(out: &mut String, x: &Axis, top: f64, series: &ToolSeries, k: usize) {
     );
     let unit = in_both("mm/s", "mm/s");
     svg_text(out, (LEFT - 7.0, top - 9.0), "label", "end", &unit);
-    let _ = write!(
-        out,
-        "<text class=\"name {}\" x=\"{LEFT:.1}\" y=\"{:.1}\">{}</text>",
-        colour_class(k),
-        top - 8.0,
-        escape(&series.tool)
-    );
+    let class = format!("name {colour}");
+    svg_text(out, (LEFT, top - 8.0), &class, "start", name);
 }
 
 /// For each of the points (time, speed, segment) the mean speed of its segment within half of [`MEAN_WINDOW`] before and
@@ -108,28 +110,6 @@ fn moving_means(points: &[(f64, f64, u32)]) -> Vec<f64> {
             sum / (to - from) as f64
         })
         .collect()
-}
-
-fn event_marks(out: &mut String, x: &Axis, bottom: f64, events: &[EventRecord]) {
-    let mut free_from = LEFT + 60.0;
-    for (k, event) in events.iter().enumerate() {
-        let at = x.at(event.session_time);
-        let _ = write!(
-            out,
-            "<path class=\"event\" d=\"M{at:.1} {ABOVE:.1}V{bottom:.1}\"/>"
-        );
-        if at - NUMBER_WIDTH / 2.0 >= free_from {
-            let _ = write!(
-                out,
-                "<circle class=\"event-disc\" cx=\"{at:.1}\" cy=\"{:.1}\" r=\"8\"/>\
-                 <text class=\"event-number\" x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-                ABOVE - 12.0,
-                ABOVE - 8.2,
-                k + 1
-            );
-            free_from = at + NUMBER_WIDTH / 2.0;
-        }
-    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::{Reader, RestoreError, put_f64, put_u32, put_vector};
 use crate::cutting::Edit;
 use crate::lonor::BladeMemory;
+use crate::pieces::Pieces;
 use crate::scene::{Body, CutTally};
 use microsim_cutting::{Stroke, Topology, TopologyState, check};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
@@ -162,7 +163,7 @@ pub(super) fn put_cut(bytes: &mut Vec<u8>, body: &Body) {
     bytes.extend_from_slice(&divided.to_le_bytes());
     bytes.extend_from_slice(&rejected.to_le_bytes());
     put_f64(bytes, lost_volume);
-    put_u32(bytes, body.pieces.count);
+    put_u32(bytes, body.pieces.count());
     put_numbers(bytes, &body.pieces.of_nodes);
     put_topology(bytes, &topology.state());
 }
@@ -177,20 +178,22 @@ pub(super) fn cut(reader: &mut Reader<'_>, body: &mut Body) -> Result<(), Restor
         rejected: u64::from_le_bytes(reader.array()?),
         lost_volume: reader.f64()?,
     };
-    body.pieces.count = reader.u32()?;
-    for piece in &mut body.pieces.of_nodes {
+    let count = reader.u32()?;
+    let mut of_nodes = body.pieces.of_nodes.clone();
+    for piece in &mut of_nodes {
         *piece = reader.u32()?;
     }
     let numbers = 1..=body.mesh.tets.len() as u32 + 1;
-    let known = |piece: &u32| *piece < body.pieces.count;
-    let pieces = numbers.contains(&body.pieces.count) && body.pieces.of_nodes.iter().all(known);
+    let known = |piece: &u32| *piece < count;
+    let pieces = numbers.contains(&count) && of_nodes.iter().all(known);
     let topology = Topology::restore(&body.mesh, &topology(reader)?);
     let sound = check(&body.mesh, &topology).is_ok() && body.model.tets() == body.mesh.tets;
     if !pieces || !sound {
         return Err(RestoreError::OtherScene);
     }
     body.topology = Some(topology);
-    body.renew_surface();
+    body.pieces = Pieces::new(of_nodes, count, &body.mesh.tets);
+    body.make_surface();
     Ok(())
 }
 

@@ -545,6 +545,15 @@ fn cuts_that_cannot_be_are_refused() {
     assert!(of(|s| s.cuts[0].body = "bone".into()).ends_with("no such body"));
     assert!(of(|s| s.cuts.push(s.cuts[0].clone())).ends_with("stands twice"));
     assert!(of(|s| s.tools[0].capsules[0].lonor = false).contains("no line of no return"));
+    let jaws: fn(&mut SceneSpec) = |s| {
+        s.tools[0].capsules = vec![jaw(2e-3, 1.0, Jaw::Left), jaw(2e-3, -1.0, Jaw::Right)];
+        // Begins where the one before it begins, not where it ends.
+        s.tools[0].capsules.push(jaw(4e-3, 1.0, Jaw::Left));
+        s.tools[0].capsules.push(jaw(4e-3, -1.0, Jaw::Right));
+    };
+    assert!(of(jaws).contains("b of one must meet a of the next"));
+    let lone: fn(&mut SceneSpec) = |s| s.tools[0].capsules = vec![jaw(2e-3, 1.0, Jaw::Left)];
+    assert!(of(lone).contains("as many"));
     assert!(of(|s| s.method = Method::QuasiStatic(NEWTON)).contains("no inertia"));
     let tears: fn(&mut SceneSpec) = |s| {
         s.bodies[0].tear_strains = vec![(0, 0.5)];

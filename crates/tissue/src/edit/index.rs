@@ -2,7 +2,7 @@
 
 use crate::elements::Elements;
 use crate::elements::key::Key;
-use crate::elements::splice::places;
+use crate::elements::splice::{make_room, places};
 use crate::model::TissueModel;
 use std::sync::{Arc, OnceLock};
 
@@ -161,16 +161,31 @@ impl Clone for IndexCell {
 }
 
 impl TissueModel {
-    /// Builds what [`edit`](Self::edit) and [`stability::floor_nodes`](crate::stability::floor_nodes) look up, and takes the sets of
-    /// elements to itself where clones share them, in a time that goes with the body. Else the first edit does it.
+    /// Builds what [`edit`](Self::edit) and [`stability::floor_nodes`](crate::stability::floor_nodes) look up, takes the sets of
+    /// elements to itself where clones share them, and makes room for half as much again, in a time that goes with the body. Else edits
+    /// do it.
     pub fn prepare_edits(&mut self) {
         self.index();
         self.rate_bound();
         self.row_sums();
         self.components();
         for set in 0..self.sets.len() {
-            self.own_set(set);
+            self.own_set(set).make_room();
         }
+        make_room(&mut self.rest_positions);
+        make_room(&mut self.masses);
+        make_room(&mut self.added_inertia);
+        make_room(&mut self.inverse_masses);
+        make_room(&mut self.tets);
+        make_room(&mut self.rest_volumes);
+        if let Some(mut sums) = self.row_sums.take() {
+            make_room(&mut sums);
+            self.row_sums = sums.into();
+        }
+        let mut index = self.take_index();
+        make_room(&mut index.tets);
+        index.sets.iter_mut().for_each(|set| make_room(&mut set.at));
+        self.put_index(index);
     }
 
     /// What edits look up.

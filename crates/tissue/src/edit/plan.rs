@@ -229,7 +229,11 @@ impl Plan {
         fresh.dedup();
         let touched = self.gone.iter().flat_map(|(_, tet)| *tet);
         let new = (nodes_before as u32..).take(edit.new_nodes.len());
-        for node in touched.chain(new).chain(edit.removed_nodes.iter().copied()) {
+        let all = touched.chain(new).chain(edit.removed_nodes.iter().copied());
+        let mut all: Vec<u32> = all.collect();
+        all.sort_unstable();
+        all.dedup();
+        for node in all {
             let elements = kept(node);
             let wrong = match self.nodes.after(node) {
                 Some(after) => elements == 0 && fresh.binary_search(&after).is_err(),

@@ -6,7 +6,7 @@
 
 use super::measure::{Area, Length, Measure, Volume};
 use super::plasticity::Plasticity;
-use super::splice::{Inherited, splice};
+use super::splice::{Inherited, make_room, splice};
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
 };
@@ -215,6 +215,13 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         out.add_outer(&g, damping);
     }
 
+    fn relaxation_time(&self, element: usize) -> f64 {
+        match self.stiffness[element] {
+            stiffness if stiffness > 0.0 => self.damping[element] / stiffness,
+            _ => 0.0,
+        }
+    }
+
     /// k |g_i| |g_j|.
     fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         let (_, g) = M::gradient(self.corners(element, rest_positions));
@@ -223,6 +230,13 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         for a in &sizes {
             out.extend(sizes.iter().map(|b| self.stiffness[element] * a * b));
         }
+    }
+
+    /// k |g_i|².
+    fn rest_traces(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let (_, g) = M::gradient(self.corners(element, rest_positions));
+        out.clear();
+        out.extend(g.iter().map(|g| self.stiffness[element] * g.norm_squared()));
     }
 
     fn scale(&mut self, element: usize, factor: f64) {
@@ -246,6 +260,13 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         splice(&mut self.damping, removed, &added.damping);
         self.viscous |= added.viscous;
         true
+    }
+
+    fn make_room(&mut self) {
+        make_room(&mut self.nodes);
+        make_room(&mut self.rest);
+        make_room(&mut self.stiffness);
+        make_room(&mut self.damping);
     }
 
     /// The mean plastic stretch of rest values, and the mean factor of the stiffness, of the ancestors: a part of an edge has its share

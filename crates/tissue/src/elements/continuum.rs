@@ -157,6 +157,10 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
 
+    fn relaxation_time(&self, _: usize) -> f64 {
+        self.relaxation_time
+    }
+
     /// Every law is linear elasticity at rest: K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1), with the square of its norm
     /// V² ((λ² + μ²) |b_i|² |b_j|² + (4 λ μ + 5 μ²) (b_i·b_j)²).
     fn rest_norms(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
@@ -181,6 +185,15 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         }
     }
 
+    /// That of K_ii is V (λ + 4 μ) |b_i|².
+    fn rest_traces(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let stiffness = (self.lame.lambda + 4.0 * self.lame.mu) * self.domains.volume(element);
+        let nodes = 0..self.domains.nodes(element).len();
+        let squares = nodes.map(|i| self.domains.gradient(element, i).norm_squared());
+        out.clear();
+        out.extend(squares.map(|square| stiffness * square));
+    }
+
     fn scale(&mut self, element: usize, factor: f64) {
         self.domains.scale_volume(element, factor);
     }
@@ -198,6 +211,10 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool {
         let added = (added as &dyn Any).downcast_ref::<Self>();
         added.is_some_and(|added| self.domains.splice(removed, &added.domains))
+    }
+
+    fn make_room(&mut self) {
+        self.domains.make_room();
     }
 
     fn constraints(&self) -> Option<&dyn Constraints> {

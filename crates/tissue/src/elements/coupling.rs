@@ -14,7 +14,7 @@ pub(crate) use follow::{Followed, coordinates};
 pub use pairing::{CoupleError, couple};
 
 use crate::elements::key::Key;
-use crate::elements::splice::{Inherited, splice};
+use crate::elements::splice::{Inherited, make_room, splice};
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
 };
@@ -214,6 +214,10 @@ impl Elements for Coupling {
         false
     }
 
+    fn relaxation_time(&self, _: usize) -> f64 {
+        0.0
+    }
+
     fn damping(&self, element: usize, _at: &Configuration<'_>, out: &mut ElementMatrix) {
         out.reset(self.stencils[element].count);
     }
@@ -244,6 +248,12 @@ impl Elements for Coupling {
         splice(&mut self.stiffness, removed, &added.stiffness);
         splice(&mut self.elements, removed, &added.elements);
         true
+    }
+
+    fn make_room(&mut self) {
+        make_room(&mut self.stencils);
+        make_room(&mut self.stiffness);
+        make_room(&mut self.elements);
     }
 
     /// Whether it is broken is that of the tie it was.

@@ -2,7 +2,7 @@
 
 use super::key::Key;
 use super::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
-use super::splice::splice;
+use super::splice::{make_room, splice};
 use crate::elements::NodeWindow;
 use crate::law::{Lame, Law};
 use microsim_mesh::TetMesh;
@@ -32,6 +32,9 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
 
     /// Takes domains out and puts others in, as [`Elements::splice`](super::Elements::splice).
     fn splice(&mut self, removed: &[u32], added: &Self) -> bool;
+
+    /// As [`Elements::make_room`](super::Elements::make_room).
+    fn make_room(&mut self);
 
     /// b_i [1/m] of the i-th node of a domain.
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64>;
@@ -372,6 +375,13 @@ impl Domains for Tetrahedra {
         self.reserve(count);
         splice(&mut self.nodes, removed, &added.nodes);
         true
+    }
+
+    fn make_room(&mut self) {
+        make_room(&mut self.nodes);
+        make_room(&mut self.gradients);
+        make_room(&mut self.volumes);
+        make_room(&mut self.shapes);
     }
 
     #[inline(always)]

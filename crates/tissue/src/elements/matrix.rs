@@ -64,30 +64,6 @@ pub struct Slots {
 }
 
 impl Slots {
-    /// The slots of elements with these nodes; `slot` is that of the block in row `i`, column `j` ≤ `i` of a matrix of which
-    /// the lower triangle is stored.
-    fn new<'a>(
-        elements: impl IntoIterator<Item = &'a [u32]>,
-        slot: impl Fn(u32, u32) -> usize,
-    ) -> Self {
-        let mut slots = Self {
-            starts: vec![0],
-            places: Vec::new(),
-        };
-        for nodes in elements {
-            for (i, &row) in nodes.iter().enumerate() {
-                for &column in &nodes[..=i] {
-                    let place = slot(row.max(column), row.min(column));
-                    slots
-                        .places
-                        .push(2 * place as u32 + u32::from(row < column));
-                }
-            }
-            slots.starts.push(slots.places.len() as u32);
-        }
-        slots
-    }
-
     /// The pattern of a body of so many nodes, and of each of its sets the slots.
     pub fn of_sets<'a>(
         nodes: usize,
@@ -95,17 +71,25 @@ impl Slots {
     ) -> (Arc<Pattern>, Vec<Self>) {
         let elements = |set: &'a dyn Elements| (0..set.count()).map(|element| set.nodes(element));
         let cliques = sets.clone().into_iter().flat_map(elements);
-        let pattern = Arc::new(Pattern::from_cliques(nodes, cliques));
-        let slot = |row: u32, column: u32| {
-            pattern
-                .slot(row as usize, column as usize)
-                .expect("the nodes of an element are coupled")
-        };
-        let slots = sets
-            .into_iter()
-            .map(|set| Self::new(elements(set), slot))
-            .collect();
-        (pattern.clone(), slots)
+        let (pattern, all) = Pattern::with_slots(nodes, cliques);
+        let mut rest = &all[..];
+        let slots = sets.into_iter().map(|set| {
+            let mut starts = Vec::with_capacity(set.count() + 1);
+            starts.push(0);
+            let mut end = 0;
+            for nodes in elements(set) {
+                end += (nodes.len() * (nodes.len() + 1) / 2) as u32;
+                starts.push(end);
+            }
+            let places;
+            (places, rest) = rest.split_at(end as usize);
+            Self {
+                starts,
+                places: places.to_vec(),
+            }
+        });
+        let slots = slots.collect();
+        (Arc::new(pattern), slots)
     }
 
     /// Those of one element.

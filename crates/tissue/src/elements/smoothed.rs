@@ -11,7 +11,7 @@
 
 use super::domains::{Domains, product, shape};
 use super::key::Key;
-use super::splice::splice;
+use super::splice::{make_room, splice};
 use crate::elements::NodeWindow;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
@@ -28,8 +28,10 @@ pub(crate) const NODE_SHARE: f64 = 0.25;
 /// Domains of any number of nodes, as arrays.
 #[derive(Clone, Debug)]
 pub struct SmoothingDomains {
-    /// Start and end of each domain among the nodes and gradients. After edits there are gaps between them.
+    /// Start and end of each domain among the nodes and gradients.
     runs: Vec<[u32; 2]>,
+    /// The starts of the gaps that edits left, by their lengths.
+    gaps: Vec<Vec<u32>>,
     nodes: Vec<u32>,
     gradients: Vec<Vector3<f64>>,
     volumes: Vec<f64>,
@@ -82,6 +84,9 @@ impl SmoothingDomains {
     /// are ascending.
     pub(crate) fn around(mesh: &TetMesh, around: &[(Key, u32)], share: f64) -> Self {
         let mut domains = Self::new(Keys::Around(Vec::new()));
+        // m tetrahedra around an edge have m + 2 or m + 3 nodes; there are more than four around most.
+        domains.nodes.reserve(2 * around.len());
+        domains.gradients.reserve(2 * around.len());
         let mut shares = Vec::new();
         for members in around.chunk_by(|a, b| a.0 == b.0) {
             domains.push(mesh, members, share, &mut shares);
@@ -111,6 +116,7 @@ impl SmoothingDomains {
     fn new(keys: Keys) -> Self {
         Self {
             runs: Vec::new(),
+            gaps: Vec::new(),
             nodes: Vec::new(),
             gradients: Vec::new(),
             volumes: Vec::new(),
@@ -152,27 +158,18 @@ impl SmoothingDomains {
         self.runs.push([start, self.nodes.len() as u32]);
     }
 
-    /// Closes the gaps that edits left once they are most of the memory.
-    fn close_gaps(&mut self) {
-        let used: usize = self
-            .runs
-            .iter()
-            .map(|[start, end]| (end - start) as usize)
-            .sum();
-        if self.nodes.len() <= 2 * used {
-            return;
+    /// Writes nodes and gradients of a domain into a gap of their number, or at the end; returns start and end.
+    fn enter(&mut self, nodes: &[u32], gradients: &[Vector3<f64>]) -> [u32; 2] {
+        let gaps = self.gaps.get_mut(nodes.len());
+        let start = gaps.and_then(Vec::pop).unwrap_or(self.nodes.len() as u32);
+        let end = start as usize + nodes.len();
+        if end > self.nodes.len() {
+            self.nodes.resize(end, 0);
+            self.gradients.resize(end, Vector3::zeros());
         }
-        let (nodes, gradients) = (
-            std::mem::take(&mut self.nodes),
-            std::mem::take(&mut self.gradients),
-        );
-        for run in &mut self.runs {
-            let from = run[0] as usize..run[1] as usize;
-            let start = self.nodes.len() as u32;
-            self.nodes.extend_from_slice(&nodes[from.clone()]);
-            self.gradients.extend_from_slice(&gradients[from]);
-            *run = [start, self.nodes.len() as u32];
-        }
+        self.nodes[start as usize..end].copy_from_slice(nodes);
+        self.gradients[start as usize..end].copy_from_slice(gradients);
+        [start, end as u32]
     }
 
     #[inline(always)]
@@ -295,14 +292,33 @@ impl Domains for SmoothingDomains {
             (Keys::Of(keys), Keys::Of(added)) => splice(keys, removed, added),
             (Keys::Around(_), Keys::Of(_)) | (Keys::Of(_), Keys::Around(_)) => return false,
         }
-        let first = self.nodes.len() as u32;
-        self.nodes.extend_from_slice(&added.nodes);
-        self.gradients.extend_from_slice(&added.gradients);
-        let runs = added.runs.iter().map(|run| run.map(|place| place + first));
-        splice(&mut self.runs, removed, &runs.collect::<Vec<_>>());
+        for &place in removed {
+            let [start, end] = self.runs[place as usize];
+            let length = (end - start) as usize;
+            if self.gaps.len() <= length {
+                self.gaps.resize(length + 1, Vec::new());
+            }
+            self.gaps[length].push(start);
+        }
+        let runs = (0..added.count()).map(|domain| {
+            let run = added.run(domain);
+            self.enter(&added.nodes[run.clone()], &added.gradients[run])
+        });
+        let runs: Vec<[u32; 2]> = runs.collect();
+        splice(&mut self.runs, removed, &runs);
         splice(&mut self.volumes, removed, &added.volumes);
-        self.close_gaps();
         true
+    }
+
+    fn make_room(&mut self) {
+        make_room(&mut self.runs);
+        make_room(&mut self.nodes);
+        make_room(&mut self.gradients);
+        make_room(&mut self.volumes);
+        match &mut self.keys {
+            Keys::Around(keys) => make_room(keys),
+            Keys::Of(keys) => make_room(keys),
+        }
     }
 
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64> {

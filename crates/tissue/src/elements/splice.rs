@@ -15,6 +15,12 @@ pub fn splice<T: Clone>(array: &mut Vec<T>, removed: &[u32], added: &[T]) {
     }
 }
 
+/// Makes room for half as many entries again: an array that grows by a little must not be copied while a body is cut. Memory that is not
+/// used costs nothing.
+pub fn make_room<T>(array: &mut Vec<T>) {
+    array.reserve(array.len() / 2);
+}
+
 /// Where [`splice`] of `added` entries puts them, and which others move in an array of `count`: pairs of old and new place.
 pub fn places(count: usize, removed: &[u32], added: usize) -> (Vec<u32>, Vec<[u32; 2]>) {
     let both = removed.len().min(added);

@@ -1,13 +1,29 @@
-//! The sums S_i of the rows of the stiffness at rest, kept up to date by edits.
+//! The sums of the rows of stiffness and damping at rest, kept up to date by edits.
 
 use crate::model::TissueModel;
 
+/// The sums of the row of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct RowSums {
+    /// Of the stiffness, S_i [N/m].
+    pub stiffness: f64,
+    /// Of the damping, D_i [N·s/m].
+    pub damping: f64,
+}
+
+impl RowSums {
+    /// S_i + 2 D_i/h: what counts as stiffness in a step `h` [s] (NUMERICS 3.1, h²λ + 2hΛ).
+    pub fn over(&self, h: f64) -> f64 {
+        self.stiffness + 2.0 * self.damping / h
+    }
+}
+
 impl TissueModel {
-    /// S_i of every node at rest [N/m], without plastic flow: as [`gershgorin_bound`](super::gershgorin_bound) sums it. After edits
+    /// Those of every node at rest, without plastic flow: as [`gershgorin_bound`](super::gershgorin_bound) sums them. After edits
     /// they are right to the rounding of what has ever been in the sum.
-    pub(crate) fn row_sums(&self) -> &[f64] {
+    pub(crate) fn row_sums(&self) -> &[RowSums] {
         self.row_sums.get_or_init(|| {
-            let mut sums = vec![0.0; self.node_count()];
+            let mut sums = vec![RowSums::default(); self.node_count()];
             for (set, elements) in self.sets().iter().enumerate() {
                 let all = 0..elements.count() as u32;
                 self.add_rows(set, all, 1.0, &mut sums);
@@ -22,13 +38,15 @@ impl TissueModel {
         set: usize,
         elements: impl IntoIterator<Item = u32>,
         factor: f64,
-        sums: &mut [f64],
+        sums: &mut [RowSums],
     ) {
         let (w, set) = (self.inverse_masses(), &self.sets()[set]);
         let mut norms = Vec::new();
         for element in elements {
             let element = element as usize;
             set.rest_norms(element, self.rest_positions(), &mut norms);
+            // At rest damping is the stiffness times the relaxation time.
+            let relaxation_time = set.relaxation_time(element);
             let nodes = set.nodes(element);
             for (&row, norms) in nodes.iter().zip(norms.chunks_exact(nodes.len())) {
                 let free = nodes
@@ -36,7 +54,9 @@ impl TissueModel {
                     .zip(norms)
                     .filter(|(column, _)| w[**column as usize] > 0.0);
                 let sum: f64 = free.map(|(_, norm)| norm).sum();
-                sums[row as usize] += factor * sum;
+                let sums = &mut sums[row as usize];
+                sums.stiffness += factor * sum;
+                sums.damping += factor * relaxation_time * sum;
             }
         }
     }

@@ -1,0 +1,180 @@
+//! What a source is told: a script, a recording in CSV, or the input samples of a session.
+
+use crate::assemble::{AssembleError, Input, Installation, Request, probe, refuse};
+use crate::record::Session;
+use microsim_bus::Frames;
+use microsim_message::{InputSample, SetupFile, decode, encode};
+use microsim_settings as settings;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Plugin that plays scripts.
+const SOURCE_SCRIPT: &str = "source-script";
+/// Plugin that plays recordings.
+const SOURCE_RECORDING: &str = "source-recording";
+/// Bytes of a recording's first line that are looked at where it has no column map.
+const HEADER_SHOWN: usize = 2000;
+
+/// What a source gets.
+pub(crate) struct SourceSetup {
+    pub plugin: String,
+    pub why: String,
+    pub config: Value,
+    pub files: Vec<SetupFile>,
+    /// Names of the devices that it brings; `None`: not known beforehand.
+    pub devices: Option<Vec<String>>,
+    /// What the operator must know of the input.
+    pub note: Option<String>,
+    /// By what a synthetic trainee was made.
+    pub synthetic: Option<String>,
+}
+
+impl SourceSetup {
+    /// Digest of all that the source is told, but not of where its file lies.
+    pub fn digest(&self) -> String {
+        let mut config = self.config.clone();
+        if let Some(config) = config.as_object_mut() {
+            config.remove("name");
+        }
+        let told = encode(&(&self.plugin, &config, &self.files));
+        blake3::hash(&told).to_hex().to_string()
+    }
+}
+
+/// The set-up of the source that a request asks for.
+pub(crate) fn source_setup(
+    installation: &Installation,
+    request: &Request,
+) -> Result<SourceSetup, AssembleError> {
+    let read = |path: &Path| {
+        std::fs::read(path).map_err(|e| AssembleError(format!("input {}: {e}", path.display())))
+    };
+    match &request.input {
+        Input::Plugin(name) if [SOURCE_SCRIPT, SOURCE_RECORDING].contains(&name.as_str()) => {
+            refuse(format!(
+                "\"{name}\" plays files: say script:FILE or recording:FILE"
+            ))
+        }
+        Input::Plugin(name) => Ok(SourceSetup {
+            plugin: name.clone(),
+            why: "the input is asked for by name".into(),
+            config: json!({}),
+            files: Vec::new(),
+            devices: None,
+            note: None,
+            synthetic: None,
+        }),
+        Input::Script(given) => {
+            let scripts = installation
+                .root
+                .join("modules")
+                .join(&request.module)
+                .join("scripts");
+            let path = installation.find(given, &[scripts]);
+            let script = settings::load_script(&path)?;
+            Ok(SourceSetup {
+                plugin: SOURCE_SCRIPT.into(),
+                why: format!("the input is the script {}", path.display()),
+                devices: Some(
+                    script
+                        .settings
+                        .tool
+                        .iter()
+                        .map(|t| t.name.clone())
+                        .collect(),
+                ),
+                config: json!({ "script": script.document.value() }),
+                files: Vec::new(),
+                note: None,
+                synthetic: script.settings.synthetic,
+            })
+        }
+        Input::Recording(given) => {
+            let path = installation.find(given, &[]);
+            let bytes = read(&path)?;
+            if bytes.starts_with(microsim_session::MAGIC) {
+                session_input(&path, &bytes)
+            } else {
+                csv_input(&path, bytes)
+            }
+        }
+    }
+}
+
+/// The set-up that plays a recording of these devices.
+fn recording(path: &Path, config: Value, bytes: Vec<u8>, devices: Vec<String>) -> SourceSetup {
+    SourceSetup {
+        plugin: SOURCE_RECORDING.into(),
+        why: format!("the input is the recording {}", path.display()),
+        config,
+        files: vec![SetupFile {
+            name: "recording".into(),
+            bytes,
+        }],
+        devices: Some(devices),
+        note: None,
+        synthetic: None,
+    }
+}
+
+fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<SourceSetup, AssembleError> {
+    let map_path = settings::recording_map_path(path);
+    if !map_path.is_file() {
+        let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
+        let head = String::from_utf8_lossy(&head[..head.len().min(HEADER_SHOWN)]);
+        return refuse(settings::recording_map_help(path, &head));
+    }
+    let map = settings::load_recording_map(path)?;
+    let devices = map.settings.device.iter().map(|d| d.name.clone()).collect();
+    let config =
+        json!({ "format": "csv", "name": path.display().to_string(), "map": map.document.value() });
+    Ok(recording(path, config, bytes, devices))
+}
+
+/// Checks a recording in CSV, its column map and every row, by the plugin that would play it.
+pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), AssembleError> {
+    let bytes = std::fs::read(path)
+        .map_err(|e| AssembleError(format!("recording {}: {e}", path.display())))?;
+    let source = csv_input(path, bytes)?;
+    probe(installation, SOURCE_RECORDING, source.config, source.files).map_err(AssembleError)
+}
+
+/// The input samples of a recorded session, to be played again.
+fn session_input(path: &Path, bytes: &[u8]) -> Result<SourceSetup, AssembleError> {
+    let session =
+        Session::read(bytes).map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
+    // Each with the time at which it arrived: devices need not share a clock.
+    let mut samples: Vec<(f64, InputSample)> = Vec::new();
+    let mut devices = BTreeSet::new();
+    for (index, tick) in session.ticks.iter().chain(&session.failed_tick) {
+        let arrival = (index + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9;
+        let frames = Frames::new(&tick.log).filter_map(Result::ok);
+        for sample in frames.filter_map(|f| decode::<InputSample>(&f)) {
+            let sample = sample.map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
+            devices.insert(sample.device.clone());
+            samples.push((arrival, sample));
+        }
+    }
+    if let Some(checkpoint) = &session.resumed {
+        return refuse(format!(
+            "{}: it goes on from tick {} of another session, whose input is not in it; play that one",
+            path.display(),
+            checkpoint.tick
+        ));
+    }
+    let note = session.complaint.map(|complaint| {
+        tracing::warn!(
+            "{}: {complaint}; what comes before it is played",
+            path.display()
+        );
+        format!("not complete: {complaint}")
+    });
+    let config = json!({ "format": "samples" });
+    let devices = devices.into_iter().collect();
+    Ok(SourceSetup {
+        note,
+        synthetic: session.header.plan.synthetic,
+        ..recording(path, config, encode(&samples), devices)
+    })
+}

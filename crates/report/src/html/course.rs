@@ -1,0 +1,165 @@
+//! What happened, in pictures and in a list.
+
+use super::text::{escape, say, spans};
+use super::{Pictures, section};
+use crate::moment::key_moments;
+use crate::number::shown;
+use crate::{Moment, MomentKind, Report};
+use std::fmt::Write;
+
+/// Pictures on a page.
+const MOST_PICTURES: usize = 12;
+/// Lines of the list; the JSON form has all moments.
+const MOST_MOMENTS: usize = 80;
+
+/// The class of the style sheet that gives a kind its colour.
+pub(crate) fn kind_class(kind: MomentKind) -> &'static str {
+    match kind {
+        MomentKind::Begin | MomentKind::End => "k-bound",
+        MomentKind::Grip => "k-grip",
+        MomentKind::Cut | MomentKind::PieceOff => "k-cut",
+        MomentKind::Tear => "k-tear",
+        MomentKind::ExcessForce | MomentKind::LargestForce => "k-force",
+        MomentKind::Event => "k-event",
+    }
+}
+
+impl Report {
+    /// The ticks of the key moments, of which a page shows pictures, ascending.
+    pub fn key_ticks(&self) -> Vec<u64> {
+        let chosen = key_moments(&self.moments, MOST_PICTURES);
+        let mut ticks: Vec<u64> = chosen.into_iter().map(|at| self.moments[at].tick).collect();
+        ticks.sort_unstable();
+        ticks.dedup();
+        ticks
+    }
+}
+
+/// The key moments: one picture for those of the same tick.
+pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
+    if report.moments.is_empty() {
+        return;
+    }
+    section(out, "Bilder der Sitzung", "Pictures of the session");
+    match pictures {
+        Pictures::Missing(reason) => {
+            let _ = writeln!(
+                out,
+                "<p class=\"note\">{} {}</p>",
+                say(
+                    "Diese Seite hat keine Bilder:",
+                    "This page has no pictures:"
+                ),
+                spans(reason)
+            );
+        }
+        Pictures::Drawn(drawn) => {
+            out.push_str("<div class=\"gallery\">\n");
+            let chosen = key_moments(&report.moments, MOST_PICTURES);
+            for (tick, png) in drawn {
+                let of_it = chosen
+                    .iter()
+                    .filter(|at| report.moments[**at].tick == *tick);
+                let lines: Vec<String> = of_it
+                    .map(|at| {
+                        format!(
+                            "{} {}",
+                            number(*at, &report.moments[*at]),
+                            spans(&report.moments[*at].text)
+                        )
+                    })
+                    .collect();
+                if lines.is_empty() {
+                    continue;
+                }
+                let _ = writeln!(
+                    out,
+                    "<figure><img alt=\"\" src=\"data:image/png;base64,{}\"><figcaption><time>{}</time>{}</figcaption></figure>",
+                    base64(png),
+                    spans(&shown(*tick as f64 * report.session.tick_s, "s")),
+                    lines.join("<br>")
+                );
+            }
+            out.push_str("</div>\n");
+        }
+    }
+    out.push_str("</section>\n");
+}
+
+/// What happened, with the numbers that mark it in the drawings.
+pub fn course(out: &mut String, report: &Report) {
+    if report.moments.is_empty() {
+        return;
+    }
+    section(out, "Verlauf", "Course");
+    out.push_str("<ol class=\"moments\">\n");
+    for (at, moment) in report.moments.iter().enumerate().take(MOST_MOMENTS) {
+        let _ = write!(
+            out,
+            "<li>{}<time>{}</time><span>{}",
+            number(at, moment),
+            spans(&shown(moment.session_time, "s")),
+            spans(&moment.text)
+        );
+        if let Some(id) = &moment.event {
+            let _ = write!(out, " <code>{}</code>", escape(id));
+        }
+        out.push_str("</span></li>\n");
+    }
+    out.push_str("</ol>\n");
+    if let Some(more @ 1..) = report.moments.len().checked_sub(MOST_MOMENTS) {
+        let _ = writeln!(
+            out,
+            "<p class=\"note\">… {more} {}</p>",
+            say("weitere", "more")
+        );
+    }
+    out.push_str("</section>\n");
+}
+
+/// The number of a moment on its colour.
+fn number(at: usize, moment: &Moment) -> String {
+    format!(
+        "<b class=\"disc {}\">{}</b>",
+        kind_class(moment.kind),
+        at + 1
+    )
+}
+
+/// Bytes as text (RFC 4648, section 4).
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let byte = |k: usize| u32::from(three.get(k).copied().unwrap_or_default());
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for k in 0..4 {
+            out.push(match k <= three.len() {
+                true => char::from(LETTERS[(bits >> (18 - 6 * k) & 63) as usize]),
+                false => '=',
+            });
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::base64;
+
+    /// The test vectors of RFC 4648, section 10.
+    #[test]
+    fn bytes_as_text() {
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! What happened when: grips, cuts, tears, pieces that come off, too much force, and what the module says.
+//!
+//! Found from the messages alone. What happens tick after tick is one moment; it has ended when it has not happened for
+//! [`PAUSE`].
+
+use crate::ReportInput;
+use crate::force::grip;
+use crate::html::in_both;
+use crate::number::shown;
+use microsim_message::{ContactForces, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// So long nothing of a kind happens between two moments of it \[s\].
+const PAUSE: f64 = 0.25;
+
+/// What kind of moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MomentKind {
+    /// The level begins.
+    Begin,
+    /// A tool gets tissue between its jaws.
+    Grip,
+    /// A tool cuts.
+    Cut,
+    /// Tissue tears by itself.
+    Tear,
+    /// A piece comes off.
+    PieceOff,
+    /// A force beyond the limit of its pair.
+    ExcessForce,
+    /// The largest force of the session.
+    LargestForce,
+    /// The module says so.
+    Event,
+    /// The session ends.
+    End,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Moment {
+    /// What kind.
+    pub kind: MomentKind,
+    /// Simulated time since the session began \[s\].
+    pub session_time: f64,
+    /// The tick that shows it best: of what lasts, the last one.
+    pub tick: u64,
+    /// One sentence.
+    pub text: LocalText,
+    /// Id of the module's event.
+    pub event: Option<String>,
+}
+
+/// Something that may last.
+struct Lasting {
+    /// Its place in the list.
+    at: usize,
+    /// When it happened last \[s\].
+    last: f64,
+}
+
+/// Gathers the moments.
+pub(crate) struct MomentCollector<'a> {
+    session: &'a ReportInput,
+    moments: Vec<Moment>,
+    /// What is under way: kind, tool and body.
+    lasting: BTreeMap<(MomentKind, String, String), Lasting>,
+    /// The largest force so far \[N\], its tick, its time \[s\], tool and body.
+    largest: Option<(f64, u64, f64, String, String)>,
+    running: bool,
+}
+
+impl<'a> MomentCollector<'a> {
+    pub fn new(session: &'a ReportInput) -> Self {
+        Self {
+            session,
+            moments: Vec::new(),
+            lasting: BTreeMap::new(),
+            largest: None,
+            running: false,
+        }
+    }
+
+    pub fn hear_state(&mut self, tick: u64, now: f64, state: &LevelState) {
+        if state.phase == LevelPhase::Running && !self.running {
+            self.running = true;
+            let text = in_both("Beginn", "Start");
+            self.add(MomentKind::Begin, tick, now, text, None);
+        }
+    }
+
+    pub fn hear_event(&mut self, tick: u64, now: f64, event: &LevelEvent) {
+        let (text, id) = (event.text.clone(), Some(event.id.clone()));
+        self.add(MomentKind::Event, tick, now, text, id);
+    }
+
+    pub fn hear_forces(&mut self, tick: u64, now: f64, forces: &ContactForces) {
+        for contact in &forces.contacts {
+            let (tool, body) = (&contact.tool, &contact.body);
+            if grip(&contact.jaws) > 0.0 {
+                self.happens(MomentKind::Grip, tick, now, tool, body);
+            }
+            if contact.over_limit > 0.0 {
+                self.happens(MomentKind::ExcessForce, tick, now, tool, body);
+            }
+            if contact.peak > self.largest.as_ref().map_or(0.0, |largest| largest.0) {
+                self.largest = Some((contact.peak, tick, now, tool.clone(), body.clone()));
+            }
+        }
+    }
+
+    pub fn hear_cut(&mut self, tick: u64, now: f64, cut: &TissueCut) {
+        let kind = match cut.tool.is_empty() {
+            true => MomentKind::Tear,
+            false => MomentKind::Cut,
+        };
+        self.happens(kind, tick, now, &cut.tool, &cut.body);
+        if !cut.pieces.is_empty() {
+            self.happens(MomentKind::PieceOff, tick, now, &cut.tool, &cut.body);
+        }
+    }
+
+    /// All moments in the order of time, with the end after the last tick.
+    pub fn finish(mut self, ticks_end: u64, end: f64) -> Vec<Moment> {
+        if let Some((force, tick, now, tool, body)) = self.largest.take() {
+            let millinewtons = shown(force * 1e3, "mN");
+            let tool = self.session.tool_name(&tool);
+            let text = LocalText {
+                de: format!("Größte Kraft: {}, {} auf {body}", millinewtons.de, tool.de),
+                en: format!("Largest force: {}, {} on {body}", millinewtons.en, tool.en),
+            };
+            self.add(MomentKind::LargestForce, tick, now, text, None);
+        }
+        if let Some(last) = ticks_end.checked_sub(1) {
+            let text = in_both("Ende", "End");
+            self.add(MomentKind::End, last, end, text, None);
+        }
+        self.moments
+            .sort_by(|a, b| a.session_time.total_cmp(&b.session_time));
+        self.moments
+    }
+
+    fn add(
+        &mut self,
+        kind: MomentKind,
+        tick: u64,
+        session_time: f64,
+        text: LocalText,
+        event: Option<String>,
+    ) {
+        self.moments.push(Moment {
+            kind,
+            session_time,
+            tick,
+            text,
+            event,
+        });
+    }
+
+    fn happens(&mut self, kind: MomentKind, tick: u64, now: f64, tool: &str, body: &str) {
+        let key = (kind, tool.to_owned(), body.to_owned());
+        if let Some(lasting) = self.lasting.get_mut(&key)
+            && now - lasting.last <= PAUSE
+        {
+            lasting.last = now;
+            // A grip is seen at once; a cut when it is done.
+            if kind != MomentKind::Grip {
+                self.moments[lasting.at].tick = tick;
+            }
+            return;
+        }
+        let at = self.moments.len();
+        self.lasting.insert(key, Lasting { at, last: now });
+        let LocalText { de, en } = self.session.tool_name(tool);
+        let text = match kind {
+            MomentKind::Grip => in_both(
+                &format!("Griff: {de} an {body}"),
+                &format!("Grip: {en} on {body}"),
+            ),
+            MomentKind::Cut => in_both(
+                &format!("Schnitt: {de} durch {body}"),
+                &format!("Cut: {en} through {body}"),
+            ),
+            MomentKind::Tear => in_both(&format!("Riss: {body}"), &format!("Tear: {body}")),
+            MomentKind::PieceOff => in_both(
+                &format!("Ein Stück ist ab: {body}"),
+                &format!("A piece comes off: {body}"),
+            ),
+            _ => in_both(
+                &format!("Zu viel Kraft: {de} auf {body}"),
+                &format!("Too much force: {en} on {body}"),
+            ),
+        };
+        self.add(kind, tick, now, text, None);
+    }
+}
+
+/// Those of which a page shows pictures: at most `most`, the most telling kinds first, of each kind the first ones; in the order
+/// of time. Indices into `moments`.
+pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<usize> {
+    const ORDER: [MomentKind; 9] = [
+        MomentKind::Begin,
+        MomentKind::End,
+        MomentKind::PieceOff,
+        MomentKind::Cut,
+        MomentKind::Tear,
+        MomentKind::LargestForce,
+        MomentKind::Event,
+        MomentKind::Grip,
+        MomentKind::ExcessForce,
+    ];
+    let mut chosen: Vec<usize> = Vec::new();
+    // The first of each kind before the second of any.
+    let of = |kind: MomentKind| {
+        let all = moments.iter().enumerate();
+        all.filter(move |(_, m)| m.kind == kind).map(|(at, _)| at)
+    };
+    for rank in 0..moments.len() {
+        let next = ORDER.iter().filter_map(|kind| of(*kind).nth(rank));
+        chosen.extend(next);
+    }
+    chosen.truncate(most);
+    chosen.sort_unstable();
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Report;
+    use crate::testing::{contact, input, log, text};
+    use microsim_message::{Jaw, JawForce};
+
+    fn kinds(report: &Report) -> Vec<(MomentKind, f64, u64)> {
+        let moments = report.moments.iter();
+        moments.map(|m| (m.kind, m.session_time, m.tick)).collect()
+    }
+
+    fn squeezed(force: [f64; 3], over_limit: f64) -> ContactForces {
+        let jaw = |jaw| JawForce {
+            jaw,
+            force: 0.01,
+            pressure: 1.0,
+        };
+        let mut contact = contact("left", "strip", force);
+        contact.jaws = vec![jaw(Jaw::Left), jaw(Jaw::Right)];
+        contact.peak = force[2];
+        contact.over_limit = over_limit;
+        ContactForces {
+            contacts: vec![contact],
+            ..ContactForces::default()
+        }
+    }
+
+    fn cut(tool: &str, pieces: &[u32]) -> TissueCut {
+        TissueCut {
+            body: "strip".into(),
+            tool: tool.into(),
+            pieces: pieces.to_vec(),
+            ..TissueCut::default()
+        }
+    }
+
+    /// Ticks of 1/8 s: with one tick between them two grips are one, with three between them they are two. A cut of two ticks is one,
+    /// at its first tick and best seen at its last; the largest force is in tick 5.
+    #[test]
+    fn what_lasts_is_one_moment() {
+        let running = LevelState {
+            phase: LevelPhase::Running,
+            ..LevelState::default()
+        };
+        let said = LevelEvent {
+            id: "target-done".into(),
+            time: 1.0,
+            text: text("Done."),
+        };
+        let ticks = [
+            (0, log(&[&running])),
+            (1, log(&[&squeezed([0.0, 0.0, 0.01], 0.0)])),
+            (3, log(&[&squeezed([0.0, 0.0, 0.02], 0.0)])),
+            (4, log(&[&cut("right", &[])])),
+            (
+                5,
+                log(&[&cut("right", &[1]), &squeezed([0.0, 0.0, 0.05], 0.1)]),
+            ),
+            (9, log(&[&squeezed([0.0, 0.0, 0.01], 0.0), &cut("", &[])])),
+            (10, log(&[&said])),
+        ];
+        let report = Report::build(&input(), ticks.iter().map(|(tick, log)| (*tick, &log[..])));
+        assert_eq!(
+            kinds(&report),
+            [
+                (MomentKind::Begin, 0.0, 0),
+                (MomentKind::Grip, 0.125, 1),
+                (MomentKind::Cut, 0.5, 5),
+                (MomentKind::PieceOff, 0.625, 5),
+                (MomentKind::ExcessForce, 0.625, 5),
+                (MomentKind::LargestForce, 0.625, 5),
+                (MomentKind::Grip, 1.125, 9),
+                (MomentKind::Tear, 1.125, 9),
+                (MomentKind::Event, 1.25, 10),
+                (MomentKind::End, 1.375, 10),
+            ]
+        );
+        assert!(
+            report.moments[5].text.en.contains("50.0\u{a0}mN"),
+            "{:?}",
+            report.moments[5]
+        );
+    }
+
+    /// Six grips and one cut in four pictures: begin and end do not fall out for grips, and the first grip comes before the second.
+    #[test]
+    fn the_most_telling_moments_are_chosen() {
+        let moment = |kind, tick| Moment {
+            kind,
+            session_time: tick as f64,
+            tick,
+            text: text("-"),
+            event: None,
+        };
+        let mut moments: Vec<Moment> = (1..7).map(|t| moment(MomentKind::Grip, t)).collect();
+        moments.insert(0, moment(MomentKind::Begin, 0));
+        moments.push(moment(MomentKind::Cut, 8));
+        moments.push(moment(MomentKind::End, 9));
+        assert_eq!(key_moments(&moments, 4), [0, 1, 7, 8]);
+        assert_eq!(key_moments(&moments, 5), [0, 1, 2, 7, 8]);
+        assert_eq!(key_moments(&moments, 99).len(), 9);
+    }
+}
