@@ -85,7 +85,7 @@ pub const SOAKS: &[Program] = &[
         name: "followers",
         package: "microsim-scene",
         example: "soak_followers",
-        shows: "1,000 random cuts with model, solver and contact that follow, against ones made anew",
+        shows: "1,000 random cuts; model, solver and contact that follow against new ones",
     },
     Program {
         name: "stability",
