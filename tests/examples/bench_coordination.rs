@@ -7,9 +7,7 @@
 
 use abi_stable::sabi_trait::TD_Opaque;
 use abi_stable::std_types::{ROption, RResult, RSlice, RStr, RVec};
-use microsim_abi::{
-    Call, Fault, Output, ParallelFor, PluginBox, PluginObject, PluginObject_TO,
-};
+use microsim_abi::{Call, Fault, Output, ParallelFor, PluginBox, PluginObject, PluginObject_TO};
 use microsim_bus::{Frames, Limits, kind_id};
 use microsim_host::Engine;
 use microsim_host::assemble::Input;
@@ -97,7 +95,9 @@ struct Picture {
 /// Whether the level has ended.
 fn has_result(log: &[u8]) -> bool {
     let frames = Frames::new(log).filter_map(Result::ok);
-    frames.into_iter().any(|frame| frame.header.kind == kind_id(TrainingResult::KIND))
+    frames
+        .into_iter()
+        .any(|frame| frame.header.kind == kind_id(TrainingResult::KIND))
 }
 
 /// Runs the script that passes a level; the names of the plugins and all pictures.
@@ -126,7 +126,8 @@ fn measure(module: &str, level: u32) -> (Vec<String>, Vec<Picture>) {
         for _ in 0..ticks {
             ended |= has_result(&tick(&mut engine).log);
         }
-        if std::env::var_os("SERIES").is_some() && now() - begin > 8.0 { eprintln!("{:.3} {:.1}", 0.016 * pictures.len() as f64, now() - begin); }
+            eprintln!("{:.3} {:.1}", 0.016 * pictures.len() as f64, now() - begin);
+        }
         pictures.push(Picture {
             cpu: now() - begin,
             wall: 1e3 * start.elapsed().as_secs_f64(),
@@ -155,10 +156,19 @@ fn table(module: &str, levels: &[u32]) -> String {
         }
         let cpu: f64 = pictures.iter().map(|picture| picture.cpu).sum();
         let mut shares: Vec<f64> = (0..names.len())
-            .map(|stage| pictures.iter().map(|picture| picture.stages[stage]).sum::<f64>() / cpu)
+            .map(|stage| {
+                pictures
+                    .iter()
+                    .map(|picture| picture.stages[stage])
+                    .sum::<f64>()
+                    / cpu
+            })
             .collect();
         shares.push(1.0 - shares.iter().sum::<f64>());
-        let shares: Vec<_> = shares.iter().map(|share| format!(" {:.1} % |", 100.0 * share)).collect();
+        let shares: Vec<_> = shares
+            .iter()
+            .map(|share| format!(" {:.1} % |", 100.0 * share))
+            .collect();
         let simulated = 1e-6 * (PICTURE * pictures.len() as u64) as f64;
         let _ = writeln!(
             text,
@@ -177,7 +187,8 @@ fn table(module: &str, levels: &[u32]) -> String {
 
 /// Levels of a module with a script that passes.
 fn levels(module: &str) -> Vec<u32> {
-    let script = |level: u32| tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"));
+    let script =
+        |level: u32| tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"));
     (1..).take_while(|level| script(*level).is_file()).collect()
 }
 
@@ -186,7 +197,11 @@ fn main() -> ExitCode {
     let named = words.next();
     let module = named.clone().unwrap_or_else(|| "coordination".into());
     let some: Vec<u32> = words.filter_map(|word| word.parse().ok()).collect();
-    let measured = if some.is_empty() { levels(&module) } else { some };
+    let measured = if some.is_empty() {
+        levels(&module)
+    } else {
+        some
+    };
     let table = table(&module, &measured);
     print!("{table}");
     if named.is_some() {
@@ -198,7 +213,10 @@ fn main() -> ExitCode {
          from the input to the snapshots of the bodies, per picture of 16 ms. Shares are of all CPU time of the run, by plugin; the host is what is left:\n\
          bus, running hash. The times are this machine's.\n\n{table}"
     );
-    match std::fs::write(repository().join("tests/results/bench_coordination.md"), text) {
+    match std::fs::write(
+        repository().join("tests/results/bench_coordination.md"),
+        text,
+    ) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("the result cannot be written: {error}");

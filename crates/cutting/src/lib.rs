@@ -2,7 +2,7 @@
 //!
 //! What is here: [`Topology`], the connectivity of a body kept up to date edit by edit; [`Blade`]s that stand still or move through
 //! tissue that moves; the six patterns by which elements are divided ([`divide`]); what opens, comes off and is laid open ([`Cut`]);
-//! tears; points that stay in place ([`MaterialPoint`]); and the check of all that ([`check`]). What is not: forces, tools, when to cut, files,
+//! tears; and the check of all that ([`check`]). What is not: forces, tools, when to cut, files,
 //! clocks, threads. Pure: the same input gives the same bits.
 //!
 //! A step goes so. Every edge that the blade has crossed gets a node on the path ([`Sweep`], [`Sheet`]), and all elements at it are divided
@@ -28,7 +28,6 @@ mod clusters;
 mod cut;
 mod decide;
 mod editor;
-mod material_point;
 mod opening;
 mod pattern;
 mod pieces;
@@ -43,7 +42,6 @@ mod topology;
 
 pub use check::{Flaw, Measures, check};
 pub use cut::{Blade, Settings};
-pub use material_point::MaterialPoint;
 pub use pattern::{
     EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide, is_divisible, pattern_of,
 };

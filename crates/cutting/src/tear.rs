@@ -2,6 +2,7 @@
 
 use crate::cut::Settings;
 use crate::editor::Editor;
+use crate::opening::FaceToOpen;
 use crate::report::{Cut, Rejected};
 use crate::topology::Topology;
 use microsim_mesh::TetMesh;
@@ -45,13 +46,30 @@ impl Topology {
         }
         self.sheets += 1;
         let sheet = self.sheets;
-        let faces: Vec<_> = faces
-            .iter()
-            .map(|&(element, corner)| (element, corner as usize, true))
-            .collect();
+        let faces = self.turned_alike(mesh, faces);
         let mut editor = Editor::new(self, mesh, current);
         editor.open(&faces, sheet);
         Ok(editor.conclude(settings))
+    }
+
+    /// Which side is negative is for a tear to choose, as nothing has come from either: so that the normals at rest of all its faces point to one
+    /// side, and by their sum along the axis nearest to it, whichever of its two elements a face is given by.
+    fn turned_alike(&self, mesh: &TetMesh, faces: &[(u32, u8)]) -> Vec<FaceToOpen> {
+        let mut sum = Vector3::zeros();
+        let mut turned = Vec::with_capacity(faces.len());
+        for &(element, corner) in faces {
+            let corner = corner as usize;
+            let places = self.face(element, corner);
+            let [a, b, c] = places.map(|node| mesh.positions[node as usize]);
+            let outward = (b - a).cross(&(c - a));
+            let along = outward.dot(&sum) >= 0.0;
+            sum += if along { outward } else { -outward };
+            turned.push((element, corner, along));
+        }
+        if sum[sum.iamax()] < 0.0 {
+            turned.iter_mut().for_each(|face| face.2 = !face.2);
+        }
+        turned
     }
 }
 

@@ -20,7 +20,14 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     let mut followers = followers::Followers::new(seed);
-    match soak::run(strokes as usize, seed, 12, &mut followers, |_| ()) {
+    let mut last = 0;
+    let told = |summary: &soak::Summary| {
+        if summary.strokes / 100 > last {
+            last = summary.strokes / 100;
+            println!("{} strokes", summary.strokes);
+        }
+    };
+    match soak::run(strokes as usize, seed, 4, &mut followers, told) {
         Ok(summary) => {
             println!("{summary:#?}\n{:#?}", followers.tally);
             ExitCode::SUCCESS

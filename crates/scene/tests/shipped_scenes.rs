@@ -323,10 +323,16 @@ fn blades_of_two_parts_leave_no_bridge_where_they_meet() {
     }
 }
 
-/// The outer layer is torn off where it is pulled, and nowhere else: not at the far half of the vessel, and nothing of the media.
+/// The outer layer is torn off where it is pulled, and nowhere else: not at the far half of the vessel, and nothing of the media. What is gripped hangs on the
+/// vessel.
 #[test]
 fn the_outer_layer_of_a_vessel_tears_off() {
     let runner = run("tear-layer", &[]);
+    assert!(
+        runner.verdicts().iter().all(|verdict| verdict.met),
+        "{:?}",
+        runner.verdicts()
+    );
     let (scene, cuts) = (runner.scene(), &runner.remarks().cuts);
     assert!(!cuts.is_empty() && cuts.iter().all(|(_, cut)| cut.tool.is_none()));
     for (triangle, inner) in scene.surface(0).triangles.iter().zip(scene.inner(0)) {
@@ -340,4 +346,15 @@ fn the_outer_layer_of_a_vessel_tears_off() {
             );
         }
     }
+    let piece_at = |place: Vector3<f64>| {
+        let nodes = scene.rest_positions(0).iter().zip(scene.pieces(0));
+        let near =
+            nodes.min_by(|(a, _), (b, _)| (*a - place).norm().total_cmp(&(*b - place).norm()));
+        near.map(|(_, piece)| *piece)
+    };
+    let (grip, held) = (
+        Vector3::new(3e-3, 0.0, 0.96e-3),
+        Vector3::new(-3e-3, 0.0, 0.6e-3),
+    );
+    assert_eq!(piece_at(grip), piece_at(held));
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Of the forceps: around the tissue, on it, and far into it.
 const OPEN: f64 = 0.75;
 const GRIP: f64 = 0.13;
-const FIRM: f64 = 0.1;
+const FIRM: f64 = 0.11;
 const CRUSH: f64 = 0.03;
 
 /// Of the scissors.
@@ -26,6 +26,9 @@ const AWAY: f64 = -0.010;
 
 /// Direction from tip to handle of the forceps of a left hand.
 const TOWARDS_HAND: [f64; 3] = [-0.35, -0.9367496997597597, 0.0];
+
+/// Where the tips of the forceps are when their jaws, which lie askew, are in the middle between the marks \[m\].
+const BETWEEN: f64 = 0.0003;
 
 /// How far the forceps' tips lie beyond the middle line of the tissue, and the scissors' \[m\].
 const ACROSS: f64 = 0.0007;
@@ -348,7 +351,7 @@ fn cut_twice(folder: &Path, place: &Place) {
     let [first, second] = place.order();
     let steadied = |doc| {
         let mut hands = Hands::new(place, doc);
-        hands.grip(0.0, GRIP);
+        hands.grip(BETWEEN, GRIP);
         hands
     };
     let stay = 0.3;
@@ -374,7 +377,7 @@ fn cut_twice(folder: &Path, place: &Place) {
     one.write(folder, "fail-not-cut", stay);
 
     let mut hard = Hands::new(place, "Crushes the tissue before it cuts.");
-    hard.grip(0.0, CRUSH);
+    hard.grip(BETWEEN, CRUSH);
     hard.cut(first, 0.0);
     hard.cut(second, 0.0);
     hard.write(folder, "fail-crushed", stay);
@@ -394,7 +397,7 @@ fn deliver(folder: &Path, place: &Place) {
     let stay = place.dwell + 0.5;
     let begin = |doc| {
         let mut hands = Hands::new(place, doc);
-        hands.grip(0.0, GRIP);
+        hands.grip(BETWEEN, GRIP);
         hands
     };
     let cut_both = |hands: &mut Hands<'_>| {
@@ -425,8 +428,8 @@ fn deliver(folder: &Path, place: &Place) {
             beside("fail-cut-beside-the-mark", 0.0006);
 
             let mut hard = Hands::new(place, "Pulls the tissue far up before it cuts.");
-            hard.grip(0.0, FIRM);
-            hard.lift(0.0045);
+            hard.grip(BETWEEN, FIRM);
+            hard.lift(0.0033);
             hard.lift(0.0);
             hard.forceps.1 = GRIP;
             cut_both(&mut hard);
@@ -455,7 +458,7 @@ fn deliver(folder: &Path, place: &Place) {
             askew.write(folder, "fail-cut-askew", stay);
 
             let mut hard = Hands::new(place, "Crushes the tissue before it cuts.");
-            hard.grip(0.0, CRUSH);
+            hard.grip(BETWEEN, CRUSH);
             cut_both(&mut hard);
             hard.put(way);
             hard.write(folder, "fail-crushed", stay);

@@ -28,12 +28,32 @@ fn block() -> TetMesh {
     block.mesh().unwrap()
 }
 
-/// The layers of cells come apart along their 3 × 2 squares: 12 nodes are doubled, the area is 6.
+/// The layers of cells come apart along their 3 × 2 squares: 12 nodes are doubled, the area is 6. From whichever side faces are given,
+/// positive is the upper one.
 #[test]
 fn a_layer_tears_off_along_its_faces() {
+    for turned in [0, 1, 2, 3] {
+        let is_turned = |k: usize| match turned {
+            0 => false,
+            1 => true,
+            _ => k % 2 == turned % 2,
+        };
+        tear_layer(is_turned);
+    }
+}
+
+fn tear_layer(is_turned: impl Fn(usize) -> bool) {
     let mut mesh = block();
     let mut topology = Topology::new(&mesh);
-    let faces = layer(&mesh, &topology);
+    let mut faces = layer(&mesh, &topology);
+    for (k, (element, corner)) in faces.iter_mut().enumerate() {
+        if is_turned(k)
+            && let Some(other) = topology.neighbour(*element, *corner as usize)
+        {
+            *corner = topology.back(*element, other) as u8;
+            *element = other;
+        }
+    }
     let positions = mesh.positions.clone();
     let cut = topology
         .tear(&mesh, &faces, &positions, &Settings::default())
