@@ -60,6 +60,12 @@ pub const BENCHES: &[Program] = &[
         shows: "cutting: a tick that divides about 60 elements, over the size of the body",
     },
     Program {
+        name: "coordination",
+        package: TESTS,
+        example: "bench_coordination",
+        shows: "CPU time per picture of 16 ms of the script that passes each level, shares of the plugins",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",
