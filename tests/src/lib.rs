@@ -12,7 +12,8 @@
 //! - [`live`]: a tree with a source that has a timer of its own;
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
-//! - [`system`]: the linear system of a body, phase by phase.
+//! - [`system`]: the linear system of a body, phase by phase;
+//! - [`trainees`]: synthetic trainees, made and run.
 
 pub mod alter;
 pub mod comb;
@@ -24,6 +25,7 @@ pub mod live;
 pub mod simulated;
 pub mod statistics;
 pub mod system;
+pub mod trainees;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,4 +1,4 @@
-//! Percentiles of measurements.
+//! Percentiles of measurements, and how far two groups of them lie apart.
 
 /// The value below which `share` (0…1) of the values lie, by nearest rank; NaN without values.
 pub fn percentile(values: &[f64], share: f64) -> f64 {
@@ -11,9 +11,65 @@ pub fn percentile(values: &[f64], share: f64) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
+/// A group of values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Group {
+    /// How many.
+    pub count: usize,
+    /// Their mean.
+    pub mean: f64,
+    /// Their standard deviation, from n − 1.
+    pub deviation: f64,
+}
+
+impl Group {
+    /// Of values; `None` for fewer than two.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        (values.len() > 1).then(|| Self {
+            count: values.len(),
+            mean,
+            deviation: (squares / (n - 1.0)).sqrt(),
+        })
+    }
+}
+
+/// Cohen's d of two groups: how much larger the mean of the second is, in pooled standard deviations; `None` where neither varies.
+pub fn effect_size(first: &Group, second: &Group) -> Option<f64> {
+    let [a, b] = [first, second].map(|g| (g.count as f64 - 1.0) * g.deviation * g.deviation);
+    let pooled = ((a + b) / (first.count as f64 + second.count as f64 - 2.0)).sqrt();
+    (pooled > 0.0).then(|| (second.mean - first.mean) / pooled)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::percentile;
+    use super::{Group, effect_size, percentile};
+
+    /// By hand: 1, 2, 3 have mean 2 and variance 1; 4 and 8 have mean 6 and variance 8. Pooled: (2·1 + 1·8)/3 = 10/3.
+    #[test]
+    fn groups_and_their_effect_size() {
+        let a = Group::of(&[1.0, 2.0, 3.0]).expect("three values");
+        let b = Group::of(&[4.0, 8.0]).expect("two values");
+        assert_eq!((a.mean, a.deviation, b.mean), (2.0, 1.0, 6.0));
+        let d = effect_size(&a, &b).expect("they vary");
+        assert!((d - 4.0 / (10.0_f64 / 3.0).sqrt()).abs() < 1e-14, "{d}");
+        assert_eq!(Group::of(&[1.0]), None);
+        assert_eq!(
+            effect_size(
+                &Group {
+                    deviation: 0.0,
+                    ..a
+                },
+                &Group {
+                    deviation: 0.0,
+                    ..b
+                }
+            ),
+            None
+        );
+    }
 
     /// Nearest rank: of the whole numbers 1 to 100 the p-th percentile is p.
     #[test]

@@ -60,6 +60,12 @@ pub const BENCHES: &[Program] = &[
         shows: "cutting: a tick that divides about 60 elements, over the size of the body",
     },
     Program {
+        name: "coordination",
+        package: TESTS,
+        example: "bench_coordination",
+        shows: "CPU time per picture of 16 ms of the script that passes each level, shares of the plugins",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",
@@ -92,6 +98,12 @@ pub const SOAKS: &[Program] = &[
         package: "microsim-tissue",
         example: "cut_stability",
         shows: "500 cuts in a cube, then 10,000 steps with the mass floor and without",
+    },
+    Program {
+        name: "trainees",
+        package: TESTS,
+        example: "soak_trainees",
+        shows: "synthetic experts and novices on a level: each metric, effect sizes (-- MODULE LEVEL N)",
     },
 ];
 
@@ -146,7 +158,7 @@ mod tests {
         assert_eq!(names(None).map(|all| all.len()), Ok(SOAKS.len()));
         assert_eq!(
             names(Some("kill")),
-            Err("there is no \"kill\"; there are: kills, cuts, followers, stability".into())
+            Err("there is no \"kill\"; there are: kills, cuts, followers, stability, trainees".into())
         );
     }
 }

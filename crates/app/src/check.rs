@@ -87,6 +87,11 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         "config/translator.toml".into(),
         translator.map(nothing).map_err(|e| e.to_string()),
     );
+    let trainees = settings::load_trainees(&config.join("trainees.toml"));
+    findings.note(
+        "config/trainees.toml".into(),
+        trainees.map(nothing).map_err(|e| e.to_string()),
+    );
     for path in files_in(&config.join("tools"), "toml") {
         let tool = settings::load_tool(&path);
         findings.note(
@@ -295,6 +300,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         }
         ("host.toml", _, _) => settings::load_host(path).map(nothing).map_err(text),
         ("translator.toml", _, _) => settings::load_translator(path).map(nothing).map_err(text),
+        ("trainees.toml", _, _) => settings::load_trainees(path).map(nothing).map_err(text),
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
         (_, Some("scenes"), "toml") => check_scene(path),

@@ -47,6 +47,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Show the result of a recorded session, as text, JSON, CSV or an HTML page
     Report(ReportArgs),
+    /// Write the motion of a synthetic trainee along the plan of a script, as a script
+    Trainee(TraineeArgs),
     /// Show which messages flow: the kinds and who speaks and hears them, or all messages of a session
     Bus(BusArgs),
     /// Validate config, scenes, meshes, modules, levels, scripts and recordings without running them
@@ -272,6 +274,28 @@ pub struct ReportArgs {
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Sessions and reports of such a script are labelled; groups of synthetic trainees validate nothing.
+
+Example:
+  microsim trainee modules/push-strip/scripts/level4-pass.toml --profile novice --seed 3 --out novice-3.toml"
+)]
+pub struct TraineeArgs {
+    /// Script with the plan: one that passes
+    #[arg(value_parser = utf8_path)]
+    pub script: PathBuf,
+    /// Kind of trainee, of config/trainees.toml
+    #[arg(long, value_name = "NAME")]
+    pub profile: String,
+    /// Which one of its kind
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Script to write; it must not exist
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
+    pub out: PathBuf,
 }
 
 #[derive(Debug, Args)]

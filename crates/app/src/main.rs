@@ -22,6 +22,7 @@ mod scene_file;
 mod schema;
 mod session_file;
 mod simulate;
+mod trainee;
 mod tune;
 
 use clap::Parser;
@@ -58,6 +59,7 @@ fn main() -> ExitCode {
         Command::Tune(args) => tune::tune(&cli.place, args),
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(&cli.place, args),
+        Command::Trainee(args) => trainee::trainee(&cli.place, args),
         Command::Bus(args) => bus::bus(&cli.place, args),
         Command::Check(args) => check::check(&cli.place, args),
         Command::Schema(args) => schema::schema(&cli.place, args),

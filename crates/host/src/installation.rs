@@ -141,7 +141,7 @@ impl Installation {
     }
 
     /// A file by the name that an operator gave: as it stands, or below the installation.
-    pub(crate) fn find(&self, given: &Path, folders: &[PathBuf]) -> PathBuf {
+    pub fn find(&self, given: &Path, folders: &[PathBuf]) -> PathBuf {
         let mut candidates = vec![given.to_path_buf(), self.root.join(given)];
         candidates.extend(folders.iter().map(|f| f.join(given)));
         let found = candidates.into_iter().find(|p| p.is_file());

@@ -214,3 +214,28 @@ fn draw(
     }
     object.stop().into_result().map_err(failure("stop", last))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(when: PictureTimes, tick: u64) -> Option<String> {
+        let plan = PicturePlan {
+            folder: PathBuf::from("there"),
+            when,
+        };
+        plan.file(tick).map(|path| path.display().to_string())
+    }
+
+    #[test]
+    fn pictures_are_named_by_their_place_in_time() {
+        assert_eq!(
+            named(PictureTimes::Every(25), 50).as_deref(),
+            Some("there/frame-000002.png")
+        );
+        assert_eq!(named(PictureTimes::Every(25), 51), None);
+        let at = || PictureTimes::At([7, 9].into());
+        assert_eq!(named(at(), 7).as_deref(), Some("there/tick-000007.png"));
+        assert_eq!(named(at(), 8), None);
+    }
+}

@@ -4,11 +4,10 @@
 //! [`PAUSE`].
 
 use crate::ReportInput;
+use crate::force::grip;
 use crate::html::in_both;
 use crate::number::shown;
-use microsim_message::{
-    ContactForce, ContactForces, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut,
-};
+use microsim_message::{ContactForces, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -21,7 +20,7 @@ const PAUSE: f64 = 0.25;
 pub enum MomentKind {
     /// The level begins.
     Begin,
-    /// A tool has tissue between its jaws.
+    /// A tool gets tissue between its jaws.
     Grip,
     /// A tool cuts.
     Cut,
@@ -100,7 +99,7 @@ impl<'a> MomentCollector<'a> {
     pub fn hear_forces(&mut self, tick: u64, now: f64, forces: &ContactForces) {
         for contact in &forces.contacts {
             let (tool, body) = (&contact.tool, &contact.body);
-            if grips(contact) {
+            if grip(&contact.jaws) > 0.0 {
                 self.happens(MomentKind::Grip, tick, now, tool, body);
             }
             if contact.over_limit > 0.0 {
@@ -177,17 +176,17 @@ impl<'a> MomentCollector<'a> {
         let LocalText { de, en } = self.session.tool_name(tool);
         let text = match kind {
             MomentKind::Grip => in_both(
-                &format!("{de} greift {body}"),
-                &format!("{en} grips {body}"),
+                &format!("Griff: {de} an {body}"),
+                &format!("Grip: {en} on {body}"),
             ),
             MomentKind::Cut => in_both(
-                &format!("{de} schneidet {body}"),
-                &format!("{en} cuts {body}"),
+                &format!("Schnitt: {de} durch {body}"),
+                &format!("Cut: {en} through {body}"),
             ),
-            MomentKind::Tear => in_both(&format!("{body} reißt ein"), &format!("{body} tears")),
+            MomentKind::Tear => in_both(&format!("Riss: {body}"), &format!("Tear: {body}")),
             MomentKind::PieceOff => in_both(
-                &format!("Ein Stück von {body} ist ab"),
-                &format!("A piece of {body} comes off"),
+                &format!("Ein Stück ist ab: {body}"),
+                &format!("A piece comes off: {body}"),
             ),
             _ => in_both(
                 &format!("Zu viel Kraft: {de} auf {body}"),
@@ -196,11 +195,6 @@ impl<'a> MomentCollector<'a> {
         };
         self.add(kind, tick, now, text, None);
     }
-}
-
-/// Whether tissue is between the jaws.
-fn grips(contact: &ContactForce) -> bool {
-    matches!(contact.jaws.as_slice(), [first, second] if first.force > 0.0 && second.force > 0.0)
 }
 
 /// Those of which a page shows pictures: at most `most`, the most telling kinds first, of each kind the first ones; in the order

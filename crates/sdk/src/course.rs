@@ -354,7 +354,7 @@ impl Course {
     }
 
     /// Ends the level where it has to end (all targets reached, time over, no more input, aborted), and publishes what
-    /// has changed; call it last. `reasons_at_end` is asked once, at the end, for what only then is known.
+    /// has changed; call it last. `reasons_at_end` is asked once, at the end, for what only then is known, unless the time is over.
     pub fn conclude(
         &mut self,
         tick: &mut Tick<'_>,
@@ -367,9 +367,13 @@ impl Course {
         let over = self.time_limit.clone().filter(|(limit, _)| time > *limit);
         let all_done = self.running() && self.machine.all_targets_done();
         if all_done || over.is_some() || self.input_ended || self.aborted {
-            // Whoever ran out of time missed targets for that reason.
-            self.reasons.extend(over.map(|(_, reason)| reason));
-            reasons_at_end(self);
+            match over {
+                // Whoever ran out of time missed targets for that reason alone.
+                Some((_, reason)) => {
+                    self.reasons.insert(reason);
+                }
+                None => reasons_at_end(self),
+            }
             let result = self.result(tick)?;
             self.tell(tick);
             tick.publish(&result);

@@ -25,7 +25,12 @@ mod tests {
         for direction in [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [0.48, -0.6, -0.64]] {
             let back = axis(turned_to(direction));
             // Tolerance: rounding of a dozen operations on numbers up to 1.
-            assert!(back.iter().zip(direction).all(|(a, b)| (a - b).abs() < 1e-15), "{back:?}");
+            assert!(
+                back.iter()
+                    .zip(direction)
+                    .all(|(a, b)| (a - b).abs() < 1e-15),
+                "{back:?}"
+            );
         }
     }
 }

@@ -41,6 +41,7 @@ mod schema;
 mod script;
 mod text;
 mod tool;
+mod trainees;
 mod translator;
 mod tree;
 mod unit;
@@ -91,6 +92,9 @@ pub use script::{
 };
 pub use text::{Colour, Finish, LocalText};
 pub use tool::{Jaw, Tool, ToolCapsule, load_tool, read_tool, tool_schema};
+pub use trainees::{
+    Sourced, TraineeProfile, Trainees, load_trainees, read_trainees, trainees_schema,
+};
 pub use translator::{
     DeviceMap, OpeningName, OpeningSource, Translator, load_translator, read_translator,
     translator_schema,
@@ -98,7 +102,7 @@ pub use translator::{
 pub use unit::{QuantityError, Unit};
 
 /// The kinds of file, by the names that the command line uses, each with a line about it.
-pub const KINDS: [(&str, &str); 9] = [
+pub const KINDS: [(&str, &str); 10] = [
     (
         "manifest",
         "plugin.toml, module.toml: what a plugin or training module is, needs and declares",
@@ -125,6 +129,10 @@ pub const KINDS: [(&str, &str); 9] = [
         "the TOML of the same name beside a CSV: what its columns mean",
     ),
     ("script", "a scripted trainee: timed poses and openings"),
+    (
+        "trainees",
+        "config/trainees.toml: how synthetic trainees move",
+    ),
     ("host", "config/host.toml: how the host runs sessions"),
 ];
 
@@ -140,6 +148,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "translator" => translator_schema(),
         "recording" => recording_schema(),
         "script" => script_schema(),
+        "trainees" => trainees_schema(),
         "host" => host_schema(),
         _ => return None,
     })

@@ -189,6 +189,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Random;
 
     #[test]
     fn two_triangles_sharing_an_edge() {
@@ -207,6 +208,34 @@ mod tests {
             neighbours,
             [&[1, 2][..], &[0, 2, 3], &[0, 1, 3], &[1, 2], &[]]
         );
+    }
+
+    /// Random cliques, with nodes that appear twice among them: the slots are those that one looks up block by block.
+    #[test]
+    fn slots_of_cliques_are_those_of_their_blocks() {
+        let mut random = Random(61);
+        for _ in 0..50 {
+            let nodes = 1 + random.below(20) as u32;
+            let count = random.below(30);
+            let cliques = random.cliques(nodes as usize, count);
+            let (pattern, slots) = Pattern::with_slots(nodes as usize, &cliques);
+            let mut slots = slots.into_iter();
+            let mut coupled = vec![false; (nodes * nodes) as usize];
+            for clique in &cliques {
+                for (k, &i) in clique.iter().enumerate() {
+                    for &j in &clique[..=k] {
+                        let slot = pattern.slot(i.max(j) as usize, i.min(j) as usize).unwrap();
+                        assert_eq!(slots.next(), Some(2 * slot as u32 + u32::from(i < j)));
+                        coupled[(i.max(j) * nodes + i.min(j)) as usize] = true;
+                    }
+                }
+            }
+            assert_eq!(slots.next(), None);
+            for (i, j) in (0..nodes).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+                let expected = i == j || coupled[(i * nodes + j) as usize];
+                assert_eq!(pattern.slot(i as usize, j as usize).is_some(), expected);
+            }
+        }
     }
 
     #[test]

@@ -16,12 +16,12 @@
 //! that of all edges or faces of these. A tie that breaks is broken on all copies of its node.
 //!
 //! # Cost
-//! A cut that divides 40 to 60 elements takes 0.25 ms (tetrahedra), 0.4 ms (springs) to 0.6 ms (selective) of one core with state, mass
-//! floor and an explicit solver, the 99th of a hundred 0.4 to 1 ms, in bodies of 10,000 to 100,000 tetrahedra alike. What goes with the
-//! body: 4 ns per node for the parts that are told to a solver; memory that has to grow, once in many cuts, 7 ms at 100,000
-//! tetrahedra; pieces that come off, whose parts are found anew, 10 ns per tetrahedron; a union of bodies, made anew, 5 to 40 ns per
-//! tetrahedron. An implicit solver is made anew with all of its analysis: 3.6 ms (patch-pressure) to 12 ms (selective) at 3,200
-//! tetrahedra, 16 and 38 ms at 10,500 (`cargo run --release -p microsim-tissue --example edit_time`).
+//! A cut that divides 40 to 60 elements takes 0.15 ms (tetrahedra), 0.35 ms (springs) to 0.6 ms (selective) of one core with state, mass
+//! floor and an explicit solver, the 99th of a hundred 0.25 to 1.2 ms, in bodies of 10,000 to 100,000 tetrahedra alike. What goes with the
+//! body: 4 ns per node for the parts that are told to a solver; memory once a body has half as many elements again as at the
+//! start, 5 ms at 100,000 tetrahedra; pieces that come off, whose parts are found anew, 10 ns per tetrahedron; a union of bodies, made
+//! anew, 5 to 40 ns per tetrahedron; and what an implicit solver knows of the pattern, 0.7 ms (tetrahedra) to 2.6 ms (selective) at 3,200
+//! tetrahedra, 2.2 and 9.6 ms at 10,500, beside a step of 3.6 and 14 ms (`cargo run --release -p microsim-tissue --example edit_time`).
 //!
 //! # Limitations
 //! A model that others share (a clone, the union of several bodies) shares its sets with them: the first edit then copies each

@@ -1,4 +1,5 @@
-//! Where the tools are: samples of tracked devices from a recording or a script, and their translation into the field.
+//! Where the tools are: samples of tracked devices from a recording or a script, and their translation into the field; and how
+//! synthetic trainees would move them.
 //!
 //! Pure: bytes, values and times in, values out. No files, no clocks, no sockets; the settings that it needs come in as
 //! plain structs from whoever reads the configuration. Filters, calibration and markers are not here.
@@ -20,6 +21,7 @@ mod rotation;
 mod sample;
 mod script;
 mod statistics;
+mod trainee;
 mod translator;
 
 pub use csv_error::{CsvError, CsvProblem};
@@ -30,6 +32,7 @@ pub use rotation::{NORM_TOLERANCE, QuaternionError};
 pub use sample::Sample;
 pub use script::{Interpolation, Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
 pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics};
+pub use trainee::{Profile, Trainee};
 pub use translator::{
     Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch, ToolPose, ToolState,
     ToolStatus, TranslatedSample, Translator, TranslatorError, TranslatorState,

@@ -35,3 +35,4 @@ pub use motion::{MotionBytesError, MotionError, MotionLog, Sample, path_length, 
 pub use parameter::{MetricParameters, Parameter, ParameterError};
 pub use score::{Assessment, CategoryScore, Limit, LimitError, Rules, ScoreRecord, TargetCount};
 pub use text::Text;
+pub use tremor::tremor_rms;

@@ -7,10 +7,13 @@
 mod site;
 mod state;
 
-use microsim_sdk::message::{Colour, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus};
+use microsim_sdk::message::{
+    Colour, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
+};
 use microsim_sdk::tissue::{Booking, Patch, Probes, colour, mark_colour};
 use microsim_sdk::{
-    BlockView, Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, export_plugin, turned_to,
+    BlockView, Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, export_plugin,
+    turned_to,
 };
 use microsim_training::DwellState;
 use site::{Mark, Site, TRAY, Task};
@@ -31,11 +34,19 @@ fn text(de: String, en: String) -> LocalText {
 
 impl Coordination {
     /// Where marks lie and what tells the pieces apart, as the tissue lies in the first tick.
-    fn settle(&self, state: &mut State, block: &BlockView<'_>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+    fn settle(
+        &self,
+        state: &mut State,
+        block: &BlockView<'_>,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         for mark in &self.site.marks {
             let around = |end: [f64; 3]| Patch::around(end, self.site.keys.mark_radius, block);
             let [Some(first), Some(second)] = mark.ends().map(around) else {
-                return Err(Fault::new(format!("no tissue within `mark_radius` of an end of \"{}\"", mark.name)));
+                return Err(Fault::new(format!(
+                    "no tissue within `mark_radius` of an end of \"{}\"",
+                    mark.name
+                )));
             };
             state.patches.push([first, second]);
             tick.publish(&ObjectSet {
@@ -50,7 +61,13 @@ impl Coordination {
     }
 
     /// Lets a mark move with the tissue; says where its middle is.
-    fn follow(&self, mark: &Mark, ends: &[Patch; 2], block: &BlockView<'_>, tick: &mut Tick<'_>) -> Option<[f64; 3]> {
+    fn follow(
+        &self,
+        mark: &Mark,
+        ends: &[Patch; 2],
+        block: &BlockView<'_>,
+        tick: &mut Tick<'_>,
+    ) -> Option<[f64; 3]> {
         let [a, b] = [ends[0].now(block)?.place, ends[1].now(block)?.place];
         let middle = [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
         let way = microsim_sdk::tissue::distance(a, b);
@@ -70,7 +87,9 @@ impl Coordination {
     /// Grips and forces of a tick, with their events.
     fn hear(&self, state: &mut State, course: &Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
         let was_too_hard = state.contacts.too_hard;
-        state.contacts.hear(tick, &self.site.body, &self.site.holders, course.running())?;
+        state
+            .contacts
+            .hear(tick, &self.site.body, &self.site.holders, course.running())?;
         if !course.running() {
             return Ok(());
         }
@@ -80,10 +99,21 @@ impl Coordination {
         }
         if held && !state.gripped {
             state.gripped = true;
-            course.event(tick, "grip", text("Gewebe gegriffen".into(), "Tissue gripped".into()));
+            course.event(
+                tick,
+                "grip",
+                text("Gewebe gegriffen".into(), "Tissue gripped".into()),
+            );
         }
         if state.contacts.too_hard && !was_too_hard {
-            course.event(tick, "excess-force", text("Zu viel Kraft auf das Gewebe".into(), "Too much force on the tissue".into()));
+            course.event(
+                tick,
+                "excess-force",
+                text(
+                    "Zu viel Kraft auf das Gewebe".into(),
+                    "Too much force on the tissue".into(),
+                ),
+            );
         }
         Ok(())
     }
@@ -91,21 +121,47 @@ impl Coordination {
     /// Cuts of a tick.
     fn book(&self, state: &mut State, course: &Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
         let steadied = state.contacts.held_by_any();
-        let lines: Vec<_> = self.site.marks.iter().map(|mark| mark.line.clone()).collect();
+        let lines: Vec<_> = self
+            .site
+            .marks
+            .iter()
+            .map(|mark| mark.line.clone())
+            .collect();
         for cut in tick.messages::<TissueCut>()? {
             if cut.body != self.site.body {
                 continue;
             }
-            match state.cuts.book(&cut, &lines, self.site.keys.mark_reach, steadied) {
+            match state
+                .cuts
+                .book(&cut, &lines, self.site.keys.mark_reach, steadied)
+            {
                 Booking::Mark { index, first: true } => {
                     let n = index + 1;
-                    course.event(tick, "cut", text(format!("Schnitt an Marke {n} begonnen"), format!("Cut at mark {n} begun")));
+                    course.event(
+                        tick,
+                        "cut",
+                        text(
+                            format!("Schnitt an Marke {n} begonnen"),
+                            format!("Cut at mark {n} begun"),
+                        ),
+                    );
                 }
                 Booking::Stray => {
-                    course.event(tick, "stray-cut", text("Schnitt abseits der Marken".into(), "Cut away from the marks".into()));
+                    course.event(
+                        tick,
+                        "stray-cut",
+                        text(
+                            "Schnitt abseits der Marken".into(),
+                            "Cut away from the marks".into(),
+                        ),
+                    );
                 }
                 Booking::Tear => {
-                    course.event(tick, "tear", text("Gewebe eingerissen".into(), "Tissue torn".into()));
+                    course.event(
+                        tick,
+                        "tear",
+                        text("Gewebe eingerissen".into(), "Tissue torn".into()),
+                    );
                 }
                 Booking::Mark { first: false, .. } | Booking::Nothing => {}
             }
@@ -114,7 +170,13 @@ impl Coordination {
     }
 
     /// The task `hold`: the tissue of the first mark in the ring.
-    fn hold(&self, state: &mut State, course: &mut Course, place: Option<[f64; 3]>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+    fn hold(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        place: Option<[f64; 3]>,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         let (Some(ring), Some(place)) = (self.site.ring, place) else {
             return Ok(());
         };
@@ -123,7 +185,11 @@ impl Coordination {
         state.had |= held;
         if state.drops.watch(tick.time(), state.had && !held) {
             state.had = false;
-            course.event(tick, "drop", text("Gewebe entglitten".into(), "Tissue slipped away".into()));
+            course.event(
+                tick,
+                "drop",
+                text("Gewebe entglitten".into(), "Tissue slipped away".into()),
+            );
         }
         let away = ring.away(place);
         let holds = held && away <= ring.opening;
@@ -139,19 +205,41 @@ impl Coordination {
         };
         show(&mut state.colour, tick, &mark.name, colour);
         if done {
-            course.target_done(tick, &mark.name, text("Marke im Ring gehalten".into(), "Mark held in the ring".into()))?;
+            course.target_done(
+                tick,
+                &mark.name,
+                text(
+                    "Marke im Ring gehalten".into(),
+                    "Mark held in the ring".into(),
+                ),
+            )?;
         }
         Ok(())
     }
 
     /// The tasks `cut` and `deliver`: which marks are cut through.
-    fn part(&self, state: &mut State, course: &mut Course, block: &BlockView<'_>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+    fn part(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        block: &BlockView<'_>,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         for (index, mark) in self.site.marks.iter().enumerate() {
-            if course.is_done(&mark.name) || state.probes.apart(index, index + 1, block) != Some(true) {
+            if course.is_done(&mark.name)
+                || state.probes.apart(index, index + 1, block) != Some(true)
+            {
                 continue;
             }
             let n = index + 1;
-            course.target_done(tick, &mark.name, text(format!("Marke {n} durchtrennt"), format!("Mark {n} cut through")))?;
+            course.target_done(
+                tick,
+                &mark.name,
+                text(
+                    format!("Marke {n} durchtrennt"),
+                    format!("Mark {n} cut through"),
+                ),
+            )?;
             tick.publish(&ObjectSet {
                 name: mark.name.clone(),
                 active: Some(false),
@@ -162,11 +250,23 @@ impl Coordination {
     }
 
     /// The task `deliver`: where the piece is, once it is off.
-    fn deliver(&self, state: &mut State, course: &mut Course, block: &BlockView<'_>, tick: &mut Tick<'_>) -> Result<(), Fault> {
+    fn deliver(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        block: &BlockView<'_>,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         let Some(tray) = &self.site.tray else {
             return Ok(());
         };
-        if !self.site.marks.iter().all(|mark| course.is_done(&mark.name)) || course.is_done(TRAY) {
+        if !self
+            .site
+            .marks
+            .iter()
+            .all(|mark| course.is_done(&mark.name))
+            || course.is_done(TRAY)
+        {
             return Ok(());
         }
         let Some(piece) = state.probes.piece(1, block) else {
@@ -174,12 +274,20 @@ impl Coordination {
         };
         if !state.off {
             state.off = true;
-            course.event(tick, "piece", text("Stück ist frei".into(), "Piece is free".into()));
+            course.event(
+                tick,
+                "piece",
+                text("Stück ist frei".into(), "Piece is free".into()),
+            );
         }
         let held = state.contacts.held_by_any();
         let inside = tray.contains(piece.centre);
         if state.drops.watch(tick.time(), !inside && !held) {
-            course.event(tick, "drop", text("Stück fallen gelassen".into(), "Piece dropped".into()));
+            course.event(
+                tick,
+                "drop",
+                text("Stück fallen gelassen".into(), "Piece dropped".into()),
+            );
         }
         let lies = inside && state.contacts.is_on(TRAY) && !held;
         let done = state.dwell.update(tick.time(), lies) == DwellState::Complete;
@@ -190,7 +298,14 @@ impl Coordination {
         };
         show(&mut state.colour, tick, TRAY, colour);
         if done {
-            course.target_done(tick, TRAY, text("Stück liegt in der Schale".into(), "Piece lies in the tray".into()))?;
+            course.target_done(
+                tick,
+                TRAY,
+                text(
+                    "Stück liegt in der Schale".into(),
+                    "Piece lies in the tray".into(),
+                ),
+            )?;
         }
         Ok(())
     }
@@ -208,9 +323,15 @@ impl Coordination {
         } else {
             course.measure("stray-cut", cuts.stray);
             course.measure("torn", cuts.torn);
-            let shares = [("cut-distance", cuts.distance()), ("cut-angle", cuts.angle()), ("steadied", cuts.steadied_share())];
+            let shares = [
+                ("cut-distance", cuts.distance()),
+                ("cut-angle", cuts.angle()),
+                ("steadied", cuts.steadied_share()),
+            ];
             for (id, value) in shares {
-                value.into_iter().for_each(|value| course.measure(id, value));
+                value
+                    .into_iter()
+                    .for_each(|value| course.measure(id, value));
             }
         }
         if self.site.keys.task != Task::Cut {
@@ -240,7 +361,12 @@ impl Exercise for Coordination {
         State::new(self.site.keys.dwell)
     }
 
-    fn judge(&self, state: &mut State, course: &mut Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
+    fn judge(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         self.hear(state, course, tick)?;
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         state.seen |= tools.iter().any(|tool| tool.status == ToolStatus::Tracked);
@@ -275,11 +401,19 @@ impl Exercise for Coordination {
     }
 
     fn reasons(&self, state: &State, course: &mut Course) {
-        let open = self.site.targets().iter().any(|target| !course.is_done(target));
+        let open = self
+            .site
+            .targets()
+            .iter()
+            .any(|target| !course.is_done(target));
         if !open || !state.seen {
             return;
         }
-        let uncut = self.site.marks.iter().any(|mark| !course.is_done(&mark.name));
+        let uncut = self
+            .site
+            .marks
+            .iter()
+            .any(|mark| !course.is_done(&mark.name));
         course.speaks_against(match self.site.keys.task {
             Task::Hold if state.reached => "dwell-too-short",
             Task::Hold => "not-in-ring",

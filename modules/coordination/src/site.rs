@@ -49,7 +49,10 @@ pub(crate) struct Mark {
 impl Mark {
     fn new(object: &Object) -> Result<Self, Fault> {
         let Shape::Capsule { length, .. } = object.shape else {
-            return Err(Fault::new(format!("the mark \"{}\" is not of the shape \"capsule\"", object.name)));
+            return Err(Fault::new(format!(
+                "the mark \"{}\" is not of the shape \"capsule\"",
+                object.name
+            )));
         };
         Ok(Self {
             name: object.name.clone(),
@@ -102,14 +105,24 @@ impl Site {
             let object = object.map(|object| object.position);
             object.ok_or_else(|| Fault::new(format!("the level needs an object \"{name}\"")))
         });
-        if keys.task == Task::Deliver && marks.len() != 2 {
-            return Err(Fault::new("the task `deliver` needs two marks"));
+        let wanted = match keys.task {
+            Task::Hold => 1..=1,
+            Task::Cut => 1..=usize::MAX,
+            Task::Deliver => 2..=2,
+        };
+        if !wanted.contains(&marks.len()) {
+            let count = marks.len();
+            return Err(Fault::new(format!(
+                "the level has {count} marks, which does not fit its task: `hold` needs one, `deliver` two"
+            )));
         }
         let body = bodies.into_iter().next();
         let cuts = |model: &str| config.models.get(model).is_some_and(|m| m.sharpness > 0.0);
         let holding = config.tools.iter().filter(|tool| !cuts(&tool.model));
         Ok(Self {
-            body: body.ok_or_else(|| Fault::new("the level needs a body"))?.name,
+            body: body
+                .ok_or_else(|| Fault::new("the level needs a body"))?
+                .name,
             holders: holding.map(|tool| tool.name.clone()).collect(),
             ring: match keys.task {
                 Task::Hold => Some(Ring::named(&objects, RING)?),

@@ -233,3 +233,94 @@ impl Plugin for Objects {
 }
 
 export_plugin!(Objects, "../plugin.toml");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use microsim_sdk::TestHost;
+    use serde_json::json;
+
+    fn host() -> TestHost<Objects> {
+        let look = |mut thing: serde_json::Value| {
+            for (key, value) in [("colour", json!("#ff0000")), ("finish", json!("matte"))] {
+                thing[key] = value;
+            }
+            thing["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
+            thing
+        };
+        let rigid = [
+            look(json!({
+                "name": "tray", "shape": "tray", "half_size": [0.004, 0.003, 0.001], "wall": 0.0005,
+                "position": [0.01, 0.0, 0.0],
+            })),
+            look(json!({ "name": "ground", "shape": "plane", "position": [0.0, 0.0, -0.002] })),
+        ];
+        let setup = Setup {
+            name: "objects".into(),
+            seed: 0,
+            tick_ns: 1_000_000,
+            steps: 1,
+            level: 1,
+            config: json!({ "objects": [], "rigid": rigid }),
+            files: Vec::new(),
+        };
+        TestHost::new(&["object.scene"], &["object.set"], &[], setup).expect("a complete set-up")
+    }
+
+    fn set(name: &str) -> ObjectSet {
+        ObjectSet {
+            name: name.into(),
+            ..ObjectSet::default()
+        }
+    }
+
+    /// A tray is a floor and four walls, by its definition: its floor reaches a wall beyond the inner space and lies below it. A
+    /// colour goes to all of its parts and to nothing else.
+    #[test]
+    fn rigid_things_are_shown_and_coloured_part_by_part() {
+        let mut host = host();
+        let scene: ObjectScene = host.tick().expect("a tick").last().expect("a scene");
+        let tray: Vec<&ObjectState> = scene.objects.iter().filter(|o| o.name == "tray").collect();
+        assert_eq!((tray.len(), scene.objects.len()), (5, 6));
+        let floor = tray.iter().find(|part| part.pose.position[2] < -0.0011);
+        let floor = floor.expect("a floor below the inner space");
+        let Shape::Box { half_size } = floor.shape else {
+            panic!("{:?}", floor.shape);
+        };
+        // Sums of a few decimals: rounding is below a nanometre by far.
+        for (found, expected) in half_size.iter().zip([0.0045, 0.0035, 0.00025]) {
+            assert!((found - expected).abs() < 1e-12, "{half_size:?}");
+        }
+        assert!((floor.pose.position[0] - 0.01).abs() < 1e-12);
+        assert_eq!(scene.objects[5].shape, Shape::HalfSpace);
+
+        host.send(&ObjectSet {
+            colour: Some([0.0, 1.0, 0.0]),
+            ..set("tray")
+        });
+        let scene: ObjectScene = host.tick().expect("a tick").last().expect("a change");
+        for object in &scene.objects {
+            let green = object.colour == [0.0, 1.0, 0.0];
+            assert_eq!(green, object.name == "tray", "{}", object.name);
+        }
+    }
+
+    #[test]
+    fn a_rigid_thing_neither_moves_nor_hides() {
+        for change in [
+            ObjectSet {
+                pose: Some(Pose::default()),
+                ..set("tray")
+            },
+            ObjectSet {
+                active: Some(false),
+                ..set("tray")
+            },
+        ] {
+            let mut host = host();
+            host.send(&change);
+            let fault = host.tick().expect_err("it stands");
+            assert!(fault.to_string().contains("\"tray\""), "{fault}");
+        }
+    }
+}

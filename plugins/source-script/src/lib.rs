@@ -3,7 +3,7 @@
 use microsim_sdk::message::{InputSample, Pose};
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings as settings;
-use microsim_tracking::{Interpolation, Keyframe, Sample, Script, ScriptTrack};
+use microsim_tracking::Sample;
 use serde::Deserialize;
 
 /// The script, checked and in SI units.
@@ -19,15 +19,7 @@ pub struct ScriptSource {
 }
 
 fn samples(script: &settings::Script) -> Result<Vec<InputSample>, Fault> {
-    let tracks = script.tool.iter().map(|tool| ScriptTrack {
-        device: tool.name.as_str().into(),
-        keyframes: tool.key.iter().map(keyframe).collect(),
-    });
-    let interpolation = match script.interpolation {
-        settings::Interpolation::MinimumJerk => Interpolation::MinimumJerk,
-        settings::Interpolation::Linear => Interpolation::Linear,
-    };
-    let played = Script::new(tracks.collect(), interpolation);
+    let played = script.motion();
     let played = played.map_err(|error| Fault::new(format!("the script: {error}")))?;
     Ok(played.samples(script.rate).map(message).collect())
 }
@@ -42,17 +34,6 @@ fn message(sample: Sample) -> InputSample {
             orientation: sample.orientation,
         },
         opening: sample.opening,
-    }
-}
-
-fn keyframe(key: &settings::ScriptKey) -> Keyframe {
-    Keyframe {
-        time_s: key.t,
-        hold_s: 0.0,
-        position: key.position,
-        orientation: key.orientation,
-        opening: key.opening,
-        visible: key.visible,
     }
 }
 

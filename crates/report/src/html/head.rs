@@ -48,7 +48,7 @@ fn better(out: &mut String, report: &Report) {
     if advised.is_empty() {
         return;
     }
-    super::section(out, "Was du besser machen kannst", "What to do better");
+    super::section(out, "So wird es besser", "What to do better");
     out.push_str("<ul class=\"better\">");
     for metric in advised {
         let _ = write!(

@@ -1,4 +1,4 @@
-//! The table of metrics: those with a limit first, then those for information.
+//! The tables of metrics: those with a limit, and those for information.
 
 use super::text::{escape, say, spans};
 use crate::number::{against_limits, fixed};
@@ -6,30 +6,75 @@ use crate::plot::gauge;
 use crate::{MetricEntry, Report};
 use std::fmt::Write;
 
-/// Both tables; nothing without a result.
-pub fn metrics(out: &mut String, report: &Report) {
-    let (judged, informative): (Vec<_>, Vec<_>) = report
-        .metrics
-        .iter()
-        .partition(|m| m.record.limit.is_some());
-    if !judged.is_empty() {
-        super::section(out, "Messgrößen mit Grenzwert", "Metrics with a limit");
-        table(out, report, &judged, true);
-        out.push_str("</section>\n");
+/// The metrics that the verdict rests on; nothing without a result.
+pub fn judged(out: &mut String, report: &Report) {
+    let all = report.metrics.iter();
+    let judged: Vec<_> = all.filter(|m| m.record.limit.is_some()).collect();
+    if judged.is_empty() {
+        return;
     }
-    if !informative.is_empty() {
-        super::section(out, "Weitere Messgrößen", "Further metrics");
-        let _ = writeln!(
+    super::section(out, "Messgrößen mit Grenzwert", "Metrics with a limit");
+    table(out, report, &judged, true);
+    if judged.iter().any(|m| {
+        m.record
+            .limit
+            .as_ref()
+            .is_some_and(|limit| limit.provisional)
+    }) {
+        let _ = write!(
             out,
-            "<p class=\"note\">{}</p>",
+            "<p class=\"note\"><span class=\"provisional\">{}</span> {}</p>",
+            say("vorläufig", "provisional"),
             say(
-                "In dieser Stufe ohne Grenzwert; sie gehen nicht in das Urteil ein.",
-                "Without a limit in this level; the verdict does not rest on them.",
+                "heißt: nach Ermessen gesetzt; Messungen an Menschen, die den Grenzwert stützen, gibt es noch nicht.",
+                "means: set by judgement; there are no measurements of people yet that back the limit.",
             )
         );
-        table(out, report, &informative, false);
-        out.push_str("</section>\n");
     }
+    out.push_str("</section>\n");
+}
+
+/// The metrics without a limit, to be opened; those without a value by their names alone.
+pub fn further(out: &mut String, report: &Report) {
+    let unjudged = || report.metrics.iter().filter(|m| m.record.limit.is_none());
+    let measured: Vec<_> = unjudged().filter(|m| m.record.value.is_some()).collect();
+    let rest: Vec<_> = unjudged().filter(|m| m.record.value.is_none()).collect();
+    if measured.is_empty() && rest.is_empty() {
+        return;
+    }
+    let _ = write!(
+        out,
+        "<section>\n<details>\n<summary><h2>{}</h2> <span class=\"note\">{}</span></summary>\n",
+        say("Weitere Messgrößen", "Further metrics"),
+        say(
+            "In dieser Stufe ohne Grenzwert; sie gehen nicht in das Urteil ein.",
+            "Without a limit in this level; the verdict does not rest on them.",
+        )
+    );
+    if !measured.is_empty() {
+        table(out, report, &measured, false);
+    }
+    if !rest.is_empty() {
+        let _ = write!(
+            out,
+            "<h3>{}</h3>\n<ul class=\"rest\">",
+            say("Nicht anwendbar", "Not applicable")
+        );
+        for MetricEntry { record, .. } in rest {
+            let reason = record
+                .not_applicable
+                .as_ref()
+                .map(spans)
+                .unwrap_or_default();
+            let _ = write!(
+                out,
+                "<li>{} <small>{reason}</small></li>",
+                spans(&record.title)
+            );
+        }
+        out.push_str("</ul>\n");
+    }
+    out.push_str("</details>\n</section>\n");
 }
 
 fn table(out: &mut String, report: &Report, metrics: &[&MetricEntry], judged: bool) {

@@ -77,9 +77,10 @@ impl Report {
         );
         head::head(&mut out, self);
         course::pictures(&mut out, self, &page.pictures);
-        metrics::metrics(&mut out, self);
+        metrics::judged(&mut out, self);
         course::course(&mut out, self);
         plots(&mut out, self);
+        metrics::further(&mut out, self);
         record::input(&mut out, self);
         record::incidents(&mut out, self);
         record::provenance(&mut out, self);
@@ -145,9 +146,13 @@ fn plots(out: &mut String, report: &Report) {
         let _ = write!(
             out,
             "<p class=\"legend\"><span class=\"key line-key\"></span>{}\
-             <span class=\"key line-key pale-key\"></span>{}",
+             <span class=\"key line-key pale-key\"></span>{}<span class=\"key grip-key\"></span>{}",
             say("Mittel je Takt", "mean of a tick"),
             say("größter Wert im Takt", "largest within a tick"),
+            say(
+                "Griff: Kraft der Backe, die weniger drückt",
+                "grip: force of the jaw that presses less"
+            ),
         );
         marks_key(out, report);
         let _ = write!(

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 988.0;
-const ABOVE: f64 = 30.0;
+const ABOVE: f64 = 50.0;
 const STRIP: f64 = 110.0;
 const BETWEEN: f64 = 44.0;
 
@@ -53,8 +53,8 @@ fn strip(
     tool: &LocalText,
 ) {
     let bottom = top + STRIP;
-    let both = series.peak.iter().chain(&series.force).copied();
-    let largest = range(both).map_or(0.0, |(_, largest)| largest);
+    let all = series.peak.iter().chain(&series.force).chain(&series.grip);
+    let largest = range(all.copied()).map_or(0.0, |(_, largest)| largest);
     // Millinewtons up to a newton.
     let (factor, unit) = if largest < 1.0 {
         (1e3, "mN")
@@ -63,7 +63,10 @@ fn strip(
     };
     let y = Axis::new(from_zero(largest * factor), (bottom, top));
     grid(out, x, &y, (70.0, 26.0));
-    for (class, values) in [("peak", &series.peak), ("curve", &series.force)] {
+    let grips = series.grip.iter().any(|grip| *grip > 0.0);
+    let grip = grips.then_some(("grip", &series.grip));
+    let lines = [("peak", &series.peak), ("curve", &series.force)];
+    for (class, values) in lines.into_iter().chain(grip) {
         let drawn = thin::extremes(values, MAX_POINTS).into_iter().map(|i| {
             (
                 series.contact[i],

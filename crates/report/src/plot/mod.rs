@@ -153,24 +153,27 @@ fn grid(out: &mut String, x: &Axis, y: &Axis, apart: (f64, f64)) {
 /// Numbers of moments closer than this would overlap.
 const NUMBER_WIDTH: f64 = 17.0;
 
+/// Of the discs of numbers above the topmost strip, whose name stands between the two.
+const NUMBERS_ABOVE: f64 = 32.0;
+
 /// A line from top to bottom at each moment, and its number, from 1, above it where there is room.
 fn moment_marks(out: &mut String, x: &Axis, (top, bottom): (f64, f64), moments: &[Moment]) {
-    // The name of the first strip stands at the left.
-    let mut free_from = x.places.0 + 60.0;
+    let middle = top - NUMBERS_ABOVE;
+    let mut free_from = f64::NEG_INFINITY;
     for (k, moment) in moments.iter().enumerate() {
         let at = x.at(moment.session_time);
         let class = kind_class(moment.kind);
         let _ = write!(
             out,
-            "<path class=\"moment {class}\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>"
+            "<path class=\"moment {class}\" d=\"M{at:.1} {middle:.1}V{bottom:.1}\"/>"
         );
         if at - NUMBER_WIDTH / 2.0 >= free_from {
             let _ = write!(
                 out,
                 "<circle class=\"moment-disc {class}\" cx=\"{at:.1}\" cy=\"{:.1}\" r=\"8\"/>\
                  <text class=\"moment-number\" x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-                top - 12.0,
-                top - 8.2,
+                middle,
+                middle + 3.8,
                 k + 1
             );
             free_from = at + NUMBER_WIDTH / 2.0;

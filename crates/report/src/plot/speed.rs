@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 988.0;
-const ABOVE: f64 = 30.0;
+const ABOVE: f64 = 50.0;
 const STRIP: f64 = 130.0;
 const BETWEEN: f64 = 44.0;
 /// What the bold line averages over \[s\].

@@ -187,3 +187,51 @@ fn what_follows_cuts_is_what_is_made_anew() {
         scene.piece_count(0)
     );
 }
+
+/// A cube that is large enough for a solver with two levels, cut into halves: a scene restored on the way, with a solver that has not seen the
+/// edits before, goes on with the same bits.
+#[test]
+fn a_solver_that_follows_is_the_one_that_was_restored() {
+    let mut spec = bars();
+    spec.bodies.truncate(1);
+    spec.cuts.truncate(1);
+    spec.contacts.truncate(1);
+    spec.method = Method::ImplicitEuler(Newton {
+        iterations: 1,
+        tolerance: 1e-3,
+        must_converge: false,
+    });
+    spec.bodies[0].mesh = Block {
+        center: [0.0, 0.0, 0.5e-3],
+        size: [2e-3; 3],
+        cells: [8; 3],
+        split: CellSplit::Kuhn,
+    }
+    .mesh()
+    .unwrap();
+    let mut scene = Scene::new(&spec).unwrap();
+    let at = |k: usize| Pose {
+        position: Vector3::new(0.07e-3, 0.0, 1.6e-3 - 0.75e-3 * k as f64),
+        ..Pose::identity()
+    };
+    let motion = |k: usize| ToolMotion {
+        tool: 0,
+        from: at(k),
+        to: at(k + 1),
+        opening_from: 0.0,
+        opening_to: 0.0,
+        active: true,
+    };
+    let mut saved = Vec::new();
+    for k in 0..3 {
+        scene.tick(&[motion(k)], 1e-3, 1, &Serial).unwrap();
+        saved.push(scene.save());
+    }
+    assert_eq!(scene.piece_count(0), 2);
+    let mut again = Scene::new(&spec).unwrap();
+    for k in 1..3 {
+        again.restore(&saved[k - 1]).unwrap();
+        again.tick(&[motion(k)], 1e-3, 1, &Serial).unwrap();
+        assert!(again.save() == saved[k], "tick {k}");
+    }
+}

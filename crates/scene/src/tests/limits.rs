@@ -165,7 +165,8 @@ fn motions_that_cannot_be_used_are_named() {
 #[test]
 fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
     let good = strip([4, 1, 1], false);
-    let cases: [(fn(&mut SceneSpec), &str); 24] = [
+    type Case = (fn(&mut SceneSpec), &'static str);
+    let cases: [Case; 24] = [
         (
             |s| s.bodies.push(s.bodies[0].clone()),
             "each body needs a name of its own, 'strip'",

@@ -52,6 +52,7 @@ fn accept(kind: &str, value: &Value) -> Result<(), String> {
         "translator" => parse::<Translator>(value),
         "recording" => parse::<RecordingMap>(value),
         "script" => parse::<Script>(value),
+        "trainees" => parse::<Trainees>(value),
         "host" => parse::<Host>(value),
         other => panic!("no kind `{other}`"),
     }

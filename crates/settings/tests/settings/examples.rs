@@ -206,6 +206,10 @@ fn shipped_files_are_right() {
         }
     }
 
+    let trainees = load_trainees(&config.join("trainees.toml")).expect("trainees");
+    let names = trainees.settings.profile.iter().map(|p| p.name.as_str());
+    assert_eq!(names.collect::<Vec<_>>(), ["expert", "novice"]);
+
     for name in ["dilator", "forceps", "micro-scissors", "probe"] {
         let tool = load_tool(&config.join(format!("tools/{name}.toml")))
             .expect(name)

@@ -10,7 +10,7 @@ use microsim_settings::*;
 use serde_json::Value;
 
 /// A full example of each kind: every key of its schema occurs.
-const EXAMPLES: [(&str, &str); 9] = [
+const EXAMPLES: [(&str, &str); 10] = [
     ("manifest", include_str!("../examples/manifest.toml")),
     ("level", include_str!("../examples/level.toml")),
     ("scene", include_str!("../examples/scene.toml")),
@@ -19,6 +19,7 @@ const EXAMPLES: [(&str, &str); 9] = [
     ("translator", include_str!("../examples/translator.toml")),
     ("recording", include_str!("../examples/recording.toml")),
     ("script", include_str!("../examples/script.toml")),
+    ("trainees", include_str!("../examples/trainees.toml")),
     ("host", include_str!("../examples/host.toml")),
 ];
 
@@ -59,6 +60,7 @@ fn read(kind: &str, text: &str) -> Result<Value, ConfigErrors> {
         "translator" => read_translator(text, file)?.document,
         "recording" => read_recording_map(text, file)?.document,
         "script" => read_script(text, file)?.document,
+        "trainees" => read_trainees(text, file)?.document,
         "host" => read_host(text, file)?.document,
         other => panic!("no kind `{other}`"),
     };

@@ -131,6 +131,38 @@ fn same_numbers_same_bits() {
     assert!(run(&mut solver, &matrix) == first);
 }
 
+/// A body that was large enough for two levels keeps this way when a cut leaves less of it, and solves to the tolerance, with a surer way
+/// behind it as well; one that was small gets the way of what it has become. Bodies between do not matter.
+#[test]
+fn another_pattern_is_followed() {
+    let (large, small) = (held([16, 16, 16]), held([4, 4, 4]));
+    let of = |(matrix, positions, _): &(BlockMatrix, Vec<_>, _)| {
+        LinearSolver::new(matrix.pattern(), positions)
+    };
+    let check = |solver: &mut LinearSolver, to: &(BlockMatrix, Vec<_>, Vec<bool>), way| {
+        let (matrix, positions, fixed) = to;
+        *solver = solver.following(matrix.pattern(), positions);
+        assert_eq!(solver.first, way);
+        let b = Random(57).vectors(positions.len());
+        [way, Way::Single, Way::Double].map(|way| {
+            let mut x = b.clone();
+            solver.factorise(matrix, fixed).unwrap();
+            solver.prepare(matrix, way).unwrap();
+            solver.solve(matrix, &mut x, 1e-9).unwrap();
+            assert!(residual(matrix, fixed, &x, &b) <= 1.01e-9);
+            bits(&x)
+        })
+    };
+    let mut was_large = of(&large);
+    let first = check(&mut was_large, &small, Way::TwoLevel);
+    check(&mut was_large, &large, Way::TwoLevel);
+    assert!(check(&mut was_large.clone(), &small, Way::TwoLevel) == first);
+    let mut was_small = of(&small);
+    let first = check(&mut was_small, &small, Way::Single);
+    check(&mut was_small, &large, Way::TwoLevel);
+    assert!(check(&mut was_small, &small, Way::Single) == first);
+}
+
 #[test]
 fn an_indefinite_matrix_is_refused() {
     for (size, way) in [([4, 4, 4], Way::Single), ([16, 16, 16], Way::TwoLevel)] {

@@ -22,6 +22,28 @@ struct Exchange {
     ancestors: Vec<Vec<u32>>,
 }
 
+/// Nodes that an edit touches, each once.
+struct Touched {
+    seen: Vec<bool>,
+    nodes: Vec<u32>,
+}
+
+impl Touched {
+    /// None of so many.
+    fn none(nodes: usize) -> Self {
+        Self {
+            seen: vec![false; nodes],
+            nodes: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, node: u32) {
+        if !std::mem::replace(&mut self.seen[node as usize], true) {
+            self.nodes.push(node);
+        }
+    }
+}
+
 impl TissueModel {
     /// Follows an edit that has been checked.
     pub(super) fn follow(&mut self, edit: &ModelEdit<'_>, plan: &Plan) -> ModelChange {
@@ -48,7 +70,7 @@ impl TissueModel {
         self.follow_mesh(edit, plan);
         self.follow_components(plan, ties.iter().any(Option::is_some));
 
-        let mut touched: Vec<u32> = Vec::new();
+        let mut touched = Touched::none(plan.nodes.count());
         let mut changes = Vec::with_capacity(self.sets.len());
         let (mut removed, mut ties) = (removed.into_iter(), ties.into_iter());
         for set in 0..self.sets.len() {
@@ -88,11 +110,12 @@ impl TissueModel {
             self.internal[set] = start..end;
             start = end;
         }
-        touched.extend(plan.changed().flat_map(|e| edit.mesh.tets[e as usize]));
+        let changed = plan.changed().flat_map(|e| edit.mesh.tets[e as usize]);
         let gone = plan.gone.iter().flat_map(|(_, tet)| *tet);
-        touched.extend(gone.filter_map(|node| plan.nodes.after(node)));
+        let gone = gone.filter_map(|node| plan.nodes.after(node));
+        changed.chain(gone).for_each(|node| touched.add(node));
+        let mut touched = touched.nodes;
         touched.sort_unstable();
-        touched.dedup();
         self.follow_masses(&touched, edit.mesh);
         let placed: Vec<&[u32]> = changes.iter().map(|change| &change.placed[..]).collect();
         self.follow_parts(&placed);
@@ -401,7 +424,7 @@ impl TissueModel {
         set: usize,
         exchange: &Exchange,
         plan: &Plan,
-        touched: &mut Vec<u32>,
+        touched: &mut Touched,
     ) -> SetChange {
         let Exchange {
             removed,
@@ -411,7 +434,8 @@ impl TissueModel {
         let (count, internal) = (self.sets[set].count(), self.internal[set].len());
         for &element in removed {
             let nodes = self.sets[set].nodes(element as usize).iter();
-            touched.extend(nodes.filter_map(|node| plan.nodes.after(*node)));
+            let nodes = nodes.filter_map(|node| plan.nodes.after(*node));
+            nodes.for_each(|node| touched.add(node));
         }
         let inherited = self.sets[set].inherited(&**added, ancestors);
         let mut index = self.take_index();
@@ -425,7 +449,8 @@ impl TissueModel {
         index.set_mut(set).after_splice(&*self.sets[set], &placed);
         self.put_index(index);
         for &element in &placed {
-            touched.extend_from_slice(self.sets[set].nodes(element as usize));
+            let nodes = self.sets[set].nodes(element as usize).iter();
+            nodes.for_each(|node| touched.add(*node));
         }
         SetChange {
             count,

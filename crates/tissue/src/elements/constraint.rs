@@ -232,6 +232,13 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         }
     }
 
+    /// k |g_i|².
+    fn rest_traces(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        let (_, g) = M::gradient(self.corners(element, rest_positions));
+        out.clear();
+        out.extend(g.iter().map(|g| self.stiffness[element] * g.norm_squared()));
+    }
+
     fn scale(&mut self, element: usize, factor: f64) {
         self.stiffness[element] *= factor;
         self.damping[element] *= factor;

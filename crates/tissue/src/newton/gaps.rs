@@ -240,7 +240,11 @@ impl Gaps {
             multiply_others(system, &self.contacts, &self.rows, direction, product);
             left.iter_mut().zip(&*product).for_each(|(l, p)| *l -= p);
         }
-        let scale = size(others, fixed);
+        // Where nothing else acts, as when overlaps are undone, the forces of the guess are the measure.
+        let scale = match size(others, fixed) {
+            0.0 => size(&self.others, fixed),
+            scale => scale,
+        };
         let most = self.settle(fixed, system, [tolerance, rough, slack], scale, direction)?;
         let mut first = most.is_none();
         let Self {

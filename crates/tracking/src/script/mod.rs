@@ -1,7 +1,7 @@
 //! A scripted trainee: per device a list of timed poses, and samples of the motion through them.
 //!
 //! A script moves devices, as a tracker reports them; with the identity mapping of the translator its device frame is
-//! the field frame. Tremor is not part of it.
+//! the field frame. Errors of a hand are not part of it (see [`crate::Trainee`]).
 //!
 //! Between two keyframes the position moves straight, by default with minimum jerk (Flash & Hogan 1985), the speed
 //! profile of a human reach: s(τ) = 10τ³ − 15τ⁴ + 6τ⁵, which rests at both ends, with neither speed nor acceleration.
@@ -129,6 +129,11 @@ impl Script {
         })
     }
 
+    /// The tracks.
+    pub fn tracks(&self) -> &[ScriptTrack] {
+        &self.tracks
+    }
+
     /// The devices, in the order of the tracks.
     pub fn devices(&self) -> impl Iterator<Item = &Arc<str>> {
         self.tracks.iter().map(|track| &track.device)
@@ -203,7 +208,7 @@ impl Script {
 }
 
 impl Keyframe {
-    fn end_s(&self) -> f64 {
+    pub(crate) fn end_s(&self) -> f64 {
         self.time_s + self.hold_s
     }
 }
@@ -242,12 +247,12 @@ fn check(keyframe: &mut Keyframe, before_s: Option<f64>) -> Result<(), ScriptPro
 
 /// Share of the way after a share `tau` of the time, for a reach with minimum jerk from rest to rest (Flash & Hogan
 /// 1985): 10τ³ − 15τ⁴ + 6τ⁵.
-fn minimum_jerk(tau: f64) -> f64 {
+pub(crate) fn minimum_jerk(tau: f64) -> f64 {
     tau * tau * tau * (10.0 + tau * (6.0 * tau - 15.0))
 }
 
 /// In this form what does not change stays the same to the last bit.
-fn mix(from: f64, to: f64, fraction: f64) -> f64 {
+pub(crate) fn mix(from: f64, to: f64, fraction: f64) -> f64 {
     from + fraction * (to - from)
 }
 

@@ -197,6 +197,42 @@ fn plastic_flow_of_a_set_moves_rest_values_once_per_element() {
     assert!((springs.energy(&at) - 0.5 * 8.0 * internal[2] * c * c - other).abs() < 1e-14);
 }
 
+/// At a corner that is at rest the matrix is k g gᵀ: norms and traces of its blocks are what is said without it.
+fn check_rest<M: Measure<N>, const N: usize>() {
+    let mut next = numbers();
+    let positions = cloud(6, &mut next);
+    let mut set = set::<M, N>(&mut next, 0.0);
+    for (nodes, rest) in set.nodes.iter().zip(&mut set.rest) {
+        *rest = M::value(nodes.map(|node| &positions[node as usize]));
+    }
+    let at = Configuration {
+        positions: &positions,
+        velocities: &positions,
+        internal: &[],
+    };
+    let (mut norms, mut traces, mut matrix) = (Vec::new(), Vec::new(), ElementMatrix::new());
+    for element in 0..set.count() {
+        set.rest_norms(element, &positions, &mut norms);
+        set.rest_traces(element, &positions, &mut traces);
+        set.stiffness(element, &at, Tangent::Exact, &mut matrix);
+        let largest = norms.iter().copied().fold(0.0, f64::max);
+        assert_eq!((norms.len(), traces.len()), (N * N, N));
+        for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+            assert!((norms[i * N + j] - matrix.block(i, j).norm()).abs() <= 1e-12 * largest);
+        }
+        for (i, trace) in traces.iter().enumerate() {
+            assert!((trace - matrix.block(i, i).trace()).abs() <= 1e-12 * largest);
+        }
+    }
+}
+
+#[test]
+fn norms_and_traces_at_rest_are_those_of_the_matrices() {
+    check_rest::<Length, 2>();
+    check_rest::<Area, 3>();
+    check_rest::<Volume, 4>();
+}
+
 #[test]
 fn factors_scale_stiffness_and_damping() {
     let mut next = numbers();

@@ -438,7 +438,7 @@ fn factors_scale_every_element() {
 #[test]
 fn norms_at_rest_are_those_of_the_matrices() {
     each(0.0, |model, _| {
-        let (mut norms, mut matrix) = (Vec::new(), ElementMatrix::new());
+        let (mut norms, mut traces, mut matrix) = (Vec::new(), Vec::new(), ElementMatrix::new());
         let at = Configuration {
             positions: model.rest_positions(),
             velocities: model.rest_positions(),
@@ -455,6 +455,15 @@ fn norms_at_rest_are_those_of_the_matrices() {
                     assert!(
                         (norm - expected).abs() <= 1e-12 * largest,
                         "{norm} {expected}"
+                    );
+                }
+                set.rest_traces(element, model.rest_positions(), &mut traces);
+                assert_eq!(traces.len(), count);
+                for (node, trace) in traces.iter().enumerate() {
+                    let expected = matrix.block(node, node).trace();
+                    assert!(
+                        (trace - expected).abs() <= 1e-12 * largest,
+                        "{trace} {expected}"
                     );
                 }
             }

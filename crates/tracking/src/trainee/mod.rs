@@ -1,0 +1,331 @@
+//! Synthetic trainees: the plan of a script, followed the way a hand does.
+//!
+//! The plan says where each tool should be when. A trainee is slower than it, pauses where all tools rest, misses where it
+//! aims, goes astray and beyond its end, closes jaws further than need be, and trembles. All of it is added to the plan:
+//! a trainee with no error of any kind makes exactly the motion of the plan. Times of the tools stay together.
+//!
+//! These motions test software. That two groups of them differ follows from their parameters and shows nothing about people.
+//!
+//! - Between two keyframes a distance L apart the tip is beside the plan by `detour`·L and ahead of it by `overshoot`·L, most at
+//!   90 % of the time, where 0.9 % of L is left of a movement with minimum jerk. Sizes are half-normal with this mean.
+//! - It ends beside its end by a normal error, which stays until the next movement.
+//! - Tremor is a sum of sines between 8 and 12 Hz (Riviere 1997: RMS; DOMAIN 1), in real time, along all axes alike.
+
+mod random;
+mod tremor;
+
+use crate::script::{Keyframe, Script, ScriptError, ScriptTrack, minimum_jerk, mix};
+use random::Stream;
+use tremor::Tremor;
+
+/// Movements from this length on end with the whole aiming error \[m\].
+const AIMED: f64 = 1e-3;
+/// When within a movement it is farthest ahead of the plan, and from when on it is, as shares of its time.
+const AHEAD_AT: f64 = 0.9;
+const AHEAD_FROM: f64 = 0.4;
+/// Share of the time of an opening or closing within which the tremor grows to that of actuating, and falls from it.
+const GROWS: f64 = 0.1;
+/// Of the random streams of a trainee: own parameters, pauses; from the last on two per tool.
+const PARAMETERS: u64 = 0;
+const PAUSES: u64 = 1;
+const TOOLS: u64 = 2;
+
+/// How a kind of trainees moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    /// RMS of the tremor between 8 and 12 Hz, all axes together, while the opening stands \[m\].
+    pub tremor_still: f64,
+    /// The same while the jaws are opened or closed \[m\].
+    pub tremor_actuating: f64,
+    /// Time for everything, as a share of that of the plan; above 0.
+    pub pace: f64,
+    /// Chance of a pause where all tools rest.
+    pub hesitation_chance: f64,
+    /// Mean length of such a pause \[s\].
+    pub hesitation: f64,
+    /// Standard deviation along each axis of where a movement of at least 1 mm ends \[m\]; in proportion less for a shorter one.
+    pub aiming_error: f64,
+    /// How far a movement goes beyond its end first, as a share of its length.
+    pub overshoot: f64,
+    /// How far a movement goes astray to the side, as a share of its length.
+    pub detour: f64,
+    /// How much further than planned jaws are closed, as a share of the closing.
+    pub grip_excess: f64,
+    /// Standard deviation of the logarithm of the factor by which one trainee differs from this, for each of the above.
+    pub spread: f64,
+}
+
+/// One trainee.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trainee {
+    own: Profile,
+    seed: u64,
+}
+
+impl Trainee {
+    /// The trainee of this number; the same one for the same number.
+    pub fn new(profile: &Profile, seed: u64) -> Self {
+        let mut stream = Stream::new(seed, PARAMETERS);
+        let mut own = |value: f64| value * libm::exp(profile.spread * stream.normal());
+        Self {
+            own: Profile {
+                tremor_still: own(profile.tremor_still),
+                tremor_actuating: own(profile.tremor_actuating),
+                pace: own(profile.pace),
+                hesitation_chance: own(profile.hesitation_chance).min(1.0),
+                hesitation: own(profile.hesitation),
+                aiming_error: own(profile.aiming_error),
+                overshoot: own(profile.overshoot),
+                detour: own(profile.detour),
+                grip_excess: own(profile.grip_excess),
+                spread: profile.spread,
+            },
+            seed,
+        }
+    }
+
+    /// The motion of this trainee along a plan: a keyframe for each sample at `rate_hz` \[1/s\], to be joined linearly.
+    ///
+    /// # Errors
+    /// [`ScriptError`] where the plan's numbers are so large that the motion is not finite.
+    ///
+    /// # Panics
+    /// If the rate is not a finite positive number.
+    pub fn follow(&self, plan: &Script, rate_hz: f64) -> Result<Script, ScriptError> {
+        assert!(
+            rate_hz.is_finite() && rate_hz > 0.0,
+            "a motion cannot be sampled at {rate_hz} Hz"
+        );
+        let course = Course::new(&self.own, self.seed, plan);
+        let count = (course.real_time(plan.duration()) * rate_hz).ceil() as u64;
+        let tracks = plan.tracks().iter().enumerate().map(|(index, track)| {
+            let hand = Hand::new(&self.own, self.seed, index as u64, track);
+            let samples = (0..=count).map(|k| k as f64 / rate_hz);
+            let keyframes =
+                samples.filter_map(|t| hand.keyframe(plan, track, course.plan_time(t), t));
+            ScriptTrack {
+                device: track.device.clone(),
+                keyframes: keyframes.collect(),
+            }
+        });
+        Script::new(tracks.collect(), crate::Interpolation::Linear)
+    }
+}
+
+/// How the time of the plan passes.
+struct Course {
+    pace: f64,
+    /// Where in the plan there is a pause, and how long \[s\], ascending.
+    pauses: Vec<[f64; 2]>,
+}
+
+impl Course {
+    fn new(own: &Profile, seed: u64, plan: &Script) -> Self {
+        let mut stream = Stream::new(seed, PAUSES);
+        let mut pauses = Vec::new();
+        for time in rests(plan) {
+            let (drawn, length) = (stream.unit(), stream.exponential());
+            if drawn < own.hesitation_chance {
+                pauses.push([time, length * own.hesitation]);
+            }
+        }
+        Self {
+            pace: own.pace,
+            pauses,
+        }
+    }
+
+    /// When the plan's time `u` is over \[s\].
+    fn real_time(&self, u: f64) -> f64 {
+        let before = self.pauses.iter().filter(|[at, _]| *at <= u);
+        before.fold(self.pace * u, |t, [_, length]| t + length)
+    }
+
+    /// The plan's time at time `t` \[s\].
+    fn plan_time(&self, t: f64) -> f64 {
+        let mut paused = 0.0;
+        for [at, length] in &self.pauses {
+            let begins = self.pace * at + paused;
+            if t <= begins {
+                break;
+            }
+            if t < begins + length {
+                return *at;
+            }
+            paused += length;
+        }
+        (t - paused) / self.pace
+    }
+}
+
+/// The times of keyframes at which no tool moves, ascending.
+fn rests(plan: &Script) -> Vec<f64> {
+    let frames = plan.tracks().iter().flat_map(|track| &track.keyframes);
+    let mut times: Vec<f64> = frames.map(Keyframe::end_s).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let still = |track: &ScriptTrack, time: f64| {
+        let frames = &track.keyframes;
+        let next = frames.partition_point(|frame| frame.end_s() <= time);
+        let (Some(from), Some(to)) = (
+            next.checked_sub(1).and_then(|at| frames.get(at)),
+            frames.get(next),
+        ) else {
+            return true;
+        };
+        let stays = from.position == to.position
+            && from.orientation == to.orientation
+            && from.opening == to.opening;
+        // A keyframe is a rest of its own.
+        from.end_s() == time || stays || time >= to.time_s
+    };
+    times.retain(|time| plan.tracks().iter().all(|track| still(track, *time)));
+    times
+}
+
+/// The errors of a movement from one keyframe to the next.
+struct Movement {
+    /// Beside the plan at its begin and its end \[m\].
+    aside: [[f64; 3]; 2],
+    /// How far it gets ahead of the plan, and beside it \[m\].
+    ahead: [f64; 3],
+    astray: [f64; 3],
+    /// What the opening is less than planned, at its begin and its end.
+    squeeze: [f64; 2],
+    /// Whether jaws are opened or closed.
+    actuates: bool,
+}
+
+/// What one hand adds to its part of the plan.
+struct Hand {
+    movements: Vec<Movement>,
+    tremor: Tremor,
+    still: f64,
+    actuating: f64,
+}
+
+impl Hand {
+    fn new(own: &Profile, seed: u64, index: u64, track: &ScriptTrack) -> Self {
+        let mut stream = Stream::new(seed, TOOLS + 2 * index);
+        let (mut aside, mut squeeze) = ([0.0; 3], 0.0);
+        let mut movements = Vec::new();
+        for pair in track.keyframes.windows(2) {
+            let way = [0, 1, 2].map(|k| pair[1].position[k] - pair[0].position[k]);
+            let length = norm(way);
+            // Drawn for each movement alike, so that one parameter does not shift the numbers of another.
+            let miss = [stream.normal(), stream.normal(), stream.normal()];
+            let [ahead, astray, firmly] = [
+                stream.half_normal(),
+                stream.half_normal(),
+                stream.half_normal(),
+            ];
+            let side = across(way, [stream.normal(), stream.normal(), stream.normal()]);
+            let share = (length / AIMED).min(1.0);
+            let ends = [0, 1, 2].map(|k| mix(aside[k], own.aiming_error * miss[k], share));
+            let closing = pair[0].opening - pair[1].opening;
+            let squeezes = match closing {
+                closing if closing > 0.0 => squeeze + own.grip_excess * closing * firmly,
+                0.0 => squeeze,
+                _ => 0.0,
+            };
+            movements.push(Movement {
+                aside: [aside, ends],
+                ahead: way.map(|c| own.overshoot * ahead * c),
+                astray: side.map(|c| own.detour * astray * length * c),
+                squeeze: [squeeze, squeezes],
+                actuates: closing != 0.0,
+            });
+            (aside, squeeze) = (ends, squeezes);
+        }
+        Self {
+            movements,
+            tremor: Tremor::new(&mut Stream::new(seed, TOOLS + 2 * index + 1)),
+            still: own.tremor_still,
+            actuating: own.tremor_actuating,
+        }
+    }
+
+    /// Where the hand is at time `t` \[s\], when it is at time `u` of its plan; `None` before the first keyframe.
+    fn keyframe(&self, plan: &Script, track: &ScriptTrack, u: f64, t: f64) -> Option<Keyframe> {
+        let frames = &track.keyframes;
+        let from = frames
+            .partition_point(|frame| frame.time_s <= u)
+            .checked_sub(1)?;
+        let planned = plan.sample(&track.device, u)?;
+        let (shift, squeeze, amplitude) = match (self.movements.get(from), frames.get(from + 1)) {
+            (Some(movement), Some(to)) => {
+                let begin = frames[from].end_s();
+                let share = ((u - begin) / (to.time_s - begin)).max(0.0);
+                movement.at(share, self.still, self.actuating)
+            }
+            _ => match self.movements.last() {
+                Some(movement) => movement.at(1.0, self.still, self.actuating),
+                None => ([0.0; 3], 0.0, self.still),
+            },
+        };
+        let tremor = self.tremor.at(t, amplitude);
+        Some(Keyframe {
+            time_s: t,
+            hold_s: 0.0,
+            position: [0, 1, 2].map(|k| planned.position[k] + shift[k] + tremor[k]),
+            orientation: planned.orientation,
+            opening: (planned.opening? - squeeze).max(0.0),
+            visible: planned.visible,
+        })
+    }
+}
+
+impl Movement {
+    /// At a share of its time: shift \[m\], what the opening is less, RMS of the tremor \[m\].
+    fn at(&self, share: f64, still: f64, actuating: f64) -> ([f64; 3], f64, f64) {
+        let done = minimum_jerk(share);
+        let bulge = {
+            let half = 4.0 * done * (1.0 - done);
+            half * half
+        };
+        let ahead = if share < AHEAD_AT {
+            minimum_jerk(((share - AHEAD_FROM) / (AHEAD_AT - AHEAD_FROM)).max(0.0))
+        } else {
+            1.0 - minimum_jerk((share - AHEAD_AT) / (1.0 - AHEAD_AT))
+        };
+        let shift = [0, 1, 2].map(|k| {
+            mix(self.aside[0][k], self.aside[1][k], done)
+                + self.ahead[k] * ahead
+                + self.astray[k] * bulge
+        });
+        let effort = match self.actuates {
+            true => minimum_jerk((share.min(1.0 - share) / GROWS).clamp(0.0, 1.0)),
+            false => 0.0,
+        };
+        let squeeze = mix(self.squeeze[0], self.squeeze[1], share);
+        (shift, squeeze, mix(still, actuating, effort))
+    }
+}
+
+/// The unit vector across `way` that is nearest to `to`, upwards; 0 where there is none.
+fn across(way: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    let square = dot(way, way);
+    if square == 0.0 {
+        return [0.0; 3];
+    }
+    let along = dot(way, to) / square;
+    let side = [0, 1, 2].map(|k| to[k] - along * way[k]);
+    let length = norm(side);
+    if length == 0.0 {
+        return [0.0; 3];
+    }
+    // What lies below is what one does not want to touch.
+    let sign = if side[2] < 0.0 { -1.0 } else { 1.0 };
+    side.map(|c| sign * c / length)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,243 @@
+//! What a trainee adds to a plan, each error alone and against its closed form.
+
+use super::*;
+use crate::Interpolation;
+use microsim_training::tremor_rms;
+
+const RATE: f64 = 62.5;
+
+/// A plan, followed without any error.
+const PERFECT: Profile = Profile {
+    tremor_still: 0.0,
+    tremor_actuating: 0.0,
+    pace: 1.0,
+    hesitation_chance: 0.0,
+    hesitation: 0.0,
+    aiming_error: 0.0,
+    overshoot: 0.0,
+    detour: 0.0,
+    grip_excess: 0.0,
+    spread: 0.0,
+};
+
+fn frame(time_s: f64, x: f64, opening: f64) -> Keyframe {
+    Keyframe {
+        time_s,
+        hold_s: 0.0,
+        position: [x, 0.001, -0.002],
+        orientation: [0.0, 0.0, 0.6, 0.8],
+        opening,
+        visible: true,
+    }
+}
+
+fn plan_of(keyframes: Vec<Keyframe>) -> Script {
+    let track = ScriptTrack {
+        device: "right".into(),
+        keyframes,
+    };
+    Script::new(vec![track], Interpolation::MinimumJerk).expect("a good plan")
+}
+
+/// One second each: reach 10 mm, close, stand, open.
+fn plan() -> Script {
+    plan_of(vec![
+        frame(0.0, 0.0, 0.75),
+        frame(1.0, 0.01, 0.75),
+        frame(2.0, 0.01, 0.25),
+        frame(3.0, 0.01, 0.25),
+        frame(4.0, 0.01, 1.0),
+    ])
+}
+
+fn follow(profile: Profile, seed: u64, plan: &Script) -> Vec<Keyframe> {
+    let motion = Trainee::new(&profile, seed).follow(plan, RATE);
+    motion.expect("finite").tracks()[0].keyframes.clone()
+}
+
+#[test]
+fn without_errors_a_trainee_makes_the_motion_of_the_plan() {
+    let plan = plan();
+    for keyframe in follow(PERFECT, 7, &plan) {
+        let planned = plan.sample("right", keyframe.time_s).expect("a device");
+        assert_eq!(keyframe.position, planned.position);
+        assert_eq!(keyframe.orientation, planned.orientation);
+        assert_eq!(Some(keyframe.opening), planned.opening);
+    }
+}
+
+#[test]
+fn the_same_number_is_the_same_trainee() {
+    let profile = Profile {
+        tremor_still: 5e-5,
+        aiming_error: 1e-4,
+        hesitation_chance: 0.5,
+        hesitation: 1.0,
+        spread: 0.2,
+        ..PERFECT
+    };
+    assert_eq!(follow(profile, 3, &plan()), follow(profile, 3, &plan()));
+    assert_ne!(follow(profile, 3, &plan()), follow(profile, 4, &plan()));
+}
+
+/// RMS in the band as the metric of the training measures it, standing for a minute. Frequencies are at least 0.07 Hz apart and
+/// 0.3 Hz from the ends of the band, the window's lobe is 2/60 s = 0.03 Hz wide: what sines disturb each other is below 1 %.
+#[test]
+fn tremor_has_the_size_asked_for() {
+    let standing = plan_of(vec![frame(0.0, 0.0, 0.5), frame(60.0, 0.0, 0.5)]);
+    let closing = plan_of(vec![frame(0.0, 0.0, 1.0), frame(60.0, 0.0, 0.0)]);
+    let profile = Profile {
+        tremor_still: 49e-6,
+        tremor_actuating: 133e-6,
+        ..PERFECT
+    };
+    for (plan, asked, seed) in [
+        (&standing, 49e-6, 1),
+        (&standing, 49e-6, 2),
+        (&closing, 133e-6, 1),
+    ] {
+        let motion = follow(profile, seed, plan);
+        // Of the closing the middle, where the tremor has grown.
+        let middle = motion.iter().filter(|k| (6.0..54.0).contains(&k.time_s));
+        let positions: Vec<[f64; 3]> = middle.map(|k| k.position).collect();
+        let found = tremor_rms(&positions, RATE).expect("long enough");
+        assert!((found / asked - 1.0).abs() < 0.01, "{found} {asked}");
+    }
+}
+
+/// Twice the time for everything, and a pause at each of the five rests but none elsewhere: 8 s and the pauses.
+#[test]
+fn time_passes_slower_and_stops_where_tools_rest() {
+    let plan = plan();
+    assert_eq!(rests(&plan), [0.0, 1.0, 2.0, 3.0, 4.0]);
+    let profile = Profile {
+        pace: 2.0,
+        hesitation_chance: 1.0,
+        hesitation: 0.5,
+        ..PERFECT
+    };
+    let course = Course::new(&profile, 1, &plan);
+    assert_eq!(course.pauses.len(), 5);
+    let pauses: f64 = course.pauses.iter().map(|[_, length]| length).sum();
+    let end = course.real_time(4.0);
+    // A few roundings of numbers of 10 s.
+    assert!((end - 8.0 - pauses).abs() < 1e-12, "{end} {pauses}");
+    for u in [0.5, 1.5, 3.9] {
+        assert!((course.plan_time(course.real_time(u)) - u).abs() < 1e-12);
+    }
+    // In the middle of the second pause.
+    let [at, length] = course.pauses[1];
+    assert_eq!(course.plan_time(course.real_time(at) - 0.5 * length), at);
+    // A second tool that is under way at 1.5 s keeps that from being a rest.
+    let moving = ScriptTrack {
+        device: "left".into(),
+        keyframes: vec![
+            frame(0.0, 0.0, 0.0),
+            frame(1.5, 0.01, 0.0),
+            frame(2.5, 0.02, 0.0),
+        ],
+    };
+    let both = vec![plan.tracks()[0].clone(), moving];
+    let both = Script::new(both, Interpolation::MinimumJerk).expect("a good plan");
+    // At 2.5 s it ends while the first one stands.
+    assert_eq!(rests(&both), [0.0, 2.5, 3.0, 4.0]);
+}
+
+/// The end of a reach over many trainees: mean 0 and the standard deviation asked for, within four standard errors
+/// (σ/√n of the mean, σ/√(2n) of the deviation); the tip stays there while it stands.
+#[test]
+fn reaches_end_beside_their_ends() {
+    let asked = 1e-4;
+    let profile = Profile {
+        aiming_error: asked,
+        ..PERFECT
+    };
+    let (plan, n) = (plan(), 400);
+    let mut errors = Vec::new();
+    for seed in 0..n {
+        let motion = follow(profile, seed, &plan);
+        let at = |time: f64| motion[(time * RATE).ceil() as usize].position;
+        let (reached, stayed) = (at(1.0), at(3.0));
+        assert_eq!(reached, stayed);
+        errors.extend([reached[0] - 0.01, reached[1] - 0.001, reached[2] + 0.002]);
+    }
+    let count = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / count;
+    let deviation = (errors.iter().map(|e| e * e).sum::<f64>() / count).sqrt();
+    assert!(mean.abs() < 4.0 * asked / count.sqrt(), "{mean}");
+    assert!(
+        (deviation / asked - 1.0).abs() < 4.0 / (2.0 * count).sqrt(),
+        "{deviation}"
+    );
+}
+
+/// Over many trainees a reach of 10 mm goes on average 10 % beyond its end, less what is left of the way at 90 % of its time (0.9 %), and
+/// 20 % aside and not downwards; half-normal with mean m has the deviation m·√(π/2 − 1), and four standard errors are allowed.
+#[test]
+fn reaches_go_too_far_and_astray() {
+    let far = Profile {
+        overshoot: 0.1,
+        ..PERFECT
+    };
+    let astray = Profile {
+        detour: 0.2,
+        ..PERFECT
+    };
+    let (plan, n) = (plan(), 400);
+    let (mut beyond, mut aside) = (0.0, 0.0);
+    for seed in 0..n {
+        let at = |k: &Keyframe| {
+            [
+                k.position[0] - 0.01,
+                k.position[1] - 0.001,
+                k.position[2] + 0.002,
+            ]
+        };
+        beyond += follow(far, seed, &plan)
+            .iter()
+            .map(|k| at(k)[0])
+            .fold(0.0, f64::max);
+        let side = |k: &Keyframe| {
+            let [_, y, z] = at(k);
+            assert!(z > -1e-15, "downwards");
+            (y * y + z * z).sqrt()
+        };
+        aside += follow(astray, seed, &plan)
+            .iter()
+            .map(side)
+            .fold(0.0, f64::max);
+    }
+    let n = n as f64;
+    let error = |mean: f64| 4.0 * mean * (std::f64::consts::FRAC_PI_2 - 1.0).sqrt() / n.sqrt();
+    // Small overshoots do not reach beyond the end at all, which lifts the mean; sampling misses the peak by at most 8 ms.
+    let beyond = beyond / n;
+    assert!(
+        (beyond - 1e-3 + 0.9e-4).abs() < error(1e-3) + 0.5e-4,
+        "{beyond}"
+    );
+    let aside = aside / n;
+    assert!((aside - 2e-3).abs() < error(2e-3) + 0.5e-4, "{aside}");
+}
+
+/// Closing from 0.75 to 0.25 goes on average 10 % of 0.5 further, stays so while the jaws hold, and is gone when they open.
+#[test]
+fn jaws_close_too_far() {
+    let profile = Profile {
+        grip_excess: 0.1,
+        ..PERFECT
+    };
+    let (plan, n) = (plan(), 400);
+    let mut sum = 0.0;
+    for seed in 0..n {
+        let motion = follow(profile, seed, &plan);
+        let at = |time: f64| motion[(time * RATE).round() as usize].opening;
+        // 62.5 samples a second have one at even numbers of seconds, and one just before 1 and 3 s.
+        assert_eq!(at(2.0), at(2.992));
+        assert_eq!((at(0.992), at(4.0)), (0.75, 1.0));
+        sum += 0.25 - at(2.0);
+    }
+    let mean = sum / n as f64;
+    let error = 4.0 * 0.05 * (std::f64::consts::FRAC_PI_2 - 1.0).sqrt() / (n as f64).sqrt();
+    // The opening ends at 0, which cuts the rarest of them off: 0.25 is five means.
+    assert!((mean - 0.05).abs() < error, "{mean}");
+}
