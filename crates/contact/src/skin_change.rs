@@ -1,4 +1,7 @@
-//! A skin that follows cuts, in a time that goes with what they touch, but for copies of what the surface holds.
+//! A skin that follows cuts.
+//!
+//! What is found anew, edges and neighbours, goes with what a cut touches. One pass over all triangles and edges of the surface renumbers the others
+//! and makes the triangles at each node; where it must be known what lies inside, all elements are copied.
 
 use crate::lists::Lists;
 use crate::skin::{NONE, Skin, SkinEdge};

@@ -220,3 +220,6 @@ fn usable(bounds: &Aabb) -> Aabb {
 fn centre(bounds: &Aabb) -> nalgebra::Vector3<f64> {
     bounds.min * 0.5 + bounds.max * 0.5
 }
+
+#[cfg(test)]
+mod tests;
