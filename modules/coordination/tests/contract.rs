@@ -174,6 +174,7 @@ fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
         force: [0.0, 0.0, scene.force],
         over_limit: if scene.force > 0.02 { 0.008 } else { 0.0 },
         jaws,
+        stick: 1.0,
         ..ContactForce::default()
     };
     let grip = contact("left", vec![jaw(Jaw::Left), jaw(Jaw::Right)]);

@@ -137,6 +137,7 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
         tool: tool.into(),
         body: "strip".into(),
         jaws,
+        stick: 1.0,
         ..ContactForce::default()
     };
     let jaw = |jaw| JawForce {
