@@ -126,8 +126,6 @@ fn measure(module: &str, level: u32) -> (Vec<String>, Vec<Picture>) {
         for _ in 0..ticks {
             ended |= has_result(&tick(&mut engine).log);
         }
-            eprintln!("{:.3} {:.1}", 0.016 * pictures.len() as f64, now() - begin);
-        }
         pictures.push(Picture {
             cpu: now() - begin,
             wall: 1e3 * start.elapsed().as_secs_f64(),

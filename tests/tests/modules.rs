@@ -50,7 +50,7 @@ fn levels() -> Vec<Level> {
 impl Level {
     /// Its scripts: the reason for which each fails, `None` for one that passes.
     fn scripts(&self) -> Vec<(Option<String>, PathBuf)> {
-        let folder = tree().join("modules").join(&self.module).join("scripts");
+        let folder = folder_of(self);
         let listing = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let mut scripts: Vec<_> = listing
             .filter_map(|entry| {
@@ -59,7 +59,7 @@ impl Level {
                 let kind = name.strip_prefix(&format!("level{}-", self.number))?;
                 match kind.strip_prefix("fail-") {
                     Some(reason) => Some((Some(reason.to_owned()), path)),
-                    None => (kind == "pass").then_some((None, path)),
+                    None => (kind == "pass" || kind.starts_with("pass-")).then_some((None, path)),
                 }
             })
             .collect();
@@ -92,6 +92,13 @@ fn every_level_has_a_script_that_passes_and_one_that_fails() {
             "{what}: none fails"
         );
     }
+}
+
+/// Levels of coordination that are passed only by holding tissue.
+const HOLDS: [u64; 5] = [1, 3, 4, 5, 6];
+
+fn folder_of(level: &Level) -> PathBuf {
+    tree().join("modules").join(&level.module).join("scripts")
 }
 
 fn script_does_what_it_is_for(level: &Level, reason: Option<&str>, script: &Path, folder: &Path) {
@@ -194,6 +201,38 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held_nor_cut() {
         [4, 2, 1],
         "levels, those in which something is held, and those in which something is cut"
     );
+}
+
+/// What passes coordination passes because the tissue answers: every script that passes fails without physics; one that has to hold
+/// tissue fails without friction, and one that has to cut without lines of no return.
+#[test]
+fn coordination_is_not_passed_without_what_its_levels_use() {
+    let folder = scratch();
+    let mut tried = BTreeSet::new();
+    for level in levels()
+        .iter()
+        .filter(|level| level.module == "coordination")
+    {
+        let passing = folder_of(level).join(format!("level{}-pass.toml", level.number));
+        let mut fails = |what: &'static str| {
+            let said = level.run(folder.path(), what, &passing, &["--without", what]);
+            assert_eq!(
+                said["verdict"], "failed",
+                "level {} without {what}: {said}",
+                level.number
+            );
+            assert_eq!(said["counts"], false, "{said}");
+            tried.insert((level.number, what));
+        };
+        fails("physics");
+        if HOLDS.contains(&level.number) {
+            fails("friction");
+        }
+        if level.number > 1 {
+            fails("lonor");
+        }
+    }
+    assert_eq!(tried.len(), 6 + HOLDS.len() + 5, "{tried:?}");
 }
 
 /// Samples, segments, gaps and path of the file, counted by hand from its rows when the project was set up (the issue
@@ -353,6 +392,73 @@ fn explain_says_exactly_what_is_loaded_and_why() {
         !repository().join("nowhere").exists(),
         "--explain runs nothing"
     );
+}
+
+/// The parts of each level of coordination, by kind and name; one that cuts nothing loads no cutting.
+#[test]
+fn explain_lists_the_parts_of_every_level_of_coordination() {
+    let common = [
+        "body tissue",
+        "contact ground on tissue",
+        "method implicit-euler",
+        "object clamp-left",
+        "object clamp-right",
+        "object mark-1",
+        "rigid ground",
+    ];
+    let forceps = |tool: &str| [format!("tool {tool}"), format!("contact {tool} on tissue")];
+    let scissors = |tool: &str| {
+        [
+            format!("tool {tool}"),
+            format!("contact {tool} on tissue"),
+            format!("cut {tool} through tissue"),
+        ]
+    };
+    let two = || ["object mark-2".to_owned()];
+    let tray = || ["rigid tray", "contact tray on tissue"].map(String::from);
+    for level in 1..=6 {
+        let mut expected: BTreeSet<String> = common.map(String::from).into();
+        let (holding, cutting) = if level == 6 {
+            ("right", "left")
+        } else {
+            ("left", "right")
+        };
+        expected.extend(forceps(holding));
+        match level {
+            1 => expected.extend(["object ring".to_owned()]),
+            _ => expected.extend(scissors(cutting)),
+        }
+        match level {
+            1 => {}
+            // It may be pinched off.
+            2 => expected.extend(["cut left through tissue".to_owned()]),
+            _ => expected.extend(two()),
+        }
+        if level >= 4 {
+            expected.extend(tray());
+        }
+        let script = format!("script:level{level}-pass.toml");
+        let number = level.to_string();
+        let (plugins, plan) = explained("coordination", &["--level", &number, "--input", &script]);
+        let order = [
+            "source-script",
+            "translator",
+            "physics",
+            "coordination",
+            "objects",
+            "recorder",
+        ];
+        assert_eq!(plugins, order, "level {level}");
+        let parts = plan["parts"].as_array().expect("parts").iter().map(|part| {
+            assert!(
+                part["why"].as_str().is_some_and(|why| !why.is_empty()),
+                "{part}"
+            );
+            let text = |key: &str| part[key].as_str().expect("a text").to_owned();
+            format!("{} {}", text("what"), text("name"))
+        });
+        assert_eq!(parts.collect::<BTreeSet<_>>(), expected, "level {level}");
+    }
 }
 
 /// What scripts around the program rely on.

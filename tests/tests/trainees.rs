@@ -12,20 +12,20 @@ fn trainees_run_are_labelled_and_replay() {
     let mut scripts = Vec::new();
     for profile in ["expert", "novice"] {
         for seed in [1, 2] {
-            let script = trainees::make("push-strip", 4, profile, seed, folder.path());
+            let script = trainees::make("push-strip", 3, profile, seed, folder.path());
             let bytes = std::fs::read(&script).expect("a script");
-            let same = trainees::make("push-strip", 4, profile, seed, again.path());
+            let same = trainees::make("push-strip", 3, profile, seed, again.path());
             assert_eq!(bytes, std::fs::read(same).expect("a script"));
             assert!(!scripts.contains(&bytes));
             scripts.push(bytes);
 
-            let (session, report) = trainees::run("push-strip", 4, &script);
+            let (session, report) = trainees::run("push-strip", 3, &script);
             assert!(
                 report["verdict"] == "passed" || report["verdict"] == "failed",
                 "{}",
                 report["verdict"]
             );
-            let label = format!("profile {profile}, seed {seed}, from level4-pass.toml");
+            let label = format!("profile {profile}, seed {seed}, from level3-pass.toml");
             assert_eq!(report["session"]["synthetic"], *label);
             let page = std::fs::read_to_string(script.with_extension("html")).expect("a page");
             assert!(page.contains("Synthetic trainee.") && page.contains(&label));
@@ -42,7 +42,7 @@ fn trainees_run_are_labelled_and_replay() {
                     "run",
                     "push-strip",
                     "--level",
-                    "4",
+                    "3",
                     "--input",
                     &input,
                     "--session",

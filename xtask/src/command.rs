@@ -211,7 +211,7 @@ mod tests {
             ),
             (
                 "bench",
-                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts", "bench_contact", "cut_tick", "bench_peers"] []"#,
+                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts", "bench_contact", "cut_tick", "bench_coordination", "bench_peers"] []"#,
             ),
             ("bench kernels", r#"["bench_kernels"] []"#),
             ("bench peers -- --all", r#"["bench_peers"] ["--all"]"#),
@@ -246,7 +246,7 @@ mod tests {
             ("new module demo more", "`new` does not take \"more\""),
             (
                 "bench hosts",
-                "there is no \"hosts\"; there are: host, kernels, solvers, counts, contact, cutting, peers",
+                "there is no \"hosts\"; there are: host, kernels, solvers, counts, contact, cutting, coordination, peers",
             ),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {

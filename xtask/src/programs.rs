@@ -60,6 +60,12 @@ pub const BENCHES: &[Program] = &[
         shows: "cutting: a tick that divides about 60 elements, over the size of the body",
     },
     Program {
+        name: "coordination",
+        package: TESTS,
+        example: "bench_coordination",
+        shows: "CPU time per picture of 16 ms of the script that passes each level, shares of the plugins",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",
@@ -85,7 +91,7 @@ pub const SOAKS: &[Program] = &[
         name: "followers",
         package: "microsim-scene",
         example: "soak_followers",
-        shows: "1,000 random cuts with model, solver and contact that follow, against ones made anew",
+        shows: "1,000 random cuts; model, solver and contact that follow against new ones",
     },
     Program {
         name: "stability",

@@ -31,8 +31,8 @@ pub fn trainee(place: &Place, args: &TraineeArgs) -> Result<Exit, Problem> {
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let made = format!("profile {}, seed {}, from {name}", profile.name, args.seed);
-    let motion = Trainee::new(&numbers(profile), args.seed)
-        .follow(&Script::from_settings(&plan)?, plan.rate)?;
+    let planned = plan.motion()?;
+    let motion = Trainee::new(&numbers(profile), args.seed).follow(&planned, plan.rate)?;
     let written = std::fs::File::create_new(&args.out);
     let written = written.and_then(|mut file| {
         std::io::Write::write_all(&mut file, text(&motion, plan.rate, &made).as_bytes())
@@ -42,7 +42,7 @@ pub fn trainee(place: &Place, args: &TraineeArgs) -> Result<Exit, Problem> {
         "{}: {made}; {:.1} s instead of {:.1} s",
         args.out.display(),
         motion.duration(),
-        Script::from_settings(&plan)?.duration()
+        planned.duration()
     ))?;
     Ok(Exit::Done)
 }
@@ -97,7 +97,7 @@ mod tests {
              { t = 0, position = [0, 0, 0.001], direction = [0.1, -0.7, 1], opening = 1 },\n\
              { t = 1, position = [0.01, 1e-7, 0], direction = [0, 0, 1] },\n]\n";
         let plan = read_script(plan, "f.toml").expect("a plan").settings;
-        let plan = Script::from_settings(&plan).expect("a motion");
+        let plan = plan.motion().expect("a motion");
         let profile = Profile {
             tremor_still: 5e-5,
             tremor_actuating: 1e-4,
@@ -116,7 +116,7 @@ mod tests {
         let written = text(&motion, 62.5, "a \"label\"");
         let read = read_script(&written, "f.toml").expect("a script").settings;
         assert_eq!(read.synthetic.as_deref(), Some("a \"label\""));
-        let back = Script::from_settings(&read).expect("a motion");
+        let back = read.motion().expect("a motion");
         for (made, read) in motion.tracks()[0]
             .keyframes
             .iter()

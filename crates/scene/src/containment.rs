@@ -20,6 +20,10 @@ const INVERTED: f64 = -1.0;
 /// No node of a body that holds together gets further from the others than this many sizes of the body.
 const ESCAPE: f64 = 10.0;
 
+/// A point of contact presses no harder than this multiple of E times the square of an edge: two jaws that close on tissue until it is
+/// flat take some tens of it, an iteration that was cut short between two jaws may leave a number without any meaning.
+const OVERPRESSED: f64 = 1e3;
+
 /// How a body diverged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Divergence {
@@ -31,6 +35,8 @@ pub enum Divergence {
     Inversion,
     /// A node is further away than anything that holds together could be.
     Escape,
+    /// A point of contact presses harder than anything of its stiffness could be pressed.
+    Overpressed,
     /// The solver could not make a step.
     Step(StepFailure),
 }
@@ -56,6 +62,7 @@ impl std::fmt::Display for Divergence {
             Divergence::NotFinite => f.write_str("has numbers that are not finite"),
             Divergence::EnergyGrowth => f.write_str("gains energy without cause"),
             Divergence::Escape => f.write_str("has a node that flew away"),
+            Divergence::Overpressed => f.write_str("is pressed harder than its material allows"),
             Divergence::Inversion => f.write_str("has an element inverted beyond recovery"),
             Divergence::Step(failure) => write!(f, "cannot be advanced: {failure}"),
         }
@@ -86,6 +93,8 @@ pub(crate) struct Watch {
     overlap_undone: bool,
     /// Whether clamps or grips move in the tick: they bring energy that is not followed either.
     driven: bool,
+    /// Whether a point of contact pressed harder than the material allows.
+    overpressed: bool,
 }
 
 impl Watch {
@@ -96,12 +105,14 @@ impl Watch {
             work: 0.0,
             overlap_undone: false,
             driven: body.drive.moves(time, time + tick_s),
+            overpressed: false,
         }
     }
 
     /// Adds what contact did in a step.
-    pub fn add(&mut self, work: &Work) {
+    pub fn add(&mut self, work: &Work, body: &Body) {
         self.work += work.work;
+        self.overpressed |= work.pressure > OVERPRESSED * body.force_scale;
         self.overlap_undone |= work.overlap_undone;
     }
 
@@ -116,6 +127,9 @@ impl Watch {
     ) -> Option<Divergence> {
         if let Some(escape) = escaped(body, end) {
             return Some(escape);
+        }
+        if self.overpressed {
+            return Some(Divergence::Overpressed);
         }
         let energy = end.energies(&body.model).total();
         // What weight and loads brought: Σ F·(p_end − p_start), with the loads of the end on the shape of the end.

@@ -40,6 +40,8 @@ pub(crate) struct Body {
     pub stable_step: f64,
     /// Energy below which growth is not worth a look [J]: that of the whole body stretched by 1 %.
     pub energy_scale: f64,
+    /// Young's modulus times the square of an edge [N].
+    pub force_scale: f64,
     /// A third of the area of the surface's triangles at each node, at rest [m²].
     pub node_areas: Vec<f64>,
     /// The faces at the open ends of a vessel.
@@ -569,9 +571,11 @@ impl Body {
             }
         }
         let stable_step = stable_step(method, &model, &State::at_rest(&model));
+        let (energy_scale, force_scale) = scales(&model);
         let mut body = Self {
             inner: vec![false; surface.triangles.len()],
-            energy_scale: energy_scale(&model),
+            energy_scale,
+            force_scale,
             node_areas: node_areas(&surface, mesh),
             end_nodes: spec
                 .ends
@@ -616,11 +620,16 @@ fn stable_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
     step.min(stability::SAFETY * stability::limit(method, lambda, model.drag()))
 }
 
-/// Energy of a body stretched by 1 % along x [J].
-fn energy_scale(model: &TissueModel) -> f64 {
+/// Energy of a body stretched by 1 % along x [J], and the modulus that it has by that times the square of an edge [N].
+fn scales(model: &TissueModel) -> (f64, f64) {
+    const STRAIN: f64 = 0.01;
     let mut state = State::at_rest(model);
-    state.positions.iter_mut().for_each(|p| p.x *= 1.01);
-    state.energies(model).elastic()
+    state.positions.iter_mut().for_each(|p| p.x *= 1.0 + STRAIN);
+    let energy = state.energies(model).elastic();
+    let volume: f64 = model.rest_volumes().iter().sum();
+    let modulus = 2.0 * energy / (STRAIN * STRAIN * volume);
+    let edge = model.mean_edge_length();
+    (energy, modulus * edge * edge)
 }
 
 /// The couplings of a body as sets of elements.

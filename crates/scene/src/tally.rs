@@ -51,6 +51,8 @@ pub(crate) struct Work {
     pub work: f64,
     /// Whether an old overlap was undone.
     pub overlap_undone: bool,
+    /// The largest force at a point of contact [N].
+    pub pressure: f64,
 }
 
 /// Sums up the contacts that a step of `h` [s] of a group ended with; `end` are the positions after it [m]. `works` has an entry
@@ -147,6 +149,7 @@ pub(crate) fn sum_up(
             if brings {
                 works[member].work += force.dot(way).abs();
             }
+            works[member].pressure = works[member].pressure.max(contact.pressure);
             works[member].overlap_undone |= old && gap > contact.start_gap;
         }
     }

@@ -232,7 +232,7 @@ impl Scene {
                         );
                         for (member, work) in group.members.iter().zip(&works) {
                             if let Some(watch) = watches.get_mut(member.body) {
-                                watch.add(work);
+                                watch.add(work, &self.bodies[member.body]);
                             }
                         }
                         if let Some(touching) =

@@ -5,6 +5,7 @@ use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
 use crate::unit::Unit;
+use microsim_tracking as tracking;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -20,6 +21,37 @@ pub struct Script {
     pub synthetic: Option<String>,
     /// The tools that move.
     pub tool: Vec<ScriptTool>,
+}
+
+impl Script {
+    /// The motion through its keys.
+    ///
+    /// # Errors
+    /// [`tracking::ScriptError`] where the keys do not make one; those of a checked file do.
+    pub fn motion(&self) -> Result<tracking::Script, tracking::ScriptError> {
+        let tracks = self.tool.iter().map(|tool| tracking::ScriptTrack {
+            device: tool.name.as_str().into(),
+            keyframes: tool.key.iter().map(ScriptKey::keyframe).collect(),
+        });
+        let interpolation = match self.interpolation {
+            Interpolation::MinimumJerk => tracking::Interpolation::MinimumJerk,
+            Interpolation::Linear => tracking::Interpolation::Linear,
+        };
+        tracking::Script::new(tracks.collect(), interpolation)
+    }
+}
+
+impl ScriptKey {
+    fn keyframe(&self) -> tracking::Keyframe {
+        tracking::Keyframe {
+            time_s: self.t,
+            hold_s: 0.0,
+            position: self.position,
+            orientation: self.orientation,
+            opening: self.opening,
+            visible: self.visible,
+        }
+    }
 }
 
 /// How a tool moves between two keys.

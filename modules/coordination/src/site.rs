@@ -105,8 +105,16 @@ impl Site {
             let object = object.map(|object| object.position);
             object.ok_or_else(|| Fault::new(format!("the level needs an object \"{name}\"")))
         });
-        if keys.task == Task::Deliver && marks.len() != 2 {
-            return Err(Fault::new("the task `deliver` needs two marks"));
+        let wanted = match keys.task {
+            Task::Hold => 1..=1,
+            Task::Cut => 1..=usize::MAX,
+            Task::Deliver => 2..=2,
+        };
+        if !wanted.contains(&marks.len()) {
+            let count = marks.len();
+            return Err(Fault::new(format!(
+                "the level has {count} marks, which does not fit its task: `hold` needs one, `deliver` two"
+            )));
         }
         let body = bodies.into_iter().next();
         let cuts = |model: &str| config.models.get(model).is_some_and(|m| m.sharpness > 0.0);

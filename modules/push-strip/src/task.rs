@@ -2,13 +2,8 @@
 
 use crate::cut::Site;
 use microsim_sdk::message::Colour;
+use microsim_sdk::tissue::{PatchPlace, Ring, colour};
 use serde::Deserialize;
-
-pub(crate) const WAITING: Colour = [0.55, 0.58, 0.60];
-pub(crate) const CURRENT: Colour = [0.95, 0.50, 0.10];
-pub(crate) const HOLDING: Colour = [0.98, 0.85, 0.15];
-pub(crate) const TOO_FAR: Colour = [0.85, 0.12, 0.12];
-pub(crate) const DONE: Colour = [0.20, 0.70, 0.25];
 
 /// The level's keys of this module.
 #[derive(Clone, Debug, Deserialize)]
@@ -34,15 +29,6 @@ pub(crate) enum TaskName {
     Hold,
     /// Cut the strip at the mark and put what comes off into the tray.
     Cut,
-}
-
-/// The ring of the level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ring {
-    /// \[m\]
-    pub centre: [f64; 3],
-    /// Of its opening \[m\].
-    pub opening: f64,
 }
 
 /// The task of a level.
@@ -73,9 +59,13 @@ pub(crate) struct Standing {
 }
 
 impl Task {
-    /// How tissue stands whose deepest node is `depth` \[m\] below where it lay and whose middle is `place` \[m\]; `held` tells whether
-    /// every tool of the level has it. `None` for the task `cut`, which does not ask for a place of the mark.
-    pub fn standing(&self, depth: f64, place: [f64; 3], held: bool) -> Option<Standing> {
+    /// How tissue stands; `held` tells whether every tool of the level has it. `None` for the task `cut`, which does not ask for a place
+    /// of the mark.
+    pub fn standing(
+        &self,
+        PatchPlace { depth, place }: PatchPlace,
+        held: bool,
+    ) -> Option<Standing> {
         match self {
             Self::Push {
                 depth: wanted,
@@ -84,9 +74,9 @@ impl Task {
                 let error = (depth - wanted).abs();
                 let holds = error <= *tolerance;
                 let colour = match (holds, depth > *wanted) {
-                    (true, _) => HOLDING,
-                    (false, true) => TOO_FAR,
-                    (false, false) => CURRENT,
+                    (true, _) => colour::HOLDING,
+                    (false, true) => colour::TOO_FAR,
+                    (false, false) => colour::CURRENT,
                 };
                 Some(Standing {
                     error,
@@ -95,11 +85,11 @@ impl Task {
                 })
             }
             Self::Hold(ring) => {
-                let error = distance(place, ring.centre);
+                let error = ring.away(place);
                 let holds = held && error <= ring.opening;
                 let colour = match holds {
-                    true => HOLDING,
-                    false => CURRENT,
+                    true => colour::HOLDING,
+                    false => colour::CURRENT,
                 };
                 Some(Standing {
                     error,
@@ -110,10 +100,4 @@ impl Task {
             Self::Cut(_) => None,
         }
     }
-}
-
-/// Between two places \[m\].
-pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    (x * x + y * y + z * z).sqrt()
 }

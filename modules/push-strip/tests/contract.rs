@@ -1,7 +1,7 @@
 //! The contract of the module, in-process and without files or physics: snapshots and forces in, the verdict out. The
 //! host moves the module to a fresh instance in every tick.
 
-use microsim_module_push_strip::PushStrip;
+use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
     ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, ToolState, ToolStates,
     ToolStatus, TrainingResult,
@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 0.0001;
 /// Ticks of 8 ms for which a depth has to be held for 0.2 s: time counts from the first tick that holds.
 const STAY: u64 = 26;
 
-fn host() -> TestHost<PushStrip> {
+fn host() -> TestHost<Module> {
     let config = json!({
         "tools": [{ "name": "right", "model": "probe" }],
         "models": {},
@@ -36,8 +36,10 @@ fn host() -> TestHost<PushStrip> {
             "task": "push", "depth": DEPTH, "depth_tolerance": TOLERANCE, "dwell": 0.2, "mark_radius": 0.0011,
         },
         "objects": [
-            { "name": "mat", "position": [0.0, 0.0, -0.005] },
-            { "name": "mark-1", "position": [0.0, 0.0, 0.001], "radius": 0.001 },
+            {
+                "name": "mark-1", "shape": "sphere", "radius": 0.001, "position": [0.0, 0.0, 0.001],
+                "orientation": [0.0, 0.0, 0.0, 1.0], "colour": "#888888", "finish": "matte", "active": false,
+            },
         ],
         "bodies": [{ "name": "strip" }],
     });
@@ -98,12 +100,7 @@ fn tool() -> ToolStates {
 }
 
 /// Holds a depth for so many ticks under a force.
-fn hold(
-    host: &mut TestHost<PushStrip>,
-    depth: f64,
-    force: f64,
-    ticks: u64,
-) -> Option<TrainingResult> {
+fn hold(host: &mut TestHost<Module>, depth: f64, force: f64, ticks: u64) -> Option<TrainingResult> {
     for _ in 0..ticks {
         host.send_block(&snapshot(depth));
         host.send(&tool());
@@ -128,14 +125,14 @@ fn hold(
     None
 }
 
-fn started() -> TestHost<PushStrip> {
+fn started() -> TestHost<Module> {
     let mut host = host();
     host.send(&LevelControl::Start);
     hold(&mut host, 0.0, 0.0, 1);
     host
 }
 
-fn end(host: &mut TestHost<PushStrip>) -> TrainingResult {
+fn end(host: &mut TestHost<Module>) -> TrainingResult {
     host.send(&LevelControl::InputEnded);
     host.tick()
         .expect("a good tick")

@@ -1,6 +1,6 @@
 //! The verdict of the task `cut`, in-process and without physics.
 
-use microsim_module_push_strip::PushStrip;
+use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
     ContactForce, ContactForces, Jaw, JawForce, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut,
     ToolState, ToolStates, ToolStatus, TrainingResult,
@@ -12,12 +12,20 @@ const DWELL: f64 = 0.2;
 /// Ticks of 8 ms that a piece has to lie for 0.2 s: time counts from the first one.
 const STAY: u64 = 26;
 
-fn started() -> TestHost<PushStrip> {
+fn started() -> TestHost<Module> {
     let tool = |name: &str, sharpness: f64| {
         json!({
             "title": { "de": name, "en": name }, "doc": "-", "hinge": null, "opening_angle": null, "colour": "#888888",
             "finish": "metal", "sharpness": sharpness, "capsule": [],
         })
+    };
+    let object = |name: &str, mut keys: serde_json::Value| {
+        keys["name"] = json!(name);
+        keys["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
+        keys["colour"] = json!("#888888");
+        keys["finish"] = json!("matte");
+        keys["active"] = json!(true);
+        keys
     };
     let config = json!({
         "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
@@ -38,8 +46,8 @@ fn started() -> TestHost<PushStrip> {
         "reasons": [],
         "module": { "task": "cut", "depth": 0.001, "depth_tolerance": 0.0001, "dwell": DWELL, "mark_radius": 0.0021 },
         "objects": [
-            { "name": "clamp", "position": [0.004, 0.0, 0.0], "half_size": [0.001, 0.001, 0.001] },
-            { "name": "mark-1", "position": [0.001, 0.0, 0.0], "radius": 0.0002 },
+            object("clamp", json!({ "shape": "box", "half_size": [0.001, 0.001, 0.001], "position": [0.004, 0.0, 0.0] })),
+            object("mark-1", json!({ "shape": "sphere", "radius": 0.0002, "position": [0.001, 0.0, 0.0] })),
         ],
         "rigid": [{
             "name": "tray", "shape": "tray", "position": [-0.01, 0.0, -0.0035], "orientation": [0.0, 0.0, 0.0, 1.0],
@@ -85,7 +93,7 @@ enum Piece {
 }
 
 /// A tick with a strip of four nodes, whose ids stand in another order after the cut, as after one that has removed crumbs.
-fn tick(host: &mut TestHost<PushStrip>, piece: Piece, held: bool) -> Option<TrainingResult> {
+fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<TrainingResult> {
     let (ids, off, [x, y, z]) = match piece {
         Piece::None => ([10, 11, 12, 13], 0, [0.0; 3]),
         Piece::Off(by) => ([10, 13, 12, 11], 1, by),
@@ -129,6 +137,7 @@ fn tick(host: &mut TestHost<PushStrip>, piece: Piece, held: bool) -> Option<Trai
         tool: tool.into(),
         body: "strip".into(),
         jaws,
+        stick: 1.0,
         ..ContactForce::default()
     };
     let jaw = |jaw| JawForce {
@@ -144,7 +153,7 @@ fn tick(host: &mut TestHost<PushStrip>, piece: Piece, held: bool) -> Option<Trai
     host.tick().expect("a good tick").last()
 }
 
-fn cut(host: &mut TestHost<PushStrip>, x: f64) {
+fn cut(host: &mut TestHost<Module>, x: f64) {
     host.send(&TissueCut {
         body: "strip".into(),
         tool: "right".into(),
@@ -160,7 +169,7 @@ const IN_TRAY: Piece = Piece::Off([-0.0075, 0.0, -0.0035]);
 const BESIDE: Piece = Piece::Off([-0.0075, 0.0, -0.0049]);
 
 fn lie(
-    host: &mut TestHost<PushStrip>,
+    host: &mut TestHost<Module>,
     piece: Piece,
     held: bool,
     ticks: u64,
@@ -168,7 +177,7 @@ fn lie(
     (0..ticks).find_map(|_| tick(host, piece, held))
 }
 
-fn end(host: &mut TestHost<PushStrip>) -> TrainingResult {
+fn end(host: &mut TestHost<Module>) -> TrainingResult {
     host.send(&LevelControl::InputEnded);
     let result = host.tick().expect("a good tick").last();
     result.expect("a verdict when the input has ended")

@@ -3,7 +3,7 @@
 use microsim_sdk::message::{InputSample, Pose};
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings as settings;
-use microsim_tracking::{Sample, Script};
+use microsim_tracking::Sample;
 use serde::Deserialize;
 
 /// The script, checked and in SI units.
@@ -19,7 +19,7 @@ pub struct ScriptSource {
 }
 
 fn samples(script: &settings::Script) -> Result<Vec<InputSample>, Fault> {
-    let played = Script::from_settings(script);
+    let played = script.motion();
     let played = played.map_err(|error| Fault::new(format!("the script: {error}")))?;
     Ok(played.samples(script.rate).map(message).collect())
 }

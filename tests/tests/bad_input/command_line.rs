@@ -99,7 +99,7 @@ fn modules_and_levels_that_are_not_there() {
     let said = tree.microsim(&args("touch-sphere", "1"));
     assert!(
         said.err
-            .contains("; there are: push-strip, touch-spheres\n"),
+            .contains("; there are: coordination, push-strip, touch-spheres\n"),
         "{said:?}"
     );
     assert!(!tree.path("x.session").exists());

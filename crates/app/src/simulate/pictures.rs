@@ -155,12 +155,9 @@ fn rigid(told: &settings::Rigid, thing: &RigidSpec, field: f64) -> Vec<Item> {
                     0.01 * half,
                 )
             }
-            microsim_scene::RigidShape::Cuboid { half_size, .. } => (
-                Shape::Box {
-                    half: half_size,
-                },
-                0.0,
-            ),
+            microsim_scene::RigidShape::Cuboid { half_size, .. } => {
+                (Shape::Box { half: half_size }, 0.0)
+            }
             microsim_scene::RigidShape::Cylinder {
                 radius,
                 half_length,

@@ -44,7 +44,7 @@ impl Contacts {
             .filter(of_it)
             .collect();
         self.touched |= !contacts.is_empty();
-        let held = |tool: &String| contacts.iter().any(|c| c.tool == *tool && grip(c) > 0.0);
+        let held = |tool: &String| contacts.iter().any(|c| c.tool == *tool && holds(c));
         self.held = holders.iter().map(held).collect();
         let between = forces.iter().flat_map(|f| &f.between).filter(of_it);
         self.on = between.map(|contact| contact.tool.clone()).collect();
@@ -84,6 +84,11 @@ fn grip(contact: &ContactForce) -> f64 {
         [first, second] => first.force.min(second.force),
         _ => 0.0,
     }
+}
+
+/// Whether jaws hold tissue: both press, and it does not slide along all of them. What only lies on jaws that slide is not held.
+fn holds(contact: &ContactForce) -> bool {
+    grip(contact) > 0.0 && contact.stick > 0.0
 }
 
 /// Counts how often tissue was lost.

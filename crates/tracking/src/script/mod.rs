@@ -7,8 +7,6 @@
 //! profile of a human reach: s(τ) = 10τ³ − 15τ⁴ + 6τ⁵, which rests at both ends, with neither speed nor acceleration.
 //! The orientation turns by slerp at the same s, the opening changes linearly with τ.
 
-mod from_settings;
-
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;

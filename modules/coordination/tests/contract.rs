@@ -1,0 +1,409 @@
+//! The verdicts of the module, in-process and without physics: snapshots, forces and cuts in, the result out. The host moves the
+//! module to a fresh instance in every tick.
+
+use microsim_module_coordination::Module;
+use microsim_sdk::message::{
+    ContactForce, ContactForces, Jaw, JawForce, LevelControl, LevelEvent, Pose, TISSUE_SNAPSHOT,
+    TissueCut, ToolState, ToolStates, ToolStatus, TrainingResult,
+};
+use microsim_sdk::{BlockBuilder, Heard, Setup, TestHost};
+use serde_json::{Value, json};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+const DWELL: f64 = 0.2;
+/// Ticks of 8 ms for which something has to last for 0.2 s: time counts from the first one.
+const STAY: u64 = 26;
+/// Ticks without a grip after which tissue is dropped: 0.1 s, counted from the first one.
+const DROP: u64 = 14;
+
+fn object(name: &str, shape: Value, position: [f64; 3]) -> Value {
+    let mut object = json!({
+        // Along y, as the tissue is cut across.
+        "orientation": [-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2],
+        "colour": "#888888", "finish": "matte", "active": true,
+    });
+    object["name"] = json!(name);
+    object["position"] = json!(position);
+    for (key, value) in shape.as_object().expect("keys") {
+        object[key] = value.clone();
+    }
+    object
+}
+
+fn limit(metric: &str, max: f64, reason: &str) -> Value {
+    json!({
+        "metric": metric, "min": null, "max": max, "full": 0.0, "zero": 2.0 * max,
+        "source": "this test", "provisional": true, "reason": reason,
+    })
+}
+
+fn metric(id: &str, unit: &str, category: &str) -> Value {
+    json!({
+        "id": id, "unit": unit, "display_unit": null, "direction": "lower", "category": category, "formula": "-",
+        "source": "this test", "title": { "de": "-", "en": "-" }, "advice": { "de": "-", "en": "-" },
+    })
+}
+
+fn started(task: &str, limits: Value) -> TestHost<Module> {
+    let tool = |sharpness: f64| {
+        json!({
+            "title": { "de": "-", "en": "-" }, "doc": "-", "hinge": null, "opening_angle": null, "colour": "#888888",
+            "finish": "metal", "sharpness": sharpness, "capsule": [],
+        })
+    };
+    let half = json!({ "shape": "box", "half_size": [0.001, 0.001, 0.001] });
+    let line = json!({ "shape": "capsule", "radius": 0.0001, "length": 0.002 });
+    let mut objects = vec![
+        object("clamp-left", half.clone(), [-0.004, 0.0, 0.0]),
+        object("clamp-right", half, [0.004, 0.0, 0.0]),
+        object("mark-1", line.clone(), [-0.002, 0.0, 0.0]),
+        object(
+            "ring",
+            json!({ "shape": "ring", "radius": 0.0012, "tube": 0.0002 }),
+            [-0.002, 0.0, 0.003],
+        ),
+    ];
+    if task != "hold" {
+        objects.push(object("mark-2", line, [0.002, 0.0, 0.0]));
+    }
+    let config = json!({
+        "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
+        "models": { "forceps": tool(0.0), "scissors": tool(1.0) },
+        "limits": limits,
+        "metrics": {
+            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05, "resample_rate": 60.0, "gap": 0.1,
+            "shortest_path": null,
+        },
+        "own_metrics": [
+            metric("place-error", "m", "target"), metric("cut-distance", "m", "target"), metric("cut-angle", "rad", "target"),
+            metric("stray-cut", "m^2", "tissue"), metric("torn", "m^2", "tissue"), metric("steadied", "1", "handling"),
+            metric("peak-force", "N", "tissue"), metric("excess-time", "s", "tissue"), metric("peak-grip", "N", "tissue"),
+            metric("drops", "count", "handling"),
+        ],
+        "reasons": [],
+        "module": { "task": task, "dwell": DWELL, "mark_radius": 0.0005, "mark_reach": 0.001 },
+        "objects": objects,
+        "rigid": [{
+            "name": "tray", "shape": "tray", "position": [0.0, -0.01, -0.003], "orientation": [0.0, 0.0, 0.0, 1.0],
+            "half_size": [0.003, 0.002, 0.001], "wall": 0.0005, "colour": "#c8ccd0", "finish": "matte",
+        }],
+        "bodies": [{ "name": "tissue" }],
+    });
+    let setup = Setup {
+        name: "coordination".into(),
+        seed: 1,
+        tick_ns: 8_000_000,
+        steps: 1,
+        level: 4,
+        config,
+        files: Vec::new(),
+    };
+    let publishes = [
+        "object.set",
+        "level.state",
+        "level.event",
+        "training.result",
+    ];
+    let subscribes = [
+        "level.control",
+        "tool.sample",
+        "tool.states",
+        "contact.forces",
+        "tissue.snapshot",
+        "tissue.cut",
+    ];
+    let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
+    let mut host = host.moving();
+    host.send(&LevelControl::Start);
+    tick(&mut host, &Scene::default());
+    host
+}
+
+/// What the physics says in a tick.
+#[derive(Clone, Copy, Default)]
+struct Scene {
+    /// How far the piece between the marks, or the tissue at the first mark, has gone.
+    by: [f64; 3],
+    /// Numbers of the pieces: left, middle, right.
+    pieces: [u32; 3],
+    held: bool,
+    /// Force of the forceps \[N\].
+    force: f64,
+}
+
+/// Nodes at the clamps, at the ends of the marks and in the middle, by the part that they belong to.
+const NODES: [([f64; 3], usize); 7] = [
+    ([-0.004, 0.0, 0.0], 0),
+    ([-0.002, -0.001, 0.0], 1),
+    ([-0.002, 0.001, 0.0], 1),
+    ([0.0, 0.0, 0.0], 1),
+    ([0.002, -0.001, 0.0], 1),
+    ([0.002, 0.001, 0.0], 1),
+    ([0.004, 0.0, 0.0], 2),
+];
+
+fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
+    let place = |(place, part): &([f64; 3], usize)| {
+        let by = if *part == 1 { scene.by } else { [0.0; 3] };
+        [0, 1, 2].map(|k| place[k] + by[k])
+    };
+    let block = BlockBuilder::new(TISSUE_SNAPSHOT, "tissue", 0, 0)
+        .u32s("node_id", (0..7).map(|id| 10 + id))
+        .f64s("position", NODES.iter().flat_map(place))
+        .u32s("piece", NODES.iter().map(|(_, part)| scene.pieces[*part]))
+        .u32s("triangle", [0, 1, 2]);
+    host.send_block(&block.finish());
+    let state = |tool: &str| ToolState {
+        tool: tool.into(),
+        model: "-".into(),
+        status: ToolStatus::Tracked,
+        pose: Pose::default(),
+        opening: 0.0,
+    };
+    host.send(&ToolStates {
+        tools: vec![state("left"), state("right")],
+    });
+    let jaw = |jaw| JawForce {
+        jaw,
+        force: 0.01,
+        pressure: 1.0,
+    };
+    let contact = |tool: &str, jaws: Vec<JawForce>| ContactForce {
+        tool: tool.into(),
+        body: "tissue".into(),
+        force: [0.0, 0.0, scene.force],
+        over_limit: if scene.force > 0.02 { 0.008 } else { 0.0 },
+        jaws,
+        stick: 1.0,
+        ..ContactForce::default()
+    };
+    let grip = contact("left", vec![jaw(Jaw::Left), jaw(Jaw::Right)]);
+    host.send(&ContactForces {
+        contacts: if scene.held { vec![grip] } else { Vec::new() },
+        between: vec![contact("tray", Vec::new())],
+    });
+    host.tick().expect("a good tick")
+}
+
+fn ticks(host: &mut TestHost<Module>, scene: &Scene, count: u64) -> Option<TrainingResult> {
+    (0..count).find_map(|_| tick(host, scene).last())
+}
+
+fn cut(host: &mut TestHost<Module>, tool: &str, x: f64, normal: [f64; 3]) {
+    host.send(&TissueCut {
+        body: "tissue".into(),
+        tool: tool.into(),
+        area: 1e-6,
+        rest_centroid: [x, 0.0, 0.0],
+        rest_normal: normal,
+        ..TissueCut::default()
+    });
+}
+
+fn end(host: &mut TestHost<Module>) -> TrainingResult {
+    host.send(&LevelControl::InputEnded);
+    let result = host.tick().expect("a good tick").last();
+    result.expect("a verdict when the input has ended")
+}
+
+fn value(result: &TrainingResult, id: &str) -> Option<f64> {
+    result.metrics.iter().find(|m| m.id == id)?.value
+}
+
+const ACROSS: [f64; 3] = [1.0, 0.0, 0.0];
+const HELD: Scene = Scene {
+    by: [0.0; 3],
+    pieces: [0; 3],
+    held: true,
+    force: 0.01,
+};
+const FREE: Scene = Scene {
+    pieces: [0, 1, 2],
+    ..HELD
+};
+const IN_TRAY: Scene = Scene {
+    by: [0.0, -0.01, -0.0035],
+    held: false,
+    ..FREE
+};
+
+/// Both marks cut through while the forceps hold.
+fn both_cut(task: &str, x: f64, normal: [f64; 3], limits: Value) -> TestHost<Module> {
+    let mut host = started(task, limits);
+    tick(&mut host, &HELD);
+    cut(&mut host, "right", -0.002 + x, normal);
+    tick(&mut host, &HELD);
+    cut(&mut host, "right", 0.002, ACROSS);
+    host
+}
+
+#[test]
+fn a_piece_cut_out_at_the_marks_that_lies_in_the_tray_passes() {
+    let mut host = both_cut(
+        "deliver",
+        0.0003,
+        ACROSS,
+        json!([limit("cut-distance", 0.0004, "cut-beside-the-mark")]),
+    );
+    assert!(ticks(&mut host, &FREE, 3).is_none());
+    let held = Scene {
+        held: true,
+        ..IN_TRAY
+    };
+    assert!(ticks(&mut host, &held, 2 * STAY).is_none(), "held");
+    assert!(
+        ticks(&mut host, &IN_TRAY, STAY - 1).is_none(),
+        "a tick too early"
+    );
+    let result = tick(&mut host, &IN_TRAY).last::<TrainingResult>();
+    let result = result.expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+    // The larger of 0.3 mm and 0; tolerance: rounding.
+    let distance = value(&result, "cut-distance").expect("measured");
+    assert!((distance - 0.0003).abs() < 1e-12, "{distance}");
+    assert_eq!(value(&result, "steadied"), Some(1.0));
+    assert_eq!(value(&result, "drops"), Some(0.0));
+    // 10 mN in every tick, and jaws of 10 mN each.
+    assert_eq!(value(&result, "peak-force"), Some(0.01));
+    assert_eq!(value(&result, "peak-grip"), Some(0.01));
+}
+
+#[test]
+fn a_cut_is_measured_by_its_plane_at_rest() {
+    // A plane that holds the mark's middle, turned by asin(0.6) from its line.
+    let mut host = both_cut(
+        "cut",
+        0.0,
+        [0.8, 0.6, 0.0],
+        json!([limit("cut-angle", 0.5, "cut-askew")]),
+    );
+    let result = tick(&mut host, &FREE)
+        .last::<TrainingResult>()
+        .expect("the verdict");
+    assert_eq!(result.failed, ["cut-askew"]);
+    let angle = value(&result, "cut-angle").expect("measured");
+    assert!((angle - 0.6f64.asin()).abs() < 1e-12, "{angle}");
+    assert!(value(&result, "cut-distance").expect("measured") < 1e-12);
+    assert_eq!(value(&result, "drops"), None, "nothing was to be held");
+}
+
+#[test]
+fn what_is_cut_elsewhere_and_what_tears_is_told_apart() {
+    let limits = json!([
+        limit("stray-cut", 1e-8, "stray-cut"),
+        limit("torn", 1e-5, "torn")
+    ]);
+    let mut host = started("cut", limits);
+    cut(&mut host, "right", 0.0, ACROSS);
+    cut(&mut host, "", 0.0, ACROSS);
+    let events: Vec<LevelEvent> = tick(&mut host, &Scene::default()).all();
+    let ids: Vec<&str> = events.iter().map(|event| event.id.as_str()).collect();
+    assert_eq!(ids, ["stray-cut", "tear"]);
+    let separated = Scene {
+        held: false,
+        ..FREE
+    };
+    let result = tick(&mut host, &separated)
+        .last::<TrainingResult>()
+        .expect("the verdict");
+    assert_eq!(result.failed, ["stray-cut"]);
+    assert_eq!(value(&result, "stray-cut"), Some(1e-6));
+    assert_eq!(value(&result, "torn"), Some(1e-6));
+    assert_eq!(value(&result, "steadied"), Some(0.0));
+    assert_eq!(value(&result, "cut-distance"), None, "no cut at a mark");
+}
+
+#[test]
+fn each_reason_to_miss_a_target_comes_alone() {
+    let mut uncut = started("deliver", json!([]));
+    ticks(&mut uncut, &HELD, STAY);
+    assert_eq!(end(&mut uncut).failed, ["not-cut"]);
+
+    let mut lost = both_cut("deliver", 0.0, ACROSS, json!([]));
+    tick(&mut lost, &FREE);
+    let beside = Scene {
+        by: [0.0, -0.02, -0.0035],
+        ..IN_TRAY
+    };
+    assert!(ticks(&mut lost, &beside, DROP - 1).is_none());
+    let events: Vec<LevelEvent> = tick(&mut lost, &beside).all();
+    assert!(events.iter().any(|event| event.id == "drop"), "{events:?}");
+    let result = end(&mut lost);
+    assert_eq!(result.failed, ["not-in-tray"]);
+    assert_eq!(value(&result, "drops"), Some(1.0));
+
+    let mut late = started("deliver", json!([limit("time", 0.1, "too-slow")]));
+    let result = ticks(&mut late, &HELD, STAY).expect("the time is over");
+    assert_eq!(
+        result.failed,
+        ["too-slow"],
+        "alone: what else is missed follows from it"
+    );
+}
+
+#[test]
+fn marked_tissue_held_in_the_ring_passes_and_less_says_why() {
+    // 0.3 mm below the middle of the ring, whose opening is 1 mm.
+    let within = Scene {
+        by: [0.0, 0.0, 0.0027],
+        ..HELD
+    };
+    let mut host = started("hold", json!([]));
+    assert!(
+        ticks(&mut host, &within, STAY - 1).is_none(),
+        "a tick too early"
+    );
+    let result = tick(&mut host, &within).last::<TrainingResult>();
+    let result = result.expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+    let error = value(&result, "place-error").expect("measured");
+    assert!((error - 0.0003).abs() < 1e-12, "{error}");
+
+    let mut short = started("hold", json!([]));
+    ticks(&mut short, &within, STAY - 2);
+    tick(&mut short, &HELD);
+    assert_eq!(end(&mut short).failed, ["dwell-too-short"]);
+
+    let mut loose = started("hold", json!([]));
+    ticks(
+        &mut loose,
+        &Scene {
+            held: false,
+            ..within
+        },
+        2 * STAY,
+    );
+    assert_eq!(end(&mut loose).failed, ["not-in-ring"]);
+}
+
+#[test]
+fn excess_force_is_timed_and_told_once() {
+    let mut host = started("cut", json!([]));
+    let hard = Scene {
+        force: 0.03,
+        ..HELD
+    };
+    let heard = tick(&mut host, &hard);
+    let ids: Vec<String> = heard
+        .all::<LevelEvent>()
+        .into_iter()
+        .map(|e| e.id)
+        .collect();
+    assert_eq!(ids, ["grip", "excess-force"]);
+    assert!(tick(&mut host, &hard).all::<LevelEvent>().is_empty());
+    tick(&mut host, &HELD);
+    let result = end(&mut host);
+    // Two ticks of 8 ms.
+    assert_eq!(value(&result, "excess-time"), Some(0.016));
+    assert_eq!(value(&result, "peak-force"), Some(0.03));
+}
+
+#[test]
+fn without_tissue_nothing_is_reached() {
+    let mut host = started(
+        "cut",
+        json!([limit("cut-distance", 0.0004, "cut-beside-the-mark")]),
+    );
+    let result = end(&mut host);
+    assert_eq!((result.targets_done, result.score), (0, 0.0));
+}
