@@ -2,8 +2,8 @@
 //!
 //! An edit is data. It says which nodes are new and from which two nodes everything that they have is blended, which
 //! elements are replaced by which children, and what leaves. It is applied as a whole or not at all, costs what it
-//! touches and not what the mesh holds, and carries whatever else is stored by node ([`TopologyEdit::carry_nodes`]) or
-//! element ([`TopologyEdit::carry_elements`]) along. Nodes and elements are only appended; what leaves is filled from
+//! touches and not what the mesh holds, and carries whatever else is stored by node along
+//! ([`TopologyEdit::carry_nodes`]). Nodes and elements are only appended; what leaves is filled from
 //! the back, so that most indices stay. What is not here: why (that is for cutting), and whether the children fill their
 //! parents' volume.
 
@@ -53,13 +53,11 @@ pub struct CutFace {
 
 /// One step of a mesh from a generation to the next.
 ///
-/// In this order: rest positions move, nodes are appended, elements are replaced, elements leave, nodes leave.
+/// In this order: nodes are appended, elements are replaced, elements leave, nodes leave.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TopologyEdit {
     /// The generation of the mesh to which it applies.
     pub generation: u64,
-    /// Nodes with a new rest position [m].
-    pub moved: Vec<(u32, Vector3<f64>)>,
     /// New nodes, appended in this order.
     pub nodes: Vec<NewNode>,
     /// Elements replaced, ascending.
@@ -112,7 +110,7 @@ pub enum EditError {
         /// That of the edit.
         edit: u64,
     },
-    /// A moved or new node is not finite, comes from itself or a later one, or is not there.
+    /// A new node is not finite, comes from itself or a later one, or is not there.
     Node {
         /// Its index.
         node: u32,
@@ -187,7 +185,7 @@ impl TopologyEdit {
     }
 
     /// Brings one vector per node along: new nodes get the blend of those they come from. Rest positions, positions,
-    /// velocities and coordinates of a texture alike; what the edit moves at rest is for the mesh.
+    /// velocities and coordinates of a texture alike.
     pub fn carry_nodes(&self, values: &mut Vec<Vector3<f64>>) {
         for new in &self.nodes {
             let [a, b] = new.between.map(|n| values[n as usize]);
@@ -195,18 +193,6 @@ impl TopologyEdit {
         }
         for &node in self.removed_nodes.iter().rev() {
             values.swap_remove(node as usize);
-        }
-    }
-
-    /// Brings one value per element along: children have that of their parent.
-    pub fn carry_elements<T: Clone>(&self, values: &mut Vec<T>) {
-        for replacement in &self.elements {
-            for _ in 1..replacement.children.len() {
-                values.push(values[replacement.element as usize].clone());
-            }
-        }
-        for &element in self.removed.iter().rev() {
-            values.swap_remove(element as usize);
         }
     }
 
@@ -218,11 +204,6 @@ impl TopologyEdit {
             });
         }
         let old = mesh.positions.len();
-        for &(node, place) in &self.moved {
-            if node as usize >= old || !place.iter().all(|x| x.is_finite()) {
-                return Err(EditError::Node { node });
-            }
-        }
         for (k, new) in self.nodes.iter().enumerate() {
             let node = (old + k) as u32;
             if new.between.iter().any(|&n| n >= node) || !new.share.is_finite() {
@@ -275,9 +256,6 @@ impl TetMesh {
             node_moves: edit.node_moves(self.positions.len()),
             ..Applied::default()
         };
-        for &(node, place) in &edit.moved {
-            self.positions[node as usize] = place;
-        }
         edit.carry_nodes(&mut self.positions);
         for _ in &edit.nodes {
             self.node_ids.push(self.next_node_id);

@@ -1,6 +1,7 @@
 //! What a step of a cut costs, all that follows it included, over the size of the body: `cargo run --release -p microsim-scene --example
 //! cut_tick`. A blade goes through a block on a table in contact, so far per tick that it divides about 60 elements; the CPU time of a tick is
-//! compared with that of the same tick without the blade.
+//! compared with that of ticks in which it stands. The blade is an edge that touches the block, and cuts what it has pressed on, as in a level;
+//! the block may touch itself too; or the blade is one that touches nothing.
 
 use microsim_scene::*;
 use microsim_tissue::law::LawName;
@@ -10,7 +11,7 @@ use rustix::time::{ClockId, clock_gettime};
 
 fn main() {
     println!(
-        "tetrahedra  cuts  divided (most)  tick [ms]  cut p50 [ms]  cut p99 [ms]  both p50 [ms]  both p99 [ms]"
+        "contact         tetrahedra  ticks  divided (most)  tick [ms]  cut p50 [ms]  p99  (median of runs)  both p50 [ms]  p99  (median of runs)"
     );
     let bodies = [
         [5, 6, 6],
@@ -23,9 +24,22 @@ fn main() {
     let only = std::env::args().nth(1).and_then(|only| only.parse().ok());
     for (index, cells) in bodies.into_iter().enumerate() {
         if only.is_none_or(|only: usize| only == index) {
-            measure(cells);
+            for touches in [Touches::Tool, Touches::ToolAndItself, Touches::Table] {
+                measure(cells, touches);
+            }
         }
     }
+}
+
+/// What is in contact beside the block and the table.
+#[derive(Clone, Copy, PartialEq)]
+enum Touches {
+    /// The blade, which is an edge.
+    Tool,
+    /// The blade, and the block itself.
+    ToolAndItself,
+    /// Nothing else.
+    Table,
 }
 
 /// Length of the blade, and how far it goes in a tick [cells]: it then divides 60 elements in a tick at most, whatever the size of the body.
@@ -38,7 +52,8 @@ const PASSES: i32 = 1;
 /// Ticks without the blade before each cut, and as many after it.
 const REST: usize = 5;
 
-/// The same is run so often, and of each tick the fastest counts: what else runs on the machine is not what is measured.
+/// The same is run so often. Of each tick the fastest counts: what else runs on the machine is not what is measured; beside it stands the 99th of
+/// a hundred of a single run, the middle one of all runs.
 const RUNS: usize = 3;
 
 /// A tick [s].
@@ -50,7 +65,7 @@ fn cpu() -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-fn measure(cells: [usize; 3]) {
+fn measure(cells: [usize; 3], touches: Touches) {
     let edge = 0.3e-3;
     let size = cells.map(|n| n as f64 * edge);
     let block = microsim_mesh::Block {
@@ -61,6 +76,19 @@ fn measure(cells: [usize; 3]) {
     };
     let mesh = block.mesh().expect("a block");
     let elements = mesh.tets.len();
+    let contact = |with| ContactSpec {
+        body: "block".into(),
+        with,
+        friction: 0.3,
+        force_limit: f64::INFINITY,
+    };
+    let mut contacts = vec![contact(PartnerSpec::Rigid("table".into()))];
+    if touches != Touches::Table {
+        contacts.push(contact(PartnerSpec::Tool("blade".into())));
+    }
+    if touches == Touches::ToolAndItself {
+        contacts.push(contact(PartnerSpec::Itself));
+    }
     let spec = SceneSpec {
         bodies: vec![BodySpec {
             name: "block".into(),
@@ -80,7 +108,8 @@ fn measure(cells: [usize; 3]) {
                 },
             )],
             drag: 20.0,
-            toughness: f64::INFINITY,
+            // Gives way to any force: from the first touch on the blade cuts all the way.
+            toughness: 1e-6,
             brittleness: 0.0,
             tear_strains: Vec::new(),
             clamps: Vec::new(),
@@ -94,13 +123,14 @@ fn measure(cells: [usize; 3]) {
             capsules: vec![CapsuleSpec {
                 a: [0.0, -0.5 * WIDTH * edge, 0.0],
                 b: [0.0, 0.5 * WIDTH * edge, 0.0],
-                radius: 5e-5,
+                // As thick as a cell, so that its way in a tick is one step of the solver.
+                radius: 1.1 * edge,
                 hinge: None,
                 jaw: None,
                 lonor: true,
-                edge: None,
+                edge: (touches != Touches::Table).then_some([0.0, 0.0, -1.0]),
             }],
-            sharpness: 0.0,
+            sharpness: 1.0,
             motion: Vec::new(),
         }],
         rigid: vec![RigidSpec {
@@ -113,12 +143,7 @@ fn measure(cells: [usize; 3]) {
                 },
             }],
         }],
-        contacts: vec![ContactSpec {
-            body: "block".into(),
-            with: PartnerSpec::Rigid("table".into()),
-            friction: 0.3,
-            force_limit: f64::INFINITY,
-        }],
+        contacts,
         cuts: vec![CutSpec {
             body: "block".into(),
             tool: "blade".into(),
@@ -127,17 +152,54 @@ fn measure(cells: [usize; 3]) {
         method: Method::StoermerVerlet,
         containment: false,
     };
-    let runs: Vec<Vec<Tick>> = (0..RUNS).map(|_| run(&spec, edge, size[2])).collect();
+    let runs: Vec<Vec<Tick>> = (0..RUNS)
+        .map(|_| run(&spec, edge, size[2], touches))
+        .collect();
     // The same ticks in each run, to the bit.
-    let ticks = runs[0].iter().enumerate().map(|(index, tick)| Tick {
+    let fastest = runs[0].iter().enumerate().map(|(index, tick)| Tick {
         time: runs
             .iter()
             .map(|run| run[index].time)
             .fold(f64::INFINITY, f64::min),
         ..*tick
     });
-    let ticks: Vec<Tick> = ticks.collect();
-    let (mut rest, mut both, mut cut, mut touched) = (vec![], vec![], vec![], vec![]);
+    let Times { rest, cut, both } = times(&fastest.collect::<Vec<_>>());
+    let single: Vec<Times> = runs.iter().map(|run| times(run)).collect();
+    let median = |of: fn(&Times) -> &[f64]| {
+        let mut all: Vec<f64> = single.iter().map(|times| share(of(times), 0.99)).collect();
+        all.sort_by(f64::total_cmp);
+        all[RUNS / 2]
+    };
+    let divided = runs[0].iter().map(|tick| tick.divided);
+    let (most, sum) = divided.fold((0, 0), |(most, sum), n| (most.max(n), sum + n));
+    let mean = sum as f64 / cut.len() as f64;
+    let name = match touches {
+        Touches::Tool => "tool, table",
+        Touches::ToolAndItself => "and itself",
+        Touches::Table => "table alone",
+    };
+    println!(
+        "{name:15} {elements:10} {:6} {mean:8.0} {most:7} {:10.2} {:13.2} {:4.2} {:17.2} {:14.2} {:4.2} {:17.2}",
+        cut.len(),
+        share(&rest, 0.5),
+        share(&cut, 0.5),
+        share(&cut, 0.99),
+        median(|times| &times.cut),
+        share(&both, 0.5),
+        share(&both, 0.99),
+        median(|times| &times.both),
+    );
+}
+
+/// Times [ms], ascending: of ticks without a cut, what a cut costs beyond those, and ticks with it.
+struct Times {
+    rest: Vec<f64>,
+    cut: Vec<f64>,
+    both: Vec<f64>,
+}
+
+fn times(ticks: &[Tick]) -> Times {
+    let (mut rest, mut both, mut cut) = (vec![], vec![], vec![]);
     for pass in ticks.chunk_by(|a, b| a.pass == b.pass) {
         let without = pass.iter().filter(|tick| !tick.cuts);
         let mut without: Vec<f64> = without.map(|tick| tick.time).collect();
@@ -148,53 +210,50 @@ fn measure(cells: [usize; 3]) {
             both.push(with.time);
             // What the edit and all that follows it cost beyond the tick.
             cut.push(with.time - tick);
-            touched.push(with.divided as f64);
         }
     }
     for times in [&mut rest, &mut cut, &mut both] {
         times.sort_by(f64::total_cmp);
     }
-    let most = touched.iter().copied().fold(0.0, f64::max);
-    let mean = touched.iter().sum::<f64>() / touched.len() as f64;
-    println!(
-        "{elements:10} {:5} {mean:8.0} {most:7} {:13.2} {:13.2} {:13.2} {:13.2} {:13.2}",
-        cut.len(),
-        share(&rest, 0.5),
-        share(&cut, 0.5),
-        share(&cut, 0.99),
-        share(&both, 0.5),
-        share(&both, 0.99),
-    );
+    Times { rest, cut, both }
 }
 
 /// A tick.
 #[derive(Clone, Copy)]
 struct Tick {
     pass: i32,
-    /// Whether the blade is there.
+    /// Whether the blade goes down.
     cuts: bool,
-    divided: usize,
+    /// Elements divided, whether anything was opened or not.
+    divided: u64,
     /// CPU time [ms].
     time: f64,
 }
 
 /// All ticks of a body with cells of this edge and so high [m].
-fn run(spec: &SceneSpec, edge: f64, height: f64) -> Vec<Tick> {
+fn run(spec: &SceneSpec, edge: f64, height: f64, touches: Touches) -> Vec<Tick> {
     let mut scene = Scene::new(spec).expect("a scene");
     let way = WAY * edge;
-    let top = 0.5 * height + 0.5 * way;
-    let ticks = (height / way) as usize + 1;
+    // One that touches begins where it does not, and cuts along its axis.
+    let top = 0.5 * height
+        + match touches {
+            Touches::Table => 0.5 * way,
+            _ => 1.5 * edge,
+        };
+    let ticks = ((0.5 * height + top) / way) as usize + 1;
     let mut all = Vec::new();
     for pass in -PASSES..=PASSES {
         let at = |z: f64| Pose {
             position: Vector3::new((0.13 + f64::from(pass)) * edge, 0.0, z),
             ..Pose::identity()
         };
-        // Without the blade before and after, as the body grows by the cut.
+        // Without a cut before and after, as the body grows by the cut: a blade that touches stands there, the other one is away.
         for k in 0..2 * REST + ticks {
             let cuts = (REST..REST + ticks).contains(&k);
-            let before = top - k.saturating_sub(REST) as f64 * way;
-            let motion = cuts.then(|| ToolMotion {
+            let before = top - k.saturating_sub(REST).min(ticks) as f64 * way;
+            let way = if cuts { way } else { 0.0 };
+            let there = cuts || touches != Touches::Table;
+            let motion = there.then(|| ToolMotion {
                 tool: 0,
                 from: at(before),
                 to: at(before - way),
@@ -202,11 +261,13 @@ fn run(spec: &SceneSpec, edge: f64, height: f64) -> Vec<Tick> {
                 opening_to: 0.0,
                 active: true,
             });
+            let before = scene.cut_tally(0).divided;
             let start = cpu();
             let report = scene.tick(motion.as_slice(), TICK, 1, &Serial);
             let time = (cpu() - start) * 1e3;
-            let reports = report.expect("a tick").cuts;
-            let divided = reports.iter().map(|cut| cut.divided).sum();
+            let substeps = report.expect("a tick").substeps;
+            assert_eq!(substeps, 1, "a tick is one step");
+            let divided = scene.cut_tally(0).divided - before;
             all.push(Tick {
                 pass,
                 cuts,

@@ -11,7 +11,7 @@ use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
 use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
 use crate::scene::{Body, Scene};
-use crate::spec::SceneSpec;
+use crate::spec::{BodySpec, SceneSpec};
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade};
 use microsim_geometry::{
@@ -39,21 +39,29 @@ pub(crate) struct Edit {
     pub edit: TopologyEdit,
 }
 
-const STILL: &str = "quasi-static tissue has no inertia, so that a piece which comes off could not fall: use another method";
+/// Why tissue cannot be cut with a method.
+fn uncuttable(method: &Method) -> Option<&'static str> {
+    match method {
+        Method::QuasiStatic(_) => Some(
+            "quasi-static tissue has no inertia, so that a piece which comes off could not fall: use another method",
+        ),
+        Method::ExplicitEuler => Some(
+            "explicit-euler is held by damping alone, which the stiffer elements that a cut leaves would need more of: use another method",
+        ),
+        _ => None,
+    }
+}
 
 /// The cuts of a description.
 pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneError> {
-    let still = matches!(spec.method, Method::QuasiStatic(_));
-    if let Some(body) = spec
-        .bodies
-        .iter()
-        .find(|body| still && !body.tear_strains.is_empty())
-    {
+    let uncuttable = uncuttable(&spec.method);
+    let torn = |body: &&BodySpec| !body.tear_strains.is_empty();
+    if let (Some(reason), Some(body)) = (uncuttable, spec.bodies.iter().find(torn)) {
         return Err(SceneError::Value {
             body: body.name.clone(),
             what: "cutting",
             index: 0,
-            reason: STILL,
+            reason,
         });
     }
     let mut cuts: Vec<Cut> = Vec::new();
@@ -79,8 +87,8 @@ pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneEr
                 "lines of no return of both jaws must be as many, from the tips to the hinge, and b of one must meet a of the next",
             ));
         }
-        if still {
-            return Err(wrong(STILL));
+        if let Some(reason) = uncuttable {
+            return Err(wrong(reason));
         }
         let touch = |pair: &Pair| pair.body == body && pair.with == PairPartner::Tool(tool);
         let (of_body, of_tool) = (&spec.bodies[body], &spec.tools[tool]);
@@ -210,7 +218,8 @@ impl Scene {
                 continue;
             };
             self.renew_surfaces();
-            let reaching = self.reaching(body, motion, &self.state.blades[index].inside);
+            let inside = self.state.blades[index].inside.clone();
+            let reaching = self.reaching(body, motion, &inside);
             let case = Case {
                 tool: &self.tools[tool],
                 motion,
@@ -230,6 +239,7 @@ impl Scene {
                     Ok(Some(cut)) => sum.add(cut),
                     Ok(None) => {}
                     Err(why) => {
+                        self.state.blades[index].take_back(path);
                         self.bodies[body].tally.rejected += 1;
                         rejected.push(RejectedCut {
                             body,
@@ -259,23 +269,33 @@ impl Scene {
     }
 
     /// The capsules among `edges` that still reach into a body at the end of a motion.
-    fn reaching(&self, body: usize, motion: &ToolMotion, edges: &[u32]) -> Vec<u32> {
-        if edges.is_empty() {
-            return Vec::new();
-        }
+    pub(crate) fn reaching(&mut self, body: usize, motion: &ToolMotion, edges: &[u32]) -> Vec<u32> {
         let positions = &self.state.bodies[body].positions;
-        let triangles = &self.bodies[body].surface.triangles;
-        let lines = self.tools[motion.tool].lines(motion, 1.0);
-        let reaches = |line: &&Line| {
-            let near = |triangle: &[u32; 3]| {
-                let triangle = triangle.map(|node| positions[node as usize]);
-                closest_segment_triangle(&line.a, &line.b, &triangle).distance() < line.radius
-            };
-            let within = || inside(&self.bodies[body].mesh, positions, [line.a, line.b]);
-            triangles.iter().any(near) || within()
+        let Some(topology) = &mut self.bodies[body].topology else {
+            return Vec::new();
         };
-        let of_edges = lines.iter().filter(|line| edges.contains(&line.capsule));
-        of_edges.filter(reaches).map(|line| line.capsule).collect()
+        let at = |node: u32| positions[node as usize];
+        let mut lines = self.tools[motion.tool].lines(motion, 1.0);
+        lines.retain(|line| {
+            if !edges.contains(&line.capsule) {
+                return false;
+            }
+            let bounds = Aabb::of(&[line.a, line.b]).inflated(line.radius);
+            let mut near = Vec::new();
+            let now = &positions[..];
+            topology.elements_near(&bounds, [now, now], |element, tet| {
+                near.push((element, *tet))
+            });
+            let reaches = |&(element, tet): &(u32, [u32; 4])| {
+                let touches = topology.triangles_of(element).any(|triangle| {
+                    let way = closest_segment_triangle(&line.a, &line.b, &triangle.nodes.map(at));
+                    way.distance() < line.radius
+                });
+                touches || is_within(&tet.map(at), [line.a, line.b])
+            };
+            near.iter().any(reaches)
+        });
+        lines.iter().map(|line| line.capsule).collect()
     }
 
     /// Leads a blade along its path through a body; `before` are the positions of its nodes before the tick.
@@ -432,9 +452,8 @@ impl Body {
         let edit_of_model = ModelEdit::new(&self.mesh, edit, self.model.clamped());
         let change = self.model.edit(&edit_of_model);
         let change = change.map_err(|_| Misfit)?;
-        if method.is_explicit() {
-            stability::floor_nodes(&mut self.model, &change.touched, self.stable_step, FLOOR);
-        }
+        let (model, touched) = (&mut self.model, &change.touched);
+        stability::floor_nodes(model, touched, method, self.stable_step, FLOOR);
         self.start.edit(&change);
         self.drive
             .follow(edit, old, &self.mesh, self.model.clamped());
@@ -448,23 +467,15 @@ impl Body {
 /// Share of the stability limit at the longest step of a body that the mass floor keeps after a cut (NUMERICS 3.5 c).
 const FLOOR: f64 = 0.9;
 
-/// Whether a segment goes through an element or ends in one.
-fn inside(mesh: &TetMesh, positions: &[Vector3<f64>], segment: [Vector3<f64>; 2]) -> bool {
-    let bounds = Aabb::of(&segment);
-    mesh.tets.iter().any(|tet| {
-        let corners = tet.map(|node| positions[node as usize]);
-        if !Aabb::of(&corners).overlaps(&bounds) {
-            return false;
-        }
-        let within = |end: &Vector3<f64>| point_in_tetrahedron(end, &corners).is_some();
-        let through = |face: [usize; 3]| {
-            edge_through_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).is_some()
-        };
-        within(&segment[0])
-            || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
-                .into_iter()
-                .any(through)
-    })
+/// Whether a segment goes through an element, or begins in it.
+fn is_within(corners: &[Vector3<f64>; 4], segment: [Vector3<f64>; 2]) -> bool {
+    let through = |face: [usize; 3]| {
+        edge_through_triangle(&segment[0], &segment[1], &face.map(|k| corners[k])).is_some()
+    };
+    point_in_tetrahedron(&segment[0], corners).is_some()
+        || [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
+            .into_iter()
+            .any(through)
 }
 
 /// The cuts of a tool through a body in a tick, summed up.

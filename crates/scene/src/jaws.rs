@@ -9,6 +9,10 @@ use crate::tool::Line;
 use microsim_cutting::Sweep;
 use nalgebra::Vector3;
 
+/// Sine of the angle from which on two lines of a jaw are not one straight one: far above rounding, and a blade off by no more than a millionth of its
+/// length below it.
+const BENT: f64 = 1e-6;
+
 /// A place along jaws: couple, and share along its lines from `a` to `b`.
 type Place = (usize, f64);
 
@@ -66,10 +70,20 @@ pub(crate) fn sweeps(
         if is_end(still) && !is_end(closed) {
             return;
         }
-        sweeps.push(Sweep {
-            before: jaws[0].across(from),
-            now: jaws[1].across(to),
-        });
+        let mut sweep = |from, to| {
+            sweeps.push(Sweep {
+                before: jaws[0].across(from),
+                now: jaws[1].across(to),
+            });
+        };
+        // Around a bend the way is not straight: it stops there, and the bend itself is swept along with the jaws.
+        let mut from = from;
+        for bend in jaws[1].bends(from, to) {
+            sweep(from, bend);
+            sweep(bend, bend);
+            from = bend;
+        }
+        sweep(from, to);
     };
     for &[first, last] in now {
         let within = |part: &&[Place; 2]| first <= part[0] && part[1] <= last;
@@ -115,6 +129,26 @@ impl<'a> Jaws<'a> {
         couples
             .map(|couple| couple.closed_part(pinch * (couple[0].radius + couple[1].radius)))
             .collect()
+    }
+
+    /// The places between two where a line goes on in another direction, in the order of the way from the first to the second.
+    fn bends(&self, from: Place, to: Place) -> Vec<Place> {
+        let (first, last) = if from > to { (to, from) } else { (from, to) };
+        let direction = |couple: usize, jaw: usize| {
+            let line = self.0[couple][jaw];
+            (line.b - line.a).normalize()
+        };
+        let is_bent = |couple: usize| {
+            let turn = |jaw| direction(couple - 1, jaw).cross(&direction(couple, jaw));
+            [0, 1].into_iter().any(|jaw| turn(jaw).norm() > BENT)
+        };
+        let joints = (first.0 + 1..=last.0).filter(|couple| is_bent(*couple));
+        let joints = joints.map(|couple| (couple, 0.0));
+        let mut bends: Vec<Place> = joints.filter(|joint| *joint != last).collect();
+        if from > to {
+            bends.reverse();
+        }
+        bends
     }
 
     /// The segment across both jaws at a place; closed to an end, the jaws' caps there are closed too.
@@ -267,6 +301,41 @@ mod tests {
         let one = [Some([0.25, 1.0]), Some([0.0, 0.5])];
         let expected = [[0.25, 0.25], [0.5, 1.25], [1.25, 1.25], [1.5, 1.5]];
         assert_eq!(ways(2, &apart, &apart, &one), expected);
+    }
+
+    /// Around a bend an end goes by way of it, in either direction, however many couples are passed in one step.
+    #[test]
+    fn ends_go_around_bends() {
+        let mut lines = lines(3);
+        for line in &mut lines {
+            // Up behind the first couple.
+            let place = |y: f64| if y > 1.0 { [1.0, y - 1.0] } else { [y, 0.0] };
+            for end in [&mut line.a, &mut line.b] {
+                [end.y, end.z] = place(end.y);
+            }
+        }
+        let jaws = [Jaws::new(&lines), Jaws::new(&lines)];
+        let ways = |still: &[Option<[f64; 2]>], now: &[Option<[f64; 2]>]| -> Vec<[[f64; 2]; 2]> {
+            let sweeps = sweeps(&jaws, &[still, still, now].map(parts));
+            let ends = sweeps.iter().map(|s| [s.before[0], s.now[0]]);
+            ends.map(|way| way.map(|p| [p.y, p.z])).collect()
+        };
+        // From the hinge over the straight joint and the bent one.
+        let hinge = [None, None, Some([0.5, 1.0])];
+        let most = [Some([0.25, 1.0]), Some([0.0, 1.0]), Some([0.0, 1.0])];
+        let (start, bend, end, cap) = ([1.0, 1.5], [1.0, 0.0], [0.25, 0.0], [1.0, 2.0 + 1e-3]);
+        assert_eq!(
+            ways(&hinge, &most),
+            [[start, bend], [bend, bend], [bend, end], [cap, cap]]
+        );
+        // From the tips to the bend and beyond.
+        let tips = [Some([0.0, 0.5]), None, None];
+        let more = [Some([0.0, 1.0]), Some([0.0, 0.25]), None];
+        let (tip, start, end) = ([-1e-3, 0.0], [0.5, 0.0], [1.0, 0.25]);
+        assert_eq!(
+            ways(&tips, &more),
+            [[tip, tip], [start, bend], [bend, bend], [bend, end]]
+        );
     }
 
     /// As jaws open an end goes back and cuts nothing on its way, nor where it comes to in that step.

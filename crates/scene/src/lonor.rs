@@ -70,6 +70,8 @@ pub(crate) struct Path {
     pub line: u32,
     /// Of a line itself, or of all closing points of jaws.
     pub sweeps: Vec<Sweep>,
+    /// Of jaws, what was closed before.
+    pub closed: Option<Vec<Option<[f64; 2]>>>,
 }
 
 /// Part of a capsule that touches nothing.
@@ -215,6 +217,7 @@ impl BladeMemory {
                 before: [from.a, from.b],
                 now: [to.a, to.b],
             }],
+            closed: None,
         };
         if case.ability.free {
             return both().map(straight).collect();
@@ -277,7 +280,12 @@ impl BladeMemory {
             let parts = [&self.closed, &before, &now].map(|parts| jaws::parts(parts));
             let sweeps = jaws::sweeps(&jaws, &parts);
             if !sweeps.is_empty() {
-                paths.push(Path { line, sweeps });
+                let closed = Some(self.closed.clone());
+                paths.push(Path {
+                    line,
+                    sweeps,
+                    closed,
+                });
             }
         }
         let none = |parts: &[Option<_>]| parts.iter().all(Option::is_none);
@@ -295,6 +303,14 @@ impl BladeMemory {
             self.strokes.len() - 1
         });
         &mut self.strokes[place].1
+    }
+
+    /// A path that was not cut: jaws go on from what was closed before it, so that the next one holds it.
+    pub fn take_back(&mut self, path: Path) {
+        if let Some(closed) = path.closed {
+            self.closed = closed;
+            self.leaving.retain(|line| *line != path.line);
+        }
     }
 
     /// Whether a line has cut something and is not clear of it.

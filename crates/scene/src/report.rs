@@ -80,7 +80,8 @@ pub struct CutReport {
     pub body: usize,
     /// Index of the tool; `None` of tissue that tore by itself.
     pub tool: Option<usize>,
-    /// Elements that were divided.
+    /// Elements that were divided in this tick. A tick that divides and lays nothing open is not reported: of all that were divided tells
+    /// [`Scene::cut_tally`](crate::Scene::cut_tally).
     pub divided: usize,
     /// Area that was opened, of one side, at rest [m²].
     pub area: f64,

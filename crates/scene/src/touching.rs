@@ -329,19 +329,22 @@ fn whole(partner: Partner) -> Partner {
     }
 }
 
-/// The ends of two vessels that lie nearest to each other at the start.
+/// The ends of two vessels that lie nearest to each other at the start, of those of which something is left.
 fn facing_ends(both: [(&Body, Member); 2]) -> [VesselEnd; 2] {
-    let centres = both.map(|(body, _)| -> Vec<Vector3<f64>> {
+    let centres = both.map(|(body, _)| -> Vec<Option<Vector3<f64>>> {
         let ends = body.ends.iter().map(|end| {
             let nodes = end.iter().flatten();
             let sum: Vector3<f64> = nodes.map(|&node| body.start.positions[node as usize]).sum();
-            sum / (3 * end.len()).max(1) as f64
+            (!end.is_empty()).then(|| sum / (3 * end.len()) as f64)
         });
         ends.collect()
     });
     let mut nearest = (f64::INFINITY, [0; 2]);
     for (i, a) in centres[0].iter().enumerate() {
         for (j, b) in centres[1].iter().enumerate() {
+            let (Some(a), Some(b)) = (a, b) else {
+                continue;
+            };
             let distance = (a - b).norm();
             if distance < nearest.0 {
                 nearest = (distance, [i, j]);
@@ -424,3 +427,6 @@ impl ContactSource for Source<'_> {
         }));
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -98,7 +98,13 @@ fn row(name: &str, behaviour: Behaviour, floored: bool, cuts: usize, steps: usiz
         let edit = ModelEdit::new(&mesh, &cut.edit, model.clamped());
         let change = model.edit(&edit).expect("cuts are sound");
         if floored {
-            floor_nodes(&mut model, &change.touched, h, FLOOR);
+            floor_nodes(
+                &mut model,
+                &change.touched,
+                &Method::StoermerVerlet,
+                h,
+                FLOOR,
+            );
         }
     }
     let added = model.added_inertia();

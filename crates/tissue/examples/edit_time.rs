@@ -201,7 +201,7 @@ fn row(name: &str, material: &Material, cells: usize) {
         let change = change.expect("cuts are sound");
         let carried = micros(|| state.edit(&change));
         let floored = micros(|| {
-            floor_nodes(&mut model, &change.touched, h, 0.9);
+            floor_nodes(&mut model, &change.touched, &Method::StoermerVerlet, h, 0.9);
         });
         let followed = micros(|| verlet.follow(&model));
         if !DIVIDED.contains(&count) {

@@ -62,8 +62,6 @@ pub struct ModelEdit<'a> {
     pub new_nodes: Vec<([u32; 2], f64)>,
     /// Whether each new node is fixed in space.
     pub clamped: Vec<bool>,
-    /// Nodes with another rest position.
-    pub moved: Vec<u32>,
     /// Elements that leave, ascending.
     pub removed_elements: Vec<u32>,
     /// Nodes that leave, ascending.
@@ -94,7 +92,6 @@ impl<'a> ModelEdit<'a> {
             parents: parents.collect(),
             new_nodes: edit.nodes.iter().map(|n| (n.between, n.share)).collect(),
             clamped,
-            moved: edit.moved.iter().map(|(node, _)| *node).collect(),
             removed_elements: edit.removed.clone(),
             removed_nodes: edit.removed_nodes.clone(),
         }

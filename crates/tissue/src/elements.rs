@@ -20,8 +20,8 @@ pub mod splice;
 
 pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Smoothed};
+pub(crate) use coupling::Followed;
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
-pub(crate) use coupling::{Followed, coordinates};
 pub use domains::{Domains, Tetrahedra};
 pub use lanes::Lanes;
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};

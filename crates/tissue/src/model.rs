@@ -39,7 +39,7 @@ pub struct TissueModel {
     pub(crate) index: IndexCell,
     rate_bound: OnceLock<f64>,
     pub(crate) components: OnceLock<Arc<Components>>,
-    /// S_i of NUMERICS 3.2 at rest [N/m]; edits keep them up to date.
+    /// S_i of stiffness [N/m] and damping [N·s/m] at rest (NUMERICS 3.2); edits keep them up to date.
     pub(crate) row_sums: OnceLock<Vec<RowSums>>,
 }
 

@@ -9,13 +9,12 @@ use microsim_cutting::{Stroke, Topology, TopologyState, check};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An edit: body u32, nodes before it u32, generation u64; then lists, each behind its length u32: moved nodes (u32, 3 × f64), new nodes
+/// An edit: body u32, nodes before it u32, generation u64; then lists, each behind its length u32: new nodes
 /// (2 × u32, f64), replaced elements (u32, list of 4 × u32), removed elements and nodes (u32), renumbered elements (5 × u32), cut faces (5 × u32, side
 /// u32).
 pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
     let TopologyEdit {
         generation,
-        moved,
         nodes,
         elements,
         removed,
@@ -26,10 +25,6 @@ pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
     put_u32(bytes, edit.body as u32);
     put_u32(bytes, edit.nodes as u32);
     bytes.extend_from_slice(&generation.to_le_bytes());
-    put_list(bytes, moved, |bytes, (node, place)| {
-        put_u32(bytes, *node);
-        put_vector(bytes, place);
-    });
     put_list(bytes, nodes, |bytes, node| {
         put_numbers(bytes, &node.between);
         put_f64(bytes, node.share);
@@ -58,7 +53,6 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
     let generation = u64::from_le_bytes(reader.array()?);
     let edit = TopologyEdit {
         generation,
-        moved: reader.list(|r| Ok((r.u32()?, r.vector()?)))?,
         nodes: reader.list(|r| {
             Ok(NewNode {
                 between: r.numbers()?,

@@ -5,6 +5,8 @@ use microsim_cutting::check;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{ContinuumConstants, Discretisation};
 
+mod hard;
+
 const NEWTON: Newton = Newton {
     iterations: 2,
     tolerance: 1e-2,
@@ -560,6 +562,7 @@ fn cuts_that_cannot_be_are_refused() {
         s.method = Method::QuasiStatic(NEWTON);
     };
     assert!(of(tears).contains("no inertia"));
+    assert!(of(|s| s.method = Method::ExplicitEuler).contains("held by damping alone"));
     assert!(of(|s| s.bodies[0].brittleness = 1.5).contains("brittleness from 0 to 1"));
     assert!(of(|s| s.bodies[0].toughness = 0.0).contains("toughness is above 0"));
     assert!(of(|s| s.tools[0].sharpness = f64::NAN).contains("sharpness from 0 to 1"));

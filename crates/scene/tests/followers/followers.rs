@@ -180,7 +180,13 @@ impl Follower {
         let edit = ModelEdit::new(&body.mesh, &cut.edit, &[]);
         let change = self.model.edit(&edit).map_err(|e| e.to_string())?;
         self.state.edit(&change);
-        let remedied = floor_nodes(&mut self.model, &change.touched, self.step, FLOOR);
+        let remedied = floor_nodes(
+            &mut self.model,
+            &change.touched,
+            &Method::StoermerVerlet,
+            self.step,
+            FLOOR,
+        );
         tally.floored += remedied.nodes;
         self.solver.follow(&self.model);
         Ok(())

@@ -3,8 +3,8 @@
 use super::ModelEdit;
 use super::error::EditError;
 use super::index::Index;
+use crate::elements::Coupling;
 use crate::elements::splice::places;
-use crate::elements::{Coupling, coordinates};
 use crate::model::TissueModel;
 use std::any::Any;
 
@@ -68,14 +68,12 @@ pub(super) struct Plan {
     pub gone: Vec<(u32, [u32; 4])>,
     /// Elements after the edit that are new, ascending, with the one they are a part of.
     pub fresh: Vec<(u32, u32)>,
-    /// Elements that are the same with other numbers of nodes or other rest positions: before and after, ascending.
+    /// Elements that are the same with other numbers of nodes: before and after, ascending.
     pub reshaped: Vec<(u32, u32)>,
     /// Elements that are the same but for their number: before and after.
     pub renumbered: Vec<(u32, u32)>,
     /// The nodes before the edit between which each new node is, ascending.
     pub supports: Vec<Vec<u32>>,
-    /// Where each moved node was: a tetrahedron before the edit and the coordinates in it.
-    pub moved: Vec<(u32, [u32; 4], [f64; 4])>,
 }
 
 impl Plan {
@@ -100,9 +98,6 @@ impl Plan {
         let all_elements = elements_before + edit.parents.len();
         ascending("element", &edit.removed_elements, all_elements)?;
         ascending("node", &edit.removed_nodes, appended)?;
-        for &node in &edit.moved {
-            in_range("node", node, nodes_before)?;
-        }
         for &parent in &edit.parents {
             in_range("element", parent, elements_before)?;
         }
@@ -141,11 +136,7 @@ impl Plan {
         fresh.sort_unstable();
 
         let index = model.index();
-        let other_nodes = nodes
-            .moves()
-            .iter()
-            .map(|m| m[0])
-            .chain(edit.moved.iter().copied());
+        let other_nodes = nodes.moves().iter().map(|m| m[0]);
         let mut reshaped: Vec<(u32, u32)> = other_nodes
             .filter(|&node| (node as usize) < nodes_before)
             .flat_map(|node| index.tets_at(node).iter().copied())
@@ -169,7 +160,6 @@ impl Plan {
             reshaped,
             renumbered,
             supports: supports(nodes_before, &edit.new_nodes),
-            moved: moved(model, edit, &nodes),
             nodes,
             elements,
         };
@@ -266,35 +256,6 @@ fn supports(before: usize, new_nodes: &[([u32; 2], f64)]) -> Vec<Vec<u32>> {
         supports.push(support);
     }
     supports
-}
-
-/// Where each moved node was, in the tetrahedron at it before the edit in which it was most.
-fn moved(
-    model: &TissueModel,
-    edit: &ModelEdit<'_>,
-    nodes: &Leaving,
-) -> Vec<(u32, [u32; 4], [f64; 4])> {
-    let mut all = Vec::with_capacity(edit.moved.len());
-    for &node in &edit.moved {
-        let Some(after) = nodes.after(node) else {
-            continue;
-        };
-        let point = &edit.mesh.positions[after as usize];
-        let mut best = (f64::NEG_INFINITY, [node; 4], [1.0, 0.0, 0.0, 0.0]);
-        let mut at: Vec<u32> = model.index().tets_at(node).to_vec();
-        at.sort_unstable();
-        for element in at {
-            let tet = model.tets()[element as usize];
-            let corners = tet.map(|corner| model.rest_positions()[corner as usize]);
-            let weights = coordinates(&corners, point);
-            let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
-            if least > best.0 {
-                best = (least, tet, weights);
-            }
-        }
-        all.push((node, best.1, best.2));
-    }
-    all
 }
 
 fn in_range(of: &'static str, number: u32, count: usize) -> Result<(), EditError> {

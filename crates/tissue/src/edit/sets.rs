@@ -123,7 +123,6 @@ impl TissueModel {
             touched,
             new_nodes: edit.new_nodes.clone(),
             removed_nodes: edit.removed_nodes.clone(),
-            moved: plan.moved.clone(),
             sets: changes,
         }
     }
@@ -149,8 +148,7 @@ impl TissueModel {
         splice(&mut self.added_inertia, removed, &[]);
         splice(&mut self.inverse_masses, removed, &[]);
         let new = before as u32..all as u32;
-        let changed = new.chain(edit.moved.iter().copied());
-        for node in changed.filter_map(|node| plan.nodes.after(node)) {
+        for node in new.filter_map(|node| plan.nodes.after(node)) {
             self.rest_positions[node as usize] = mesh.positions[node as usize];
         }
         if !removed.is_empty() {
@@ -394,13 +392,7 @@ impl TissueModel {
                 let fresh = plan.fresh.iter().filter(|(_, parent)| *parent == element);
                 return (fresh.map(|(child, _)| *child).collect(), true);
             }
-            let has_moved = self.tets[element as usize]
-                .iter()
-                .any(|node| edit.moved.contains(node));
-            (
-                plan.elements.after(element).into_iter().collect(),
-                has_moved,
-            )
+            (plan.elements.after(element).into_iter().collect(), false)
         };
         let (added, ancestors) = coupling.follow(
             &removed,

@@ -12,8 +12,6 @@ pub struct ModelChange {
     pub touched: Vec<u32>,
     pub(super) new_nodes: Vec<([u32; 2], f64)>,
     pub(super) removed_nodes: Vec<u32>,
-    /// Where moved nodes were: nodes and weights before the edit.
-    pub(super) moved: Vec<(u32, [u32; 4], [f64; 4])>,
     /// Set after set.
     pub(super) sets: Vec<SetChange>,
 }
@@ -75,8 +73,8 @@ impl SetChange {
 }
 
 impl State {
-    /// Follows an edit of the model, of whose state before it this is one. New nodes have positions, velocities and accelerations of the line on which they are, moved ones
-    /// those of the place to which they went; internal variables are inherited.
+    /// Follows an edit of the model, of whose state before it this is one. New nodes have positions, velocities and accelerations of the line on which they
+    /// are; internal variables are inherited.
     pub fn edit(&mut self, change: &ModelChange) {
         for values in [
             &mut self.positions,
@@ -98,23 +96,9 @@ impl State {
 }
 
 fn follow(values: &mut Vec<Vector3<f64>>, change: &ModelChange) {
-    let blend = |values: &[Vector3<f64>], (tet, weights): (&[u32; 4], &[f64; 4])| {
-        let mut sum = Vector3::zeros();
-        for (node, weight) in tet.iter().zip(weights) {
-            sum += values[*node as usize] * *weight;
-        }
-        sum
-    };
-    let moved = change.moved.iter();
-    let moved: Vec<_> = moved
-        .map(|(node, tet, weights)| (*node, blend(values, (tet, weights))))
-        .collect();
     for ([a, b], share) in &change.new_nodes {
         let (a, b) = (values[*a as usize], values[*b as usize]);
         values.push(a + (b - a) * *share);
-    }
-    for (node, value) in moved {
-        values[node as usize] = value;
     }
     splice(values, &change.removed_nodes, &[]);
 }

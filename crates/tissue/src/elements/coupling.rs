@@ -10,7 +10,8 @@
 mod follow;
 mod pairing;
 
-pub(crate) use follow::{Followed, coordinates};
+pub(crate) use follow::Followed;
+use follow::coordinates;
 pub use pairing::{CoupleError, couple};
 
 use crate::elements::key::Key;

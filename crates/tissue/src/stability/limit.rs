@@ -36,6 +36,39 @@ pub fn limit(method: &Method, lambda: f64, drag: f64) -> f64 {
     }
 }
 
+/// What a mode may take up in a step of an explicit method: stable is h²λ + `viscosity` hΛ + `drag` hc < `room`, Λ the eigenvalue of
+/// viscous forces [1/s] and c the drag per mass [1/s], both taken from a known velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Budget {
+    pub room: f64,
+    pub viscosity: f64,
+    pub drag: f64,
+}
+
+/// The budget of a method for a body with viscosity or drag (`damped`) or without; `None` where there is none: a method that is stable at every step,
+/// or explicit Euler, which needs damping in proportion to the stiffness.
+pub(super) fn budget(method: &Method, damped: bool) -> Option<Budget> {
+    let of = |room, viscosity, drag| Budget {
+        room,
+        viscosity,
+        drag,
+    };
+    match method {
+        Method::StoermerVerlet => Some(of(4.0, 2.0, 0.0)),
+        Method::SymplecticEuler => Some(of(4.0, 2.0, 2.0)),
+        Method::VelocityVerlet => Some(of(4.0, 4.0, 0.0)),
+        Method::VelocityVerletLagged if damped => Some(of(2.0, 1.0, 1.0)),
+        Method::VelocityVerletLagged => Some(of(4.0, 0.0, 0.0)),
+        Method::ExplicitEuler
+        | Method::ImplicitEuler(_)
+        | Method::ImplicitMidpoint(_)
+        | Method::GuardedMidpoint(_)
+        | Method::Sdirk2(_)
+        | Method::QuasiStatic(_)
+        | Method::Xpbd { .. } => None,
+    }
+}
+
 /// Delingette's estimate k_c = m/(π² h²) of the largest stiffness of a spring [N/m] between nodes of `mass` [kg] at the step
 /// `h` [s] (3.21).
 ///

@@ -11,13 +11,6 @@ pub(crate) struct RowSums {
     pub damping: f64,
 }
 
-impl RowSums {
-    /// S_i + 2 D_i/h: what counts as stiffness in a step `h` [s] (NUMERICS 3.1, h²λ + 2hΛ).
-    pub fn over(&self, h: f64) -> f64 {
-        self.stiffness + 2.0 * self.damping / h
-    }
-}
-
 impl TissueModel {
     /// Those of every node at rest, without plastic flow: as [`gershgorin_bound`](super::gershgorin_bound) sums them. After edits
     /// they are right to the rounding of what has ever been in the sum.

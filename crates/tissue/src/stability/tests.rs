@@ -261,6 +261,52 @@ fn mass_floor_and_stiffness_cap_make_a_given_step_stable() {
     );
 }
 
+/// The largest way from rest, over that at the start, of a mass that a floor at this share of the limit has made heavier, in 2,000 steps; it hangs
+/// on a spring so stiff that it needs one, with these damping [N·s/m] and drag [1/s]. Of one oscillator Gershgorin's bound is exact.
+fn growth(method: &Method, damping: f64, drag: f64, safety: f64) -> f64 {
+    let (h, start) = (2.0, 1e-9);
+    let mut model = pair([true, false], damping);
+    model.drags = vec![(0..2, drag)];
+    let remedied = floor_nodes(&mut model, &[0, 1], method, h, safety);
+    assert!(remedied.nodes == 1 && remedied.added > 0.0);
+    let mut state = State::at_rest(&model);
+    state.positions[1].x += start;
+    let mut solver = method.solver(&model).unwrap();
+    let mut largest = 0.0_f64;
+    for _ in 0..2000 {
+        let (control, contacts) = (Control::default(), Contacts::default());
+        let step = solver.step(&model, &mut state, &control, &contacts, h, &Serial);
+        largest = largest.max((state.positions[1].x - 1.0).abs() / start);
+        if step.is_err() || largest > 1e3 {
+            break;
+        }
+    }
+    largest
+}
+
+/// The floor of each method holds it and goes no further: 2 % within the limit it stays bounded, 2 % beyond it does not.
+#[test]
+fn the_floor_of_a_method_is_at_its_own_limit() {
+    let cases = [
+        (Method::StoermerVerlet, 0.0, 0.4),
+        (Method::StoermerVerlet, 8.0, 0.4),
+        (Method::SymplecticEuler, 0.0, 0.4),
+        (Method::SymplecticEuler, 8.0, 0.4),
+        (Method::VelocityVerlet, 0.0, 0.4),
+        (Method::VelocityVerlet, 8.0, 0.0),
+        (Method::VelocityVerletLagged, 0.0, 0.0),
+        (Method::VelocityVerletLagged, 0.0, 0.1),
+        (Method::VelocityVerletLagged, 8.0, 0.1),
+    ];
+    for (method, damping, drag) in cases {
+        let growths = [0.98, 1.02].map(|safety| growth(&method, damping, drag, safety));
+        assert!(
+            growths[0] < 1e2 && growths[1] > 1e3,
+            "{method:?}, {damping} N·s/m, {drag}/s: {growths:?}"
+        );
+    }
+}
+
 #[test]
 fn delingettes_estimate_is_far_below_the_limit_of_one_oscillator() {
     // NUMERICS 3.3: 4m/h² over m/(π² h²) is 4π² = 39.5.

@@ -1,9 +1,8 @@
-//! Edits of a mesh made by hand: edges divided, nodes split, elements taken away, nodes moved.
+//! Edits of a mesh made by hand: edges divided, nodes split, elements taken away.
 
 use crate::edit::{EditError, ModelChange, ModelEdit};
 use crate::model::TissueModel;
 use microsim_mesh::TetMesh;
-use nalgebra::Vector3;
 
 /// An edit in the making, and the mesh with it so far; nothing has left yet.
 pub struct ByHand {
@@ -14,7 +13,6 @@ pub struct ByHand {
     pub parents: Vec<u32>,
     pub new_nodes: Vec<([u32; 2], f64)>,
     pub clamped: Vec<bool>,
-    pub moved: Vec<u32>,
     pub removed_elements: Vec<u32>,
     pub removed_nodes: Vec<u32>,
 }
@@ -28,7 +26,6 @@ impl ByHand {
             parents: Vec::new(),
             new_nodes: Vec::new(),
             clamped: Vec::new(),
-            moved: Vec::new(),
             removed_elements: Vec::new(),
             removed_nodes: Vec::new(),
         }
@@ -103,12 +100,6 @@ impl ByHand {
         }
     }
 
-    /// Moves a node at rest.
-    pub fn shift(&mut self, node: u32, by: Vector3<f64>) {
-        self.mesh.positions[node as usize] += by;
-        self.moved.push(node);
-    }
-
     /// The mesh after the edit.
     pub fn finish(&mut self) -> TetMesh {
         for list in [
@@ -156,15 +147,13 @@ impl ByHand {
             parents: self.parents.clone(),
             new_nodes: self.new_nodes.clone(),
             clamped: self.clamped.clone(),
-            moved: self.moved.clone(),
             removed_elements: self.removed_elements.clone(),
             removed_nodes: self.removed_nodes.clone(),
         }
     }
 }
 
-/// A random edit: some edges divided, nodes split, elements taken away where they stand out, nodes moved, so that every volume stays
-/// above a tenth of what it was.
+/// A random edit: some edges divided, nodes split, elements taken away where they stand out.
 pub fn random(mesh: &TetMesh, clamped: &[bool], next: &mut impl FnMut() -> f64) -> ByHand {
     let mut edit = ByHand::new(mesh);
     let mut pick = |count: usize| ((0.5 * next() + 0.5) * count as f64) as usize % count;
@@ -188,19 +177,6 @@ pub fn random(mesh: &TetMesh, clamped: &[bool], next: &mut impl FnMut() -> f64) 
         let element = pick(edit.mesh.tets.len()) as u32;
         if !edit.removed_elements.contains(&element) {
             edit.remove(element);
-        }
-    }
-    let node = pick(mesh.positions.len()) as u32;
-    if !edit.removed_nodes.contains(&node) {
-        let before = edit.mesh.volumes();
-        let corners = edit.mesh.corners(edit.at(&[node])[0] as usize);
-        let centre: Vector3<f64> = corners.iter().sum::<Vector3<f64>>() / 4.0;
-        let by = (centre - edit.mesh.positions[node as usize]) * 0.1;
-        edit.shift(node, by);
-        let kept = |(now, before): (f64, &f64)| now > 0.1 * before;
-        if !edit.mesh.volumes().into_iter().zip(&before).all(kept) {
-            edit.mesh.positions[node as usize] -= by;
-            edit.moved.clear();
         }
     }
     edit

@@ -1,6 +1,7 @@
 //! Remedies after edits, where they touched, against those of the whole body and dense eigenvalues.
 
 use super::*;
+use crate::method::Method;
 use crate::stability::{Part, floor_nodes, gershgorin_bound, mass_floor};
 
 /// Largest eigenvalue of M⁻¹K at rest [1/s²].
@@ -56,7 +57,13 @@ fn touched_nodes_are_all_that_need_a_remedy() {
                 }
                 let change = edit.apply(&mesh, &mut model).unwrap();
                 let at_rest = State::at_rest(&model);
-                let remedied = floor_nodes(&mut model, &change.touched, h, safety);
+                let remedied = floor_nodes(
+                    &mut model,
+                    &change.touched,
+                    &Method::StoermerVerlet,
+                    h,
+                    safety,
+                );
                 let all = mass_floor(&model, &at_rest, h, safety);
                 let size = model.masses().iter().copied().fold(0.0, f64::max);
                 for (a, b) in model.added_inertia().iter().zip(&all) {

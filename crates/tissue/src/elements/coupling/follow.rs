@@ -84,7 +84,7 @@ fn inside(stencil: &Stencil, children: &[u32], edit: &Followed<'_>) -> (u32, Ste
 }
 
 /// Barycentric coordinates of a point in a tetrahedron; their sum is 1 to the last bit but one.
-pub(crate) fn coordinates(corners: &[Vector3<f64>; 4], point: &Vector3<f64>) -> [f64; 4] {
+pub(super) fn coordinates(corners: &[Vector3<f64>; 4], point: &Vector3<f64>) -> [f64; 4] {
     let [a, b, c, d] = corners;
     let volume = signed_volume(a, b, c, d);
     let share = |corner: usize| {
