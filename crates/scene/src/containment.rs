@@ -21,8 +21,8 @@ const INVERTED: f64 = -1.0;
 const ESCAPE: f64 = 10.0;
 
 /// A point of contact presses no harder than this multiple of E times the square of an edge: two jaws that close on tissue until it is
-/// flat take some of it, an iteration that was cut short between two jaws may leave a number without any meaning.
-const OVERPRESSED: f64 = 1e2;
+/// flat take tens of it, an iteration that was cut short between two jaws may leave a number without any meaning.
+const OVERPRESSED: f64 = 1e3;
 
 /// How a body diverged.
 #[derive(Clone, Copy, Debug, PartialEq)]

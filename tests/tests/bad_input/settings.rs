@@ -83,7 +83,7 @@ const CASES: [Case; 16] = [
     Case {
         file: SCRIPT,
         edit: ("interpolation = ", "interpolate = "),
-        says: ":1: key `interpolate`: found an unknown key, expected `rate`, `interpolation` or `tool` (did you mean \
+        says: ":1: key `interpolate`: found an unknown key, expected `rate`, `interpolation`, `synthetic` or `tool` (did you mean \
                `interpolation`?)",
     },
     Case {
