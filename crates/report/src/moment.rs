@@ -9,7 +9,7 @@ use crate::html::in_both;
 use crate::number::shown;
 use microsim_message::{ContactForces, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// So long nothing of a kind happens between two moments of it \[s\].
 const PAUSE: f64 = 0.25;
@@ -26,7 +26,7 @@ pub enum MomentKind {
     Cut,
     /// Tissue tears by itself.
     Tear,
-    /// A piece comes off.
+    /// A body comes apart.
     PieceOff,
     /// A force beyond the limit of its pair.
     ExcessForce,
@@ -176,8 +176,8 @@ impl<'a> MomentCollector<'a> {
         let LocalText { de, en } = self.session.tool_name(tool);
         let text = match kind {
             MomentKind::Grip => in_both(
-                &format!("Griff: {de} an {body}"),
-                &format!("Grip: {en} on {body}"),
+                &format!("{de} schließt sich um {body}"),
+                &format!("{en} closes on {body}"),
             ),
             MomentKind::Cut => in_both(
                 &format!("Schnitt: {de} durch {body}"),
@@ -185,8 +185,8 @@ impl<'a> MomentCollector<'a> {
             ),
             MomentKind::Tear => in_both(&format!("Riss: {body}"), &format!("Tear: {body}")),
             MomentKind::PieceOff => in_both(
-                &format!("Ein Stück ist ab: {body}"),
-                &format!("A piece comes off: {body}"),
+                &format!("Durchtrennt: {body}"),
+                &format!("Comes apart: {body}"),
             ),
             _ => in_both(
                 &format!("Zu viel Kraft: {de} auf {body}"),
@@ -197,7 +197,7 @@ impl<'a> MomentCollector<'a> {
     }
 }
 
-/// Those of which a page shows pictures: at most `most`, the most telling kinds first, of each kind the first ones; in the order
+/// Those of which a page shows pictures: at most `most` ticks, the most telling kinds first, of each kind the first ones; in the order
 /// of time. Indices into `moments`.
 pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<usize> {
     const ORDER: [MomentKind; 9] = [
@@ -212,16 +212,21 @@ pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<usize> {
         MomentKind::ExcessForce,
     ];
     let mut chosen: Vec<usize> = Vec::new();
+    let mut ticks = BTreeSet::new();
     // The first of each kind before the second of any.
     let of = |kind: MomentKind| {
         let all = moments.iter().enumerate();
         all.filter(move |(_, m)| m.kind == kind).map(|(at, _)| at)
     };
     for rank in 0..moments.len() {
-        let next = ORDER.iter().filter_map(|kind| of(*kind).nth(rank));
-        chosen.extend(next);
+        for at in ORDER.iter().filter_map(|kind| of(*kind).nth(rank)) {
+            let tick = moments[at].tick;
+            if ticks.len() < most || ticks.contains(&tick) {
+                ticks.insert(tick);
+                chosen.push(at);
+            }
+        }
     }
-    chosen.truncate(most);
     chosen.sort_unstable();
     chosen
 }
@@ -328,5 +333,8 @@ mod tests {
         assert_eq!(key_moments(&moments, 4), [0, 1, 7, 8]);
         assert_eq!(key_moments(&moments, 5), [0, 1, 2, 7, 8]);
         assert_eq!(key_moments(&moments, 99).len(), 9);
+        // What happens in the same tick is in the same picture.
+        moments.push(moment(MomentKind::LargestForce, 8));
+        assert_eq!(key_moments(&moments, 4), [0, 1, 7, 8, 9]);
     }
 }
