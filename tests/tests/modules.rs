@@ -67,19 +67,24 @@ impl Level {
         scripts
     }
 
+    /// Plays a script, and computes the session again.
     fn run(&self, folder: &Path, name: &str, script: &Path, args: &[&str]) -> Value {
+        let (said, session) = self.play(folder, name, script, args);
+        assert_verified(&session);
+        said
+    }
+
+    fn play(&self, folder: &Path, name: &str, script: &Path, args: &[&str]) -> (Value, PathBuf) {
         let session = folder.join(format!("{}-{}-{name}.session", self.module, self.number));
         let input = format!("script:{}", script.display());
         let level = self.number.to_string();
         let args = [&["--level", &level, "--input", &input], args].concat();
-        let said = run(&self.module, &session, &args);
-        assert_verified(&session);
-        said
+        (run(&self.module, &session, &args), session)
     }
 }
 
 #[test]
-fn every_level_has_a_script_that_passes_and_one_that_fails() {
+fn every_level_has_a_script_that_passes_and_three_that_fail() {
     for level in levels() {
         let scripts = level.scripts();
         let what = format!("{}, level {}", level.module, level.number);
@@ -87,10 +92,8 @@ fn every_level_has_a_script_that_passes_and_one_that_fails() {
             scripts.iter().any(|(reason, _)| reason.is_none()),
             "{what}: none passes"
         );
-        assert!(
-            scripts.iter().any(|(reason, _)| reason.is_some()),
-            "{what}: none fails"
-        );
+        let failing = scripts.iter().filter(|(reason, _)| reason.is_some());
+        assert!(failing.count() >= 3, "{what}: too few fail");
     }
 }
 
@@ -177,7 +180,7 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held_nor_cut() {
             .filter(|(reason, _)| reason.is_none())
         {
             let done_without = |what: &str| {
-                let said = level.run(folder.path(), what, &script, &["--without", what]);
+                let (said, _) = level.play(folder.path(), what, &script, &["--without", what]);
                 assert_eq!(said["verdict"], "failed", "{said}");
                 assert_eq!(said["counts"], false, "{said}");
                 said["targets_done"].as_u64().expect("a number")
@@ -215,7 +218,7 @@ fn coordination_is_not_passed_without_what_its_levels_use() {
     {
         let passing = folder_of(level).join(format!("level{}-pass.toml", level.number));
         let mut fails = |what: &'static str| {
-            let said = level.run(folder.path(), what, &passing, &["--without", what]);
+            let (said, _) = level.play(folder.path(), what, &passing, &["--without", what]);
             assert_eq!(
                 said["verdict"], "failed",
                 "level {} without {what}: {said}",
