@@ -107,7 +107,8 @@ fn folder_of(level: &Level) -> PathBuf {
 fn script_does_what_it_is_for(level: &Level, reason: Option<&str>, script: &Path, folder: &Path) {
     // A level may have several that pass.
     let name = script.file_stem().and_then(|name| name.to_str());
-    let said = level.run(folder, name.expect("it was listed by its name"), script, &[]);
+    let name = name.expect("it was listed by its name");
+    let said = level.run(folder, name, script, &[]);
     let what = format!("{}: {said}", script.display());
     assert_eq!(said["counts"], true, "{what}");
     match reason {
