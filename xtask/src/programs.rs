@@ -63,7 +63,7 @@ pub const BENCHES: &[Program] = &[
         name: "coordination",
         package: TESTS,
         example: "bench_coordination",
-        shows: "CPU time per picture of 16 ms of the script that passes each level, shares of the plugins",
+        shows: "CPU time per picture of 16 ms of each level, shares of the plugins",
     },
     Program {
         name: "peers",
@@ -103,7 +103,7 @@ pub const SOAKS: &[Program] = &[
         name: "trainees",
         package: TESTS,
         example: "soak_trainees",
-        shows: "synthetic experts and novices on a level: each metric, effect sizes (-- MODULE LEVEL N)",
+        shows: "synthetic experts and novices on a level (-- MODULE LEVEL N)",
     },
 ];
 
@@ -158,7 +158,10 @@ mod tests {
         assert_eq!(names(None).map(|all| all.len()), Ok(SOAKS.len()));
         assert_eq!(
             names(Some("kill")),
-            Err("there is no \"kill\"; there are: kills, cuts, followers, stability, trainees".into())
+            Err(
+                "there is no \"kill\"; there are: kills, cuts, followers, stability, trainees"
+                    .into()
+            )
         );
     }
 }

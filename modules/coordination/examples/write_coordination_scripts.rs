@@ -427,7 +427,10 @@ fn deliver(folder: &Path, place: &Place) {
         4 => {
             beside("fail-cut-beside-the-mark", 0.0006);
 
-            let mut hard = Hands::new(place, "Pulls the tissue far up, and for long, before it cuts.");
+            let mut hard = Hands::new(
+                place,
+                "Pulls the tissue far up, and for long, before it cuts.",
+            );
             hard.grip(BETWEEN, FIRM);
             hard.lift(0.0033);
             hard.key(0.8);
