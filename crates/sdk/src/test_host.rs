@@ -59,6 +59,31 @@ fn open<T>(result: RResult<T, AbiFault>) -> Result<T, Fault> {
 }
 
 impl<P: Plugin> TestHost<P> {
+    /// Creates and initialises a module as its manifest (the text of `module.toml`) says, at a level with this configuration, in ticks
+    /// of 8 ms.
+    pub fn of_module(
+        manifest: &str,
+        seed: u64,
+        level: u32,
+        config: serde_json::Value,
+    ) -> Result<Self, Fault> {
+        let manifest = microsim_settings::read_manifest(manifest, "module.toml")
+            .map_err(|e| Fault::new(e.to_string()))?
+            .settings;
+        let setup = Setup {
+            name: manifest.name,
+            seed,
+            tick_ns: 8_000_000,
+            steps: 1,
+            level,
+            config,
+            files: Vec::new(),
+        };
+        let publishes: Vec<&str> = manifest.publishes.iter().map(String::as_str).collect();
+        let subscribes: Vec<&str> = manifest.subscribes.iter().map(String::as_str).collect();
+        Self::new(&publishes, &subscribes, &[], setup)
+    }
+
     /// Creates and initialises the plugin. `publishes` and `subscribes` are those of its manifest, `own_kinds` the
     /// message kinds that it brings.
     pub fn new(

@@ -6,7 +6,7 @@ use microsim_sdk::message::{
     ContactForce, ContactForces, Jaw, JawForce, LevelControl, LevelEvent, Pose, TISSUE_SNAPSHOT,
     TissueCut, ToolState, ToolStates, ToolStatus, TrainingResult,
 };
-use microsim_sdk::{BlockBuilder, Heard, Setup, TestHost};
+use microsim_sdk::{BlockBuilder, Heard, TestHost};
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -89,30 +89,8 @@ fn started(task: &str, limits: Value) -> TestHost<Module> {
         }],
         "bodies": [{ "name": "tissue" }],
     });
-    let setup = Setup {
-        name: "coordination".into(),
-        seed: 1,
-        tick_ns: 8_000_000,
-        steps: 1,
-        level: 4,
-        config,
-        files: Vec::new(),
-    };
-    let publishes = [
-        "object.set",
-        "level.state",
-        "level.event",
-        "training.result",
-    ];
-    let subscribes = [
-        "level.control",
-        "tool.sample",
-        "tool.states",
-        "contact.forces",
-        "tissue.snapshot",
-        "tissue.cut",
-    ];
-    let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
+    let manifest = include_str!("../module.toml");
+    let host = TestHost::of_module(manifest, 1, 4, config).expect("a complete set-up");
     let mut host = host.moving();
     host.send(&LevelControl::Start);
     tick(&mut host, &Scene::default());

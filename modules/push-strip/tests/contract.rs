@@ -6,7 +6,7 @@ use microsim_sdk::message::{
     ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, ToolState, ToolStates,
     ToolStatus, TrainingResult,
 };
-use microsim_sdk::{BlockBuilder, Setup, TestHost};
+use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
 
 const DEPTH: f64 = 0.001;
@@ -43,30 +43,8 @@ fn host() -> TestHost<Module> {
         ],
         "bodies": [{ "name": "strip" }],
     });
-    let setup = Setup {
-        name: "push-strip".into(),
-        seed: 1,
-        tick_ns: 8_000_000,
-        steps: 1,
-        level: 1,
-        config,
-        files: Vec::new(),
-    };
-    let publishes = [
-        "object.set",
-        "level.state",
-        "level.event",
-        "training.result",
-    ];
-    let subscribes = [
-        "level.control",
-        "tool.sample",
-        "tool.states",
-        "contact.forces",
-        "tissue.snapshot",
-        "tissue.cut",
-    ];
-    let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
+    let manifest = include_str!("../module.toml");
+    let host = TestHost::of_module(manifest, 1, 1, config).expect("a complete set-up");
     host.moving()
 }
 

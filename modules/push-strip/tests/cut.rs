@@ -5,7 +5,7 @@ use microsim_sdk::message::{
     ContactForce, ContactForces, Jaw, JawForce, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut,
     ToolState, ToolStates, ToolStatus, TrainingResult,
 };
-use microsim_sdk::{BlockBuilder, Setup, TestHost};
+use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
 
 const DWELL: f64 = 0.2;
@@ -55,30 +55,8 @@ fn started() -> TestHost<Module> {
         }],
         "bodies": [{ "name": "strip" }],
     });
-    let setup = Setup {
-        name: "push-strip".into(),
-        seed: 1,
-        tick_ns: 8_000_000,
-        steps: 1,
-        level: 4,
-        config,
-        files: Vec::new(),
-    };
-    let publishes = [
-        "object.set",
-        "level.state",
-        "level.event",
-        "training.result",
-    ];
-    let subscribes = [
-        "level.control",
-        "tool.sample",
-        "tool.states",
-        "contact.forces",
-        "tissue.snapshot",
-        "tissue.cut",
-    ];
-    let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
+    let manifest = include_str!("../module.toml");
+    let host = TestHost::of_module(manifest, 1, 4, config).expect("a complete set-up");
     let mut host = host.moving();
     host.send(&LevelControl::Start);
     assert!(tick(&mut host, Piece::None, true).is_none());

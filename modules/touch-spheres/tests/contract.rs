@@ -2,10 +2,10 @@
 //! the module to a fresh instance in every tick, so whatever `save` leaves out would be lost.
 
 use microsim_module_touch_spheres::{Place, TouchSpheres, places};
+use microsim_sdk::TestHost;
 use microsim_sdk::message::{
     LevelControl, ObjectSet, Pose, ToolState, ToolStates, ToolStatus, TrainingResult,
 };
-use microsim_sdk::{Setup, TestHost};
 use serde_json::json;
 
 const SEED: u64 = 7;
@@ -44,23 +44,8 @@ fn host() -> TestHost<TouchSpheres> {
             { "name": "needle", "length": 0.004 },
         ],
     });
-    let setup = Setup {
-        name: "touch-spheres".into(),
-        seed: SEED,
-        tick_ns: 8_000_000,
-        steps: 1,
-        level: 1,
-        config,
-        files: Vec::new(),
-    };
-    let publishes = [
-        "object.set",
-        "level.state",
-        "level.event",
-        "training.result",
-    ];
-    let subscribes = ["level.control", "tool.sample", "tool.states"];
-    let host = TestHost::new(&publishes, &subscribes, &[], setup).expect("a complete set-up");
+    let manifest = include_str!("../module.toml");
+    let host = TestHost::of_module(manifest, SEED, 1, config).expect("a complete set-up");
     host.moving()
 }
 

@@ -215,18 +215,8 @@ mod tests {
             "module": { "dwell": 1.0 },
             "objects": [{ "name": SPHERE, "position": [0.0, 0.0, 0.0], "radius": 0.002 }],
         });
-        let setup = Setup {
-            name: "{{name}}".into(),
-            seed: 1,
-            tick_ns: 8_000_000,
-            steps: 1,
-            level: 1,
-            config,
-            files: Vec::new(),
-        };
-        let publishes = ["object.set", "level.state", "level.event", "training.result"];
-        let subscribes = ["level.control", "tool.sample", "tool.states"];
-        let host = TestHost::new(&publishes, &subscribes, &[], setup);
+        let manifest = include_str!("../module.toml");
+        let host = TestHost::of_module(manifest, 1, 1, config);
         // Moved to a fresh instance in every tick: what `save` leaves out would be lost.
         host.expect("a level that is complete").moving()
     }
