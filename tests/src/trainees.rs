@@ -1,4 +1,4 @@
-//! Synthetic trainees: made by the program from the passing script of a level, run, and their reports.
+//! Synthetic trainees: made by the program from the passing script of a level, run, and what their reports say.
 
 use crate::{microsim, tree};
 use serde_json::Value;
@@ -49,4 +49,75 @@ pub fn run(module: &str, level: u32, script: &Path) -> (PathBuf, Value) {
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
+}
+
+/// Ids of the metrics that measure time: score points for them are points for haste.
+pub const TIME_METRICS: [&str; 2] = ["time", "idle-share"];
+
+/// Scores of a report by category, and their mean at the end, formed again from the points of its metrics without those of `left_out`:
+/// a category is the mean of its points times the share of the targets, and absent without points. Target achievement is never absent.
+pub fn scores(report: &Value, left_out: &[&str]) -> Vec<(String, f64)> {
+    let share = report["targets_done"].as_f64().unwrap_or(f64::NAN)
+        / report["targets"].as_f64().unwrap_or(f64::NAN);
+    let metrics = report["metrics"].as_array().into_iter().flatten();
+    let counted = metrics.filter(|m| !left_out.iter().any(|id| m["id"] == *id));
+    let points: Vec<(&Value, f64)> = counted
+        .filter_map(|m| Some((&m["category"], m["score"].as_f64()?)))
+        .collect();
+    let categories = report["categories"].as_array().into_iter().flatten();
+    let mut scores: Vec<(String, f64)> = categories
+        .filter_map(|category| {
+            let of_it = points.iter().filter(|(id, _)| **id == category["id"]);
+            let of_it: Vec<f64> = of_it.map(|(_, points)| *points).collect();
+            let points = match of_it.len() {
+                0 if category["id"] == "target" => 100.0,
+                0 => return None,
+                count => of_it.iter().sum::<f64>() / count as f64,
+            };
+            let title = category["title"]["en"].as_str().unwrap_or_default();
+            Some((title.to_owned(), points * share))
+        })
+        .collect();
+    let total = scores.iter().map(|(_, score)| score).sum::<f64>() / scores.len() as f64;
+    scores.push(("total".to_owned(), total));
+    scores
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scores;
+
+    /// By hand: half of the targets; target without points 50; handling (80 + 40)/2 · ½ = 30, without the first 20; efficiency 10,
+    /// and absent when its one metric is left out.
+    #[test]
+    fn scores_with_and_without_a_metric() {
+        let metric = |id: &str, category: &str, score: Option<f64>| serde_json::json!({ "id": id, "category": category, "score": score });
+        let category = |id: &str| serde_json::json!({ "id": id, "title": { "en": id, "de": id } });
+        let report = serde_json::json!({
+            "targets_done": 1, "targets": 2,
+            "categories": [category("target"), category("handling"), category("efficiency")],
+            "metrics": [
+                metric("drops", "handling", Some(80.0)),
+                metric("steadied", "handling", Some(40.0)),
+                metric("tremor", "handling", None),
+                metric("time", "efficiency", Some(20.0)),
+            ],
+        });
+        let named = |names: &[(&str, f64)]| -> Vec<(String, f64)> {
+            names.iter().map(|(n, s)| ((*n).to_owned(), *s)).collect()
+        };
+        assert_eq!(
+            scores(&report, &[]),
+            named(&[
+                ("target", 50.0),
+                ("handling", 30.0),
+                ("efficiency", 10.0),
+                ("total", 30.0)
+            ])
+        );
+        assert_eq!(
+            scores(&report, &["drops", "time"]),
+            named(&[("target", 50.0), ("handling", 20.0), ("total", 35.0)])
+        );
+    }
 }

@@ -1,10 +1,10 @@
 //! What happened, in pictures and in a list.
 
-use super::text::{escape, say, spans};
+use super::text::{say, spans};
 use super::{Pictures, section};
-use crate::moment::key_moments;
+use crate::moment::{key_moments, line_kind, lines};
 use crate::number::shown;
-use crate::{Moment, MomentKind, Report};
+use crate::{MomentKind, Report};
 use std::fmt::Write;
 
 /// Pictures on a page.
@@ -56,17 +56,16 @@ pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
         Pictures::Drawn(drawn) => {
             out.push_str("<div class=\"gallery\">\n");
             let chosen = key_moments(&report.moments, MOST_PICTURES);
+            let numbered = lines(&report.moments);
             for (tick, png) in drawn {
-                let of_it = chosen
+                let of_it = |at: &usize| chosen.contains(at) && report.moments[*at].tick == *tick;
+                let lines: Vec<String> = numbered
                     .iter()
-                    .filter(|at| report.moments[**at].tick == *tick);
-                let lines: Vec<String> = of_it
-                    .map(|at| {
-                        format!(
-                            "{} {}",
-                            number(*at, &report.moments[*at]),
-                            spans(&report.moments[*at].text)
-                        )
+                    .enumerate()
+                    .flat_map(|(k, line)| line.clone().filter(of_it).map(move |at| (k, at)))
+                    .map(|(k, at)| {
+                        let moment = &report.moments[at];
+                        format!("{} {}", number(k, moment.kind), spans(&moment.text))
                     })
                     .collect();
                 if lines.is_empty() {
@@ -93,21 +92,20 @@ pub fn course(out: &mut String, report: &Report) {
     }
     section(out, "Verlauf", "Course");
     out.push_str("<ol class=\"moments\">\n");
-    for (at, moment) in report.moments.iter().enumerate().take(MOST_MOMENTS) {
-        let _ = write!(
+    let lines = lines(&report.moments);
+    for (k, line) in lines.iter().enumerate().take(MOST_MOMENTS) {
+        let moments = &report.moments[line.clone()];
+        let texts: Vec<String> = moments.iter().map(|moment| spans(&moment.text)).collect();
+        let _ = writeln!(
             out,
-            "<li>{}<time>{}</time><span>{}",
-            number(at, moment),
-            spans(&shown(moment.session_time, "s")),
-            spans(&moment.text)
+            "<li>{}<time>{}</time><span>{}</span></li>",
+            number(k, line_kind(moments)),
+            spans(&shown(moments[0].session_time, "s")),
+            texts.join("<br>")
         );
-        if let Some(id) = &moment.event {
-            let _ = write!(out, " <code>{}</code>", escape(id));
-        }
-        out.push_str("</span></li>\n");
     }
     out.push_str("</ol>\n");
-    if let Some(more @ 1..) = report.moments.len().checked_sub(MOST_MOMENTS) {
+    if let Some(more @ 1..) = lines.len().checked_sub(MOST_MOMENTS) {
         let _ = writeln!(
             out,
             "<p class=\"note\">… {more} {}</p>",
@@ -117,13 +115,9 @@ pub fn course(out: &mut String, report: &Report) {
     out.push_str("</section>\n");
 }
 
-/// The number of a moment on its colour.
-fn number(at: usize, moment: &Moment) -> String {
-    format!(
-        "<b class=\"disc {}\">{}</b>",
-        kind_class(moment.kind),
-        at + 1
-    )
+/// The number of a line on the colour of a kind.
+fn number(line: usize, kind: MomentKind) -> String {
+    format!("<b class=\"disc {}\">{}</b>", kind_class(kind), line + 1)
 }
 
 /// Bytes as text (RFC 4648, section 4).

@@ -4,6 +4,7 @@ use super::text::{escape, say, spans};
 use crate::number::{against_limits, fixed};
 use crate::plot::gauge;
 use crate::{MetricEntry, Report};
+use microsim_message::LimitRecord;
 use std::fmt::Write;
 
 /// The metrics that the verdict rests on; nothing without a result.
@@ -130,7 +131,7 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, judged: bool) {
         out,
         "<p class=\"small\">{}{}<br><code>{}</code> · {}",
         direction(&record.direction),
-        limit_note(record.limit.as_ref().map(|limit| &limit.source[..])),
+        limit_note(record.limit.as_ref()),
         escape(&record.formula),
         escape(&record.source)
     );
@@ -201,15 +202,16 @@ fn direction(direction: &str) -> String {
     }
 }
 
-fn limit_note(limit_source: Option<&str>) -> String {
-    match limit_source {
-        Some(source) if !source.is_empty() => {
-            format!(
-                " · {}: {}",
-                say("Grenzwert nach", "limit from"),
-                escape(source)
-            )
+/// Where the limit comes from. What its badge says already is not said again.
+fn limit_note(limit: Option<&LimitRecord>) -> String {
+    let source = limit.map_or("", |limit| {
+        match limit.source.strip_prefix("provisional:") {
+            Some(source) if limit.provisional => source.trim_start(),
+            _ => &limit.source,
         }
-        _ => String::new(),
+    });
+    if source.is_empty() {
+        return String::new();
     }
+    format!(" · {}: {}", say("Grenzwert", "limit"), escape(source))
 }

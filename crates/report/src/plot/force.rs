@@ -35,6 +35,7 @@ pub fn force_plot(report: &Report) -> String {
             series,
             &colour_class(place(&series.tool).unwrap_or(report.series.len())),
             &report.session.tool_name(&series.tool),
+            &report.session.body_name(&series.body),
         );
     }
     let bottom = ABOVE + forces.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
@@ -51,6 +52,7 @@ fn strip(
     series: &ForceSeries,
     colour: &str,
     tool: &LocalText,
+    body: &LocalText,
 ) {
     let bottom = top + STRIP;
     let all = series.peak.iter().chain(&series.force).chain(&series.grip);
@@ -88,8 +90,8 @@ fn strip(
         &in_both(unit, unit),
     );
     let name = in_both(
-        &format!("{} → {}", tool.de, series.body),
-        &format!("{} → {}", tool.en, series.body),
+        &format!("{} → {}", tool.de, body.de),
+        &format!("{} → {}", tool.en, body.en),
     );
     let class = format!("name {colour}");
     svg_text(out, (LEFT, top - 8.0), &class, "start", &name);
