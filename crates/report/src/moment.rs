@@ -10,7 +10,7 @@ use crate::html::in_both;
 use crate::number::shown;
 use microsim_message::{ContactForces, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// So long nothing of a kind happens between two moments of it \[s\].
@@ -41,15 +41,16 @@ pub enum MomentKind {
 }
 
 impl MomentKind {
-    /// The word in the ids of a module's events that say the same.
-    fn word(self) -> Option<&'static str> {
+    /// The words of which one is in the ids of a module's events that say the same. Tissue that comes apart where a target is reached
+    /// does so as it should.
+    fn words(self) -> &'static [&'static str] {
         match self {
-            Self::Grip => Some("grip"),
-            Self::Cut => Some("cut"),
-            Self::Tear => Some("tear"),
-            Self::PieceOff => Some("piece"),
-            Self::ExcessForce => Some("excess"),
-            Self::Begin | Self::LargestForce | Self::Event | Self::End => None,
+            Self::Grip => &["grip"],
+            Self::Cut => &["cut"],
+            Self::Tear => &["tear"],
+            Self::PieceOff => &["piece", "target"],
+            Self::ExcessForce => &["excess"],
+            Self::Begin | Self::LargestForce | Self::Event | Self::End => &[],
         }
     }
 }
@@ -241,15 +242,11 @@ impl<'a> MomentCollector<'a> {
 fn without_doubles(mut moments: Vec<Moment>) -> Vec<Moment> {
     let mut doubles = Vec::new();
     for (at, shown) in moments.iter().enumerate() {
-        let Some(word) = shown.kind.word() else {
-            continue;
-        };
+        let words = shown.kind.words();
         let said = moments.iter().position(|said| {
-            let same = said
-                .event
-                .as_ref()
-                .is_some_and(|id| id.split('-').any(|part| part == word));
-            same && (said.session_time - shown.session_time).abs() <= PAUSE
+            let id = said.event.as_deref().unwrap_or_default();
+            id.split('-').any(|part| words.contains(&part))
+                && (said.session_time - shown.session_time).abs() <= PAUSE
         });
         doubles.extend(said.map(|said| (at, said)));
     }
@@ -296,11 +293,12 @@ pub(crate) fn line_kind(line: &[Moment]) -> MomentKind {
     found.unwrap_or(MomentKind::Event)
 }
 
-/// Those of which a page shows pictures: at most `most` ticks, the most telling kinds first, of each kind the first ones; in the order
-/// of time. Indices into `moments`.
-pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<usize> {
-    let mut chosen: Vec<usize> = Vec::new();
-    let mut ticks = BTreeSet::new();
+/// Those of which a page shows pictures: at most `most` pictures, the most telling kinds first, of each kind the first ones; in the
+/// order of time. Moments within [`PAUSE`] of each other share a picture. Indices into `moments`, each with the tick of its picture.
+pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<(usize, u64)> {
+    let mut chosen: Vec<(usize, u64)> = Vec::new();
+    // Tick and time of each.
+    let mut pictures: Vec<(u64, f64)> = Vec::new();
     // The first of each kind before the second of any.
     let of = |kind: MomentKind| {
         let all = moments.iter().enumerate();
@@ -308,10 +306,16 @@ pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<usize> {
     };
     for rank in 0..moments.len() {
         for at in TELLING.iter().filter_map(|kind| of(*kind).nth(rank)) {
-            let tick = moments[at].tick;
-            if ticks.len() < most || ticks.contains(&tick) {
-                ticks.insert(tick);
-                chosen.push(at);
+            let Moment {
+                tick, session_time, ..
+            } = moments[at];
+            let near =
+                |(of, time): &&(u64, f64)| *of == tick || (time - session_time).abs() <= PAUSE;
+            if let Some((picture, _)) = pictures.iter().find(near) {
+                chosen.push((at, *picture));
+            } else if pictures.len() < most {
+                pictures.push((tick, session_time));
+                chosen.push((at, tick));
             }
         }
     }
@@ -450,16 +454,15 @@ mod tests {
                     0.125,
                     "Largest force: 10.0\u{a0}mN, left on tissue"
                 ),
-                (MomentKind::PieceOff, 0.625, "The tissue has come apart"),
                 (MomentKind::Cut, 0.625, "stray-cut"),
-                (MomentKind::Event, 0.625, "target-done"),
+                (MomentKind::PieceOff, 0.625, "target-done"),
                 (MomentKind::End, 0.75, "End"),
             ]
         );
         let lines = lines(&report.moments);
-        assert_eq!(lines, [0..3, 3..6, 6..7]);
+        assert_eq!(lines, [0..3, 3..5, 5..6]);
         assert_eq!(line_kind(&report.moments[0..3]), MomentKind::LargestForce);
-        assert_eq!(line_kind(&report.moments[3..6]), MomentKind::PieceOff);
+        assert_eq!(line_kind(&report.moments[3..5]), MomentKind::PieceOff);
     }
 
     /// Six grips and one cut in four pictures: begin and end do not fall out for grips, and the first grip comes before the second.
@@ -476,11 +479,22 @@ mod tests {
         moments.insert(0, moment(MomentKind::Begin, 0));
         moments.push(moment(MomentKind::Cut, 8));
         moments.push(moment(MomentKind::End, 9));
-        assert_eq!(key_moments(&moments, 4), [0, 1, 7, 8]);
-        assert_eq!(key_moments(&moments, 5), [0, 1, 2, 7, 8]);
-        assert_eq!(key_moments(&moments, 99).len(), 9);
-        // What happens in the same tick is in the same picture.
+        let key = |moments: &[Moment], most| -> Vec<usize> {
+            key_moments(moments, most)
+                .iter()
+                .map(|(at, _)| *at)
+                .collect()
+        };
+        assert_eq!(key(&moments, 4), [0, 1, 7, 8]);
+        assert_eq!(key(&moments, 5), [0, 1, 2, 7, 8]);
+        assert_eq!(key(&moments, 99).len(), 9);
+        // What happens in the same tick, or almost, is in the same picture.
         moments.push(moment(MomentKind::LargestForce, 8));
-        assert_eq!(key_moments(&moments, 4), [0, 1, 7, 8, 9]);
+        moments.push(moment(MomentKind::Tear, 82));
+        moments[10].session_time = 8.2;
+        assert_eq!(
+            key_moments(&moments, 4),
+            [(0, 0), (1, 1), (7, 8), (8, 9), (9, 8), (10, 8)]
+        );
     }
 }

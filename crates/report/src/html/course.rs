@@ -28,14 +28,14 @@ impl Report {
     /// The ticks of the key moments, of which a page shows pictures, ascending.
     pub fn key_ticks(&self) -> Vec<u64> {
         let chosen = key_moments(&self.moments, MOST_PICTURES);
-        let mut ticks: Vec<u64> = chosen.into_iter().map(|at| self.moments[at].tick).collect();
+        let mut ticks: Vec<u64> = chosen.into_iter().map(|(_, tick)| tick).collect();
         ticks.sort_unstable();
         ticks.dedup();
         ticks
     }
 }
 
-/// The key moments: one picture for those of the same tick.
+/// The key moments with their pictures.
 pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
     if report.moments.is_empty() {
         return;
@@ -58,7 +58,7 @@ pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
             let chosen = key_moments(&report.moments, MOST_PICTURES);
             let numbered = lines(&report.moments);
             for (tick, png) in drawn {
-                let of_it = |at: &usize| chosen.contains(at) && report.moments[*at].tick == *tick;
+                let of_it = |at: &usize| chosen.contains(&(*at, *tick));
                 let lines: Vec<String> = numbered
                     .iter()
                     .enumerate()

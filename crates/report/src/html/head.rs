@@ -194,7 +194,7 @@ fn verdict(out: &mut String, report: &Report) {
         for (k, id) in report.failed.iter().enumerate() {
             // A reason without words is at least named.
             let words = report.reasons.get(k).map_or_else(|| escape(id), spans);
-            let _ = write!(out, "<li>{words} <code>{}</code></li>", escape(id));
+            let _ = write!(out, "<li>{words}</li>");
         }
         out.push_str("</ul>\n");
     }

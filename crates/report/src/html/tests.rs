@@ -263,7 +263,7 @@ fn names_and_sources_are_for_people() {
         Report::build(&session, [(0, &log[..])]).to_html(&page())
     };
     let html = page_of(&["strip-1"]);
-    assert_eq!(html.matches(": by judgement").count(), 2);
+    assert_eq!(html.matches("by judgement</td>").count(), 2);
     assert_eq!(html.matches("provisional: by judgement").count(), 1);
     assert!(html.contains("right → tissue") && !html.contains("strip-1"));
     assert!(page_of(&["strip-1", "strip-2"]).contains("right → tissue “strip-1”"));
