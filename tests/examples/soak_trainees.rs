@@ -6,7 +6,7 @@
 //! these motions; that people differ so, it does not show.
 
 use microsim_tests::statistics::{Group, effect_error, effect_size};
-use microsim_tests::trainees::{self, TIME_METRICS};
+use microsim_tests::trainees::{self, ABSURD_FORCE, TIME_METRICS};
 use microsim_tests::{repository, tree};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -20,9 +20,6 @@ const HEAD: &str = include_str!("soak_trainees.md");
 
 /// An effect below this is none (Cohen 1988: 0.2 is small).
 const SMALL: f64 = 0.2;
-/// No hand presses microsurgical instruments on tissue so hard \[N\]: 25 times the mean of ophthalmic surgery (Golahmadi 2021). A run
-/// that shows more shows a fault of the computation.
-const ABSURD_FORCE: f64 = 1.0;
 /// Runs at the same time, a process each.
 const WORKERS: usize = 2;
 /// Kinds of trainees: profile, and what a group of them is called.
@@ -121,8 +118,6 @@ impl Run {
         for (at, score) in [total, without, time, total].into_iter().enumerate() {
             scored(Row::Total(at), TOTALS[at], score);
         }
-        let forces = report["forces"].as_array().into_iter().flatten();
-        let peaks = forces.flat_map(|series| series["peak"].as_array().into_iter().flatten());
         Self {
             name,
             passed: report["verdict"] == "passed",
@@ -133,7 +128,7 @@ impl Run {
                 .flatten()
                 .map(text)
                 .collect(),
-            largest_force: peaks.filter_map(Value::as_f64).fold(0.0, f64::max),
+            largest_force: trainees::largest_force(report),
             values,
         }
     }
@@ -189,7 +184,7 @@ fn play(
             }
             let (profile, seed) = (KINDS[job / count].0, (job % count + 1) as u64);
             let script = trainees::make(module, level, profile, seed, folder.path());
-            let (session, report) = trainees::run(module, level, &script);
+            let (session, _, report) = trainees::run(module, level, &script);
             eprintln!(
                 "  {}: {} {}",
                 name(job),

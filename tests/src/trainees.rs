@@ -24,9 +24,9 @@ pub fn make(module: &str, level: u32, profile: &str, seed: u64, folder: &Path) -
     out
 }
 
-/// Runs a script beside which the session and its report are written; gives the session and the report.
+/// Runs a script beside which the session and its report are written; gives the session, what was said, and the report.
 #[track_caller]
-pub fn run(module: &str, level: u32, script: &Path) -> (PathBuf, Value) {
+pub fn run(module: &str, level: u32, script: &Path) -> (PathBuf, Value, Value) {
     let session = script.with_extension("session");
     let input = format!("script:{}", script.display());
     let level = level.to_string();
@@ -41,14 +41,25 @@ pub fn run(module: &str, level: u32, script: &Path) -> (PathBuf, Value) {
         text(&session),
         "--json",
     ];
-    microsim(args).expect(0);
+    let said = microsim(args).expect(0).json();
     let report = std::fs::read_to_string(script.with_extension("json"))
         .expect("a report beside the session");
-    (session, serde_json::from_str(&report).expect("JSON"))
+    (session, said, serde_json::from_str(&report).expect("JSON"))
 }
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
+}
+
+/// No hand presses microsurgical instruments on tissue so hard \[N\]: 25 times the mean of ophthalmic surgery (Golahmadi 2021). A run
+/// that shows more shows a fault of the computation.
+pub const ABSURD_FORCE: f64 = 1.0;
+
+/// The largest force of a tool on a body in a report \[N\].
+pub fn largest_force(report: &Value) -> f64 {
+    let forces = report["forces"].as_array().into_iter().flatten();
+    let peaks = forces.flat_map(|series| series["peak"].as_array().into_iter().flatten());
+    peaks.filter_map(Value::as_f64).fold(0.0, f64::max)
 }
 
 /// Ids of the metrics that measure time: score points for them are points for haste.

@@ -5,10 +5,15 @@ use super::{Pictures, section};
 use crate::moment::{key_moments, line_kind, lines};
 use crate::number::shown;
 use crate::{MomentKind, Report};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Pictures on a page.
 const MOST_PICTURES: usize = 12;
+/// Where there are fewer, the longest times without one get a picture in between, up to this many …
+const FILLED_UP: usize = 8;
+/// … and no time shorter than this \[s\].
+const LONG: f64 = 1.0;
 /// Lines of the list; the JSON form has all moments.
 const MOST_MOMENTS: usize = 80;
 
@@ -25,13 +30,21 @@ pub(crate) fn kind_class(kind: MomentKind) -> &'static str {
 }
 
 impl Report {
-    /// The ticks of the key moments, of which a page shows pictures, ascending.
+    /// The ticks of which a page shows pictures, ascending: those of the key moments, and some between where nothing is said for long.
     pub fn key_ticks(&self) -> Vec<u64> {
         let chosen = key_moments(&self.moments, MOST_PICTURES);
-        let mut ticks: Vec<u64> = chosen.into_iter().map(|(_, tick)| tick).collect();
-        ticks.sort_unstable();
-        ticks.dedup();
-        ticks
+        let mut ticks: BTreeSet<u64> = chosen.into_iter().map(|(_, tick)| tick).collect();
+        while ticks.len() < FILLED_UP {
+            let next = ticks.iter().skip(1);
+            let gaps = ticks.iter().zip(next).map(|(a, b)| (b - a, *a));
+            match gaps.max() {
+                Some((gap, from)) if gap as f64 * self.session.tick_s >= LONG => {
+                    ticks.insert(from + gap / 2);
+                }
+                _ => break,
+            }
+        }
+        ticks.into_iter().collect()
     }
 }
 
@@ -68,9 +81,6 @@ pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
                         format!("{} {}", number(k, moment.kind), spans(&moment.text))
                     })
                     .collect();
-                if lines.is_empty() {
-                    continue;
-                }
                 let _ = writeln!(
                     out,
                     "<figure><img alt=\"\" src=\"data:image/png;base64,{}\"><figcaption><time>{}</time>{}</figcaption></figure>",
@@ -140,6 +150,24 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::base64;
+    use crate::Report;
+    use crate::testing::{input, log};
+    use microsim_message::{LevelPhase, LevelState};
+
+    /// Begin in tick 0 and end in tick 79 of 1/8 s, nothing between: halved where it is longest, the later one first.
+    #[test]
+    fn long_times_get_pictures_in_between() {
+        let running = LevelState {
+            phase: LevelPhase::Running,
+            ..LevelState::default()
+        };
+        let first = log(&[&running]);
+        let ticks = |end| Report::build(&input(), [(0, &first[..]), (end, &[][..])]).key_ticks();
+        assert_eq!(ticks(79), [0, 19, 29, 39, 49, 59, 69, 79]);
+        // Halves of 14 ticks are shorter than a second.
+        assert_eq!(ticks(14), [0, 7, 14]);
+        assert_eq!(ticks(7), [0, 7]);
+    }
 
     /// The test vectors of RFC 4648, section 10.
     #[test]
