@@ -42,6 +42,8 @@ struct Run {
     reasons: Vec<String>,
     /// The largest force of a tool on a body \[N\].
     largest_force: f64,
+    /// Forces that jump up for one tick.
+    jumps: usize,
     /// By row: metrics in their display units, scores.
     values: BTreeMap<Row, f64>,
 }
@@ -129,6 +131,7 @@ impl Run {
                 .map(text)
                 .collect(),
             largest_force: trainees::largest_force(report),
+            jumps: trainees::jumps(report),
             values,
         }
     }
@@ -153,14 +156,15 @@ impl Results {
         }
         let reasons: Vec<String> = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect();
         format!(
-            "- {name}: {} of {} finished (all targets reached), {} passed; reasons against: {}",
+            "- {name}: {} of {} finished (all targets reached), {} passed; reasons against: {}; {} with forces that jump up for one tick",
             count(|run| run.finished),
             self.runs.len(),
             count(|run| run.passed),
             match reasons.is_empty() {
                 true => "none".to_owned(),
                 false => reasons.join(", "),
-            }
+            },
+            count(|run| run.jumps > 0)
         )
     }
 }

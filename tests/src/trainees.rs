@@ -62,6 +62,25 @@ pub fn largest_force(report: &Value) -> f64 {
     peaks.filter_map(Value::as_f64).fold(0.0, f64::max)
 }
 
+/// Forces and grips from this on may be jumps \[N\]: what the levels call excess.
+const JUMP: f64 = 0.03;
+
+/// Ticks with a force or grip of a tool of at least 30 mN that is three times that of the tick before and of the one after: no hand is
+/// so quick within 8 ms, the computation is at fault.
+pub fn jumps(report: &Value) -> usize {
+    let forces = report["forces"].as_array().into_iter().flatten();
+    let lists = forces.flat_map(|series| [&series["force"], &series["grip"]]);
+    let count = |list: &Value| {
+        let values = list.as_array().into_iter().flatten();
+        let values: Vec<f64> = values.filter_map(Value::as_f64).collect();
+        let threes = values.windows(3);
+        threes
+            .filter(|v| v[1] >= JUMP && v[1] >= 3.0 * v[0].max(v[2]))
+            .count()
+    };
+    lists.map(count).sum()
+}
+
 /// Ids of the metrics that measure time: score points for them are points for haste.
 pub const TIME_METRICS: [&str; 2] = ["time", "idle-share"];
 
@@ -96,7 +115,16 @@ pub fn scores(report: &Value, left_out: &[&str]) -> Vec<(String, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::scores;
+    use super::{jumps, scores};
+
+    /// One tick of 118 mN among ticks of 4 mN is a jump; what rises over two ticks is none, and neither is what is small.
+    #[test]
+    fn a_force_of_one_tick_is_a_jump() {
+        let report = serde_json::json!({ "forces": [
+            { "force": [0.004, 0.118, 0.005, 0.02, 0.04, 0.04, 0.0], "grip": [0.001, 0.02, 0.001] },
+        ] });
+        assert_eq!(jumps(&report), 1);
+    }
 
     /// By hand: half of the targets; target without points 50; handling (80 + 40)/2 · ½ = 30, without the first 20; efficiency 10,
     /// and absent when its one metric is left out.

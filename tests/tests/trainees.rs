@@ -7,8 +7,8 @@ use std::path::Path;
 /// A level that costs little, and one of a surgical module; numbers of trainees.
 const SAMPLES: [(&str, u32, &[u64]); 2] = [("push-strip", 3, &[1, 2]), ("coordination", 2, &[1])];
 
-/// Both kinds come to an end with a verdict, are labelled in session, page, tables and whatever the program says, press no harder than
-/// a hand can, and replay to the bit; the same number gives the same bytes, another one others.
+/// Both kinds come to an end with a verdict, are labelled in session, page, tables and whatever the program says, and replay to the bit;
+/// on coordination they press no harder than a hand can. The same number gives the same bytes, another one others.
 #[test]
 fn trainees_run_are_labelled_and_replay() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -65,7 +65,10 @@ fn runs(module: &str, level: u32, script: &Path, made: &str) {
         let end = format!(",\"{label}\"");
         assert!(lines.clone().count() > 0 && lines.all(|line| line.ends_with(&end)));
     }
-    assert!(trainees::largest_force(&report) < trainees::ABSURD_FORCE);
+    // Where effect sizes are measured, a force that cannot be would be among the figures.
+    if module == "coordination" {
+        assert!(trainees::largest_force(&report) < trainees::ABSURD_FORCE);
+    }
     microsim_tests::assert_verified(&session);
     // A synthetic trainee stays one when its session is played as a recording.
     if made == "profile expert, seed 1" {
