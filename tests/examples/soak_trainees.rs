@@ -139,13 +139,11 @@ impl Run {
 
 impl Results {
     /// Over the finished runs; the last of the totals over all.
-    fn group(&self, row: &Row) -> Option<Group> {
+    fn of(&self, row: &Row) -> Vec<f64> {
         let all = *row == Row::Total(TOTALS.len() - 1);
         let runs = self.runs.iter().filter(|run| all || run.finished);
-        let values: Vec<f64> = runs
-            .filter_map(|run| run.values.get(row).copied())
-            .collect();
-        Group::of(&values)
+        runs.filter_map(|run| run.values.get(row).copied())
+            .collect()
     }
 
     fn line(&self, name: &str) -> String {
@@ -232,18 +230,19 @@ fn section(
         out.push_str(&results.line(name));
         out.push('\n');
     }
-    let shown = |group: Option<Group>| match group {
-        Some(group) => format!(
+    let shown = |values: &[f64]| match (Group::of(values), values) {
+        (Some(group), _) => format!(
             "{:.4} ± {:.4} ({})",
             group.mean, group.deviation, group.count
         ),
-        None => "–".to_owned(),
+        (None, [value]) => format!("{value:.4} (1)"),
+        (None, _) => "–".to_owned(),
     };
     out.push_str("\n| synthetic trainees | limit | experts: mean ± SD (n) | novices: mean ± SD (n) | d ± SE | novices should have | does d point there? |\n|---|---|---|---|---|---|---|\n");
     for (row, kind) in kinds {
-        let (a, b) = (experts.group(row), novices.group(row));
-        let effect = a
-            .zip(b)
+        let (a, b) = (experts.of(row), novices.of(row));
+        let effect = Group::of(&a)
+            .zip(Group::of(&b))
             .and_then(|(a, b)| effect_size(&a, &b).map(|d| (d, effect_error(&a, &b, d))));
         let intended = match kind.direction.as_str() {
             "lower-is-better" => Some(("more", 1.0)),
@@ -261,8 +260,8 @@ fn section(
             "| {} | {} | {} | {} | {} | {} | {points} |",
             kind.title,
             if kind.limited { "yes" } else { "" },
-            shown(a),
-            shown(b),
+            shown(&a),
+            shown(&b),
             effect.map_or("–".into(), |(d, error)| format!("{d:+.2} ± {error:.2}")),
             intended.map_or("–", |(word, _)| word),
         );
