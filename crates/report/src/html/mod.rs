@@ -81,6 +81,7 @@ impl Report {
         course::course(&mut out, self);
         plots(&mut out, self);
         metrics::further(&mut out, self);
+        metrics::sources(&mut out, self);
         record::input(&mut out, self);
         record::incidents(&mut out, self);
         record::provenance(&mut out, self);
@@ -136,8 +137,8 @@ fn plots(out: &mut String, report: &Report) {
                 "From above, as through the microscope"
             ),
             say(
-                "Von der Seite, z zum Betrachter hin",
-                "From the side, z towards the viewer"
+                "Von der Seite; oben ist zum Mikroskop hin",
+                "From the side; up is towards the microscope"
             ),
         );
     }
