@@ -29,6 +29,11 @@ impl Tray {
         }
     }
 
+    /// Its middle \[m\].
+    pub fn centre(&self) -> [f64; 3] {
+        self.pose.position.into()
+    }
+
     /// Whether a point of the field \[m\] is in it.
     pub fn contains(&self, point: [f64; 3]) -> bool {
         let inside = self.pose.orientation.inverse() * (Vector3::from(point) - self.pose.position);

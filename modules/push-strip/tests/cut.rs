@@ -2,8 +2,8 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, Jaw, JawForce, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut,
-    ToolState, ToolStates, ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, ToolState,
+    ToolStates, ToolStatus, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
@@ -111,22 +111,19 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
     host.send(&ToolStates {
         tools: vec![state("left"), state("right")],
     });
-    let force = |tool: &str, jaws: Vec<JawForce>| ContactForce {
+    let last = pieces[3];
+    let force = |tool: &str, grip: f64| ContactForce {
         tool: tool.into(),
         body: "strip".into(),
-        jaws,
         stick: 1.0,
+        grip,
+        pieces: vec![last],
         ..ContactForce::default()
     };
-    let jaw = |jaw| JawForce {
-        jaw,
-        force: 0.01,
-        pressure: 1.0,
-    };
-    let grip = held.then(|| force("left", vec![jaw(Jaw::Left), jaw(Jaw::Right)]));
+    let grip = held.then(|| force("left", 0.01));
     host.send(&ContactForces {
         contacts: grip.into_iter().collect(),
-        between: vec![force("tray", Vec::new())],
+        between: vec![force("tray", 0.0)],
     });
     host.tick().expect("a good tick").last()
 }
