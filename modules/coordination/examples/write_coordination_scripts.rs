@@ -498,7 +498,7 @@ fn deliver(folder: &Path, place: &Place) {
         }
         _ => {
             let mut askew = begin("Cuts askew at both marks.");
-            askew.askew = 0.3;
+            askew.askew = 0.45;
             cut_both(&mut askew);
             askew.put(way);
             askew.write(folder, "fail-cut-askew", stay);

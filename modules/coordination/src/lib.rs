@@ -300,7 +300,9 @@ impl Coordination {
         }
         let held = state.contacts.holds(piece.number);
         let inside = tray.contains(piece.centre);
-        if state.drops.watch(tick.time(), !inside && !held) {
+        // What is let go above the tray is dropped where it belongs.
+        let lost = !held && !tray.is_above(piece.centre);
+        if state.drops.watch(tick.time(), lost) {
             course.event(
                 tick,
                 "drop",

@@ -139,7 +139,7 @@ impl CutLog {
     }
 
     /// What is known so far. The cut of a mark is where most of it was cut: planes farther than `width` \[m\] from its median by
-    /// area are stray, so that a good cut does not make up for a wound beside it.
+    /// area, and from the mark as well, are stray, so that a good cut does not make up for a wound beside it.
     pub fn findings(&self, width: f64) -> CutFindings {
         let (mut distance, mut sine) = (None, None);
         let (mut at_marks, mut stray) = (0.0, self.elsewhere);
@@ -147,7 +147,8 @@ impl CutLog {
         for cuts in self.marks.iter().filter(|cuts| !cuts.is_empty()) {
             let all: f64 = cuts.iter().map(|cut| cut.area).sum();
             let middle = median(cuts, all);
-            let is_near = |cut: &&Cut| (cut.offset - middle).abs() <= width;
+            let is_near =
+                |cut: &&Cut| (cut.offset - middle).abs().min(cut.offset.abs()) <= width;
             let (own, far): (Vec<&Cut>, Vec<&Cut>) = cuts.iter().partition(is_near);
             let area: f64 = own.iter().map(|cut| cut.area).sum();
             let mean = |of: fn(&Cut) -> f64| {
@@ -227,6 +228,16 @@ mod tests {
                 assert!((found.stray - 0.3e-6).abs() < 1e-18, "{}", found.stray);
             }
         }
+    }
+
+    /// Two bites from both edges, 0.6 mm apart and each 0.3 mm from the mark: neither is far from it.
+    #[test]
+    fn bites_on_both_sides_of_the_mark_are_its_cut() {
+        let bites = [0.3e-3, -0.3e-3].map(|x| cut(x, 0.6e-6, [1.0, 0.0, 0.0]));
+        let found = findings(&bites);
+        let distance = found.distance.expect("a cut");
+        assert!((distance - 0.3e-3).abs() < 1e-15, "{distance}");
+        assert_eq!(found.stray, 0.0);
     }
 
     /// All of it 0.7 mm beside: it is the cut of this mark, only at the wrong place.
