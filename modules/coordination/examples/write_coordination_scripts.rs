@@ -203,7 +203,7 @@ impl<'a> Hands<'a> {
 
     /// Cuts the near edge at `x`.
     fn snip(&mut self, x: f64) {
-        self.scissor(x, -0.0004, 0.0);
+        self.scissor(x, 0.0002, 0.0);
     }
 
     /// A cut at `x` with the tips at `y`.
@@ -322,7 +322,7 @@ fn hold(folder: &Path, place: &Place) {
     hard.write(folder, "fail-crushed", dwell + 0.5);
 
     let mut far = begin("Pulls the tissue far beyond the ring first.", FIRM);
-    far.lift(2.2 * height);
+    far.lift(2.6 * height);
     far.lift(height);
     far.write(folder, "fail-too-hard", dwell + 0.5);
 
@@ -474,7 +474,7 @@ fn deliver(folder: &Path, place: &Place) {
                 "Pulls the tissue far up, and for long, before it cuts.",
             );
             hard.grip(BETWEEN, FIRM);
-            hard.lift(0.0033);
+            hard.lift(0.0045);
             hard.key(0.8);
             hard.lift(0.0);
             hard.forceps.1 = GRIP;

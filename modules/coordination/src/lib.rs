@@ -87,7 +87,9 @@ impl Coordination {
     /// Where tools come into view while the level runs, for the economy of motion.
     fn see(&self, state: &mut State, course: &mut Course, tick: &Tick<'_>) -> Result<(), Fault> {
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
-        state.starts.resize(tools.len(), None);
+        // There are no fewer tools in a tick that says nothing of them.
+        let count = state.starts.len().max(tools.len());
+        state.starts.resize(count, None);
         let mut new = false;
         for (tool, start) in tools.iter().zip(&mut state.starts) {
             if course.running() && start.is_none() && tool.status == ToolStatus::Tracked {

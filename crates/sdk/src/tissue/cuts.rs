@@ -52,6 +52,8 @@ struct Cut {
     area: f64,
     /// Signed distance of its plane from the mark's middle [m].
     offset: f64,
+    /// Distance of its centroid from the plane that the mark asks for [m].
+    beside: f64,
     /// Sine of the angle between its plane and the one that the mark asks for.
     sine: f64,
 }
@@ -133,13 +135,15 @@ impl CutLog {
         self.marks[index].push(Cut {
             area: cut.area,
             offset: dot(offset, normal),
+            beside: dot(offset, mark.across).abs(),
             sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
         });
         Booking::Mark { index, first }
     }
 
     /// What is known so far. The cut of a mark is where most of it was cut: planes farther than `width` \[m\] from its median by
-    /// area, and from the mark as well, are stray, so that a good cut does not make up for a wound beside it.
+    /// area, and from the mark as well, are stray, so that a good cut does not make up for a wound beside it. A small bite near the
+    /// mark belongs to it even where its own plane, which is uncertain, points past it.
     pub fn findings(&self, width: f64) -> CutFindings {
         let (mut distance, mut sine) = (None, None);
         let (mut at_marks, mut stray) = (0.0, self.elsewhere);
@@ -147,8 +151,10 @@ impl CutLog {
         for cuts in self.marks.iter().filter(|cuts| !cuts.is_empty()) {
             let all: f64 = cuts.iter().map(|cut| cut.area).sum();
             let middle = median(cuts, all);
-            let is_near =
-                |cut: &&Cut| (cut.offset - middle).abs().min(cut.offset.abs()) <= width;
+            let is_near = |cut: &&Cut| {
+                let away = (cut.offset - middle).abs().min(cut.offset.abs());
+                away.min(cut.beside) <= width
+            };
             let (own, far): (Vec<&Cut>, Vec<&Cut>) = cuts.iter().partition(is_near);
             let area: f64 = own.iter().map(|cut| cut.area).sum();
             let mean = |of: fn(&Cut) -> f64| {
@@ -238,6 +244,17 @@ mod tests {
         let distance = found.distance.expect("a cut");
         assert!((distance - 0.3e-3).abs() < 1e-15, "{distance}");
         assert_eq!(found.stray, 0.0);
+    }
+
+    /// A bite at the edge of the mark, 0.9 mm along it, whose plane is askew by asin(0.6) and so passes the middle at 0.54 mm.
+    #[test]
+    fn a_small_bite_at_the_mark_is_not_stray_for_its_uncertain_plane() {
+        let mut bite = cut(0.0, 0.1e-6, [0.8, 0.6, 0.0]);
+        bite.rest_centroid[1] = 0.9e-3;
+        let found = findings(&[cut(0.0, 1.1e-6, [1.0, 0.0, 0.0]), bite]);
+        assert_eq!(found.stray, 0.0);
+        let distance = found.distance.expect("a cut");
+        assert!((distance - 0.54e-3 / 12.0).abs() < 1e-15, "{distance}");
     }
 
     /// All of it 0.7 mm beside: it is the cut of this mark, only at the wrong place.
