@@ -6,7 +6,7 @@ use microsim_sdk::message::{
     ContactForce, ContactForces, LevelControl, LevelEvent, ObjectSet, Pose, TISSUE_SNAPSHOT,
     TissueCut, ToolSample, ToolState, ToolStates, ToolStatus, TrainingResult,
 };
-use microsim_sdk::{BlockBuilder, Heard, TestHost};
+use microsim_sdk::{BlockBuilder, Fault, Heard, TestHost};
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -44,7 +44,7 @@ fn metric(id: &str, unit: &str, category: &str) -> Value {
     })
 }
 
-fn started(task: &str, limits: Value) -> TestHost<Module> {
+fn config(task: &str, limits: Value) -> Value {
     let tool = |sharpness: f64| {
         json!({
             "title": { "de": "-", "en": "-" }, "doc": "-", "hinge": null, "opening_angle": null, "colour": "#888888",
@@ -66,7 +66,7 @@ fn started(task: &str, limits: Value) -> TestHost<Module> {
     if task != "hold" {
         objects.push(object("mark-2", line, [0.002, 0.0, 0.0]));
     }
-    let config = json!({
+    json!({
         "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
         "models": { "forceps": tool(0.0), "scissors": tool(1.0) },
         "limits": limits,
@@ -88,9 +88,15 @@ fn started(task: &str, limits: Value) -> TestHost<Module> {
             "half_size": [0.003, 0.002, 0.001], "wall": 0.0005, "colour": "#c8ccd0", "finish": "matte",
         }],
         "bodies": [{ "name": "tissue" }],
-    });
-    let manifest = include_str!("../module.toml");
-    let host = TestHost::of_module(manifest, 1, 4, config).expect("a complete set-up");
+    })
+}
+
+fn host(config: Value) -> Result<TestHost<Module>, Fault> {
+    TestHost::of_module(include_str!("../module.toml"), 1, 4, config)
+}
+
+fn started(task: &str, limits: Value) -> TestHost<Module> {
+    let host = host(config(task, limits)).expect("a complete set-up");
     let mut host = host.moving();
     host.send(&LevelControl::Start);
     tick(&mut host, &Scene::default());
@@ -541,4 +547,32 @@ fn without_tissue_nothing_is_reached() {
     );
     let result = end(&mut host);
     assert_eq!((result.targets_done, result.score), (0, 0.0));
+}
+
+/// Each message names the key of the level's file that does not fit.
+#[test]
+fn a_level_that_does_not_fit_is_refused_by_its_key() {
+    let refused = |key: &str, spoil: fn(&mut Value)| {
+        let mut config = config("cut", json!([]));
+        spoil(&mut config);
+        let fault = host(config).expect_err(key).to_string();
+        assert!(fault.contains(key), "{fault}");
+    };
+    refused("[module] `task`", |config| {
+        config["module"]["task"] = json!("hold")
+    });
+    refused("\"clamp-left\"", |config| {
+        config["objects"][0]["name"] = json!("clamp");
+    });
+    refused("\"mark-1\": `shape`", |config| {
+        config["objects"][2] = object(
+            "mark-1",
+            json!({ "shape": "sphere", "radius": 0.001 }),
+            [0.0; 3],
+        );
+    });
+    refused("\"mark-1\": its `orientation`", |config| {
+        config["objects"][2]["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
+    });
+    refused("[[body]]", |config| config["bodies"] = json!([]));
 }

@@ -7,6 +7,7 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 const DWELL: f64 = 0.2;
 /// Ticks of 8 ms that a piece has to lie for 0.2 s: time counts from the first one.
@@ -21,7 +22,8 @@ fn started() -> TestHost<Module> {
     };
     let object = |name: &str, mut keys: serde_json::Value| {
         keys["name"] = json!(name);
-        keys["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
+        // Along y: a mark lies across the strip.
+        keys["orientation"] = json!([-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]);
         keys["colour"] = json!("#888888");
         keys["finish"] = json!("matte");
         keys["active"] = json!(true);
