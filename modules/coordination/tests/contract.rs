@@ -555,7 +555,7 @@ fn a_level_that_does_not_fit_is_refused_by_its_key() {
     let refused = |key: &str, spoil: fn(&mut Value)| {
         let mut config = config("cut", json!([]));
         spoil(&mut config);
-        let fault = host(config).expect_err(key).to_string();
+        let fault = host(config).err().expect(key).to_string();
         assert!(fault.contains(key), "{fault}");
     };
     refused("[module] `task`", |config| {
