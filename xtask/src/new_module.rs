@@ -227,7 +227,7 @@ mod tests {
             assert!(manifest.lines().any(|l| l == line), "{line}");
         }
         let logic = fs::read_to_string(place.join("src/lib.rs")).unwrap();
-        assert!(logic.contains("export_plugin!(StayCalm, \"../module.toml\");"));
+        assert!(logic.contains("export_plugin!(Training<StayCalm>, \"../module.toml\");"));
         // Made once only.
         assert!(create(&workspace, "stay-calm", None).is_err());
     }
