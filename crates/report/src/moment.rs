@@ -5,10 +5,11 @@
 //! `stray-cut`) says it better: of the two its words stay.
 
 use crate::ReportInput;
-use crate::force::grip;
 use crate::html::in_both;
 use crate::number::shown;
-use microsim_message::{ContactForces, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut};
+use microsim_message::{
+    ContactForces, GRIP_MIN, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -120,7 +121,7 @@ impl<'a> MomentCollector<'a> {
     pub fn hear_forces(&mut self, tick: u64, now: f64, forces: &ContactForces) {
         for contact in &forces.contacts {
             let (tool, body) = (&contact.tool, &contact.body);
-            if grip(&contact.jaws) > 0.0 && !self.session.sharp.contains(tool) {
+            if contact.grip >= GRIP_MIN && !self.session.sharp.contains(tool) {
                 self.happens(MomentKind::Grip, tick, now, tool, body);
             }
             if contact.over_limit > 0.0 {
@@ -328,7 +329,6 @@ mod tests {
     use super::*;
     use crate::Report;
     use crate::testing::{contact, input, log, text};
-    use microsim_message::{Jaw, JawForce};
 
     fn kinds(report: &Report) -> Vec<(MomentKind, f64, u64)> {
         let moments = report.moments.iter();
@@ -336,13 +336,8 @@ mod tests {
     }
 
     fn squeezed(force: [f64; 3], over_limit: f64) -> ContactForces {
-        let jaw = |jaw| JawForce {
-            jaw,
-            force: 0.01,
-            pressure: 1.0,
-        };
         let mut contact = contact("left", "strip", force);
-        contact.jaws = vec![jaw(Jaw::Left), jaw(Jaw::Right)];
+        contact.grip = 0.01;
         contact.peak = force[2];
         contact.over_limit = over_limit;
         ContactForces {

@@ -151,8 +151,8 @@ fn plots(out: &mut String, report: &Report) {
             say("Mittel je Takt", "mean of a tick"),
             say("größter Wert im Takt", "largest within a tick"),
             say(
-                "Griff: Kraft der Backe, die weniger drückt",
-                "grip: force of the jaw that presses less"
+                "Griff: Kraft, mit der beide Backen gegeneinander drücken",
+                "grip: force with which both jaws press against each other"
             ),
         );
         marks_key(out, report);
