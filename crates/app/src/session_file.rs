@@ -76,6 +76,7 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
         },
         tools: tool_names(plan),
         synthetic: plan.synthetic.clone(),
+        model_error: plan.model_error,
         realtime: session.header.realtime,
         without: plan.without.clone(),
         state_hash: session

@@ -1,6 +1,6 @@
 //! Writing a choice into its file: only what was chosen changes, comments stay.
 
-use super::Target;
+use super::{Measured, Target};
 use microsim_settings::{self as settings, Unit};
 use microsim_study::{Trial, Tuning};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value, value};
@@ -22,12 +22,12 @@ pub fn write(
         replace(document.as_item_mut(), path, parsed(value))
             .ok_or_else(|| format!("{}: no place for `{set}`", target.path.display()))?;
     }
-    match target.level {
-        Some(clock) => {
-            let steps = (clock.tick / choice.step * (1.0 - 1e-9)).ceil().max(1.0) as i64;
+    match &target.what {
+        Measured::Level(level) => {
+            let steps = (level.tick / choice.step * (1.0 - 1e-9)).ceil().max(1.0) as i64;
             set_value(&mut document["clock"], "steps", steps.into());
         }
-        None => {
+        Measured::Scene(_) => {
             set_value(&mut document["run"], "step", time(choice.step).into());
             for (key, now) in [("sample", scene.run.sample), ("frame", scene.run.frame)] {
                 if choice.step > now {
@@ -51,6 +51,8 @@ fn tuned(target: &Target, choice: &Trial, tuning: &Tuning) -> Table {
         ("error", choice.error),
         ("margin", choice.margin),
         ("cost", choice.cost),
+        ("doubt", tuning.doubt),
+        ("locking", tuning.locking),
     ] {
         if let Some(number) = number {
             table.insert(key, value(rounded(number)));
