@@ -404,8 +404,8 @@ fn judge(
     if candidates.contact && !scene.method().leads_nodes() {
         return Err("it cannot lead nodes, which contact needs".into());
     }
-    if candidates.cuts && matches!(scene.method(), Method::QuasiStatic(_)) {
-        return Err("it has no inertia: a piece that comes off could not fall".into());
+    if let (Some(reason), Method::QuasiStatic(_)) = (candidates.motion, scene.method()) {
+        return Err(reason.into());
     }
     let limit = stability_limit(&scene);
     let limited = limit.is_finite();

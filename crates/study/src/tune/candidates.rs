@@ -43,8 +43,8 @@ pub struct Candidates {
     pub exact: (Vec<String>, Option<PlannedStep>),
     /// Whether tools touch bodies.
     pub contact: bool,
-    /// Whether bodies are cut or tear.
-    pub cuts: bool,
+    /// Why a method must compute motion, and not only where it ends; `None` if that is enough.
+    pub motion: Option<&'static str>,
 }
 
 /// What a level demands beyond its scene.
@@ -149,7 +149,21 @@ pub fn candidates(
         methods,
         exact: (set.to_vec(), step),
         contact,
-        cuts: level.is_some_and(|level| level.cuts),
+        motion: level.and_then(|level| motion(scene, level.cuts)),
+    }
+}
+
+/// Why a level asks for motion.
+fn motion(scene: &settings::Scene, cuts: bool) -> Option<&'static str> {
+    let viscous = |material: &settings::Material| {
+        material.relaxation_time.unwrap_or(0.0) > 0.0 || material.viscosity.unwrap_or(0.0) > 0.0
+    };
+    if cuts {
+        Some("it has no inertia: a piece that comes off could not fall")
+    } else if scene.body.iter().any(|b| b.material.iter().any(viscous)) {
+        Some("it leaves out the viscosity that the level states")
+    } else {
+        None
     }
 }
 
