@@ -40,7 +40,11 @@ fn the_model_error_of_every_level_is_what_its_file_states() {
     for level in 1..=6 {
         let level = level.to_string();
         let said = microsim(["tune", MODULE, "--level", &level, "--verify"]).expect(0);
-        assert!(said.out.contains("confirmed"), "level {level}: {}", said.out);
+        assert!(
+            said.out.contains("confirmed"),
+            "level {level}: {}",
+            said.out
+        );
     }
 }
 

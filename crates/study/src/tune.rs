@@ -373,11 +373,7 @@ fn attempt(
         margin: None,
         rejected: None,
     };
-    let rejected = match judge(context, goal, candidates, choices, best, &mut trial) {
-        Ok(()) => None,
-        Err(reason) => Some(reason),
-    };
-    trial.rejected = rejected;
+    trial.rejected = judge(context, goal, candidates, choices, best, &mut trial).err();
     let mut parameters = match trial.step.is_finite() {
         true => format!("step {}", time(trial.step)),
         false => "no step".into(),
