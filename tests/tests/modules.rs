@@ -380,7 +380,7 @@ fn explain_says_exactly_what_is_loaded_and_why() {
     assert_eq!(plugins, expected);
     assert_eq!(
         what(&plan),
-        ["body", "contact", "method", "object", "tool"]
+        ["body", "contact", "method", "object", "step", "tool"]
             .map(String::from)
             .into()
     );
@@ -407,6 +407,7 @@ fn explain_lists_the_parts_of_every_level_of_coordination() {
         "body tissue",
         "contact ground on tissue",
         "method implicit-euler",
+        "step 8 ms",
         "object clamp-left",
         "object clamp-right",
         "object mark-1",

@@ -79,6 +79,7 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
         sharp: sharp_tools(plan),
         bodies: body_names(plan),
         synthetic: plan.synthetic.clone(),
+        model_error: plan.model_error,
         realtime: session.header.realtime,
         without: plan.without.clone(),
         state_hash: session

@@ -11,8 +11,8 @@ use crate::session_file::installation;
 use microsim_scene::{Serial, scene_spec};
 use microsim_settings::{self as settings, Chart, ChartScene, ExactKind, Expect, Override};
 use microsim_study::{
-    Context, Goal, LoadedScene, Trial, Tuning, candidates, measure, percent, significant,
-    tune as choose,
+    AsLevel, Candidates, Context, Goal, LoadedScene, Trial, Tuning, candidates, doubt, locking,
+    measure, percent, significant, tune as choose,
 };
 use std::path::{Path, PathBuf};
 
@@ -20,14 +20,45 @@ use std::path::{Path, PathBuf};
 struct Target {
     /// The file that is written.
     path: PathBuf,
-    /// What is measured, as the text of a scene.
-    scene: String,
-    /// Whether it is a level.
-    level: Option<level::Clock>,
-    /// Whether tools touch its bodies.
-    contact: bool,
+    /// What is measured.
+    what: Measured,
     /// How it is named on the command line.
     name: String,
+}
+
+/// What is measured.
+enum Measured {
+    /// The text of a scene.
+    Scene(String),
+    /// A level, as a scene that depends on the mesh.
+    Level(level::Level),
+}
+
+impl Target {
+    /// The scene with overrides; files of meshes lie in the folder of the target.
+    fn load(&self, set: &[String]) -> Result<LoadedScene, String> {
+        let file = self.path.display().to_string();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        match &self.what {
+            Measured::Scene(text) => load(text, &file, folder, set),
+            Measured::Level(level) => {
+                let text = level.scene(set).map_err(|e| format!("{file}: {e}"))?;
+                load(&text, &file, folder, set)
+            }
+        }
+    }
+
+    /// What it demands if it is a level.
+    fn as_level(&self) -> Option<AsLevel> {
+        match &self.what {
+            Measured::Scene(_) => None,
+            Measured::Level(level) => Some(AsLevel {
+                tick: level.tick,
+                contact: level.contact,
+                cuts: level.cuts,
+            }),
+        }
+    }
 }
 
 /// Chooses, or verifies an earlier choice.
@@ -36,9 +67,8 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     let plan = plan_path(place)?;
     let chart = settings::load_chart(&plan)?.settings;
     let file = target.path.display().to_string();
-    let folder = target.path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let load = |_: &str, set: &[String]| load(&target.scene, &file, &folder, set);
-    let scene = load("", &[])?.settings;
+    let load = |_: &str, set: &[String]| target.load(set);
+    let scene = target.load(&[])?.settings;
     let Some(accuracy) = scene.accuracy else {
         return Err(format!(
             "{file} states no accuracy to keep; add a table [accuracy] with `error`, such as error = \"3 %\""
@@ -50,13 +80,14 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
         expect: expectations(&scene, of_plan),
         error: accuracy.error,
         margin: accuracy.stability_margin,
+        cost: accuracy.cost.unwrap_or(f64::INFINITY),
     };
     // A scene that ends by time is about its motion.
     let kind = match scene.run.end {
         settings::End::Rest => ExactKind::Rest,
         settings::End::Time => ExactKind::Motion,
     };
-    let mut candidates = candidates(&chart, &scene, kind, of_plan, target.contact);
+    let mut candidates = candidates(&chart, &scene, kind, of_plan, target.as_level());
     if args.keep_mesh {
         candidates.keep_mesh();
     }
@@ -69,7 +100,7 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
         exec: &Serial,
     };
     if args.verify {
-        return verify(&context, goal, &scene);
+        return verify(&context, goal, &scene, &candidates);
     }
     let tuning = choose(&context, &goal, &candidates, &mut |trial| {
         let verdict = trial.rejected.as_deref().unwrap_or("the best so far");
@@ -105,10 +136,8 @@ fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
     let Some(number) = args.level else {
         let path = find(place, Path::new(&args.target))?;
         return Ok(Target {
-            scene: read(&path)?,
+            what: Measured::Scene(read(&path)?),
             path,
-            level: None,
-            contact: false,
             name: args.target.clone(),
         });
     };
@@ -123,9 +152,7 @@ fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
     let level = level::Level::of(&read(path)?).map_err(|e| format!("{}: {e}", path.display()))?;
     Ok(Target {
         path: path.clone(),
-        contact: level.contact,
-        scene: level.scene,
-        level: Some(level.clock),
+        what: Measured::Level(level),
         name: format!("{} --level {number}", args.target),
     })
 }
@@ -211,6 +238,18 @@ fn report(tuning: &Tuning, goal: &Goal) -> Result<(), Problem> {
     if let Some(choice) = tuning.choice() {
         say(format!("  chosen    {}", figures(choice)))?;
     }
+    if let Some(locking) = tuning.locking {
+        say(format!(
+            "  linear tetrahedra, which lock, on the chosen mesh: error {}",
+            percent(locking)
+        ))?;
+    }
+    if let Some(doubt) = tuning.doubt {
+        say(format!(
+            "  the measure itself may be off by {}",
+            percent(doubt)
+        ))?;
+    }
     Ok(())
 }
 
@@ -226,8 +265,16 @@ fn figures(trial: &Trial) -> String {
     )
 }
 
+/// Whether a figure that was found agrees with the one that is stated.
+type Agreement = fn(f64, f64) -> bool;
+
 /// Runs the file as it is and compares with what stands in it.
-fn verify(context: &Context<'_>, mut goal: Goal, scene: &settings::Scene) -> Result<Exit, Problem> {
+fn verify(
+    context: &Context<'_>,
+    mut goal: Goal,
+    scene: &settings::Scene,
+    candidates: &Candidates,
+) -> Result<Exit, Problem> {
     let Some(tuned) = &scene.tuned else {
         return Err("the file holds no [tuned]: run tune first".into());
     };
@@ -242,24 +289,32 @@ fn verify(context: &Context<'_>, mut goal: Goal, scene: &settings::Scene) -> Res
         }
     }
     let found = measure(context, &goal)?;
-    let error_kept = found.error.is_some_and(|error| error <= goal.error);
-    // The error is the same on every machine, but for the digits that the file leaves out.
-    let same = found
-        .error
-        .zip(tuned.error)
-        .is_some_and(|(a, b)| (a - b).abs() <= 0.01 * b.max(1e-4));
-    say(format!(
-        "error {} (stated {}, allowed {}): {}",
-        found.error.map_or("unknown".into(), percent),
-        tuned.error.map_or("nothing".into(), percent),
-        percent(goal.error),
-        if error_kept && same {
-            "confirmed"
-        } else {
-            "NOT CONFIRMED"
-        }
-    ))?;
-    // Times are not: they are shown, and decide nothing.
+    let mut confirmed = found.error.is_some_and(|error| error <= goal.error);
+    let mut compare = |name: &str, found: Option<f64>, stated: Option<f64>, same: Agreement| {
+        let same = found.zip(stated).is_some_and(|(a, b)| same(a, b));
+        confirmed &= same;
+        say(format!(
+            "{name} {} (stated {}){}",
+            found.map_or("unknown".into(), percent),
+            stated.map_or("nothing".into(), percent),
+            if same { "" } else { ": NOT CONFIRMED" }
+        ))
+    };
+    // Figures are the same on every machine, but for the digits that the file leaves out.
+    let equal = |a: f64, b: f64| (a - b).abs() <= 0.01 * b.max(1e-4);
+    compare("error", found.error, tuned.error, equal)?;
+    // Files may state an error alone.
+    if tuned.doubt.is_some() {
+        // The mesh that is compared with depends on that of the file, which may be the one that was chosen since.
+        let near = |a: f64, b: f64| a <= 2.0 * b;
+        let doubt = doubt(context, &goal, candidates);
+        compare("doubt about the measure", doubt, tuned.doubt, near)?;
+    }
+    if tuned.locking.is_some() {
+        let locking = locking(context, &goal, candidates, &[]);
+        compare("error of linear tetrahedra", locking, tuned.locking, equal)?;
+    }
+    // Times are not the same: they are shown, and decide nothing.
     say(format!(
         "{} CPU s per simulated s (stated {})",
         found
@@ -269,7 +324,16 @@ fn verify(context: &Context<'_>, mut goal: Goal, scene: &settings::Scene) -> Res
             .cost
             .map_or("nothing".into(), |cost| significant(cost, 2)),
     ))?;
-    Ok(if error_kept && same {
+    say(format!(
+        "allowed is an error of {}: {}",
+        percent(goal.error),
+        if confirmed {
+            "confirmed"
+        } else {
+            "NOT CONFIRMED"
+        }
+    ))?;
+    Ok(if confirmed {
         Exit::Done
     } else {
         Exit::Negative

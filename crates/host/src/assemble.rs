@@ -8,6 +8,7 @@ use crate::input::{SourceSetup, source_setup};
 pub use crate::installation::{Installation, known_metrics};
 use crate::loader::file_hash;
 use crate::plan::{OwnKind, PlannedPart, PlannedPlugin, PluginKind, RunPlan};
+use crate::reason;
 use abi_stable::std_types::{ROption, RSlice};
 use microsim_message::{LocalText, Setup, SetupFile, encode};
 use microsim_settings as settings;
@@ -158,6 +159,11 @@ impl Planner<'_> {
             input_digest: self.source.digest(),
             queue_messages: self.installation.host.queue.messages,
             queue_bytes: self.installation.host.queue.bytes,
+            model_error: level
+                .tuned
+                .as_ref()
+                .filter(|_| !self.leaves_out("physics"))
+                .and_then(|tuned| tuned.error),
             without: self.request.without.clone(),
             plugins: Vec::new(),
             parts: self.parts(),
@@ -459,7 +465,7 @@ impl Planner<'_> {
                 parts.push(part(
                     "body",
                     body.name.clone(),
-                    format!("the level names it; {mesh}"),
+                    format!("the level names it; {mesh}{}", reason::mesh(level)),
                 ));
             }
             for pair in &level.contact {
@@ -484,9 +490,16 @@ impl Planner<'_> {
                     .unwrap_or_default()
                     .to_owned(),
                 format!(
-                    "the level asks for it, with {} steps per tick; gravity {:?} m/s^2",
-                    level.clock.steps, physics.gravity
+                    "the level asks for it; gravity {:?} m/s^2{}",
+                    physics.gravity,
+                    reason::method(level)
                 ),
+            ));
+            let step = level.clock.tick / f64::from(level.clock.steps);
+            parts.push(part(
+                "step",
+                format!("{} ms", step * 1e3),
+                reason::step(level),
             ));
         }
         parts

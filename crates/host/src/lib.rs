@@ -17,6 +17,7 @@ pub mod loader;
 pub mod parallel;
 pub mod picture;
 pub mod plan;
+mod reason;
 pub mod record;
 pub mod replay;
 pub mod run;

@@ -116,7 +116,7 @@ pub struct PlannedPlugin {
 /// A line of `--explain` that is not a plugin: a body, an object, a contact pair, a method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannedPart {
-    /// `body`, `object`, `contact`, `method`, `tool`.
+    /// `body`, `object`, `rigid`, `contact`, `cut`, `method`, `step`, `tool`.
     pub what: String,
     /// Its name.
     pub name: String,
@@ -156,6 +156,9 @@ pub struct RunPlan {
     pub queue_messages: u32,
     /// Bytes that the queue of one plugin holds.
     pub queue_bytes: u32,
+    /// Relative error of the tissue that the level states as measured; `None` if it states none, or without physics.
+    #[serde(default)]
+    pub model_error: Option<f64>,
     /// Kinds that were left out on purpose; such a run is no result.
     pub without: Vec<String>,
     /// Plugins in the order of a tick.

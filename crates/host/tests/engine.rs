@@ -182,6 +182,7 @@ fn plan() -> RunPlan {
         input_digest: String::new(),
         queue_messages: 4096,
         queue_bytes: 1 << 20,
+        model_error: None,
         without: Vec::new(),
         plugins: vec![
             planned("counter", PluginKind::Source, &[Count::KIND], &[]),

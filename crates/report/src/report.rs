@@ -39,6 +39,9 @@ pub struct ReportInput {
     pub bodies: Vec<String>,
     /// By what a synthetic trainee was made; `None` for all others.
     pub synthetic: Option<String>,
+    /// Relative error of the tissue that the level states as measured; `None` if it states none.
+    #[serde(default)]
+    pub model_error: Option<f64>,
     /// Whether ticks were paced by the wall clock.
     pub realtime: bool,
     /// What was left out of the computation; if anything, the run is no result.

@@ -63,6 +63,10 @@ pub struct ChartTune {
     pub scales: Vec<f64>,
     /// Number of cells of the mesh that is the measure where nothing is known from outside, as a multiple of those of the file.
     pub reference_scale: f64,
+    /// The same for levels, along x, y and z of blocks; along, around and through tubes.
+    pub level_scales: Vec<[f64; 3]>,
+    /// The same as `reference_scale` for levels.
+    pub level_reference_scale: f64,
     /// Discretisations of continua; the first one is that of the measure.
     pub discretisations: Vec<Discretisation>,
     /// Names of methods, with the steps and iterations that the chart tries.

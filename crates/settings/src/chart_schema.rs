@@ -79,6 +79,21 @@ fn tune_keys() -> Vec<Key> {
             "Number of cells of the mesh that is the measure where nothing is known from outside, as a multiple of those of the file.",
         ),
         Key::required(
+            "level_scales",
+            some(Kind::Vector {
+                unit: Unit::Ratio,
+                len: 3,
+                min: 0.05,
+                max: 20.0,
+            }),
+            "Numbers of cells of a level's bodies as multiples of those of the file: along x, y and z of a block; along, around and through a tube. From coarse to fine.",
+        ),
+        Key::required(
+            "level_reference_scale",
+            Kind::quantity(Unit::Ratio, 0.05, 20.0),
+            "The same as `reference_scale` for levels.",
+        ),
+        Key::required(
             "discretisations",
             some(Kind::choice(&Discretisation::NAMES)),
             "Discretisations of continua; the first one is that of the measure.",

@@ -91,6 +91,8 @@ pub struct Accuracy {
     pub error: f64,
     /// Factor between the step and the largest stable one.
     pub stability_margin: f64,
+    /// Largest CPU time per simulated time; any if `None`.
+    pub cost: Option<f64>,
 }
 
 /// What `microsim tune` chose, and what it measured.
@@ -114,6 +116,10 @@ pub struct Tuned {
     /// Values of what was compared, in SI, from the exact solution on a fine mesh: the measure where nothing is known from
     /// outside.
     pub measure: Vec<f64>,
+    /// How far that measure may be off itself: the largest relative difference to a mesh of two thirds of its cells.
+    pub doubt: Option<f64>,
+    /// Relative error of plain linear tetrahedra, which lock, on the chosen mesh.
+    pub locking: Option<f64>,
     /// What was rejected, and why: a sentence each.
     pub rejected: Vec<String>,
 }
@@ -169,6 +175,11 @@ pub(crate) fn accuracy_keys() -> Vec<Key> {
             "Factor that must lie between the step and the largest stable one.",
             1.5,
         ),
+        Key::optional(
+            "cost",
+            Kind::quantity(Unit::Ratio, 1e-6, 1e6),
+            "Largest CPU time per simulated time, contact and cutting not counted; any if left out.",
+        ),
     ]
 }
 
@@ -207,6 +218,16 @@ pub(crate) fn tuned_keys() -> Vec<Key> {
             Kind::quantity(Unit::Ratio, f64::NEG_INFINITY, f64::INFINITY),
             64,
             "Values of what was compared, in SI, from the exact solution on a fine mesh: the measure where nothing is known from outside.",
+        ),
+        Key::optional(
+            "doubt",
+            share(),
+            "How far that measure may be off itself: the largest relative difference to a mesh of two thirds of its cells.",
+        ),
+        Key::optional(
+            "locking",
+            share(),
+            "Relative error of plain linear tetrahedra, which lock, on the chosen mesh.",
         ),
         Key::list(
             "rejected",

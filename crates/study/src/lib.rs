@@ -26,5 +26,6 @@ pub use plan::{Group, GroupKey, PlannedRun, PlannedStep, RunKey, groups};
 pub use results::{ERRORS, Panel, Results};
 pub use row::{Against, GroupResult, Measured, Row, Status};
 pub use tune::{
-    Candidates, Choices, Elements, Goal, Mesh, Trial, Tuning, candidates, error_of, measure, tune,
+    AsLevel, Candidates, Choices, Elements, Goal, Mesh, Trial, Tuning, candidates, doubt, error_of,
+    locking, measure, tune,
 };

@@ -179,9 +179,9 @@ impl Results {
              it is the equilibrium (Newton's method to a residual of 10⁻⁹), for scenes that move it is the motion at a quarter of the largest stable step.</p>\n\
              <p>A first peak is the largest value before the curve has fallen for a stated time. Energy drift is the energy gained over the run as a share of \
              the largest kinetic energy. A run that diverged is drawn above the scale where its time was measured, and stays in the table.</p>\n");
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<p>Made by <code>{}</code>.</p></section>\n",
+            "<p>Made by <code>{}</code>.</p></section>",
             escape(&info.command)
         );
     }

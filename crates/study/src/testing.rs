@@ -19,6 +19,8 @@ motion = ["method.name=stoermer-verlet"]
 [tune]
 scales = [1.0]
 reference_scale = 2.0
+level_scales = [[1, 1, 1]]
+level_reference_scale = 2.0
 discretisations = ["tetrahedra"]
 methods = ["verlet"]
 contact_methods = ["verlet"]
@@ -198,6 +200,8 @@ motion = ['method={name="stoermer-verlet"}']
 [tune]
 scales = [0.1, 1, 2]
 reference_scale = 3
+level_scales = [[1, 1, 1]]
+level_reference_scale = 2
 discretisations = ["selective", "tetrahedra"]
 methods = ["verlet", "midpoint", "xpbd"]
 contact_methods = ["verlet"]

@@ -7,13 +7,13 @@
 
 mod candidates;
 
-pub use candidates::{Candidates, Choices, Elements, Mesh, candidates};
+pub use candidates::{AsLevel, Candidates, Choices, Elements, Mesh, candidates};
 
 use crate::execute::{Context, LoadedScene, Outcome, advance, ready, stability_limit};
 use crate::number::{percent, significant, time};
 use crate::plan::PlannedStep;
 use crate::row::Status;
-use microsim_scene::{Scene, Selection, StartSpec};
+use microsim_scene::{Method, Scene, Selection, StartSpec};
 use microsim_settings::{ChartMethod, Expect};
 use microsim_tissue::stability;
 use std::fmt::Write;
@@ -22,6 +22,8 @@ use std::fmt::Write;
 const FACTORS: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 8.0];
 /// Methods without a stability limit must work at this multiple of the step.
 const IMPLICIT_FACTOR: f64 = 2.0;
+/// CPU time per tetrahedron that an explicit step takes at least: half of the least in `tests/results/bench_kernels.md` [s].
+const LEAST: f64 = 5e-9;
 /// A new run must be cheaper than the best one by this share: less is noise.
 const NOISE: f64 = 0.05;
 
@@ -34,6 +36,8 @@ pub struct Goal {
     pub error: f64,
     /// Factor that must lie between the step and one at which it fails.
     pub margin: f64,
+    /// Largest CPU time per simulated time.
+    pub cost: f64,
 }
 
 /// A run that was tried.
@@ -70,6 +74,10 @@ pub struct Tuning {
     pub chosen: Option<usize>,
     /// Values of the exact solution on a fine mesh, where they were the measure; else empty.
     pub measure: Vec<f64>,
+    /// How far that measure may be off: the largest relative difference to a mesh of two thirds of its cells.
+    pub doubt: Option<f64>,
+    /// Error of linear tetrahedra on the chosen mesh.
+    pub locking: Option<f64>,
     /// Why there is nothing to compare with.
     pub no_measure: Option<String>,
 }
@@ -129,6 +137,7 @@ pub fn tune(
     if goal.expect.iter().any(|e| e.value.is_nan()) {
         match measured_goal(context, &goal, candidates) {
             Ok(measured) => {
+                tuning.doubt = doubt(context, &measured, candidates);
                 tuning.measure = measured.expect.iter().map(|e| e.value).collect();
                 goal = measured;
             }
@@ -139,6 +148,7 @@ pub fn tune(
         }
     }
     let mut keeping: Vec<&String> = Vec::new();
+    let mut chosen_mesh = None;
     let pairs = candidates
         .meshes
         .iter()
@@ -148,7 +158,7 @@ pub fn tune(
         if keeping.contains(&&elements.title) {
             continue;
         }
-        let found = exact_values(context, &goal, candidates, mesh, elements);
+        let found = exact_values(context, &goal, candidates, &mesh.set, elements);
         let of_mesh = format!("{}, {}", elements.title, mesh.title);
         let usable = match found {
             Ok((values, count)) => match error_of(&goal, &values) {
@@ -209,6 +219,7 @@ pub fn tune(
                                     Some(format!("{} is cheaper", trial.description));
                             }
                             tuning.chosen = Some(tuning.trials.len());
+                            chosen_mesh = Some(mesh);
                         }
                         tuning.trials.push(trial);
                     }
@@ -216,7 +227,30 @@ pub fn tune(
             }
         }
     }
+    if let Some(mesh) = chosen_mesh {
+        tuning.locking = locking(context, &goal, candidates, &mesh.set);
+    }
     tuning
+}
+
+/// The error of linear tetrahedra, which lock, on the mesh with these overrides; `None` if there is no continuum or no solution.
+pub fn locking(
+    context: &Context<'_>,
+    goal: &Goal,
+    candidates: &Candidates,
+    mesh: &[String],
+) -> Option<f64> {
+    let plain = candidates.plain.as_ref()?;
+    let (values, _) = exact_values(context, goal, candidates, mesh, plain).ok()?;
+    error_of(goal, &values)
+}
+
+/// How far a measure from the fine mesh is from that of one with two thirds of its cells along each edge; `None` if there is no
+/// solution.
+pub fn doubt(context: &Context<'_>, goal: &Goal, candidates: &Candidates) -> Option<f64> {
+    let (mesh, elements) = (&candidates.second.set, &candidates.reference.1);
+    let (values, _) = exact_values(context, goal, candidates, mesh, elements).ok()?;
+    error_of(goal, &values)
 }
 
 /// The scene as its file has it; every value of the goal must be known.
@@ -245,7 +279,7 @@ fn measured_goal(
     candidates: &Candidates,
 ) -> Result<Goal, String> {
     let (mesh, elements) = &candidates.reference;
-    let (values, _) = exact_values(context, goal, candidates, mesh, elements)?;
+    let (values, _) = exact_values(context, goal, candidates, &mesh.set, elements)?;
     let mut goal = goal.clone();
     for (expect, value) in goal.expect.iter_mut().zip(values) {
         expect.value = value.unwrap_or(f64::NAN);
@@ -286,10 +320,10 @@ fn exact_values(
     context: &Context<'_>,
     goal: &Goal,
     candidates: &Candidates,
-    mesh: &Mesh,
+    mesh: &[String],
     elements: &Elements,
 ) -> Exact {
-    let mut set = mesh.set.clone();
+    let mut set = mesh.to_vec();
     set.extend_from_slice(&elements.set);
     set.extend_from_slice(&candidates.exact.0);
     let step = candidates.exact.1;
@@ -339,11 +373,7 @@ fn attempt(
         margin: None,
         rejected: None,
     };
-    let rejected = match judge(context, goal, candidates, choices, best, &mut trial) {
-        Ok(()) => None,
-        Err(reason) => Some(reason),
-    };
-    trial.rejected = rejected;
+    trial.rejected = judge(context, goal, candidates, choices, best, &mut trial).err();
     let mut parameters = match trial.step.is_finite() {
         true => format!("step {}", time(trial.step)),
         false => "no step".into(),
@@ -370,6 +400,9 @@ fn judge(
     if candidates.contact && !scene.method().leads_nodes() {
         return Err("it cannot lead nodes, which contact needs".into());
     }
+    if let (Some(reason), Method::QuasiStatic(_)) = (candidates.motion, scene.method()) {
+        return Err(reason.into());
+    }
     let limit = stability_limit(&scene);
     let limited = limit.is_finite();
     let free = yanked_node(&scene);
@@ -386,6 +419,16 @@ fn judge(
         return Err(format!(
             "a step beyond {} of the stability limit is not safe when the body is deformed",
             stability::SAFETY
+        ));
+    }
+    // Its first sample alone could take minutes.
+    let least = LEAST * trial.elements as f64 / trial.step;
+    let most = goal.cost.min(budget / duration);
+    if limited && least > most {
+        return Err(format!(
+            "so many steps need at least {} CPU s per simulated s, {} are left",
+            significant(least, 2),
+            significant(most, 2)
         ));
     }
     let outcome = advance(context, prepared, budget);
@@ -415,6 +458,13 @@ fn judge(
         ));
     }
     let cost = trial.cost.unwrap_or(f64::INFINITY);
+    if cost > goal.cost {
+        return Err(format!(
+            "{} CPU s per simulated s, allowed are {}",
+            significant(cost, 2),
+            significant(goal.cost, 2)
+        ));
+    }
     if best.is_some_and(|best| cost > best * (1.0 - NOISE)) {
         return Err(format!(
             "{} CPU s per simulated s, not less than the best one so far",

@@ -1,6 +1,6 @@
 //! Writing a choice into its file: only what was chosen changes, comments stay.
 
-use super::Target;
+use super::{Measured, Target};
 use microsim_settings::{self as settings, Unit};
 use microsim_study::{Trial, Tuning};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value, value};
@@ -22,12 +22,12 @@ pub fn write(
         replace(document.as_item_mut(), path, parsed(value))
             .ok_or_else(|| format!("{}: no place for `{set}`", target.path.display()))?;
     }
-    match target.level {
-        Some(clock) => {
-            let steps = (clock.tick / choice.step * (1.0 - 1e-9)).ceil().max(1.0) as i64;
+    match &target.what {
+        Measured::Level(level) => {
+            let steps = (level.tick / choice.step * (1.0 - 1e-9)).ceil().max(1.0) as i64;
             set_value(&mut document["clock"], "steps", steps.into());
         }
-        None => {
+        Measured::Scene(_) => {
             set_value(&mut document["run"], "step", time(choice.step).into());
             for (key, now) in [("sample", scene.run.sample), ("frame", scene.run.frame)] {
                 if choice.step > now {
@@ -51,6 +51,8 @@ fn tuned(target: &Target, choice: &Trial, tuning: &Tuning) -> Table {
         ("error", choice.error),
         ("margin", choice.margin),
         ("cost", choice.cost),
+        ("doubt", tuning.doubt),
+        ("locking", tuning.locking),
     ] {
         if let Some(number) = number {
             table.insert(key, value(rounded(number)));
@@ -144,9 +146,13 @@ fn replace_in_value(at: &mut Value, path: &str, new: Value) -> Option<()> {
     Some(())
 }
 
-/// Gives a key a value and keeps the comment behind it.
+/// Gives a key a value and keeps the comment behind it; one that is the same stays as it is written.
 fn set_value(table: &mut Item, key: &str, mut new: Value) {
+    let bare = |value: &Value| value.to_string().replace(char::is_whitespace, "");
     if let Some(old) = table.get(key).and_then(Item::as_value) {
+        if bare(old) == bare(&new) {
+            return;
+        }
         *new.decor_mut() = old.decor().clone();
     }
     table[key] = Item::Value(new);
@@ -179,13 +185,14 @@ mod tests {
     #[test]
     fn only_what_was_chosen_changes() {
         let text = "# What it is.\n[run]\nstep = \"1 ms\" # short\n[method] # the best\nname = \"verlet\" # so far\n\
-            iterations = 3\n[[body]]\ncells = [1, 2, 3] # few\nlayer = [{ cells = 1, region = 2 }]\n[[body.material]]\nlaw = \"springs\"\n";
+            iterations = 3\n[[body]]\ncells = [1, 2, 3] # few\nsize = [1, 2] # so far\nlayer = [{ cells = 1, region = 2 }]\n[[body.material]]\nlaw = \"springs\"\n";
         let mut document: DocumentMut = text.parse().expect("TOML");
         for (path, new) in [
             ("method", "{name=\"implicit-euler\",must_converge=false}"),
             ("method.iterations", "2"),
             ("body.0.cells", "[4,5,6]"),
             ("body.0.layer.0.cells", "7"),
+            ("body.0.size", "[1,2]"),
             ("body.0.material.0.discretisation", "selective"),
         ] {
             assert_eq!(
@@ -196,7 +203,7 @@ mod tests {
         }
         set_value(&mut document["run"], "step", "5 ms".into());
         let expected = "# What it is.\n[run]\nstep = \"5 ms\" # short\n[method] # the best\nname = \"implicit-euler\" # so far\n\
-            must_converge = false\niterations = 2\n[[body]]\ncells = [4,5,6] # few\nlayer = [{ cells = 7, region = 2 }]\n[[body.material]]\nlaw = \"springs\"\ndiscretisation = \"selective\"\n";
+            must_converge = false\niterations = 2\n[[body]]\ncells = [4,5,6] # few\nsize = [1, 2] # so far\nlayer = [{ cells = 7, region = 2 }]\n[[body.material]]\nlaw = \"springs\"\ndiscretisation = \"selective\"\n";
         assert_eq!(document.to_string(), expected);
         for nowhere in ["body.1.cells", "nothing.at.all", "body.x.cells"] {
             assert_eq!(

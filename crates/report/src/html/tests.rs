@@ -294,6 +294,23 @@ fn what_is_missing_or_made_is_said() {
     );
 }
 
+/// The error of the tissue is said in both languages, rounded up; nothing is said where a level states none.
+#[test]
+fn the_error_of_the_tissue_is_said() {
+    let log = log(&[&failed_result(&["depth"])]);
+    let page_of = |model_error| {
+        let input = ReportInput {
+            model_error,
+            ..input()
+        };
+        Report::build(&input, [(0, &log[..])]).to_html(&page())
+    };
+    let html = page_of(Some(0.03456));
+    assert!(html.contains("by 3.5\u{a0}% differently"));
+    assert!(html.contains("um 3,5\u{a0}% anders"));
+    assert!(!page_of(None).contains("Accuracy of the tissue"));
+}
+
 /// What failed is advised on at the top; in a run that kept every limit, what cost most points.
 #[test]
 fn advice_is_about_what_cost_most() {

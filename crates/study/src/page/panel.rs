@@ -159,9 +159,9 @@ fn legend(out: &mut String, panel: &Panel<'_>, width: f64, top: f64) -> f64 {
 fn answers(out: &mut String, panel: &Panel<'_>, against: Against) {
     let results = panel.results;
     let front = panel.front(against);
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<div class=\"wide\"><h3>{}</h3><table><thead><tr><th></th><th>Run</th><th class=\"n\">Error</th><th class=\"n\">CPU s/s</th></tr></thead><tbody>\n",
+        "<div class=\"wide\"><h3>{}</h3><table><thead><tr><th></th><th>Run</th><th class=\"n\">Error</th><th class=\"n\">CPU s/s</th></tr></thead><tbody>",
         heading(against)
     );
     for (k, point) in front.iter().enumerate() {
@@ -195,7 +195,7 @@ fn answers(out: &mut String, panel: &Panel<'_>, against: Against) {
             )
         })
         .collect();
-    let _ = write!(out, "{}</p></div>\n", answers.join(" · "));
+    let _ = writeln!(out, "{}</p></div>", answers.join(" · "));
 }
 
 /// What mesh and elements do, whatever the solver.

@@ -33,12 +33,29 @@ pub struct Candidates {
     pub elements: Vec<Elements>,
     /// What is the measure where nothing is known from outside.
     pub reference: (Mesh, Elements),
+    /// The mesh that shows how far that measure may be off: two thirds of its cells along each edge.
+    pub second: Mesh,
+    /// Linear tetrahedra, which lock; `None` if there is no continuum.
+    pub plain: Option<Elements>,
     /// Methods with their steps and iterations.
     pub methods: Vec<ChartMethod>,
     /// Overrides and step of exact solutions.
     pub exact: (Vec<String>, Option<PlannedStep>),
     /// Whether tools touch bodies.
     pub contact: bool,
+    /// Why a method must compute motion, and not only where it ends; `None` if that is enough.
+    pub motion: Option<&'static str>,
+}
+
+/// What a level demands beyond its scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AsLevel {
+    /// A step is a whole part of it [s].
+    pub tick: f64,
+    /// Whether tools touch its bodies.
+    pub contact: bool,
+    /// Whether its bodies are cut or tear.
+    pub cuts: bool,
 }
 
 /// One of each.
@@ -81,29 +98,43 @@ impl Choices<'_> {
     }
 }
 
-/// What the plan lets `tune` try on a scene. `kind`: what its exact solution is, unless it is `of_plan`; `contact`: whether tools
-/// touch its bodies.
+/// What the plan lets `tune` try on a scene. `kind`: what its exact solution is, unless it is `of_plan`; `level`: what it must keep
+/// besides if it stands for a level.
 pub fn candidates(
     chart: &Chart,
     scene: &settings::Scene,
     kind: ExactKind,
     of_plan: Option<&ChartScene>,
-    contact: bool,
+    level: Option<AsLevel>,
 ) -> Candidates {
     let tune = &chart.tune;
     let kind = of_plan.map_or(kind, |scene| scene.exact);
     let (set, step) = exact_way(chart, kind, of_plan);
+    let contact = level.is_some_and(|level| level.contact);
     let names = if contact {
         &tune.contact_methods
     } else {
         &tune.methods
     };
-    let methods = names
+    let planned = names
         .iter()
         .filter_map(|name| chart.method.iter().find(|m| m.name == *name));
+    let mut methods: Vec<ChartMethod> = planned.cloned().collect();
+    let (scales, reference) = match level {
+        None => {
+            let scales = tune.scales.iter().map(|scale| [*scale; 3]).collect();
+            (scales, tune.reference_scale)
+        }
+        Some(level) => {
+            for method in &mut methods {
+                whole_parts(&mut method.steps, level.tick);
+            }
+            (tune.level_scales.clone(), tune.level_reference_scale)
+        }
+    };
     let mut meshes: Vec<Mesh> = Vec::new();
-    for scale in &tune.scales {
-        let mesh = scaled(scene, *scale);
+    for scale in scales {
+        let mesh = scaled(scene, scale);
         if !meshes.iter().any(|other| other.set == mesh.set) {
             meshes.push(mesh);
         }
@@ -111,23 +142,50 @@ pub fn candidates(
     let elements = elements(scene, &tune.discretisations);
     Candidates {
         meshes,
-        reference: (scaled(scene, tune.reference_scale), elements[0].clone()),
+        reference: (scaled(scene, [reference; 3]), elements[0].clone()),
+        second: scaled(scene, [reference * 2.0 / 3.0; 3]),
+        plain: discretised(scene, Discretisation::Tetrahedra),
         elements,
-        methods: methods.cloned().collect(),
+        methods,
         exact: (set.to_vec(), step),
         contact,
+        motion: level.and_then(|level| motion(scene, level.cuts)),
     }
 }
 
-/// The scene with about `scale` times as many cells along each edge.
-fn scaled(scene: &settings::Scene, scale: f64) -> Mesh {
-    let times = |cells: u32, least: u32| ((f64::from(cells) * scale).round() as u32).max(least);
+/// Why a level asks for motion.
+fn motion(scene: &settings::Scene, cuts: bool) -> Option<&'static str> {
+    let viscous = |material: &settings::Material| {
+        material.relaxation_time.unwrap_or(0.0) > 0.0 || material.viscosity.unwrap_or(0.0) > 0.0
+    };
+    if cuts {
+        Some("it has no inertia: a piece that comes off could not fall")
+    } else if scene.body.iter().any(|b| b.material.iter().any(viscous)) {
+        Some("it leaves out the viscosity that the level states")
+    } else {
+        None
+    }
+}
+
+/// Shortens steps to whole parts of a tick.
+fn whole_parts(steps: &mut Vec<f64>, tick: f64) {
+    for step in steps.iter_mut() {
+        *step = tick / (tick / *step * (1.0 - 1e-9)).ceil().max(1.0);
+    }
+    steps.dedup();
+}
+
+/// The scene with about so many times as many cells: along x, y and z of blocks; along, around and through tubes.
+fn scaled(scene: &settings::Scene, scale: [f64; 3]) -> Mesh {
+    let times = |cells: u32, axis: usize, least: u32| {
+        ((f64::from(cells) * scale[axis]).round() as u32).max(least)
+    };
     let (mut set, mut words) = (Vec::new(), Vec::new());
     for (index, body) in scene.body.iter().enumerate() {
         match body.generator {
             Generator::Block => {
                 let Some(cells) = body.cells else { continue };
-                let [x, y, z] = cells.map(|c| times(c, 1));
+                let [x, y, z] = [0, 1, 2].map(|axis| times(cells[axis], axis, 1));
                 set.push(format!("body.{index}.cells=[{x},{y},{z}]"));
                 words.push(format!("{x} × {y} × {z} cells"));
             }
@@ -135,12 +193,12 @@ fn scaled(scene: &settings::Scene, scale: f64) -> Mesh {
                 let (Some(around), Some(along)) = (body.around, body.along) else {
                     continue;
                 };
-                let (around, along) = (times(around, 3), times(along, 1));
+                let (around, along) = (times(around, 1, 3), times(along, 0, 1));
                 set.push(format!("body.{index}.around={around}"));
                 set.push(format!("body.{index}.along={along}"));
                 let mut through = 0;
                 for (k, layer) in body.layer.iter().enumerate() {
-                    let cells = times(layer.cells, 1);
+                    let cells = times(layer.cells, 2, 1);
                     through += cells;
                     set.push(format!("body.{index}.layer.{k}.cells={cells}"));
                 }
@@ -157,6 +215,19 @@ fn scaled(scene: &settings::Scene, scale: f64) -> Mesh {
 
 /// The discretisations of a scene's continua; as they are if it has none.
 fn elements(scene: &settings::Scene, discretisations: &[Discretisation]) -> Vec<Elements> {
+    let all = discretisations.iter();
+    let found: Vec<Elements> = all.filter_map(|d| discretised(scene, *d)).collect();
+    if found.is_empty() {
+        return vec![Elements {
+            title: "springs as they are".into(),
+            set: Vec::new(),
+        }];
+    }
+    found
+}
+
+/// A scene's continua in a discretisation; `None` if it has none.
+fn discretised(scene: &settings::Scene, discretisation: Discretisation) -> Option<Elements> {
     let mut continua = Vec::new();
     for (b, body) in scene.body.iter().enumerate() {
         for (m, material) in body.material.iter().enumerate() {
@@ -165,19 +236,10 @@ fn elements(scene: &settings::Scene, discretisations: &[Discretisation]) -> Vec<
             }
         }
     }
-    if continua.is_empty() {
-        return vec![Elements {
-            title: "springs as they are".into(),
-            set: Vec::new(),
-        }];
-    }
-    let one = |discretisation: &Discretisation| {
-        let name = Discretisation::NAMES[*discretisation as usize];
-        let set = |(b, m): &(usize, usize)| format!("body.{b}.material.{m}.discretisation={name}");
-        Elements {
-            title: format!("{name} elements"),
-            set: continua.iter().map(set).collect(),
-        }
-    };
-    discretisations.iter().map(one).collect()
+    let name = Discretisation::NAMES[discretisation as usize];
+    let set = |(b, m): &(usize, usize)| format!("body.{b}.material.{m}.discretisation={name}");
+    (!continua.is_empty()).then(|| Elements {
+        title: format!("{name} elements"),
+        set: continua.iter().map(set).collect(),
+    })
 }

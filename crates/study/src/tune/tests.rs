@@ -16,13 +16,14 @@ fn goal(error: f64, value: f64) -> Goal {
         }],
         error,
         margin: 1.5,
+        cost: f64::INFINITY,
     }
 }
 
 fn run(goal: &Goal) -> Tuning {
     let chart = beam_plan();
     let scene = beam(&[]).expect("a scene").settings;
-    let candidates = candidates(&chart, &scene, ExactKind::Motion, None, false);
+    let candidates = candidates(&chart, &scene, ExactKind::Motion, None, None);
     let ticks = Cell::new(0.0);
     let context = Context {
         chart: &chart,
@@ -69,7 +70,7 @@ fn what_no_mesh_can_keep_is_refused_for_every_method_at_once() {
 fn meshes_are_scaled_and_named_once() {
     let chart = beam_plan();
     let scene = beam(&[]).expect("a scene").settings;
-    let found = candidates(&chart, &scene, ExactKind::Motion, None, false);
+    let found = candidates(&chart, &scene, ExactKind::Motion, None, None);
     // Scales 0.1, 1 and 2 of 4 × 1 × 1 cells; 0.1 leaves one cell.
     let sets: Vec<&str> = found.meshes.iter().map(|m| m.set[0].as_str()).collect();
     assert_eq!(
