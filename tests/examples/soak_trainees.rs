@@ -1,170 +1,269 @@
-//! `cargo xtask soak trainees -- MODULE LEVEL N`: N synthetic experts and N novices on a level; of each metric mean and standard
-//! deviation of both groups, the effect size, and whether it lies in the intended direction. Writes
-//! `tests/results/trainees.md`, where each level has a section.
+//! `cargo xtask soak trainees -- MODULE LEVEL N`: N synthetic experts and N novices on a level, two at a time; of each metric, each
+//! category and the score mean and standard deviation of both groups, the effect size, and whether it points the intended way. Writes
+//! `tests/results/trainees.md`, where each level has a section, unless a run shows a force that cannot be.
 //!
 //! The groups differ by the numbers in `config/trainees.toml`. That a metric tells them apart shows that it measures what it should in
 //! these motions; that people differ so, it does not show.
 
-use microsim_tests::statistics::{Group, effect_size};
-use microsim_tests::{repository, trainees};
+use microsim_tests::statistics::{Group, effect_error, effect_size};
+use microsim_tests::trainees::{self, ABSURD_FORCE, TIME_METRICS};
+use microsim_tests::{repository, tree};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What stands above the sections.
-const HEAD: &str = "# Synthetic trainees
-
-`cargo xtask soak trainees -- MODULE LEVEL N`: N *experts* and N *novices* of `config/trainees.toml`, made from the passing script of the level
-by `microsim trainee`. Both follow the same plan; they differ in tremor, pace, pauses, aim, detours and grip, by numbers that were set before
-the first run and not changed afterwards. Cohen's d is the difference of the means over the pooled standard deviation, positive where novices
-have the larger value.
-
-**Synthetic groups validate nothing**: what tells them apart follows from their numbers. The table shows whether the metrics notice it, and in
-the intended direction; *yes* and *no* from |d| ≥ 0.2 on (a small effect, Cohen 1988), *none* below.
-";
+const HEAD: &str = include_str!("soak_trainees.md");
 
 /// An effect below this is none (Cohen 1988: 0.2 is small).
 const SMALL: f64 = 0.2;
+/// Runs at the same time, a process each.
+const WORKERS: usize = 2;
+/// Kinds of trainees: profile, and what a group of them is called.
+const KINDS: [(&str, &str); 2] = [("expert", "experts"), ("novice", "novices")];
+/// Rows of the score below those of the metrics.
+const TOTALS: [&str; 4] = [
+    "**score**",
+    "**score without the metrics of time**",
+    "score of the metrics of time alone",
+    "score, unfinished runs too",
+];
 
-/// The results of a group.
-#[derive(Default)]
-struct Results {
-    /// Values by metric.
-    values: BTreeMap<String, Vec<f64>>,
-    scores: Vec<f64>,
-    passed: usize,
-    /// How often each reason was named.
-    reasons: BTreeMap<String, usize>,
+/// What came of one run.
+struct Run {
+    /// Profile and number.
+    name: String,
+    passed: bool,
+    /// Whether all targets were reached.
+    finished: bool,
+    reasons: Vec<String>,
+    /// The largest force of a tool on a body \[N\].
+    largest_force: f64,
+    /// Forces that jump up for one tick.
+    jumps: usize,
+    /// By row: metrics in their display units, scores.
+    values: BTreeMap<Row, f64>,
 }
 
-impl Results {
-    fn of(
-        module: &str,
-        level: u32,
-        profile: &str,
-        count: u64,
-        kinds: &mut BTreeMap<String, Metric>,
-    ) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let mut results = Self::default();
-        for seed in 1..=count {
-            let script = trainees::make(module, level, profile, seed, folder.path());
-            let (_, report) = trainees::run(module, level, &script);
-            results.add(&report, kinds);
-            eprintln!(
-                "  {profile} {seed}: {} {}",
-                report["verdict"], report["failed"]
-            );
-        }
-        results
-    }
-
-    fn add(&mut self, report: &Value, kinds: &mut BTreeMap<String, Metric>) {
-        self.passed += usize::from(report["verdict"] == "passed");
-        self.scores.extend(report["score"].as_f64());
-        for reason in report["failed"].as_array().into_iter().flatten() {
-            let reason = reason.as_str().unwrap_or_default().to_owned();
-            *self.reasons.entry(reason).or_default() += 1;
-        }
-        for metric in report["metrics"].as_array().into_iter().flatten() {
-            let Some(value) = metric["display_value"].as_f64() else {
-                continue;
-            };
-            let text = |key: &str| metric[key].as_str().unwrap_or_default().to_owned();
-            let id = text("id");
-            kinds.entry(id.clone()).or_insert_with(|| Metric {
-                title: metric["title"]["en"]
-                    .as_str()
-                    .unwrap_or_default()
-                    .to_owned(),
-                unit: text("display_unit"),
-                direction: text("direction"),
-                limited: !metric["limit"].is_null(),
-            });
-            self.values.entry(id).or_default().push(value);
-        }
-    }
-
-    fn group(&self, metric: &str) -> Option<Group> {
-        Group::of(self.values.get(metric)?)
-    }
+/// A row of the table: metrics, then categories, then totals.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Row {
+    Metric(String),
+    Category(String),
+    Total(usize),
 }
 
-/// What a metric is.
-struct Metric {
+/// What is known of a row.
+#[derive(Clone)]
+struct Kind {
     title: String,
-    unit: String,
     direction: String,
     limited: bool,
 }
 
+/// The runs of one kind of trainees.
+struct Results {
+    runs: Vec<Run>,
+}
+
+impl Run {
+    fn of(name: String, report: &Value, kinds: &mut BTreeMap<Row, Kind>) -> Self {
+        let mut values = BTreeMap::new();
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        for metric in report["metrics"].as_array().into_iter().flatten() {
+            let Some(value) = metric["display_value"].as_f64() else {
+                continue;
+            };
+            let row = Row::Metric(text(&metric["id"]));
+            let unit = match text(&metric["display_unit"]) {
+                unit if unit.is_empty() => unit,
+                unit => format!(" [{unit}]"),
+            };
+            kinds.entry(row.clone()).or_insert_with(|| Kind {
+                title: text(&metric["title"]["en"]) + &unit,
+                direction: text(&metric["direction"]),
+                limited: !metric["limit"].is_null(),
+            });
+            values.insert(row, value);
+        }
+        let mut scored = |row: Row, title: &str, value: f64| {
+            kinds.entry(row.clone()).or_insert_with(|| Kind {
+                title: title.to_owned(),
+                direction: "higher-is-better".to_owned(),
+                limited: false,
+            });
+            values.insert(row, value);
+        };
+        let mut all = trainees::scores(report, &[]);
+        let total = all.pop().map_or(f64::NAN, |(_, total)| total);
+        let said = report["score"].as_f64().unwrap_or(f64::NAN);
+        // Sums of a dozen numbers up to 100.
+        assert!(
+            (total - said).abs() < 1e-9,
+            "{name}: the score is {said}, formed again {total}"
+        );
+        for (title, score) in all {
+            let shown = format!("*{title}*");
+            scored(Row::Category(title), &shown, score);
+        }
+        let without = trainees::scores(report, &TIME_METRICS).pop();
+        let without = without.map_or(f64::NAN, |(_, total)| total);
+        let metrics = report["metrics"].as_array().into_iter().flatten();
+        let time: Vec<f64> = metrics
+            .filter(|m| TIME_METRICS.iter().any(|id| m["id"] == *id))
+            .filter_map(|m| m["score"].as_f64())
+            .collect();
+        let time = time.iter().sum::<f64>() / time.len() as f64;
+        for (at, score) in [total, without, time, total].into_iter().enumerate() {
+            scored(Row::Total(at), TOTALS[at], score);
+        }
+        Self {
+            name,
+            passed: report["verdict"] == "passed",
+            finished: report["targets_done"] == report["targets"],
+            reasons: report["failed"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .map(text)
+                .collect(),
+            largest_force: trainees::largest_force(report),
+            jumps: trainees::jumps(report),
+            values,
+        }
+    }
+}
+
+impl Results {
+    /// Over the finished runs; the last of the totals over all.
+    fn of(&self, row: &Row) -> Vec<f64> {
+        let all = *row == Row::Total(TOTALS.len() - 1);
+        let runs = self.runs.iter().filter(|run| all || run.finished);
+        runs.filter_map(|run| run.values.get(row).copied())
+            .collect()
+    }
+
+    fn line(&self, name: &str) -> String {
+        let count = |of: fn(&Run) -> bool| self.runs.iter().filter(|run| of(run)).count();
+        let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+        for reason in self.runs.iter().flat_map(|run| &run.reasons) {
+            *reasons.entry(reason).or_default() += 1;
+        }
+        let reasons: Vec<String> = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect();
+        format!(
+            "- {name}: {} of {} finished (all targets reached), {} passed; reasons against: {}; {} with forces that jump up for one tick",
+            count(|run| run.finished),
+            self.runs.len(),
+            count(|run| run.passed),
+            match reasons.is_empty() {
+                true => "none".to_owned(),
+                false => reasons.join(", "),
+            },
+            count(|run| run.jumps > 0)
+        )
+    }
+}
+
+/// Makes and runs the trainees, experts first; in the order of their numbers.
+fn play(
+    module: &str,
+    level: u32,
+    count: usize,
+    kinds: &mut BTreeMap<Row, Kind>,
+) -> [Results; KINDS.len()] {
+    let folder = tempfile::tempdir().expect("a folder");
+    let reports: Mutex<BTreeMap<usize, Value>> = Mutex::default();
+    let next = AtomicUsize::new(0);
+    let name = |job: usize| format!("{} {}", KINDS[job / count].0, job % count + 1);
+    let work = || {
+        loop {
+            let job = next.fetch_add(1, Ordering::Relaxed);
+            if job >= KINDS.len() * count {
+                return;
+            }
+            let (profile, seed) = (KINDS[job / count].0, (job % count + 1) as u64);
+            let script = trainees::make(module, level, profile, seed, folder.path());
+            let (session, _, report) = trainees::run(module, level, &script);
+            eprintln!(
+                "  {}: {} {}",
+                name(job),
+                report["verdict"],
+                report["failed"]
+            );
+            // The report is all that is needed, and forty sessions are large.
+            std::fs::remove_file(session).expect("the session that was written");
+            reports.lock().expect("no panic").insert(job, report);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..WORKERS {
+            scope.spawn(work);
+        }
+    });
+    let reports = reports.into_inner().expect("no panic");
+    let mut groups = KINDS.map(|_| Results { runs: Vec::new() });
+    for (job, report) in &reports {
+        groups[job / count]
+            .runs
+            .push(Run::of(name(*job), report, kinds));
+    }
+    groups
+}
+
 /// The section of a level.
-fn section(module: &str, level: u32, count: u64) -> String {
-    let mut kinds = BTreeMap::new();
-    let experts = Results::of(module, level, "expert", count, &mut kinds);
-    let novices = Results::of(module, level, "novice", count, &mut kinds);
-    let mut out = format!("## {module}, level {level}: {count} and {count}\n\n");
-    let shown = |group: Option<Group>| match group {
-        Some(group) => format!(
+fn section(
+    module: &str,
+    level: u32,
+    [experts, novices]: &[Results; KINDS.len()],
+    kinds: &BTreeMap<Row, Kind>,
+) -> String {
+    let mut out = format!(
+        "## {module}, level {level}: {} and {} synthetic trainees\n\n`cargo xtask soak trainees -- {module} {level} {}`\n\n",
+        experts.runs.len(),
+        novices.runs.len(),
+        experts.runs.len()
+    );
+    for (results, (_, name)) in [experts, novices].into_iter().zip(KINDS) {
+        out.push_str(&results.line(name));
+        out.push('\n');
+    }
+    let shown = |values: &[f64]| match (Group::of(values), values) {
+        (Some(group), _) => format!(
             "{:.4} ± {:.4} ({})",
             group.mean, group.deviation, group.count
         ),
-        None => "–".to_owned(),
+        (None, [value]) => format!("{value:.4} (1)"),
+        (None, _) => "–".to_owned(),
     };
-    out.push_str("| metric | limit | experts: mean ± SD (n) | novices: mean ± SD (n) | d | intended |\n|---|---|---|---|---|---|\n");
-    for (id, metric) in &kinds {
-        let (a, b) = (experts.group(id), novices.group(id));
-        let effect = a.zip(b).and_then(|(a, b)| effect_size(&a, &b));
-        let intended = match (effect, metric.direction.as_str()) {
-            (None, _) | (_, "informative" | "range") => "–",
-            (Some(d), _) if d.abs() < SMALL => "none",
-            (Some(d), "lower-is-better") if d > 0.0 => "yes",
-            (Some(d), "higher-is-better") if d < 0.0 => "yes",
-            _ => "no",
+    out.push_str("\n| synthetic trainees | limit | experts: mean ± SD (n) | novices: mean ± SD (n) | d ± SE | novices should have | does d point there? |\n|---|---|---|---|---|---|---|\n");
+    for (row, kind) in kinds {
+        let (a, b) = (experts.of(row), novices.of(row));
+        let effect = Group::of(&a)
+            .zip(Group::of(&b))
+            .and_then(|(a, b)| effect_size(&a, &b).map(|d| (d, effect_error(&a, &b, d))));
+        let intended = match kind.direction.as_str() {
+            "lower-is-better" => Some(("more", 1.0)),
+            "higher-is-better" => Some(("less", -1.0)),
+            _ => None,
         };
-        let unit = match metric.unit.as_str() {
-            "" => String::new(),
-            unit => format!(" [{unit}]"),
+        let points = match (effect, intended) {
+            (None, _) | (_, None) => "–",
+            (Some((d, _)), _) if d.abs() < SMALL => "no difference",
+            (Some((d, _)), Some((_, sign))) if d * sign > 0.0 => "yes",
+            _ => "**wrong way**",
         };
         let _ = writeln!(
             out,
-            "| {}{unit} | {} | {} | {} | {} | {intended} |",
-            metric.title,
-            if metric.limited { "yes" } else { "" },
-            shown(a),
-            shown(b),
-            effect.map_or("–".into(), |d| format!("{d:+.2}"))
-        );
-    }
-    let scores = |results: &Results| shown(Group::of(&results.scores));
-    let score = Group::of(&experts.scores).zip(Group::of(&novices.scores));
-    let _ = writeln!(
-        out,
-        "| **score** | | {} | {} | {} | |",
-        scores(&experts),
-        scores(&novices),
-        score
-            .and_then(|(a, b)| effect_size(&a, &b))
-            .map_or("–".into(), |d| format!("{d:+.2}"))
-    );
-    out.push('\n');
-    for (name, results) in [("experts", &experts), ("novices", &novices)] {
-        let reasons: Vec<String> = results
-            .reasons
-            .iter()
-            .map(|(reason, n)| format!("{reason} {n}"))
-            .collect();
-        let _ = writeln!(
-            out,
-            "- {name}: {} of {count} passed{}{}",
-            results.passed,
-            if reasons.is_empty() {
-                ""
-            } else {
-                "; reasons: "
-            },
-            reasons.join(", ")
+            "| {} | {} | {} | {} | {} | {} | {points} |",
+            kind.title,
+            if kind.limited { "yes" } else { "" },
+            shown(&a),
+            shown(&b),
+            effect.map_or("–".into(), |(d, error)| format!("{d:+.2} ± {error:.2}")),
+            intended.map_or("–", |(word, _)| word),
         );
     }
     out
@@ -190,12 +289,27 @@ fn main() -> ExitCode {
         [module, level, count] => (module, level.parse().ok(), count.parse().ok()),
         _ => ("", None, None),
     };
-    let (Some(level), Some(count)) = (level, count) else {
+    let (Some(level), Some(count @ 1..)) = (level, count) else {
         eprintln!("expected MODULE LEVEL N");
         return ExitCode::from(2);
     };
-    let section = section(module, level, count);
+    eprintln!("in {}", tree().display());
+    let mut kinds = BTreeMap::new();
+    let groups = play(module, level, count, &mut kinds);
+    let section = section(module, level, &groups, &kinds);
     println!("{section}");
+    let runs = groups.iter().flat_map(|results| &results.runs);
+    let absurd: Vec<String> = runs
+        .filter(|run| run.largest_force > ABSURD_FORCE)
+        .map(|run| format!("{}: {:.3} N", run.name, run.largest_force))
+        .collect();
+    if !absurd.is_empty() {
+        eprintln!(
+            "nothing is written: forces above {ABSURD_FORCE} N are a fault of the computation: {}",
+            absurd.join(", ")
+        );
+        return ExitCode::FAILURE;
+    }
     let path = repository().join("tests/results/trainees.md");
     let page = std::fs::read_to_string(&path).unwrap_or_default();
     match std::fs::write(&path, with_section(&page, &section)) {

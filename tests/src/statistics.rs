@@ -43,9 +43,15 @@ pub fn effect_size(first: &Group, second: &Group) -> Option<f64> {
     (pooled > 0.0).then(|| (second.mean - first.mean) / pooled)
 }
 
+/// Standard error of Cohen's d (Hedges and Olkin 1985): √((n + m)/(n·m) + d²/(2(n + m))).
+pub fn effect_error(first: &Group, second: &Group, effect: f64) -> f64 {
+    let [n, m] = [first.count as f64, second.count as f64];
+    ((n + m) / (n * m) + effect * effect / (2.0 * (n + m))).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Group, effect_size, percentile};
+    use super::{Group, effect_error, effect_size, percentile};
 
     /// By hand: 1, 2, 3 have mean 2 and variance 1; 4 and 8 have mean 6 and variance 8. Pooled: (2·1 + 1·8)/3 = 10/3.
     #[test]
@@ -55,6 +61,9 @@ mod tests {
         assert_eq!((a.mean, a.deviation, b.mean), (2.0, 1.0, 6.0));
         let d = effect_size(&a, &b).expect("they vary");
         assert!((d - 4.0 / (10.0_f64 / 3.0).sqrt()).abs() < 1e-14, "{d}");
+        // 5/6 + 4.8/10 = 1.3133…
+        let error = effect_error(&a, &b, d);
+        assert!((error * error - 394.0 / 300.0).abs() < 1e-14, "{error}");
         assert_eq!(Group::of(&[1.0]), None);
         assert_eq!(
             effect_size(

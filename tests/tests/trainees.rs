@@ -2,58 +2,81 @@
 //! `cargo xtask soak trainees`, and shows nothing about people.
 
 use microsim_tests::{microsim, trainees};
+use std::path::Path;
 
-/// Both kinds come to an end with a verdict, are labelled in session and page, and replay to the bit; the same number gives the same
-/// bytes, another one others.
+/// A level that costs little, and one of a surgical module; numbers of trainees.
+const SAMPLES: [(&str, u32, &[u64]); 2] = [("push-strip", 3, &[1, 2]), ("coordination", 2, &[1])];
+
+/// Both kinds come to an end with a verdict, are labelled in session, page, tables and whatever the program says, and replay to the bit;
+/// on coordination they press no harder than a hand can. The same number gives the same bytes, another one others.
 #[test]
 fn trainees_run_are_labelled_and_replay() {
     let folder = tempfile::tempdir().expect("a folder");
     let again = tempfile::tempdir().expect("a folder");
-    let mut scripts = Vec::new();
-    for profile in ["expert", "novice"] {
-        for seed in [1, 2] {
-            let script = trainees::make("push-strip", 3, profile, seed, folder.path());
-            let bytes = std::fs::read(&script).expect("a script");
-            let same = trainees::make("push-strip", 3, profile, seed, again.path());
-            assert_eq!(bytes, std::fs::read(same).expect("a script"));
-            assert!(!scripts.contains(&bytes));
-            scripts.push(bytes);
-
-            let (session, report) = trainees::run("push-strip", 3, &script);
-            assert!(
-                report["verdict"] == "passed" || report["verdict"] == "failed",
-                "{}",
-                report["verdict"]
-            );
-            let label = format!("profile {profile}, seed {seed}, from level3-pass.toml");
-            assert_eq!(report["session"]["synthetic"], *label);
-            let page = std::fs::read_to_string(script.with_extension("html")).expect("a page");
-            assert!(page.contains("Synthetic trainee.") && page.contains(&label));
-            let session = session.to_str().expect("UTF-8");
-            microsim(["replay", session, "--verify"]).expect(0);
-            // A synthetic trainee stays one when its session is played as a recording.
-            let played = folder
-                .path()
-                .join(format!("played-{profile}-{seed}.session"));
-            let played = played.to_str().expect("UTF-8");
-            if seed == 1 && profile == "expert" {
-                let input = format!("recording:{session}");
-                let args = [
-                    "run",
-                    "push-strip",
-                    "--level",
-                    "3",
-                    "--input",
-                    &input,
-                    "--session",
-                    played,
-                    "--json",
-                ];
-                microsim(args).expect(0);
-                let said = microsim(["report", played, "--json"]).expect(0).json();
-                assert_eq!(said["session"]["synthetic"], *label);
+    for (module, level, seeds) in SAMPLES {
+        let mut scripts = Vec::new();
+        for profile in ["expert", "novice"] {
+            for &seed in seeds {
+                let [folder, again] =
+                    [&folder, &again].map(|f| f.path().join(format!("{module}-{profile}-{seed}")));
+                for folder in [&folder, &again] {
+                    std::fs::create_dir(folder).expect("a new folder");
+                }
+                let script = trainees::make(module, level, profile, seed, &folder);
+                let bytes = std::fs::read(&script).expect("a script");
+                let same = trainees::make(module, level, profile, seed, &again);
+                assert_eq!(bytes, std::fs::read(same).expect("a script"));
+                assert!(!scripts.contains(&bytes));
+                scripts.push(bytes);
+                runs(
+                    module,
+                    level,
+                    &script,
+                    &format!("profile {profile}, seed {seed}"),
+                );
             }
         }
+    }
+}
+
+/// One run of a trainee made as `made` says.
+fn runs(module: &str, level: u32, script: &Path, made: &str) {
+    let (session, said, report) = trainees::run(module, level, script);
+    let verdict = &report["verdict"];
+    assert!(verdict == "passed" || verdict == "failed", "{verdict}");
+    let label = format!("{made}, from level{level}-pass.toml");
+    assert_eq!(report["session"]["synthetic"], *label);
+    assert_eq!(said["synthetic"], *label);
+    let read = |extension: &str| {
+        let path = script.with_extension(extension);
+        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    };
+    let page = read("html");
+    assert!(page.contains("Synthetic trainee.") && page.contains(&label));
+    for table in ["metrics.csv", "series.csv"] {
+        let table = read(table);
+        let mut lines = table.lines();
+        assert!(
+            lines
+                .next()
+                .is_some_and(|header| header.ends_with(",synthetic"))
+        );
+        // Each row ends with the label, quoted as it has commas in it.
+        let end = format!(",\"{label}\"");
+        assert!(lines.clone().count() > 0 && lines.all(|line| line.ends_with(&end)));
+    }
+    // Where effect sizes are measured, a force that cannot be would be among the figures.
+    if module == "coordination" {
+        assert!(trainees::largest_force(&report) < trainees::ABSURD_FORCE);
+    }
+    microsim_tests::assert_verified(&session);
+    // A synthetic trainee stays one when its session is played as a recording.
+    if made == "profile expert, seed 1" {
+        let played = script.with_extension("played.session");
+        let input = format!("recording:{}", session.display());
+        let level = level.to_string();
+        let said = microsim_tests::run(module, &played, &["--level", &level, "--input", &input]);
+        assert_eq!(said["synthetic"], *label);
     }
 }
 

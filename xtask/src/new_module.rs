@@ -11,7 +11,7 @@ use std::time::SystemTime;
 
 /// The module that a new one begins as: path and text. `{{name}}`, `{{name_snake}}`, `{{Name}}` and `{{title}}` stand
 /// for its name.
-const TEMPLATE: [(&str, &str); 7] = [
+const TEMPLATE: [(&str, &str); 9] = [
     ("Cargo.toml", include_str!("../templates/module/Cargo.toml")),
     ("README.md", include_str!("../templates/module/README.md")),
     (
@@ -25,6 +25,14 @@ const TEMPLATE: [(&str, &str); 7] = [
     (
         "scripts/level1-fail-dwell-too-short.toml",
         include_str!("../templates/module/scripts/level1-fail-dwell-too-short.toml"),
+    ),
+    (
+        "scripts/level1-fail-losses.toml",
+        include_str!("../templates/module/scripts/level1-fail-losses.toml"),
+    ),
+    (
+        "scripts/level1-fail-targets-missed.toml",
+        include_str!("../templates/module/scripts/level1-fail-targets-missed.toml"),
     ),
     (
         "scripts/level1-pass.toml",
@@ -219,7 +227,7 @@ mod tests {
             assert!(manifest.lines().any(|l| l == line), "{line}");
         }
         let logic = fs::read_to_string(place.join("src/lib.rs")).unwrap();
-        assert!(logic.contains("export_plugin!(StayCalm, \"../module.toml\");"));
+        assert!(logic.contains("export_plugin!(Training<StayCalm>, \"../module.toml\");"));
         // Made once only.
         assert!(create(&workspace, "stay-calm", None).is_err());
     }

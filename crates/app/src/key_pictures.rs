@@ -17,8 +17,8 @@ const SIZE: u32 = 480;
 /// No pictures, as nobody asked for them.
 pub fn not_asked() -> Pictures {
     Pictures::Missing(LocalText {
-        de: "Sie wurden nicht verlangt; microsim report SITZUNG --html DATEI --pictures zeichnet sie.".into(),
-        en: "they were not asked for; microsim report SESSION --html FILE --pictures draws them.".into(),
+        de: "es wurden keine verlangt; microsim report SITZUNG --html DATEI --pictures zeichnet sie.".into(),
+        en: "none were asked for; microsim report SESSION --html FILE --pictures draws them.".into(),
     })
 }
 
@@ -31,7 +31,7 @@ pub fn key_pictures(
 ) -> Pictures {
     draw(installation, session, report, threads).unwrap_or_else(|why| {
         Pictures::Missing(LocalText {
-            de: format!("Sie ließen sich nicht zeichnen ({why})."),
+            de: format!("sie ließen sich nicht zeichnen ({why})."),
             en: format!("they could not be drawn ({why})."),
         })
     })

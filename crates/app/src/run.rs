@@ -334,6 +334,7 @@ fn tell_json(
         "seed": plan.seed,
         "verdict": verdict_word(report.verdict),
         "counts": report.counts,
+        "synthetic": report.session.synthetic,
         "failed": report.failed,
         "score": report.score,
         "targets_done": report.targets_done,

@@ -7,7 +7,8 @@ use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::Session;
 use microsim_message::LocalText;
 use microsim_report::{Report, ReportInput};
-use std::collections::BTreeMap;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +76,8 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
             ),
         },
         tools: tool_names(plan),
+        sharp: sharp_tools(plan),
+        bodies: body_names(plan),
         synthetic: plan.synthetic.clone(),
         model_error: plan.model_error,
         realtime: session.header.realtime,
@@ -106,16 +109,44 @@ fn shell_word(path: &Path) -> String {
     }
 }
 
-/// What the tools of a run are called: the titles of their models, with the slot where two have the same model.
-fn tool_names(plan: &RunPlan) -> BTreeMap<String, LocalText> {
+/// What the module of a run was told; nothing without one.
+fn module_config(plan: &RunPlan) -> &Value {
     let module = plan.plugins.iter().find(|p| p.kind == PluginKind::Module);
-    let Some(config) = module.map(|module| &module.setup.config) else {
-        return BTreeMap::new();
-    };
-    let slots = config["tools"]
+    module.map_or(&Value::Null, |module| &module.setup.config)
+}
+
+/// A list of what the module was told.
+fn listed<'a>(config: &'a Value, key: &str) -> &'a [Value] {
+    config[key]
         .as_array()
         .map(Vec::as_slice)
-        .unwrap_or_default();
+        .unwrap_or_default()
+}
+
+/// The bodies of a run.
+fn body_names(plan: &RunPlan) -> Vec<String> {
+    let bodies = listed(module_config(plan), "bodies").iter();
+    let names = bodies.filter_map(|body| body["name"].as_str());
+    names.map(str::to_owned).collect()
+}
+
+/// The slots of tools with sharp jaws.
+fn sharp_tools(plan: &RunPlan) -> BTreeSet<String> {
+    let config = module_config(plan);
+    let sharpness = |slot: &Value| {
+        let model = slot["model"].as_str().unwrap_or_default();
+        config["models"][model]["sharpness"].as_f64()
+    };
+    let slots = listed(config, "tools").iter();
+    let sharp = slots.filter(|slot| sharpness(slot).is_some_and(|sharpness| sharpness > 0.0));
+    let names = sharp.filter_map(|slot| slot["name"].as_str());
+    names.map(str::to_owned).collect()
+}
+
+/// What the tools of a run are called: the titles of their models, with the slot where two have the same model.
+fn tool_names(plan: &RunPlan) -> BTreeMap<String, LocalText> {
+    let config = module_config(plan);
+    let slots = listed(config, "tools");
     let named = slots.iter().filter_map(|slot| {
         let (name, model) = (slot["name"].as_str()?, slot["model"].as_str()?);
         let title = &config["models"][model]["title"];

@@ -89,12 +89,23 @@ pub struct ContactForce {
     /// Share of the normal force that acts where nothing slides, from 0 to 1.
     #[serde(default)]
     pub stick: f64,
+    /// Force with which both jaws of a tool squeeze the tissue between them: the smaller of what each pushes it towards the other
+    /// one, without friction \[N\]. From [`GRIP_MIN`] on they grip it.
+    #[serde(default)]
+    pub grip: f64,
+    /// The pieces of the body that are touched, by their numbers in the snapshots, ascending.
+    #[serde(default)]
+    pub pieces: Vec<u32>,
     /// The jaws that touch, of a tool that has jaws.
     #[serde(default)]
     pub jaws: Vec<JawForce>,
 }
 
-/// The grip of one jaw, mean over a tick.
+/// Jaws that squeeze tissue less than this touch it and do not grip it \[N\]: a few times what lifts a freed piece of a few
+/// milligrams, and far below the grips that tasks take, of tens of millinewtons.
+pub const GRIP_MIN: f64 = 1e-3;
+
+/// What one jaw does, mean over a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JawForce {
     /// Which jaw.

@@ -1,6 +1,6 @@
 //! What the tools did to the tissue.
 
-use microsim_message::{ContactForces, JawForce};
+use microsim_message::ContactForces;
 use serde::{Deserialize, Serialize};
 
 /// Force of one tool on one body: lists of equal length, one entry for each tick in contact.
@@ -18,20 +18,12 @@ pub struct ForceSeries {
     pub force: Vec<f64>,
     /// Largest magnitude within the tick \[N\].
     pub peak: Vec<f64>,
-    /// The grip: force of the jaw that presses less, mean over the tick; 0 where not both touch \[N\].
+    /// The grip: force with which both jaws squeeze the tissue between them, mean over the tick \[N\].
     pub grip: Vec<f64>,
     /// Deepest penetration that was left after a step \[m\].
     pub depth: Vec<f64>,
     /// Largest displacement of a touched node from its rest position along the force \[m\].
     pub indentation: Vec<f64>,
-}
-
-/// Force of the jaw that presses less \[N\], 0 where not both touch.
-pub(crate) fn grip(jaws: &[JawForce]) -> f64 {
-    match jaws {
-        [first, second] => first.force.min(second.force),
-        _ => 0.0,
-    }
 }
 
 /// Gathers the contacts of each pair, pairs in the order of their first contact.
@@ -67,7 +59,7 @@ impl ForceCollector {
                 .push(number + u32::from(tick > last.saturating_add(1)));
             series.force.push((x * x + y * y + z * z).sqrt());
             series.peak.push(contact.peak);
-            series.grip.push(grip(&contact.jaws));
+            series.grip.push(contact.grip);
             series.depth.push(contact.depth);
             series.indentation.push(contact.indentation);
             *last = tick;

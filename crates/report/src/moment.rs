@@ -1,15 +1,18 @@
 //! What happened when: grips, cuts, tears, pieces that come off, too much force, and what the module says.
 //!
 //! Found from the messages alone. What happens tick after tick is one moment; it has ended when it has not happened for
-//! [`PAUSE`].
+//! [`PAUSE`]. A module that says something of the same kind at the same time (an event whose id has the word of the kind in it, say
+//! `stray-cut`) says it better: of the two its words stay.
 
 use crate::ReportInput;
-use crate::force::grip;
 use crate::html::in_both;
 use crate::number::shown;
-use microsim_message::{ContactForces, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut};
+use microsim_message::{
+    ContactForces, GRIP_MIN, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut,
+};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// So long nothing of a kind happens between two moments of it \[s\].
 const PAUSE: f64 = 0.25;
@@ -36,6 +39,21 @@ pub enum MomentKind {
     Event,
     /// The session ends.
     End,
+}
+
+impl MomentKind {
+    /// The words of which one is in the ids of a module's events that say the same. Tissue that comes apart where a target is reached
+    /// does so as it should.
+    fn words(self) -> &'static [&'static str] {
+        match self {
+            Self::Grip => &["grip"],
+            Self::Cut => &["cut"],
+            Self::Tear => &["tear"],
+            Self::PieceOff => &["piece", "target"],
+            Self::ExcessForce => &["excess"],
+            Self::Begin | Self::LargestForce | Self::Event | Self::End => &[],
+        }
+    }
 }
 
 /// Something that happened.
@@ -65,7 +83,7 @@ struct Lasting {
 pub(crate) struct MomentCollector<'a> {
     session: &'a ReportInput,
     moments: Vec<Moment>,
-    /// What is under way: kind, tool and body.
+    /// What is under way: kind, tool and body; of events their ids and texts.
     lasting: BTreeMap<(MomentKind, String, String), Lasting>,
     /// The largest force so far \[N\], its tick, its time \[s\], tool and body.
     largest: Option<(f64, u64, f64, String, String)>,
@@ -92,14 +110,18 @@ impl<'a> MomentCollector<'a> {
     }
 
     pub fn hear_event(&mut self, tick: u64, now: f64, event: &LevelEvent) {
-        let (text, id) = (event.text.clone(), Some(event.id.clone()));
-        self.add(MomentKind::Event, tick, now, text, id);
+        let key = (MomentKind::Event, event.id.clone(), event.text.en.clone());
+        if self.goes_on(&key, now).is_none() {
+            self.begins(key, now);
+            let (text, id) = (event.text.clone(), Some(event.id.clone()));
+            self.add(MomentKind::Event, tick, now, text, id);
+        }
     }
 
     pub fn hear_forces(&mut self, tick: u64, now: f64, forces: &ContactForces) {
         for contact in &forces.contacts {
             let (tool, body) = (&contact.tool, &contact.body);
-            if grip(&contact.jaws) > 0.0 {
+            if contact.grip >= GRIP_MIN && !self.session.sharp.contains(tool) {
                 self.happens(MomentKind::Grip, tick, now, tool, body);
             }
             if contact.over_limit > 0.0 {
@@ -126,10 +148,16 @@ impl<'a> MomentCollector<'a> {
     pub fn finish(mut self, ticks_end: u64, end: f64) -> Vec<Moment> {
         if let Some((force, tick, now, tool, body)) = self.largest.take() {
             let millinewtons = shown(force * 1e3, "mN");
-            let tool = self.session.tool_name(&tool);
+            let (tool, body) = (self.session.tool_name(&tool), self.session.body_name(&body));
             let text = LocalText {
-                de: format!("Größte Kraft: {}, {} auf {body}", millinewtons.de, tool.de),
-                en: format!("Largest force: {}, {} on {body}", millinewtons.en, tool.en),
+                de: format!(
+                    "Größte Kraft: {}, {} auf {}",
+                    millinewtons.de, tool.de, body.de
+                ),
+                en: format!(
+                    "Largest force: {}, {} on {}",
+                    millinewtons.en, tool.en, body.en
+                ),
             };
             self.add(MomentKind::LargestForce, tick, now, text, None);
         }
@@ -137,9 +165,9 @@ impl<'a> MomentCollector<'a> {
             let text = in_both("Ende", "End");
             self.add(MomentKind::End, last, end, text, None);
         }
-        self.moments
-            .sort_by(|a, b| a.session_time.total_cmp(&b.session_time));
-        self.moments
+        let mut moments = without_doubles(self.moments);
+        moments.sort_by(|a, b| a.session_time.total_cmp(&b.session_time));
+        moments
     }
 
     fn add(
@@ -159,71 +187,136 @@ impl<'a> MomentCollector<'a> {
         });
     }
 
+    /// The moment that happens still, if it does.
+    fn goes_on(&mut self, key: &(MomentKind, String, String), now: f64) -> Option<usize> {
+        let lasting = self.lasting.get_mut(key)?;
+        let still = now - lasting.last <= PAUSE;
+        lasting.last = now;
+        still.then_some(lasting.at)
+    }
+
+    /// The moment that is added next begins.
+    fn begins(&mut self, key: (MomentKind, String, String), now: f64) {
+        let at = self.moments.len();
+        self.lasting.insert(key, Lasting { at, last: now });
+    }
+
     fn happens(&mut self, kind: MomentKind, tick: u64, now: f64, tool: &str, body: &str) {
         let key = (kind, tool.to_owned(), body.to_owned());
-        if let Some(lasting) = self.lasting.get_mut(&key)
-            && now - lasting.last <= PAUSE
-        {
-            lasting.last = now;
+        if let Some(at) = self.goes_on(&key, now) {
             // A grip is seen at once; a cut when it is done.
             if kind != MomentKind::Grip {
-                self.moments[lasting.at].tick = tick;
+                self.moments[at].tick = tick;
             }
             return;
         }
-        let at = self.moments.len();
-        self.lasting.insert(key, Lasting { at, last: now });
+        self.begins(key, now);
         let LocalText { de, en } = self.session.tool_name(tool);
+        let body = self.session.body_name(body);
         let text = match kind {
             MomentKind::Grip => in_both(
-                &format!("{de} schließt sich um {body}"),
-                &format!("{en} closes on {body}"),
+                &format!("{de} schließt sich um {}", body.de),
+                &format!("{en} closes on {}", body.en),
             ),
             MomentKind::Cut => in_both(
-                &format!("Schnitt: {de} durch {body}"),
-                &format!("Cut: {en} through {body}"),
+                &format!("{de} schneidet {}", body.de),
+                &format!("{en} cuts {}", body.en),
             ),
-            MomentKind::Tear => in_both(&format!("Riss: {body}"), &format!("Tear: {body}")),
+            MomentKind::Tear => in_both(
+                &format!("{} reißt", body.de),
+                &format!("The {} tears", body.en),
+            ),
             MomentKind::PieceOff => in_both(
-                &format!("Durchtrennt: {body}"),
-                &format!("Comes apart: {body}"),
+                &format!("{} ist durchtrennt", body.de),
+                &format!("The {} has come apart", body.en),
             ),
             _ => in_both(
-                &format!("Zu viel Kraft: {de} auf {body}"),
-                &format!("Too much force: {en} on {body}"),
+                &format!("Zu viel Kraft: {de} auf {}", body.de),
+                &format!("Too much force: {en} on {}", body.en),
             ),
         };
         self.add(kind, tick, now, text, None);
     }
 }
 
-/// Those of which a page shows pictures: at most `most` ticks, the most telling kinds first, of each kind the first ones; in the order
-/// of time. Indices into `moments`.
-pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<usize> {
-    const ORDER: [MomentKind; 9] = [
-        MomentKind::Begin,
-        MomentKind::End,
-        MomentKind::PieceOff,
-        MomentKind::Cut,
-        MomentKind::Tear,
-        MomentKind::LargestForce,
-        MomentKind::Event,
-        MomentKind::Grip,
-        MomentKind::ExcessForce,
-    ];
-    let mut chosen: Vec<usize> = Vec::new();
-    let mut ticks = BTreeSet::new();
+/// What the messages show goes where the module says the same within [`PAUSE`]: its event takes the kind over.
+fn without_doubles(mut moments: Vec<Moment>) -> Vec<Moment> {
+    let mut doubles = Vec::new();
+    for (at, shown) in moments.iter().enumerate() {
+        let words = shown.kind.words();
+        let said = moments.iter().position(|said| {
+            let id = said.event.as_deref().unwrap_or_default();
+            id.split('-').any(|part| words.contains(&part))
+                && (said.session_time - shown.session_time).abs() <= PAUSE
+        });
+        doubles.extend(said.map(|said| (at, said)));
+    }
+    for &(shown, said) in &doubles {
+        moments[said].kind = moments[shown].kind;
+    }
+    let mut at = 0..moments.len();
+    moments.retain(|_| {
+        let at = at.next();
+        !doubles.iter().any(|(shown, _)| Some(*shown) == at)
+    });
+    moments
+}
+
+/// The lines of the list: moments of the same time are one, with one number. Ranges of `moments`, which are in the order of time.
+pub(crate) fn lines(moments: &[Moment]) -> Vec<Range<usize>> {
+    let mut from = 0;
+    let same = moments.chunk_by(|a, b| a.session_time == b.session_time);
+    same.map(|line| {
+        let range = from..from + line.len();
+        from = range.end;
+        range
+    })
+    .collect()
+}
+
+/// Kinds, the most telling ones first.
+const TELLING: [MomentKind; 9] = [
+    MomentKind::Begin,
+    MomentKind::End,
+    MomentKind::PieceOff,
+    MomentKind::Cut,
+    MomentKind::Tear,
+    MomentKind::LargestForce,
+    MomentKind::Event,
+    MomentKind::Grip,
+    MomentKind::ExcessForce,
+];
+
+/// The kind that gives a line its colour: the most telling one.
+pub(crate) fn line_kind(line: &[Moment]) -> MomentKind {
+    let mut kinds = TELLING.into_iter();
+    let found = kinds.find(|kind| line.iter().any(|moment| moment.kind == *kind));
+    found.unwrap_or(MomentKind::Event)
+}
+
+/// Those of which a page shows pictures: at most `most` pictures, the most telling kinds first, of each kind the first ones; in the
+/// order of time. Moments within [`PAUSE`] of each other share a picture. Indices into `moments`, each with the tick of its picture.
+pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<(usize, u64)> {
+    let mut chosen: Vec<(usize, u64)> = Vec::new();
+    // Tick and time of each.
+    let mut pictures: Vec<(u64, f64)> = Vec::new();
     // The first of each kind before the second of any.
     let of = |kind: MomentKind| {
         let all = moments.iter().enumerate();
         all.filter(move |(_, m)| m.kind == kind).map(|(at, _)| at)
     };
     for rank in 0..moments.len() {
-        for at in ORDER.iter().filter_map(|kind| of(*kind).nth(rank)) {
-            let tick = moments[at].tick;
-            if ticks.len() < most || ticks.contains(&tick) {
-                ticks.insert(tick);
-                chosen.push(at);
+        for at in TELLING.iter().filter_map(|kind| of(*kind).nth(rank)) {
+            let Moment {
+                tick, session_time, ..
+            } = moments[at];
+            let near =
+                |(of, time): &&(u64, f64)| *of == tick || (time - session_time).abs() <= PAUSE;
+            if let Some((picture, _)) = pictures.iter().find(near) {
+                chosen.push((at, *picture));
+            } else if pictures.len() < most {
+                pictures.push((tick, session_time));
+                chosen.push((at, tick));
             }
         }
     }
@@ -236,7 +329,6 @@ mod tests {
     use super::*;
     use crate::Report;
     use crate::testing::{contact, input, log, text};
-    use microsim_message::{Jaw, JawForce};
 
     fn kinds(report: &Report) -> Vec<(MomentKind, f64, u64)> {
         let moments = report.moments.iter();
@@ -244,13 +336,8 @@ mod tests {
     }
 
     fn squeezed(force: [f64; 3], over_limit: f64) -> ContactForces {
-        let jaw = |jaw| JawForce {
-            jaw,
-            force: 0.01,
-            pressure: 1.0,
-        };
         let mut contact = contact("left", "strip", force);
-        contact.jaws = vec![jaw(Jaw::Left), jaw(Jaw::Right)];
+        contact.grip = 0.01;
         contact.peak = force[2];
         contact.over_limit = over_limit;
         ContactForces {
@@ -292,6 +379,7 @@ mod tests {
             ),
             (9, log(&[&squeezed([0.0, 0.0, 0.01], 0.0), &cut("", &[])])),
             (10, log(&[&said])),
+            (11, log(&[&said])),
         ];
         let report = Report::build(&input(), ticks.iter().map(|(tick, log)| (*tick, &log[..])));
         assert_eq!(
@@ -306,7 +394,7 @@ mod tests {
                 (MomentKind::Grip, 1.125, 9),
                 (MomentKind::Tear, 1.125, 9),
                 (MomentKind::Event, 1.25, 10),
-                (MomentKind::End, 1.375, 10),
+                (MomentKind::End, 1.5, 11),
             ]
         );
         assert!(
@@ -314,6 +402,62 @@ mod tests {
             "{:?}",
             report.moments[5]
         );
+    }
+
+    /// What the module says of the same kind at the same time takes the place of what the messages show; moments of one time are one
+    /// line of the list, in the colour of the most telling; a sharp tool does not grip.
+    #[test]
+    fn a_moment_is_told_once() {
+        let said = |id: &str| LevelEvent {
+            id: id.into(),
+            time: 0.0,
+            text: text(id),
+        };
+        let mut both = squeezed([0.0, 0.0, 0.01], 0.1);
+        let mut other = both.contacts[0].clone();
+        other.tool = "right".into();
+        both.contacts.push(other);
+        let ticks = [
+            (1, log(&[&both, &said("grip"), &said("excess-force")])),
+            (
+                5,
+                log(&[
+                    &cut("right", &[1]),
+                    &said("stray-cut"),
+                    &said("target-done"),
+                ]),
+            ),
+        ];
+        let session = ReportInput {
+            sharp: ["right".to_owned()].into(),
+            bodies: vec!["strip".into()],
+            ..input()
+        };
+        let report = Report::build(&session, ticks.iter().map(|(tick, log)| (*tick, &log[..])));
+        let told: Vec<_> = report
+            .moments
+            .iter()
+            .map(|m| (m.kind, m.session_time, &m.text.en[..]))
+            .collect();
+        assert_eq!(
+            told,
+            [
+                (MomentKind::Grip, 0.125, "grip"),
+                (MomentKind::ExcessForce, 0.125, "excess-force"),
+                (
+                    MomentKind::LargestForce,
+                    0.125,
+                    "Largest force: 10.0\u{a0}mN, left on tissue"
+                ),
+                (MomentKind::Cut, 0.625, "stray-cut"),
+                (MomentKind::PieceOff, 0.625, "target-done"),
+                (MomentKind::End, 0.75, "End"),
+            ]
+        );
+        let lines = lines(&report.moments);
+        assert_eq!(lines, [0..3, 3..5, 5..6]);
+        assert_eq!(line_kind(&report.moments[0..3]), MomentKind::LargestForce);
+        assert_eq!(line_kind(&report.moments[3..5]), MomentKind::PieceOff);
     }
 
     /// Six grips and one cut in four pictures: begin and end do not fall out for grips, and the first grip comes before the second.
@@ -330,11 +474,22 @@ mod tests {
         moments.insert(0, moment(MomentKind::Begin, 0));
         moments.push(moment(MomentKind::Cut, 8));
         moments.push(moment(MomentKind::End, 9));
-        assert_eq!(key_moments(&moments, 4), [0, 1, 7, 8]);
-        assert_eq!(key_moments(&moments, 5), [0, 1, 2, 7, 8]);
-        assert_eq!(key_moments(&moments, 99).len(), 9);
-        // What happens in the same tick is in the same picture.
+        let key = |moments: &[Moment], most| -> Vec<usize> {
+            key_moments(moments, most)
+                .iter()
+                .map(|(at, _)| *at)
+                .collect()
+        };
+        assert_eq!(key(&moments, 4), [0, 1, 7, 8]);
+        assert_eq!(key(&moments, 5), [0, 1, 2, 7, 8]);
+        assert_eq!(key(&moments, 99).len(), 9);
+        // What happens in the same tick, or almost, is in the same picture.
         moments.push(moment(MomentKind::LargestForce, 8));
-        assert_eq!(key_moments(&moments, 4), [0, 1, 7, 8, 9]);
+        moments.push(moment(MomentKind::Tear, 82));
+        moments[10].session_time = 8.2;
+        assert_eq!(
+            key_moments(&moments, 4),
+            [(0, 0), (1, 1), (7, 8), (8, 9), (9, 8), (10, 8)]
+        );
     }
 }

@@ -1,9 +1,10 @@
 //! The report as data.
 
+use crate::html::in_both;
 use crate::{DeviceRecord, ForceSeries, Moment, ToolPresence, ToolSeries};
 use microsim_message::{CategoryScore, LevelPhase, LocalText, LogLevel, MetricRecord};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What is known of a session besides its messages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,6 +33,10 @@ pub struct ReportInput {
     pub input: String,
     /// What the tools are called, by their slots.
     pub tools: BTreeMap<String, LocalText>,
+    /// Slots of the tools with sharp jaws: what they close on is cut, not gripped.
+    pub sharp: BTreeSet<String>,
+    /// The bodies of the level.
+    pub bodies: Vec<String>,
     /// By what a synthetic trainee was made; `None` for all others.
     pub synthetic: Option<String>,
     /// Relative error of the tissue that the level states as measured; `None` if it states none.
@@ -63,6 +68,14 @@ impl ReportInput {
             en: slot.to_owned(),
         };
         self.tools.get(slot).cloned().unwrap_or_else(unnamed)
+    }
+
+    /// What a body is called: tissue, with its name where there are several.
+    pub fn body_name(&self, body: &str) -> LocalText {
+        match self.bodies.len() {
+            0 | 1 => in_both("Gewebe", "tissue"),
+            _ => in_both(&format!("Gewebe „{body}“"), &format!("tissue “{body}”")),
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::Report;
 
 impl Report {
-    /// One row for each metric; value and limits in the SI unit of the row, and once more in the unit that people read.
+    /// One row for each metric; value and limits in the SI unit of the row, and once more in the unit that people read. In each row
+    /// of both tables `synthetic` says by what a synthetic trainee was made; it is empty for people.
     pub fn metrics_csv(&self) -> String {
         let mut table = Table::new(&[
             "id",
@@ -29,6 +30,7 @@ impl Report {
             "not_applicable_de",
             "advice_en",
             "advice_de",
+            "synthetic",
         ]);
         for metric in &self.metrics {
             let record = &metric.record;
@@ -58,6 +60,7 @@ impl Report {
                 cell(none.map(|text| &text.de)),
                 record.advice.en.clone(),
                 record.advice.de.clone(),
+                cell(self.session.synthetic.as_ref()),
             ]);
         }
         table.finish()
@@ -80,6 +83,7 @@ impl Report {
             "peak_n",
             "depth_m",
             "indentation_m",
+            "synthetic",
         ]);
         let empty = String::new;
         for motion in &self.series {
@@ -98,6 +102,7 @@ impl Report {
                     empty(),
                     empty(),
                     empty(),
+                    cell(self.session.synthetic.as_ref()),
                 ]);
             }
         }
@@ -117,6 +122,7 @@ impl Report {
                     force.peak[k].to_string(),
                     force.depth[k].to_string(),
                     force.indentation[k].to_string(),
+                    cell(self.session.synthetic.as_ref()),
                 ]);
             }
         }
@@ -186,6 +192,34 @@ mod tests {
             column(&csv, "not_applicable_en")[2],
             "no instrument was tracked"
         );
+    }
+
+    /// Each row of both tables of a synthetic trainee says so; those of people have an empty field.
+    #[test]
+    fn synthetic_trainees_are_labelled() {
+        let forces = ContactForces {
+            contacts: vec![contact("right", "strip", [0.0, 3.0, 4.0])],
+            ..ContactForces::default()
+        };
+        let sample = ToolSample {
+            tool: "right".into(),
+            time: 0.0,
+            tracked: true,
+            pose: Pose::default(),
+            opening: 0.0,
+        };
+        let log = log(&[&sample, &forces, &failed_result(&["depth"])]);
+        for made in [None, Some("profile novice, seed 3".to_owned())] {
+            let label = made.clone().unwrap_or_default();
+            let session = crate::ReportInput {
+                synthetic: made,
+                ..input()
+            };
+            let report = Report::build(&session, [(0, &log[..])]);
+            let metrics = column(&report.metrics_csv(), "synthetic");
+            assert_eq!(metrics, [&label[..]; 3]);
+            assert_eq!(column(&report.series_csv(), "synthetic"), [&label[..]; 2]);
+        }
     }
 
     #[test]

@@ -65,10 +65,15 @@ pub struct ContactReport {
     pub indentation_m: f64,
     /// Number of different nodes that were touched.
     pub nodes: usize,
+    /// The pieces of the body that were touched, by their numbers, ascending.
+    pub pieces: Vec<u32>,
     /// How long the force was above the limit of the pair [s].
     pub over_limit_s: f64,
     /// Share of the normal force that acted where nothing slid, 0 (all slides, or there is no friction) to 1 (all sticks).
     pub stick_share: f64,
+    /// Force with which both jaws of a tool squeezed the body between them, mean over the tick [N]: the smaller of what each pushed
+    /// it towards the other one, without friction; 0 where they pushed the same way.
+    pub grip_n: f64,
     /// What each jaw did that touched; empty of a tool without jaws.
     pub jaws: Vec<JawReport>,
 }

@@ -2,10 +2,10 @@
 
 use crate::group::Group;
 use crate::pairs::{Pair, PairPartner};
-use crate::report::{ContactReport, JawReport};
+use crate::report::{ContactPartner, ContactReport, JawReport};
 use crate::scene::{Body, Scene};
 use crate::spec::Jaw;
-use crate::tool::Tool;
+use crate::tool::{Tool, ToolMotion};
 use microsim_contact::Partner;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -35,13 +35,29 @@ pub(crate) struct Tally {
     /// Σ λ h over all contacts, and over those that stick [N·s].
     normal_impulse: f64,
     stick_impulse: f64,
-    /// Per jaw: Σ λ h [N·s] and Σ A h [m²·s].
-    jaws: [(f64, f64); 2],
+    jaws: [JawTally; 2],
     /// Of the step that is being summed up, and of a body on itself the sum of sizes.
     step: Vector3<f64>,
     step_size: f64,
     /// Touched nodes of the step, with the jaw and how much of the node is touched.
     areas: Vec<(usize, u32, f64)>,
+}
+
+/// What one jaw sums up over a tick.
+#[derive(Clone, Copy, Debug, Default)]
+struct JawTally {
+    /// Σ λ h [N·s].
+    impulse: f64,
+    /// Σ λ n h: how it pushes the tissue, without friction [N·s].
+    push: Vector3<f64>,
+    /// Σ A h [m²·s].
+    area: f64,
+}
+
+/// How strongly two jaws press against each other through what lies between them: the smaller of their pushes in the direction in
+/// which each closes. `axis` is the x axis of their tool. Jaws that push the same way, as tissue lies on them, squeeze nothing.
+fn squeeze([left, right]: [Vector3<f64>; 2], axis: Vector3<f64>) -> f64 {
+    (-left.dot(&axis)).min(right.dot(&axis)).max(0.0)
 }
 
 /// What contact did to the bodies of a group in a step, for containment.
@@ -130,7 +146,10 @@ pub(crate) fn sum_up(
             }
         }
         if let Some(jaw) = jaw {
-            tally.jaws[jaw as usize].0 += contact.pressure * h;
+            let sum = &mut tally.jaws[jaw as usize];
+            let push = contact.normal * (contact.pressure * h);
+            sum.impulse += contact.pressure * h;
+            sum.push += if own { push } else { -push };
         }
         // What stands, and a body itself, bring no energy.
         let brings = matches!(
@@ -174,13 +193,19 @@ impl Tally {
             .sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.total_cmp(&a.2)));
         self.areas.dedup_by_key(|area| (area.0, area.1));
         for &(jaw, node, share) in &self.areas {
-            self.jaws[jaw].1 += share * body.node_areas[node as usize] * h;
+            self.jaws[jaw].area += share * body.node_areas[node as usize] * h;
         }
         self.areas.clear();
     }
 
     /// The report of a tick of `tick_s` [s]; `None` of a pair that did not touch.
-    fn report(&self, index: usize, scene: &Scene, tick_s: f64) -> Option<ContactReport> {
+    fn report(
+        &self,
+        index: usize,
+        scene: &Scene,
+        motions: &[ToolMotion],
+        tick_s: f64,
+    ) -> Option<ContactReport> {
         let (body, with) = scene.pair(index);
         if self.nodes.is_empty() {
             return None;
@@ -201,7 +226,17 @@ impl Tally {
             false => self.last_point,
         };
         let jaws = [Jaw::Left, Jaw::Right].into_iter().zip(self.jaws);
-        let jaws = jaws.filter(|(_, (_, area))| *area > 0.0);
+        let jaws = jaws.filter(|(_, sum)| sum.area > 0.0);
+        let moved = match with {
+            ContactPartner::Tool(tool) => motions.iter().find(|motion| motion.tool == tool),
+            _ => None,
+        };
+        let squeezed = moved.map_or(0.0, |motion| {
+            let pushes = self.jaws.map(|sum| sum.push);
+            squeeze(pushes, motion.to.orientation * Vector3::x())
+        });
+        let of_nodes = scene.pieces(body);
+        let pieces: BTreeSet<u32> = self.nodes.iter().map(|&n| of_nodes[n as usize]).collect();
         Some(ContactReport {
             body,
             with,
@@ -212,16 +247,18 @@ impl Tally {
             max_depth_m: self.max_depth,
             indentation_m: indentation,
             nodes: self.nodes.len(),
+            pieces: pieces.into_iter().collect(),
             over_limit_s: self.over_limit,
             stick_share: match self.normal_impulse > 0.0 {
                 true => self.stick_impulse / self.normal_impulse,
                 false => 0.0,
             },
+            grip_n: squeezed / tick_s,
             jaws: jaws
-                .map(|(jaw, (impulse, area))| JawReport {
+                .map(|(jaw, sum)| JawReport {
                     jaw,
-                    normal_force_n: impulse / tick_s,
-                    pressure_pa: impulse / area,
+                    normal_force_n: sum.impulse / tick_s,
+                    pressure_pa: sum.impulse / sum.area,
                 })
                 .collect(),
         })
@@ -229,11 +266,42 @@ impl Tally {
 }
 
 impl Scene {
-    /// The reports of the pairs that touched in a tick of `tick_s` [s].
-    pub(crate) fn contact_reports(&self, tallies: &[Tally], tick_s: f64) -> Vec<ContactReport> {
+    /// The reports of the pairs that touched in a tick of `tick_s` [s], in which the tools moved so.
+    pub(crate) fn contact_reports(
+        &self,
+        tallies: &[Tally],
+        motions: &[ToolMotion],
+        tick_s: f64,
+    ) -> Vec<ContactReport> {
         let tallies = tallies.iter().enumerate();
         tallies
-            .filter_map(|(pair, tally)| tally.report(pair, self, tick_s))
+            .filter_map(|(pair, tally)| tally.report(pair, self, motions, tick_s))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pushes in units of a tool whose x axis is −y of the world. By hand: the smaller push along the closing directions counts, what
+    /// acts across them does not; tissue draped over closed jaws is pushed up and outwards, a dilator pushes outwards alone.
+    #[test]
+    fn only_what_jaws_press_against_each_other_is_a_squeeze() {
+        let axis = -Vector3::y();
+        let squeeze = |left: [f64; 3], right: [f64; 3]| {
+            let world = |[x, y, z]: [f64; 3]| Vector3::new(y, -x, z);
+            super::squeeze([world(left), world(right)], axis)
+        };
+        assert_eq!(squeeze([-2.0, 0.0, 0.0], [3.0, 0.0, 0.0]), 2.0);
+        assert_eq!(squeeze([-2.0, 1.0, 5.0], [1.5, -4.0, 0.0]), 1.5);
+        assert_eq!(squeeze([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]), 0.0);
+        assert_eq!(squeeze([0.3, 0.0, 1.0], [-0.3, 0.0, 1.0]), 0.0);
+        assert_eq!(squeeze([2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]), 0.0);
+        assert_eq!(
+            squeeze([-2.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+            0.0,
+            "one jaw alone"
+        );
     }
 }

@@ -276,7 +276,7 @@ impl Scene {
                 self.renew_stable_step(self.groups[group].members[member].body);
             }
         }
-        Ok((self.contact_reports(&tallies, tick_s), loads))
+        Ok((self.contact_reports(&tallies, motions, tick_s), loads))
     }
 }
 

@@ -87,8 +87,11 @@ struct Boundary<P> {
 impl<P> Drop for Boundary<P> {
     fn drop(&mut self) {
         // A panic here has nobody to be reported to, and must not cross.
-        // SAFETY: dropped once, here.
-        let _ = guarded(|| Ok(unsafe { ManuallyDrop::drop(&mut self.plugin) }));
+        let _ = guarded(|| {
+            // SAFETY: dropped once, here.
+            unsafe { ManuallyDrop::drop(&mut self.plugin) };
+            Ok(())
+        });
     }
 }
 

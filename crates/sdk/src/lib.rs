@@ -27,6 +27,7 @@ mod test_host;
 mod tick;
 pub mod tissue;
 mod tray;
+mod way;
 
 pub use course::{Course, CourseConfig};
 pub use direction::{axis, turned_to};
@@ -43,6 +44,7 @@ pub use random::RandomStream;
 pub use test_host::{Heard, TestHost};
 pub use tick::Tick;
 pub use tray::Tray;
+pub use way::least_way;
 
 #[doc(hidden)]
 pub mod export {

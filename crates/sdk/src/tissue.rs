@@ -8,7 +8,7 @@ mod pieces;
 mod ring;
 
 pub use contacts::{Contacts, Drops};
-pub use cuts::{Booking, CutLog, MarkLine};
+pub use cuts::{Booking, CutFindings, CutLog, MarkLine};
 pub use marks::{colour, mark_colour, mark_places};
 pub use patch::{Patch, PatchPlace};
 pub use pieces::{PieceView, Probes};

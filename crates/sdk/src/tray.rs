@@ -29,10 +29,25 @@ impl Tray {
         }
     }
 
+    /// Its middle \[m\].
+    pub fn centre(&self) -> [f64; 3] {
+        self.pose.position.into()
+    }
+
     /// Whether a point of the field \[m\] is in it.
     pub fn contains(&self, point: [f64; 3]) -> bool {
-        let inside = self.pose.orientation.inverse() * (Vector3::from(point) - self.pose.position);
-        (0..3).all(|k| inside[k].abs() <= self.half_size[k])
+        self.is_above(point) && self.inner(point).z <= self.half_size[2]
+    }
+
+    /// Whether a point of the field \[m\] is in it or straight above it: what is let go there falls into it.
+    pub fn is_above(&self, point: [f64; 3]) -> bool {
+        let inner = self.inner(point);
+        (0..2).all(|k| inner[k].abs() <= self.half_size[k]) && inner.z >= -self.half_size[2]
+    }
+
+    /// A point of the field in its own frame [m].
+    fn inner(&self, point: [f64; 3]) -> Vector3<f64> {
+        self.pose.orientation.inverse() * (Vector3::from(point) - self.pose.position)
     }
 }
 
@@ -66,7 +81,11 @@ mod tests {
         assert!(tray.contains([0.011, 0.0035, -0.0045]));
         assert!(!tray.contains([0.0135, 0.0, -0.005]));
         assert!(!tray.contains([0.01, 0.0, -0.0035]), "above the rim");
-        assert!(!tray.contains([0.01, 0.0, -0.0065]), "below the floor");
+        assert!(tray.is_above([0.01, 0.0, -0.0035]));
+        for outside in [[0.0135, 0.0, -0.0035], [0.01, 0.0, -0.0065]] {
+            assert!(!tray.contains(outside), "beside it, or below the floor");
+            assert!(!tray.is_above(outside));
+        }
     }
 
     #[test]

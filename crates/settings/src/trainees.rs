@@ -37,8 +37,10 @@ pub struct TraineeProfile {
     pub hesitation: Sourced,
     /// Standard deviation along each axis of where a movement ends \[m\].
     pub aiming_error: Sourced,
-    /// How far a movement goes beyond its end first, as a share of its length.
-    pub overshoot: Sourced,
+    /// Standard deviation about each axis of how the tool is turned where a movement ends \[rad\].
+    pub angular_error: Sourced,
+    /// How far a movement gets ahead of the plan, as a share of its length: beyond its end by what this is above 0.9 %.
+    pub lead: Sourced,
     /// How far a movement goes astray to the side, as a share of its length.
     pub detour: Sourced,
     /// How much further than planned jaws are closed, as a share of the closing.
@@ -107,10 +109,16 @@ pub fn trainees_schema() -> Schema {
             "aiming_error",
             "Standard deviation along each axis of where a movement of at least 1 mm ends; in proportion less for a shorter one.",
         ),
+        sourced(
+            "angular_error",
+            Unit::Angle,
+            (0.0, 0.5),
+            "Standard deviation about each axis of how the tool is turned where a movement of at least 1 mm ends; in proportion less for a shorter one.",
+        ),
         share(
-            "overshoot",
+            "lead",
             1.0,
-            "How far a movement goes beyond its end first, as a share of its length.",
+            "How far a movement gets ahead of the plan, as a share of its length: beyond its end by what this is above 0.9 %.",
         ),
         share(
             "detour",

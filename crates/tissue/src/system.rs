@@ -154,6 +154,11 @@ impl System {
         &self.matrix
     }
 
+    /// Whether a matrix that changes is best factored anew.
+    pub fn is_direct(&self) -> bool {
+        self.solver.is_direct()
+    }
+
     /// Prepares solutions with the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
     pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
         self.solver.factorise(&self.matrix, fixed)

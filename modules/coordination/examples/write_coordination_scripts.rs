@@ -2,6 +2,7 @@
 //! write_coordination_scripts`. Per level one that passes and some that fail, each for one reason.
 
 use microsim_host::assemble::known_metrics;
+use microsim_sdk::turned_to;
 use microsim_settings::{Body, Level, Shape};
 use std::fmt::Write;
 use std::path::Path;
@@ -20,6 +21,10 @@ const DROOP: f64 = -0.0005;
 
 /// A rest that is too long \[s\].
 const PAUSE: f64 = 14.0;
+
+/// How far the tips of closed forceps are below the upper side of tissue that lies on them: its thickness, less what it gives way
+/// \[m\].
+const UNDER: f64 = 0.00055;
 
 /// Where tools wait \[m\].
 const AWAY: f64 = -0.010;
@@ -106,8 +111,9 @@ struct Hands<'a> {
     text: [String; 2],
     forceps: ([f64; 3], f64),
     scissors: ([f64; 3], f64),
-    /// Direction from tip to handle of the forceps.
+    /// Direction from tip to handle of the forceps, and whether their jaws lie side by side instead of one above the other.
     towards: [f64; 3],
+    rolled: bool,
     /// Angle of the scissors to the marks \[rad\].
     askew: f64,
     /// Height at which the scissors work \[m\].
@@ -124,6 +130,7 @@ impl<'a> Hands<'a> {
             forceps: ([-0.003, AWAY, 0.0], OPEN),
             scissors: ([0.003, AWAY, 0.0], 0.0),
             towards: TOWARDS_HAND,
+            rolled: false,
             askew: 0.0,
             droop: 0.0,
         };
@@ -131,10 +138,20 @@ impl<'a> Hands<'a> {
         hands
     }
 
-    fn write_key(&mut self, tool: usize, (place, opening): ([f64; 3], f64), towards: [f64; 3]) {
+    fn write_key(
+        &mut self,
+        tool: usize,
+        (place, opening): ([f64; 3], f64),
+        towards: [f64; 3],
+        rolled: bool,
+    ) {
         let side = self.place.side;
         let [x, y, z] = [side * place[0], place[1], place[2]].map(|c| 1e3 * c);
-        let [a, b, c, d] = upright([side * towards[0], towards[1], towards[2]]);
+        let towards = [side * towards[0], towards[1], towards[2]];
+        let [a, b, c, d] = match rolled {
+            true => turned_to(towards),
+            false => upright(towards),
+        };
         let _ = write!(
             self.text[tool],
             "\n[[tool.key]]\nt = \"{:.3} s\"\nposition = [\"{x:.4} mm\", \"{y:.4} mm\", \"{z:.4} mm\"]\norientation = [{a}, {b}, {c}, {d}]\nopening = {opening}\n",
@@ -145,10 +162,10 @@ impl<'a> Hands<'a> {
     /// Both are where they are to be after `seconds`.
     fn key(&mut self, seconds: f64) {
         self.time += seconds;
-        self.write_key(0, self.forceps, self.towards);
+        self.write_key(0, self.forceps, self.towards, self.rolled);
         if self.place.scissors.is_some() {
             let towards = [libm::sin(self.askew), -libm::cos(self.askew), 0.0];
-            self.write_key(1, self.scissors, towards);
+            self.write_key(1, self.scissors, towards, false);
         }
     }
 
@@ -164,6 +181,15 @@ impl<'a> Hands<'a> {
         self.key(0.2);
     }
 
+    /// Leads the closed forceps below the tissue at `x`, without gripping it.
+    fn reach_below(&mut self, x: f64) {
+        (self.towards, self.rolled) = ([0.0, -1.0, 0.0], true);
+        self.forceps = ([x, AWAY, -0.0015], 0.0);
+        self.key(0.8);
+        self.forceps.0[1] = 0.0016;
+        self.key(1.0);
+    }
+
     /// Goes up or down with what the forceps hold, to `height` above where the tissue is stretched.
     fn lift(&mut self, height: f64) {
         self.forceps.0[2] = height;
@@ -177,7 +203,7 @@ impl<'a> Hands<'a> {
 
     /// Cuts the near edge at `x`.
     fn snip(&mut self, x: f64) {
-        self.scissor(x, -0.0004, 0.0);
+        self.scissor(x, 0.0002, 0.0);
     }
 
     /// A cut at `x` with the tips at `y`.
@@ -296,9 +322,17 @@ fn hold(folder: &Path, place: &Place) {
     hard.write(folder, "fail-crushed", dwell + 0.5);
 
     let mut far = begin("Pulls the tissue far beyond the ring first.", FIRM);
-    far.lift(2.2 * height);
+    far.lift(2.6 * height);
     far.lift(height);
     far.write(folder, "fail-too-hard", dwell + 0.5);
+
+    let mut hooked = Hands::new(
+        place,
+        "Lifts the tissue into the ring from below, with closed forceps.",
+    );
+    hooked.reach_below(0.0);
+    hooked.lift(height - UNDER);
+    hooked.write(folder, "fail-not-gripped", dwell + 0.5);
 
     let mut slow = begin(
         "Holds the tissue below the ring and wanders about until the time is over.",
@@ -332,6 +366,14 @@ fn cut_once(folder: &Path, place: &Place) {
     askew.askew = 0.45;
     askew.cut(x, 0.0);
     askew.write(folder, "fail-cut-askew", stay);
+
+    let mut stray = Hands::new(
+        place,
+        "Snips the edge 1 mm beside the mark, then cuts at the mark.",
+    );
+    stray.snip(x + 0.001);
+    stray.cut(x, 0.0);
+    stray.write(folder, "fail-stray-cut", stay);
 
     let mut uncut = Hands::new(
         place,
@@ -432,7 +474,7 @@ fn deliver(folder: &Path, place: &Place) {
                 "Pulls the tissue far up, and for long, before it cuts.",
             );
             hard.grip(BETWEEN, FIRM);
-            hard.lift(0.0033);
+            hard.lift(0.0045);
             hard.key(0.8);
             hard.lift(0.0);
             hard.forceps.1 = GRIP;
@@ -456,7 +498,7 @@ fn deliver(folder: &Path, place: &Place) {
         }
         _ => {
             let mut askew = begin("Cuts askew at both marks.");
-            askew.askew = 0.3;
+            askew.askew = 0.45;
             cut_both(&mut askew);
             askew.put(way);
             askew.write(folder, "fail-cut-askew", stay);

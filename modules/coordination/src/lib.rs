@@ -84,6 +84,24 @@ impl Coordination {
         Some(middle)
     }
 
+    /// Where tools come into view while the level runs, for the economy of motion.
+    fn see(&self, state: &mut State, course: &mut Course, tick: &Tick<'_>) -> Result<(), Fault> {
+        let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
+        // There are no fewer tools in a tick that says nothing of them.
+        let count = state.starts.len().max(tools.len());
+        state.starts.resize(count, None);
+        let mut new = false;
+        for (tool, start) in tools.iter().zip(&mut state.starts) {
+            if course.running() && start.is_none() && tool.status == ToolStatus::Tracked {
+                (*start, new) = (Some(tool.pose.position), true);
+            }
+        }
+        if new && let Some(way) = self.site.least_way(&state.starts) {
+            course.set_shortest_path(way);
+        }
+        Ok(())
+    }
+
     /// Grips and forces of a tick, with their events.
     fn hear(&self, state: &mut State, course: &Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
         let was_too_hard = state.contacts.too_hard;
@@ -192,7 +210,9 @@ impl Coordination {
             );
         }
         let away = ring.away(place);
-        let holds = held && away <= ring.opening;
+        let inside = away <= ring.opening;
+        let holds = held && inside;
+        state.loose |= inside && !held;
         if holds {
             state.reached = true;
             state.counted = (state.counted.0 + 1, state.counted.1 + away);
@@ -280,16 +300,18 @@ impl Coordination {
                 text("Stück ist frei".into(), "Piece is free".into()),
             );
         }
-        let held = state.contacts.held_by_any();
+        let held = state.contacts.holds(piece.number);
         let inside = tray.contains(piece.centre);
-        if state.drops.watch(tick.time(), !inside && !held) {
+        // What is let go above the tray is dropped where it belongs.
+        let lost = !held && !tray.is_above(piece.centre);
+        if state.drops.watch(tick.time(), lost) {
             course.event(
                 tick,
                 "drop",
                 text("Stück fallen gelassen".into(), "Piece dropped".into()),
             );
         }
-        let lies = inside && state.contacts.is_on(TRAY) && !held;
+        let lies = inside && state.contacts.is_on(TRAY, piece.number) && !held;
         let done = state.dwell.update(tick.time(), lies) == DwellState::Complete;
         let colour = match (done, lies) {
             (true, _) => colour::DONE,
@@ -315,26 +337,27 @@ impl Coordination {
         course.measure("peak-force", state.contacts.peak_force);
         course.measure("excess-time", state.contacts.excess);
         course.measure("peak-grip", state.contacts.peak_grip);
-        let cuts = &state.cuts;
         if self.site.keys.task == Task::Hold {
             if let (n @ 1.., errors) = state.counted {
                 course.measure("place-error", errors / n as f64);
             }
         } else {
-            course.measure("stray-cut", cuts.stray);
-            course.measure("torn", cuts.torn);
-            let shares = [
-                ("cut-distance", cuts.distance()),
-                ("cut-angle", cuts.angle()),
-                ("steadied", cuts.steadied_share()),
+            let found = state.cuts.findings(self.site.keys.cut_width);
+            let values = [
+                ("stray-cut", Some(found.stray)),
+                ("torn", Some(found.torn)),
+                ("cut-distance", found.distance),
+                ("cut-angle", found.angle),
+                ("steadied", found.steadied),
             ];
-            for (id, value) in shares {
+            for (id, value) in values {
                 value
                     .into_iter()
                     .for_each(|value| course.measure(id, value));
             }
         }
-        if self.site.keys.task != Task::Cut {
+        // What was never in a grip cannot be dropped.
+        if self.site.keys.task != Task::Cut && state.contacts.gripped {
             course.measure("drops", f64::from(state.drops.count));
         }
     }
@@ -368,8 +391,7 @@ impl Exercise for Coordination {
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         self.hear(state, course, tick)?;
-        let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
-        state.seen |= tools.iter().any(|tool| tool.status == ToolStatus::Tracked);
+        self.see(state, course, tick)?;
         // Without tissue there is nothing to judge, and nothing measured is not zero.
         let Some(block) = tick.block(TISSUE_SNAPSHOT, &self.site.body) else {
             return Ok(());
@@ -379,6 +401,10 @@ impl Exercise for Coordination {
         }
         let mut first = None;
         for (index, (mark, ends)) in self.site.marks.iter().zip(&state.patches).enumerate() {
+            // One that is done is shown no more, or stays where it was held.
+            if course.is_done(&mark.name) {
+                continue;
+            }
             let place = self.follow(mark, ends, &block, tick);
             if index == 0 {
                 first = place;
@@ -406,7 +432,7 @@ impl Exercise for Coordination {
             .targets()
             .iter()
             .any(|target| !course.is_done(target));
-        if !open || !state.seen {
+        if !open || state.starts.iter().all(Option::is_none) {
             return;
         }
         let uncut = self
@@ -416,6 +442,7 @@ impl Exercise for Coordination {
             .any(|mark| !course.is_done(&mark.name));
         course.speaks_against(match self.site.keys.task {
             Task::Hold if state.reached => "dwell-too-short",
+            Task::Hold if state.loose => "not-gripped",
             Task::Hold => "not-in-ring",
             _ if uncut => "not-cut",
             _ => "not-in-tray",

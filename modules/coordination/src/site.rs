@@ -1,7 +1,7 @@
 //! What a level asks for, from its file: marks, clamps, ring, tray, and which tools hold.
 
 use microsim_sdk::tissue::{MarkLine, Ring, mark_places};
-use microsim_sdk::{CourseConfig, Fault, Object, Setup, Shape, Tray, axis};
+use microsim_sdk::{CourseConfig, Fault, Object, Setup, Shape, Tray, least_way};
 use serde::Deserialize;
 
 /// The rigid thing of the level that is the tray, and the target of what is put into it.
@@ -35,6 +35,8 @@ pub(crate) struct Keys {
     pub mark_radius: f64,
     /// \[m\]
     pub mark_reach: f64,
+    /// \[m\]
+    pub cut_width: f64,
 }
 
 /// A line to be cut, or tissue to be held.
@@ -50,16 +52,13 @@ impl Mark {
     fn new(object: &Object) -> Result<Self, Fault> {
         let Shape::Capsule { length, .. } = object.shape else {
             return Err(Fault::new(format!(
-                "the mark \"{}\" is not of the shape \"capsule\"",
+                "[[object]] \"{}\": `shape` has to be \"capsule\", as it is a mark to cut along",
                 object.name
             )));
         };
         Ok(Self {
             name: object.name.clone(),
-            line: MarkLine {
-                middle: object.position,
-                along: axis(object.orientation),
-            },
+            line: MarkLine::new(object)?,
             length,
         })
     }
@@ -67,7 +66,7 @@ impl Mark {
     /// The ends of its line, at rest \[m\].
     pub fn ends(&self) -> [[f64; 3]; 2] {
         [-0.5, 0.5].map(|share| {
-            let MarkLine { middle, along } = &self.line;
+            let MarkLine { middle, along, .. } = &self.line;
             [0, 1, 2].map(|k| middle[k] + share * self.length * along[k])
         })
     }
@@ -78,6 +77,8 @@ impl Mark {
 pub(crate) struct Site {
     pub keys: Keys,
     pub body: String,
+    /// All tools, in the level's order.
+    tools: Vec<String>,
     /// Tools that hold tissue and do not cut it.
     pub holders: Vec<String>,
     /// In their order from the first clamp to the second.
@@ -103,7 +104,11 @@ impl Site {
         let [left, right] = CLAMPS.map(|name| {
             let object = objects.iter().find(|object| object.name == name);
             let object = object.map(|object| object.position);
-            object.ok_or_else(|| Fault::new(format!("the level needs an object \"{name}\"")))
+            object.ok_or_else(|| {
+                Fault::new(format!(
+                    "the level needs an [[object]] with `name` = \"{name}\" where the tissue is held"
+                ))
+            })
         });
         let wanted = match keys.task {
             Task::Hold => 1..=1,
@@ -113,7 +118,7 @@ impl Site {
         if !wanted.contains(&marks.len()) {
             let count = marks.len();
             return Err(Fault::new(format!(
-                "the level has {count} marks, which does not fit its task: `hold` needs one, `deliver` two"
+                "[module] `task`: `hold` needs one [[object]] whose `name` starts with \"mark-\", `deliver` two; the level has {count}"
             )));
         }
         let body = bodies.into_iter().next();
@@ -121,8 +126,9 @@ impl Site {
         let holding = config.tools.iter().filter(|tool| !cuts(&tool.model));
         Ok(Self {
             body: body
-                .ok_or_else(|| Fault::new("the level needs a body"))?
+                .ok_or_else(|| Fault::new("the level needs a [[body]]: the tissue"))?
                 .name,
+            tools: config.tools.iter().map(|tool| tool.name.clone()).collect(),
             holders: holding.map(|tool| tool.name.clone()).collect(),
             ring: match keys.task {
                 Task::Hold => Some(Ring::named(&objects, RING)?),
@@ -143,6 +149,33 @@ impl Site {
         let marks = self.marks.iter().map(|mark| mark.name.clone());
         let tray = self.tray.as_ref().map(|_| TRAY.to_owned());
         marks.chain(tray).collect()
+    }
+
+    /// The least way of all tools that the task asks for, from where each was first seen \[m\]: of those that cut past the marks, in
+    /// the better order; of those that hold from the mark to the ring, or from the piece to the tray. `None` before all of them
+    /// were seen.
+    pub fn least_way(&self, starts: &[Option<[f64; 3]>]) -> Option<f64> {
+        let marks: Vec<[f64; 3]> = self.marks.iter().map(|mark| mark.line.middle).collect();
+        let back: Vec<[f64; 3]> = marks.iter().rev().copied().collect();
+        let held: Vec<[f64; 3]> = match (&self.ring, &self.tray) {
+            (Some(ring), _) => vec![marks[0], ring.centre],
+            (_, Some(tray)) => vec![self.parts()[1], tray.centre()],
+            // Whether tissue is held while it is cut is left to the trainee.
+            (None, None) => Vec::new(),
+        };
+        let mut sum = 0.0;
+        for (index, tool) in self.tools.iter().enumerate() {
+            let orders = match self.holders.contains(tool) {
+                true => [&held, &held],
+                false => [&marks, &back],
+            };
+            if !orders[0].is_empty() {
+                let start = (*starts.get(index)?)?;
+                let ways = orders.map(|goals| least_way(start, goals, self.keys.mark_reach));
+                sum += ways[0].min(ways[1]);
+            }
+        }
+        Some(sum)
     }
 
     /// A place in each part that the marks divide the tissue into, at rest \[m\].

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 /// What evolves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Whether a tool has been tracked at any time.
-    pub(crate) seen: bool,
+    /// Where each tool of the level was first tracked \[m\].
+    pub(crate) starts: Vec<Option<[f64; 3]>>,
     /// The tissue at both ends of each mark; empty before there is tissue.
     pub(crate) patches: Vec<[Patch; 2]>,
     pub(crate) probes: Probes,
@@ -24,6 +24,8 @@ pub struct State {
     pub(crate) had: bool,
     /// Whether the mark has counted as held at any time.
     pub(crate) reached: bool,
+    /// Whether the mark has been in the ring without being held.
+    pub(crate) loose: bool,
     /// Number of ticks and sum of distances from the middle of the ring \[m\], over all holding that counted.
     pub(crate) counted: (u64, f64),
     /// Whether the piece between the marks is off.
@@ -37,7 +39,7 @@ impl State {
     /// Before the first tick; what is held must be held for `dwell` \[s\].
     pub(crate) fn new(dwell: f64) -> Result<Self, Fault> {
         Ok(Self {
-            seen: false,
+            starts: Vec::new(),
             patches: Vec::new(),
             probes: Probes::default(),
             contacts: Contacts::default(),
@@ -47,6 +49,7 @@ impl State {
             release: Drops::default(),
             had: false,
             reached: false,
+            loose: false,
             counted: (0, 0.0),
             off: false,
             dwell: Dwell::new(dwell).map_err(|e| Fault::new(e.to_string()))?,

@@ -3,10 +3,10 @@
 
 use microsim_module_coordination::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, Jaw, JawForce, LevelControl, LevelEvent, Pose, TISSUE_SNAPSHOT,
-    TissueCut, ToolState, ToolStates, ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, LevelEvent, ObjectSet, Pose, TISSUE_SNAPSHOT,
+    TissueCut, ToolSample, ToolState, ToolStates, ToolStatus, TrainingResult,
 };
-use microsim_sdk::{BlockBuilder, Heard, TestHost};
+use microsim_sdk::{BlockBuilder, Fault, Heard, TestHost};
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -44,7 +44,7 @@ fn metric(id: &str, unit: &str, category: &str) -> Value {
     })
 }
 
-fn started(task: &str, limits: Value) -> TestHost<Module> {
+fn config(task: &str, limits: Value) -> Value {
     let tool = |sharpness: f64| {
         json!({
             "title": { "de": "-", "en": "-" }, "doc": "-", "hinge": null, "opening_angle": null, "colour": "#888888",
@@ -66,7 +66,7 @@ fn started(task: &str, limits: Value) -> TestHost<Module> {
     if task != "hold" {
         objects.push(object("mark-2", line, [0.002, 0.0, 0.0]));
     }
-    let config = json!({
+    json!({
         "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
         "models": { "forceps": tool(0.0), "scissors": tool(1.0) },
         "limits": limits,
@@ -81,16 +81,22 @@ fn started(task: &str, limits: Value) -> TestHost<Module> {
             metric("drops", "count", "handling"),
         ],
         "reasons": [],
-        "module": { "task": task, "dwell": DWELL, "mark_radius": 0.0005, "mark_reach": 0.001 },
+        "module": { "task": task, "dwell": DWELL, "mark_radius": 0.0005, "mark_reach": 0.001, "cut_width": 0.0004 },
         "objects": objects,
         "rigid": [{
             "name": "tray", "shape": "tray", "position": [0.0, -0.01, -0.003], "orientation": [0.0, 0.0, 0.0, 1.0],
             "half_size": [0.003, 0.002, 0.001], "wall": 0.0005, "colour": "#c8ccd0", "finish": "matte",
         }],
         "bodies": [{ "name": "tissue" }],
-    });
-    let manifest = include_str!("../module.toml");
-    let host = TestHost::of_module(manifest, 1, 4, config).expect("a complete set-up");
+    })
+}
+
+fn host(config: Value) -> Result<TestHost<Module>, Fault> {
+    TestHost::of_module(include_str!("../module.toml"), 1, 4, config)
+}
+
+fn started(task: &str, limits: Value) -> TestHost<Module> {
+    let host = host(config(task, limits)).expect("a complete set-up");
     let mut host = host.moving();
     host.send(&LevelControl::Start);
     tick(&mut host, &Scene::default());
@@ -107,6 +113,24 @@ struct Scene {
     held: bool,
     /// Force of the forceps \[N\].
     force: f64,
+    /// How the forceps touch.
+    touch: Touch,
+    /// What lies in the tray: the part in the middle, or the one on the left.
+    stump: bool,
+}
+
+/// How the forceps touch tissue.
+#[derive(Clone, Copy, Default)]
+enum Touch {
+    /// They squeeze the part in the middle, which moves with them.
+    #[default]
+    Grip,
+    /// So the part on the left.
+    Stump,
+    /// The tissue lies on both jaws, which press the same way.
+    Hook,
+    /// It slides along them.
+    Slide,
 }
 
 /// Nodes at the clamps, at the ends of the marks and in the middle, by the part that they belong to.
@@ -141,24 +165,29 @@ fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
     host.send(&ToolStates {
         tools: vec![state("left"), state("right")],
     });
-    let jaw = |jaw| JawForce {
-        jaw,
-        force: 0.01,
-        pressure: 1.0,
-    };
-    let contact = |tool: &str, jaws: Vec<JawForce>| ContactForce {
+    let contact = |tool: &str, part: usize, grip: f64, stick: f64| ContactForce {
         tool: tool.into(),
         body: "tissue".into(),
         force: [0.0, 0.0, scene.force],
         over_limit: if scene.force > 0.02 { 0.008 } else { 0.0 },
-        jaws,
-        stick: 1.0,
+        stick,
+        grip,
+        pieces: vec![scene.pieces[part]],
         ..ContactForce::default()
     };
-    let grip = contact("left", vec![jaw(Jaw::Left), jaw(Jaw::Right)]);
+    let forceps = match scene.touch {
+        Touch::Grip => contact("left", 1, 0.01, 1.0),
+        Touch::Stump => contact("left", 0, 0.01, 1.0),
+        Touch::Hook => contact("left", 1, 0.0, 1.0),
+        Touch::Slide => contact("left", 1, 0.01, 0.1),
+    };
     host.send(&ContactForces {
-        contacts: if scene.held { vec![grip] } else { Vec::new() },
-        between: vec![contact("tray", Vec::new())],
+        contacts: if scene.held {
+            vec![forceps]
+        } else {
+            Vec::new()
+        },
+        between: vec![contact("tray", usize::from(!scene.stump), 0.0, 1.0)],
     });
     host.tick().expect("a good tick")
 }
@@ -194,6 +223,8 @@ const HELD: Scene = Scene {
     pieces: [0; 3],
     held: true,
     force: 0.01,
+    touch: Touch::Grip,
+    stump: false,
 };
 const FREE: Scene = Scene {
     pieces: [0, 1, 2],
@@ -241,9 +272,137 @@ fn a_piece_cut_out_at_the_marks_that_lies_in_the_tray_passes() {
     assert!((distance - 0.0003).abs() < 1e-12, "{distance}");
     assert_eq!(value(&result, "steadied"), Some(1.0));
     assert_eq!(value(&result, "drops"), Some(0.0));
-    // 10 mN in every tick, and jaws of 10 mN each.
+    // 10 mN in every tick, and a grip of 10 mN.
     assert_eq!(value(&result, "peak-force"), Some(0.01));
     assert_eq!(value(&result, "peak-grip"), Some(0.01));
+}
+
+#[test]
+fn only_the_piece_itself_lies_in_the_tray_or_is_held_above_it() {
+    let deliver = || {
+        let mut host = both_cut("deliver", 0.0, ACROSS, json!([]));
+        assert!(ticks(&mut host, &FREE, 3).is_none());
+        host
+    };
+    let stump = Scene {
+        stump: true,
+        ..IN_TRAY
+    };
+    assert!(
+        ticks(&mut deliver(), &stump, 2 * STAY).is_none(),
+        "the stump touches the tray, the piece does not"
+    );
+    // Forceps that have gone on to a stump have let the piece go.
+    let elsewhere = Scene {
+        held: true,
+        touch: Touch::Stump,
+        ..IN_TRAY
+    };
+    let result = ticks(&mut deliver(), &elsewhere, 2 * STAY).expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+    // While they hold a stump, a piece outside of the tray is dropped.
+    let beside = Scene {
+        by: [0.0, -0.02, -0.0035],
+        ..elsewhere
+    };
+    let mut lost = deliver();
+    ticks(&mut lost, &beside, DROP);
+    assert_eq!(value(&end(&mut lost), "drops"), Some(1.0));
+}
+
+#[test]
+fn a_wound_beside_a_good_cut_is_stray() {
+    let limits = json!([
+        limit("cut-distance", 0.0004, "cut-beside-the-mark"),
+        limit("stray-cut", 1e-8, "stray-cut")
+    ]);
+    // 0.7 mm beside the first mark, and within its reach.
+    let mut host = started("cut", limits.clone());
+    tick(&mut host, &HELD);
+    cut(&mut host, "right", -0.0013, ACROSS);
+    tick(&mut host, &HELD);
+    for _ in 0..2 {
+        cut(&mut host, "right", -0.002, ACROSS);
+        tick(&mut host, &HELD);
+    }
+    cut(&mut host, "right", 0.002, ACROSS);
+    let result = tick(&mut host, &FREE)
+        .last::<TrainingResult>()
+        .expect("the verdict");
+    assert_eq!(result.failed, ["stray-cut"]);
+    assert_eq!(value(&result, "stray-cut"), Some(1e-6));
+
+    let mut whole = both_cut("cut", 0.0007, ACROSS, limits);
+    let result = tick(&mut whole, &FREE)
+        .last::<TrainingResult>()
+        .expect("the verdict");
+    assert_eq!(
+        result.failed,
+        ["cut-beside-the-mark"],
+        "all of it, only at the wrong place"
+    );
+}
+
+#[test]
+fn tissue_that_lies_on_jaws_or_slides_along_them_is_not_held() {
+    for touch in [Touch::Hook, Touch::Slide] {
+        let touched = Scene { touch, ..HELD };
+        let within = Scene {
+            by: [0.0, 0.0, 0.003],
+            ..touched
+        };
+        let mut hold = started("hold", json!([]));
+        assert!(ticks(&mut hold, &within, 2 * STAY).is_none());
+        let result = end(&mut hold);
+        assert_eq!(result.failed, ["not-gripped"]);
+        assert_eq!(value(&result, "drops"), None, "nothing was ever gripped");
+
+        let mut loose = started("cut", json!([]));
+        tick(&mut loose, &touched);
+        cut(&mut loose, "right", -0.002, ACROSS);
+        tick(&mut loose, &touched);
+        assert_eq!(value(&end(&mut loose), "steadied"), Some(0.0));
+    }
+}
+
+/// Both tools begin at the origin and stay there: to the marks, 2 mm away on either side, are 1 + 2 mm, with the reach of 1 mm once
+/// and twice; nothing has moved, so that no run has an economy. Of a run of 1 mm it is 3.
+#[test]
+fn the_economy_is_that_of_the_least_way_of_the_task() {
+    for moves in [false, true] {
+        let mut host = started("cut", json!([]));
+        for step in 0..2 {
+            host.send(&ToolSample {
+                tool: "right".into(),
+                time: 0.01 * f64::from(step),
+                tracked: true,
+                pose: Pose {
+                    position: [if moves { 0.001 } else { 0.0 } * f64::from(step), 0.0, 0.0],
+                    ..Pose::default()
+                },
+                opening: 0.0,
+            });
+        }
+        tick(&mut host, &HELD);
+        let result = tick(&mut host, &FREE)
+            .last::<TrainingResult>()
+            .expect("the verdict");
+        match value(&result, "economy") {
+            Some(economy) => assert!(moves && (economy - 3.0).abs() < 1e-9, "{economy}"),
+            None => assert!(!moves),
+        }
+    }
+}
+
+#[test]
+fn a_mark_that_is_cut_through_moves_no_more() {
+    let mut host = both_cut("deliver", 0.0, ACROSS, json!([]));
+    tick(&mut host, &FREE);
+    let sets: Vec<ObjectSet> = tick(&mut host, &FREE).all();
+    assert!(
+        sets.iter().all(|set| !set.name.starts_with("mark-")),
+        "{sets:?}"
+    );
 }
 
 #[test]
@@ -351,7 +510,11 @@ fn marked_tissue_held_in_the_ring_passes_and_less_says_why() {
         },
         2 * STAY,
     );
-    assert_eq!(end(&mut loose).failed, ["not-in-ring"]);
+    assert_eq!(end(&mut loose).failed, ["not-gripped"]);
+
+    let mut low = started("hold", json!([]));
+    ticks(&mut low, &HELD, 2 * STAY);
+    assert_eq!(end(&mut low).failed, ["not-in-ring"]);
 }
 
 #[test]
@@ -384,4 +547,32 @@ fn without_tissue_nothing_is_reached() {
     );
     let result = end(&mut host);
     assert_eq!((result.targets_done, result.score), (0, 0.0));
+}
+
+/// Each message names the key of the level's file that does not fit.
+#[test]
+fn a_level_that_does_not_fit_is_refused_by_its_key() {
+    let refused = |key: &str, spoil: fn(&mut Value)| {
+        let mut config = config("cut", json!([]));
+        spoil(&mut config);
+        let fault = host(config).err().expect(key).to_string();
+        assert!(fault.contains(key), "{fault}");
+    };
+    refused("[module] `task`", |config| {
+        config["module"]["task"] = json!("hold")
+    });
+    refused("\"clamp-left\"", |config| {
+        config["objects"][0]["name"] = json!("clamp");
+    });
+    refused("\"mark-1\": `shape`", |config| {
+        config["objects"][2] = object(
+            "mark-1",
+            json!({ "shape": "sphere", "radius": 0.001 }),
+            [0.0; 3],
+        );
+    });
+    refused("\"mark-1\": its `orientation`", |config| {
+        config["objects"][2]["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
+    });
+    refused("[[body]]", |config| config["bodies"] = json!([]));
 }

@@ -1,7 +1,7 @@
 //! The task `cut`: where the strip was cut, what has come off, and whether it lies in the tray.
 
 use microsim_sdk::tissue::{CutLog, Drops, MarkLine, Probes};
-use microsim_sdk::{BlockView, Fault, Object, Tray, axis};
+use microsim_sdk::{BlockView, Fault, Object, Tray};
 use serde::{Deserialize, Serialize};
 
 /// The rigid thing of the level that is the tray.
@@ -27,10 +27,7 @@ impl Site {
         let clamp = clamp
             .ok_or_else(|| Fault::new(format!("the task `cut` needs an object \"{CLAMP}\"")))?;
         Ok(Self {
-            mark: MarkLine {
-                middle: mark.position,
-                along: axis(mark.orientation),
-            },
+            mark: MarkLine::new(mark)?,
             clamp: clamp.position,
             tray,
         })
@@ -52,8 +49,8 @@ pub(crate) struct Progress {
     pub drops: Drops,
     /// Whether the free end has come off.
     pub off: bool,
-    /// Whether it is in the tray.
-    pub inside: bool,
+    /// The number of its piece while it is in the tray.
+    pub inside: Option<u32>,
 }
 
 impl Progress {
@@ -64,7 +61,9 @@ impl Progress {
         }
         let probes = self.probes.as_ref()?;
         self.off = probes.apart(0, 1, block)?;
-        self.inside = self.off && site.tray.contains(probes.piece(1, block)?.centre);
+        let piece = probes.piece(1, block)?;
+        let inside = self.off && site.tray.contains(piece.centre);
+        self.inside = inside.then_some(piece.number);
         Some(())
     }
 }

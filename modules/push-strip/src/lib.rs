@@ -12,12 +12,10 @@ use cut::{Progress, Site, TRAY};
 use microsim_sdk::message::{
     Colour, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
 };
-use microsim_sdk::tissue::{
-    Contacts, Drops, Patch, Ring, colour, distance, mark_colour, mark_places,
-};
+use microsim_sdk::tissue::{Contacts, Drops, Patch, Ring, colour, mark_colour, mark_places};
 use microsim_sdk::{
     BlockView, Course, CourseConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, Tray,
-    export_plugin,
+    export_plugin, least_way,
 };
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
@@ -207,8 +205,10 @@ impl PushStrip {
         }
         let held = state.contacts.held_by_all();
         let (off, inside) = (state.progress.off, state.progress.inside);
-        state.drops.watch(tick.time(), off && !inside && !held);
-        let lies = inside && state.contacts.is_on(TRAY) && !held;
+        state
+            .drops
+            .watch(tick.time(), off && inside.is_none() && !held);
+        let lies = inside.is_some_and(|piece| state.contacts.is_on(TRAY, piece)) && !held;
         let mut shown = match lies {
             true => colour::HOLDING,
             false => colour::CURRENT,
@@ -250,25 +250,17 @@ impl PushStrip {
             };
             course.measure(id, errors / n as f64);
         }
-        if let Some(distance) = state.progress.cuts.distance() {
+        if let Some(distance) = state.progress.cuts.findings(f64::INFINITY).distance {
             course.measure("cut-distance", distance);
         }
     }
 
     /// A way of the tip that no run can undercut: straight from the start to the least depth that counts, anywhere within
     /// `mark_radius` of each mark in turn \[m\].
-    fn shortest_path(&self, start: [f64; 3], depth: f64, radius: f64) -> f64 {
-        let mut from = start;
-        let mut margin = radius;
-        let mut length = 0.0;
-        for mark in &self.marks {
-            let [x, y, z] = mark.position;
-            let to = [x, y, z - depth];
-            length += (distance(from, to) - margin).max(0.0);
-            from = to;
-            margin = 2.0 * radius;
-        }
-        length
+    fn shortest_path(&self, start: [f64; 3], depth: f64) -> f64 {
+        let marks = self.marks.iter().map(|mark| mark.position);
+        let goals: Vec<[f64; 3]> = marks.map(|[x, y, z]| [x, y, z - depth]).collect();
+        least_way(start, &goals, self.keys.mark_radius)
     }
 }
 
@@ -391,8 +383,7 @@ impl Exercise for PushStrip {
             // Two hands share a way as they like.
             if let Task::Push { depth, tolerance } = self.task {
                 let least = depth - tolerance;
-                let radius = self.keys.mark_radius;
-                course.set_shortest_path(self.shortest_path(tool.pose.position, least, radius));
+                course.set_shortest_path(self.shortest_path(tool.pose.position, least));
             }
         }
         self.measure(state, course);

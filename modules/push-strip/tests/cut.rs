@@ -2,11 +2,12 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, Jaw, JawForce, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut,
-    ToolState, ToolStates, ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, ToolState,
+    ToolStates, ToolStatus, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 const DWELL: f64 = 0.2;
 /// Ticks of 8 ms that a piece has to lie for 0.2 s: time counts from the first one.
@@ -21,7 +22,8 @@ fn started() -> TestHost<Module> {
     };
     let object = |name: &str, mut keys: serde_json::Value| {
         keys["name"] = json!(name);
-        keys["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
+        // Along y: a mark lies across the strip.
+        keys["orientation"] = json!([-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]);
         keys["colour"] = json!("#888888");
         keys["finish"] = json!("matte");
         keys["active"] = json!(true);
@@ -111,22 +113,19 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
     host.send(&ToolStates {
         tools: vec![state("left"), state("right")],
     });
-    let force = |tool: &str, jaws: Vec<JawForce>| ContactForce {
+    let last = pieces[3];
+    let force = |tool: &str, grip: f64| ContactForce {
         tool: tool.into(),
         body: "strip".into(),
-        jaws,
         stick: 1.0,
+        grip,
+        pieces: vec![last],
         ..ContactForce::default()
     };
-    let jaw = |jaw| JawForce {
-        jaw,
-        force: 0.01,
-        pressure: 1.0,
-    };
-    let grip = held.then(|| force("left", vec![jaw(Jaw::Left), jaw(Jaw::Right)]));
+    let grip = held.then(|| force("left", 0.01));
     host.send(&ContactForces {
         contacts: grip.into_iter().collect(),
-        between: vec![force("tray", Vec::new())],
+        between: vec![force("tray", 0.0)],
     });
     host.tick().expect("a good tick").last()
 }

@@ -6,20 +6,18 @@
 
 mod placement;
 
-pub use placement::{Place, distance, places};
+pub use placement::{Place, places};
 
 use microsim_sdk::message::{
-    Colour, LocalText, ObjectSet, Pose, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    Colour, LocalText, ObjectSet, Pose, ToolState, ToolStates, ToolStatus,
 };
-use microsim_sdk::{Course, CourseConfig, Fault, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_sdk::tissue::{colour, distance, mark_colour};
+use microsim_sdk::{
+    Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, axis, export_plugin, least_way,
+    turned_to,
+};
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
-
-const WAITING: Colour = [0.55, 0.58, 0.60];
-const CURRENT: Colour = [0.95, 0.50, 0.10];
-const COUNTING: Colour = [0.98, 0.85, 0.15];
-const WRONG: Colour = [0.85, 0.12, 0.12];
-const DONE: Colour = [0.20, 0.70, 0.25];
 
 /// Name of the needle that shows the direction.
 const NEEDLE: &str = "needle";
@@ -48,7 +46,7 @@ struct ObjectKeys {
 
 /// What evolves here besides the course.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct State {
+pub struct State {
     shown: bool,
     current: usize,
     dwell: Dwell,
@@ -65,54 +63,23 @@ struct State {
 }
 
 /// The module.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct TouchSpheres {
-    course: Option<Course>,
-    keys: Option<Keys>,
+    keys: Keys,
     tool: String,
     radius: f64,
     needle: f64,
     places: Vec<Place>,
-    state: Option<State>,
 }
+
+/// The plugin of this module.
+pub type Module = Training<TouchSpheres>;
 
 fn target(index: usize) -> String {
     format!("sphere-{}", index + 1)
 }
 
-/// The shortest rotation that turns +z into `direction`.
-fn orientation(direction: [f64; 3]) -> [f64; 4] {
-    let [x, y, z] = direction;
-    let q = [-y, x, 0.0, 1.0 + z];
-    let length = (q[0] * q[0] + q[1] * q[1] + q[3] * q[3]).sqrt();
-    q.map(|c| c / length)
-}
-
-/// Direction from tip to handle of a tool: its z axis in the field.
-fn axis(tool: &ToolState) -> [f64; 3] {
-    let [x, y, z, w] = tool.pose.orientation;
-    [
-        2.0 * (x * z + w * y),
-        2.0 * (y * z - w * x),
-        1.0 - 2.0 * (x * x + y * y),
-    ]
-}
-
 impl TouchSpheres {
-    fn fresh_state(keys: &Keys) -> Result<State, Fault> {
-        Ok(State {
-            shown: false,
-            current: 0,
-            dwell: Dwell::new(keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
-            colour: CURRENT,
-            wrong: 0.0,
-            touched: false,
-            losses: 0,
-            counted: (0, 0.0, 0.0),
-            start: None,
-        })
-    }
-
     /// Shows the spheres where they lie, and the first needle.
     fn show(&self, tick: &mut Tick<'_>) {
         for (index, place) in self.places.iter().enumerate() {
@@ -123,7 +90,10 @@ impl TouchSpheres {
                     position: place.centre,
                     ..Pose::default()
                 }),
-                colour: Some(if index == 0 { CURRENT } else { WAITING }),
+                colour: Some(match index {
+                    0 => colour::CURRENT,
+                    _ => colour::WAITING,
+                }),
             });
         }
         self.show_needle(tick, self.places.first());
@@ -135,7 +105,7 @@ impl TouchSpheres {
             let at = |i: usize| place.centre[i] + way * place.direction[i];
             Pose {
                 position: [at(0), at(1), at(2)],
-                orientation: orientation(place.direction),
+                orientation: turned_to(place.direction),
             }
         });
         tick.publish(&ObjectSet {
@@ -151,7 +121,6 @@ impl TouchSpheres {
         &self,
         state: &mut State,
         course: &mut Course,
-        keys: &Keys,
         tool: &ToolState,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
@@ -161,23 +130,23 @@ impl TouchSpheres {
         if tool.status != ToolStatus::Tracked {
             // Nothing is known of the tip: what it held is neither kept nor counted as lost.
             state.dwell.reset();
-            if state.colour != CURRENT {
-                state.colour = CURRENT;
-                self.colour(tick, state.current, CURRENT);
+            if state.colour != colour::CURRENT {
+                state.colour = colour::CURRENT;
+                mark_colour(tick, &target(state.current), colour::CURRENT);
             }
             return Ok(());
         }
         let tip = tool.pose.position;
         let start = *state.start.get_or_insert(tip);
         let away = distance(tip, place.centre);
-        let toward: f64 = axis(tool)
+        let toward: f64 = axis(tool.pose.orientation)
             .iter()
             .zip(place.direction)
             .map(|(a, d)| a * d)
             .sum();
         let angle = libm::acos(toward.clamp(-1.0, 1.0));
         let inside = away <= self.radius;
-        let counts = inside && angle <= keys.angle_tolerance;
+        let counts = inside && angle <= self.keys.angle_tolerance;
         if counts {
             let (n, angles, distances) = state.counted;
             state.counted = (n + 1, angles + angle, distances + away);
@@ -196,12 +165,12 @@ impl TouchSpheres {
                     },
                 )?;
                 course.set_shortest_path(self.shortest_path(start));
-                self.colour(tick, state.current, DONE);
+                mark_colour(tick, &target(state.current), colour::DONE);
                 state.current += 1;
                 state.dwell.reset();
-                (state.wrong, state.touched, state.colour) = (0.0, false, CURRENT);
+                (state.wrong, state.touched, state.colour) = (0.0, false, colour::CURRENT);
                 if state.current < self.places.len() {
-                    self.colour(tick, state.current, CURRENT);
+                    mark_colour(tick, &target(state.current), colour::CURRENT);
                 }
                 self.show_needle(tick, self.places.get(state.current));
                 return Ok(());
@@ -219,37 +188,22 @@ impl TouchSpheres {
             }
             DwellState::Holding(_) | DwellState::Idle => {}
         }
-        let colour = match (counts, inside) {
-            (true, _) => COUNTING,
-            (false, true) => WRONG,
-            (false, false) => CURRENT,
+        let shown = match (counts, inside) {
+            (true, _) => colour::HOLDING,
+            (false, true) => colour::TOO_FAR,
+            (false, false) => colour::CURRENT,
         };
-        if colour != state.colour {
-            state.colour = colour;
-            self.colour(tick, state.current, colour);
+        if shown != state.colour {
+            state.colour = shown;
+            mark_colour(tick, &target(state.current), shown);
         }
         Ok(())
     }
 
-    fn colour(&self, tick: &mut Tick<'_>, index: usize, colour: Colour) {
-        tick.publish(&ObjectSet {
-            name: target(index),
-            colour: Some(colour),
-            ..ObjectSet::default()
-        });
-    }
-
     /// A way that no run can undercut: straight from the start to the first surface, then from surface to surface.
     fn shortest_path(&self, start: [f64; 3]) -> f64 {
-        let first = self
-            .places
-            .first()
-            .map_or(0.0, |p| distance(start, p.centre) - self.radius);
-        let between = self
-            .places
-            .windows(2)
-            .map(|pair| distance(pair[0].centre, pair[1].centre) - 2.0 * self.radius);
-        first.max(0.0) + between.map(|way| way.max(0.0)).sum::<f64>()
+        let centres: Vec<[f64; 3]> = self.places.iter().map(|place| place.centre).collect();
+        least_way(start, &centres, self.radius)
     }
 }
 
@@ -263,13 +217,10 @@ fn reason(state: &State, keys: &Keys) -> Option<&'static str> {
     }
 }
 
-impl Plugin for TouchSpheres {
-    fn new() -> Self {
-        Self::default()
-    }
+impl Exercise for TouchSpheres {
+    type State = State;
 
-    fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        let config = CourseConfig::new(setup)?;
+    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
         let keys: Keys = serde_json::from_value(config.module.clone())?;
         let objects: Vec<ObjectKeys> = serde_json::from_value(setup.config["objects"].clone())?;
         let object = |name: &str| {
@@ -282,81 +233,62 @@ impl Plugin for TouchSpheres {
                 "the level's object \"sphere\" needs `count` and `radius`",
             ));
         };
-        self.needle = object(NEEDLE)?.length.unwrap_or_default();
-        self.radius = radius;
-        self.places = places(
-            setup.seed,
-            count as usize,
+        let count = count as usize;
+        let places = places(setup.seed, count, radius, keys.spread, keys.direction_max)?;
+        let tool = config.tools.first();
+        let tool = tool.ok_or_else(|| Fault::new("the level needs a tool"))?;
+        let exercise = Self {
+            needle: object(NEEDLE)?.length.unwrap_or_default(),
+            tool: tool.name.clone(),
+            keys,
             radius,
-            keys.spread,
-            keys.direction_max,
-        )?;
-        let tool = config
-            .tools
-            .first()
-            .ok_or_else(|| Fault::new("the level needs a tool"))?;
-        self.tool = tool.name.clone();
-        self.course = Some(Course::new(
-            &config,
-            (0..count as usize).map(target).collect(),
-        )?);
-        self.state = Some(Self::fresh_state(&keys)?);
-        self.keys = Some(keys);
-        Ok(())
-    }
-
-    fn reset(&mut self) -> Result<(), Fault> {
-        if let (Some(course), Some(keys)) = (&mut self.course, &self.keys) {
-            course.reset()?;
-            self.state = Some(Self::fresh_state(keys)?);
-        }
-        Ok(())
-    }
-
-    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
-        let (Some(mut course), Some(mut state), Some(keys)) =
-            (self.course.take(), self.state.take(), self.keys.clone())
-        else {
-            return Err(Fault::new("not initialised"));
+            places,
         };
-        course.hear(tick)?;
+        Ok((exercise, (0..count).map(target).collect()))
+    }
+
+    fn start(&self) -> Result<State, Fault> {
+        Ok(State {
+            shown: false,
+            current: 0,
+            dwell: Dwell::new(self.keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
+            colour: colour::CURRENT,
+            wrong: 0.0,
+            touched: false,
+            losses: 0,
+            counted: (0, 0.0, 0.0),
+            start: None,
+        })
+    }
+
+    fn judge(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         if !state.shown {
             state.shown = true;
             self.show(tick);
         }
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         if let (true, Some(tool)) = (course.running(), tools.iter().find(|t| t.tool == self.tool)) {
-            self.touch(&mut state, &mut course, &keys, tool, tick)?;
+            self.touch(state, course, tool, tick)?;
         }
         course.measure("losses", f64::from(state.losses));
         if let (n @ 1.., angles, distances) = state.counted {
             course.measure("angle-error", angles / n as f64);
             course.measure("centre-distance", distances / n as f64);
         }
+        Ok(())
+    }
+
+    fn reasons(&self, state: &State, course: &mut Course) {
         let unfinished = state.current < self.places.len();
-        course.conclude(tick, |course| {
-            if let (true, Some(reason)) = (unfinished, reason(&state, &keys)) {
-                course.speaks_against(reason);
-            }
-        })?;
-        self.course = Some(course);
-        self.state = Some(state);
-        Ok(())
-    }
-
-    fn save(&self) -> Vec<u8> {
-        let course = self.course.as_ref().map(Course::save).unwrap_or_default();
-        encode(&(serde_bytes::ByteBuf::from(course), &self.state))
-    }
-
-    fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
-        let (course, state): (serde_bytes::ByteBuf, Option<State>) = decode_bytes(state)?;
-        if let Some(own) = &mut self.course {
-            own.restore(&course)?;
+        if let (true, Some(reason)) = (unfinished, reason(state, &self.keys)) {
+            course.speaks_against(reason);
         }
-        self.state = state;
-        Ok(())
     }
 }
 
-export_plugin!(TouchSpheres, "../module.toml");
+export_plugin!(Module, "../module.toml");

@@ -1,5 +1,6 @@
 //! Where the spheres lie and from where each must be touched: by level and seed alone, never laid on a recording.
 
+use microsim_sdk::tissue::distance;
 use microsim_sdk::{Fault, RandomStream};
 
 /// Attempts to find room for one sphere before a level is called too crowded.
@@ -14,12 +15,6 @@ pub struct Place {
     pub centre: [f64; 3],
     /// Unit vector from the tip to the handle of a tool at the right angle, field frame.
     pub direction: [f64; 3],
-}
-
-/// Distance of two points \[m\].
-pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
 }
 
 /// Places `count` spheres of `radius` \[m\] with centres in the box ±`spread` \[m\], directions uniform in the cone of

@@ -1,7 +1,7 @@
 //! The contract of the module, in-process and without files: the platform's messages in, the verdict out. The host moves
 //! the module to a fresh instance in every tick, so whatever `save` leaves out would be lost.
 
-use microsim_module_touch_spheres::{Place, TouchSpheres, places};
+use microsim_module_touch_spheres::{Module, Place, places};
 use microsim_sdk::TestHost;
 use microsim_sdk::message::{
     LevelControl, ObjectSet, Pose, ToolState, ToolStates, ToolStatus, TrainingResult,
@@ -23,7 +23,7 @@ fn metric(id: &str, unit: &str) -> serde_json::Value {
     })
 }
 
-fn host() -> TestHost<TouchSpheres> {
+fn host() -> TestHost<Module> {
     let config = json!({
         "tools": [{ "name": "right", "model": "forceps" }],
         "models": {},
@@ -76,11 +76,7 @@ fn tool(tip: [f64; 3], direction: [f64; 3], angle: f64) -> ToolStates {
     }
 }
 
-fn run(
-    host: &mut TestHost<TouchSpheres>,
-    states: &ToolStates,
-    ticks: u64,
-) -> Option<TrainingResult> {
+fn run(host: &mut TestHost<Module>, states: &ToolStates, ticks: u64) -> Option<TrainingResult> {
     for _ in 0..ticks {
         host.send(states);
         if let Some(result) = host.tick().expect("a good tick").last() {
@@ -90,7 +86,7 @@ fn run(
     None
 }
 
-fn end(host: &mut TestHost<TouchSpheres>) -> TrainingResult {
+fn end(host: &mut TestHost<Module>) -> TrainingResult {
     host.send(&LevelControl::InputEnded);
     host.tick()
         .expect("a good tick")

@@ -155,6 +155,8 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
         indentation: contact.indentation_m,
         over_limit: contact.over_limit_s,
         stick: contact.stick_share,
+        grip: contact.grip_n,
+        pieces: contact.pieces.clone(),
         jaws: jaws.collect(),
     }
 }

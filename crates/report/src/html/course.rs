@@ -1,14 +1,19 @@
 //! What happened, in pictures and in a list.
 
-use super::text::{escape, say, spans};
+use super::text::{say, spans};
 use super::{Pictures, section};
-use crate::moment::key_moments;
+use crate::moment::{key_moments, line_kind, lines};
 use crate::number::shown;
-use crate::{Moment, MomentKind, Report};
+use crate::{MomentKind, Report};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Pictures on a page.
 const MOST_PICTURES: usize = 12;
+/// Where there are fewer, the longest times without one get a picture in between, up to this many …
+const FILLED_UP: usize = 8;
+/// … and no time shorter than this \[s\].
+const LONG: f64 = 1.0;
 /// Lines of the list; the JSON form has all moments.
 const MOST_MOMENTS: usize = 80;
 
@@ -25,17 +30,25 @@ pub(crate) fn kind_class(kind: MomentKind) -> &'static str {
 }
 
 impl Report {
-    /// The ticks of the key moments, of which a page shows pictures, ascending.
+    /// The ticks of which a page shows pictures, ascending: those of the key moments, and some between where nothing is said for long.
     pub fn key_ticks(&self) -> Vec<u64> {
         let chosen = key_moments(&self.moments, MOST_PICTURES);
-        let mut ticks: Vec<u64> = chosen.into_iter().map(|at| self.moments[at].tick).collect();
-        ticks.sort_unstable();
-        ticks.dedup();
-        ticks
+        let mut ticks: BTreeSet<u64> = chosen.into_iter().map(|(_, tick)| tick).collect();
+        while ticks.len() < FILLED_UP {
+            let next = ticks.iter().skip(1);
+            let gaps = ticks.iter().zip(next).map(|(a, b)| (b - a, *a));
+            match gaps.max() {
+                Some((gap, from)) if gap as f64 * self.session.tick_s >= LONG => {
+                    ticks.insert(from + gap / 2);
+                }
+                _ => break,
+            }
+        }
+        ticks.into_iter().collect()
     }
 }
 
-/// The key moments: one picture for those of the same tick.
+/// The key moments with their pictures.
 pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
     if report.moments.is_empty() {
         return;
@@ -56,22 +69,18 @@ pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
         Pictures::Drawn(drawn) => {
             out.push_str("<div class=\"gallery\">\n");
             let chosen = key_moments(&report.moments, MOST_PICTURES);
+            let numbered = lines(&report.moments);
             for (tick, png) in drawn {
-                let of_it = chosen
+                let of_it = |at: &usize| chosen.contains(&(*at, *tick));
+                let lines: Vec<String> = numbered
                     .iter()
-                    .filter(|at| report.moments[**at].tick == *tick);
-                let lines: Vec<String> = of_it
-                    .map(|at| {
-                        format!(
-                            "{} {}",
-                            number(*at, &report.moments[*at]),
-                            spans(&report.moments[*at].text)
-                        )
+                    .enumerate()
+                    .flat_map(|(k, line)| line.clone().filter(of_it).map(move |at| (k, at)))
+                    .map(|(k, at)| {
+                        let moment = &report.moments[at];
+                        format!("{} {}", number(k, moment.kind), spans(&moment.text))
                     })
                     .collect();
-                if lines.is_empty() {
-                    continue;
-                }
                 let _ = writeln!(
                     out,
                     "<figure><img alt=\"\" src=\"data:image/png;base64,{}\"><figcaption><time>{}</time>{}</figcaption></figure>",
@@ -93,21 +102,20 @@ pub fn course(out: &mut String, report: &Report) {
     }
     section(out, "Verlauf", "Course");
     out.push_str("<ol class=\"moments\">\n");
-    for (at, moment) in report.moments.iter().enumerate().take(MOST_MOMENTS) {
-        let _ = write!(
+    let lines = lines(&report.moments);
+    for (k, line) in lines.iter().enumerate().take(MOST_MOMENTS) {
+        let moments = &report.moments[line.clone()];
+        let texts: Vec<String> = moments.iter().map(|moment| spans(&moment.text)).collect();
+        let _ = writeln!(
             out,
-            "<li>{}<time>{}</time><span>{}",
-            number(at, moment),
-            spans(&shown(moment.session_time, "s")),
-            spans(&moment.text)
+            "<li>{}<time>{}</time><span>{}</span></li>",
+            number(k, line_kind(moments)),
+            spans(&shown(moments[0].session_time, "s")),
+            texts.join("<br>")
         );
-        if let Some(id) = &moment.event {
-            let _ = write!(out, " <code>{}</code>", escape(id));
-        }
-        out.push_str("</span></li>\n");
     }
     out.push_str("</ol>\n");
-    if let Some(more @ 1..) = report.moments.len().checked_sub(MOST_MOMENTS) {
+    if let Some(more @ 1..) = lines.len().checked_sub(MOST_MOMENTS) {
         let _ = writeln!(
             out,
             "<p class=\"note\">… {more} {}</p>",
@@ -117,13 +125,9 @@ pub fn course(out: &mut String, report: &Report) {
     out.push_str("</section>\n");
 }
 
-/// The number of a moment on its colour.
-fn number(at: usize, moment: &Moment) -> String {
-    format!(
-        "<b class=\"disc {}\">{}</b>",
-        kind_class(moment.kind),
-        at + 1
-    )
+/// The number of a line on the colour of a kind.
+fn number(line: usize, kind: MomentKind) -> String {
+    format!("<b class=\"disc {}\">{}</b>", kind_class(kind), line + 1)
 }
 
 /// Bytes as text (RFC 4648, section 4).
@@ -146,6 +150,24 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::base64;
+    use crate::Report;
+    use crate::testing::{input, log};
+    use microsim_message::{LevelPhase, LevelState};
+
+    /// Begin in tick 0 and end in tick 79 of 1/8 s, nothing between: halved where it is longest, the later one first.
+    #[test]
+    fn long_times_get_pictures_in_between() {
+        let running = LevelState {
+            phase: LevelPhase::Running,
+            ..LevelState::default()
+        };
+        let first = log(&[&running]);
+        let ticks = |end| Report::build(&input(), [(0, &first[..]), (end, &[][..])]).key_ticks();
+        assert_eq!(ticks(79), [0, 19, 29, 39, 49, 59, 69, 79]);
+        // Halves of 14 ticks are shorter than a second.
+        assert_eq!(ticks(14), [0, 7, 14]);
+        assert_eq!(ticks(7), [0, 7]);
+    }
 
     /// The test vectors of RFC 4648, section 10.
     #[test]

@@ -69,10 +69,10 @@ fn banners(out: &mut String, report: &Report) {
         let _ = writeln!(
             out,
             "<div class=\"banner made\" role=\"alert\"><b>{}</b> {} <code>{made}</code></div>",
-            say("Künstliche Übende.", "Synthetic trainee."),
+            say("Synthetischer Trainee.", "Synthetic trainee."),
             say(
                 "Ein Programm hat diese Bewegungen gemacht, kein Mensch. Sie prüfen die Software; über Menschen, und darüber, ob \
-                 die Grenzwerte gut gewählt sind, sagen künstliche Übende nichts.",
+                 die Grenzwerte gut gewählt sind, sagen synthetische Trainees nichts.",
                 "A program made these motions, not a person. They test the software; about people, and about whether the limits \
                  are well chosen, synthetic trainees say nothing.",
             )
@@ -181,7 +181,7 @@ fn verdict(out: &mut String, report: &Report) {
             "All targets reached, all applicable limits kept.",
         ),
         Verdict::Aborted => say(
-            "Der Lauf wurde von Hand beendet; er sagt nichts über die Übende oder den Übenden.",
+            "Der Lauf wurde von Hand beendet; er sagt nichts über den Trainee.",
             "The run was ended by hand; it says nothing about the trainee.",
         ),
         Verdict::Failed | Verdict::Incomplete => String::new(),
@@ -194,7 +194,7 @@ fn verdict(out: &mut String, report: &Report) {
         for (k, id) in report.failed.iter().enumerate() {
             // A reason without words is at least named.
             let words = report.reasons.get(k).map_or_else(|| escape(id), spans);
-            let _ = write!(out, "<li>{words} <code>{}</code></li>", escape(id));
+            let _ = write!(out, "<li>{words}</li>");
         }
         out.push_str("</ul>\n");
     }

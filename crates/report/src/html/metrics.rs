@@ -4,6 +4,7 @@ use super::text::{escape, say, spans};
 use crate::number::{against_limits, fixed};
 use crate::plot::gauge;
 use crate::{MetricEntry, Report};
+use microsim_message::LimitRecord;
 use std::fmt::Write;
 
 /// The metrics that the verdict rests on; nothing without a result.
@@ -128,13 +129,9 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, judged: bool) {
     let _ = write!(out, "<p class=\"advice\">{}</p>", spans(&record.advice));
     let _ = write!(
         out,
-        "<p class=\"small\">{}{}<br><code>{}</code> · {}",
-        direction(&record.direction),
-        limit_note(record.limit.as_ref().map(|limit| &limit.source[..])),
-        escape(&record.formula),
-        escape(&record.source)
+        "<p class=\"small\">{}</p></td>",
+        direction(&record.direction)
     );
-    out.push_str("</p></td>");
     match (&value, &record.not_applicable) {
         (Some(value), _) => {
             let _ = write!(out, "<td class=\"n value\">{}</td>", spans(value));
@@ -201,15 +198,53 @@ fn direction(direction: &str) -> String {
     }
 }
 
-fn limit_note(limit_source: Option<&str>) -> String {
-    match limit_source {
-        Some(source) if !source.is_empty() => {
-            format!(
-                " · {}: {}",
-                say("Grenzwert nach", "limit from"),
-                escape(source)
-            )
-        }
-        _ => String::new(),
+/// How each metric with a value or a limit is formed, and where its limit comes from.
+pub fn sources(out: &mut String, report: &Report) {
+    let all = report.metrics.iter().map(|metric| &metric.record);
+    let told: Vec<_> = all
+        .filter(|record| record.value.is_some() || record.limit.is_some())
+        .collect();
+    if told.is_empty() {
+        return;
     }
+    let _ = write!(
+        out,
+        "<section>\n<details>\n<summary><h2>{}</h2> <span class=\"note\">{}</span></summary>\n<table class=\"sources\">\n\
+         <thead><tr><th>{}</th><th>{}</th><th>{}</th></tr></thead>\n<tbody>\n",
+        say("Formeln und Quellen", "Formulas and sources"),
+        say(
+            "Wie gemessen wird und woher die Grenzwerte kommen; Angaben auf Englisch.",
+            "How things are measured and where the limits come from.",
+        ),
+        say("Messgröße", "Metric"),
+        say("Formel", "Formula"),
+        say("Grenzwert", "Limit"),
+    );
+    for record in told {
+        let _ = writeln!(
+            out,
+            "<tr><td>{}</td><td><code>{}</code><br>{}</td><td>{}</td></tr>",
+            spans(&record.title),
+            escape(&record.formula),
+            escape(&record.source),
+            record.limit.as_ref().map_or("–".into(), limit_source),
+        );
+    }
+    out.push_str("</tbody>\n</table>\n</details>\n</section>\n");
+}
+
+/// Where a limit comes from. What its badge says already is not said again.
+fn limit_source(limit: &LimitRecord) -> String {
+    let (badge, source) = match limit.source.strip_prefix("provisional:") {
+        Some(source) if limit.provisional => (true, source.trim_start()),
+        _ => (limit.provisional, &limit.source[..]),
+    };
+    let badge = match badge {
+        true => format!(
+            "<span class=\"provisional\">{}</span> ",
+            say("vorläufig", "provisional")
+        ),
+        false => String::new(),
+    };
+    badge + &escape(source)
 }

@@ -81,6 +81,7 @@ impl Report {
         course::course(&mut out, self);
         plots(&mut out, self);
         metrics::further(&mut out, self);
+        metrics::sources(&mut out, self);
         record::input(&mut out, self);
         record::incidents(&mut out, self);
         record::provenance(&mut out, self);
@@ -136,8 +137,8 @@ fn plots(out: &mut String, report: &Report) {
                 "From above, as through the microscope"
             ),
             say(
-                "Von der Seite, z zum Betrachter hin",
-                "From the side, z towards the viewer"
+                "Von der Seite; oben ist zum Mikroskop hin",
+                "From the side; up is towards the microscope"
             ),
         );
     }
@@ -150,8 +151,8 @@ fn plots(out: &mut String, report: &Report) {
             say("Mittel je Takt", "mean of a tick"),
             say("größter Wert im Takt", "largest within a tick"),
             say(
-                "Griff: Kraft der Backe, die weniger drückt",
-                "grip: force of the jaw that presses less"
+                "Griff: Kraft, mit der beide Backen gegeneinander drücken",
+                "grip: force with which both jaws press against each other"
             ),
         );
         marks_key(out, report);

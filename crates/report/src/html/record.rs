@@ -145,7 +145,7 @@ pub fn incidents(out: &mut String, report: &Report) {
                 out,
                 "<li><time>{}</time> <b>{}</b>: {} ({} {})</li>",
                 spans(&shown(recovery.session_time, "s")),
-                escape(&recovery.body),
+                spans(&report.session.body_name(&recovery.body)),
                 escape(&recovery.cause),
                 recovery.substeps,
                 say("Teilschritte", "sub-steps")

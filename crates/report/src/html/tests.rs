@@ -240,6 +240,35 @@ fn the_page_opens_in_the_language_asked_for() {
     );
 }
 
+/// A source that begins with what its badge says is shown without it; one whose limit is not provisional as it is. Bodies have
+/// names for people, told apart where there are several.
+#[test]
+fn names_and_sources_are_for_people() {
+    let mut result = failed_result(&["depth"]);
+    for (metric, provisional) in result.metrics.iter_mut().zip([true, false]) {
+        let limit = metric.limit.as_mut().expect("a limit");
+        limit.source = "provisional: by judgement".into();
+        limit.provisional = provisional;
+    }
+    let forces = ContactForces {
+        contacts: vec![contact("right", "strip-1", [1.0, 0.0, 0.0])],
+        ..ContactForces::default()
+    };
+    let log = log(&[&forces, &result]);
+    let page_of = |bodies: &[&str]| {
+        let session = ReportInput {
+            bodies: bodies.iter().map(|b| (*b).to_owned()).collect(),
+            ..input()
+        };
+        Report::build(&session, [(0, &log[..])]).to_html(&page())
+    };
+    let html = page_of(&["strip-1"]);
+    assert_eq!(html.matches("by judgement</td>").count(), 2);
+    assert_eq!(html.matches("provisional: by judgement").count(), 1);
+    assert!(html.contains("right → tissue") && !html.contains("strip-1"));
+    assert!(page_of(&["strip-1", "strip-2"]).contains("right → tissue “strip-1”"));
+}
+
 /// Without pictures the page says why; a synthetic trainee is called one before anything else.
 #[test]
 fn what_is_missing_or_made_is_said() {

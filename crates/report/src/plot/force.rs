@@ -28,13 +28,17 @@ pub fn force_plot(report: &Report) -> String {
     open(&mut out, WIDTH, height, &title);
     for (k, series) in forces.iter().enumerate() {
         let top = ABOVE + k as f64 * (STRIP + BETWEEN);
+        // Blades that close do not grip.
+        let sharp = report.session.sharp.contains(&series.tool);
+        let grip = (!sharp && series.grip.iter().any(|grip| *grip > 0.0)).then_some(&series.grip);
         strip(
             &mut out,
             &x,
             top,
-            series,
+            (series, grip),
             &colour_class(place(&series.tool).unwrap_or(report.series.len())),
             &report.session.tool_name(&series.tool),
+            &report.session.body_name(&series.body),
         );
     }
     let bottom = ABOVE + forces.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
@@ -48,12 +52,14 @@ fn strip(
     out: &mut String,
     x: &Axis,
     top: f64,
-    series: &ForceSeries,
+    (series, grip): (&ForceSeries, Option<&Vec<f64>>),
     colour: &str,
     tool: &LocalText,
+    body: &LocalText,
 ) {
     let bottom = top + STRIP;
-    let all = series.peak.iter().chain(&series.force).chain(&series.grip);
+    let all = series.peak.iter().chain(&series.force);
+    let all = all.chain(grip.into_iter().flatten());
     let largest = range(all.copied()).map_or(0.0, |(_, largest)| largest);
     // Millinewtons up to a newton.
     let (factor, unit) = if largest < 1.0 {
@@ -63,9 +69,8 @@ fn strip(
     };
     let y = Axis::new(from_zero(largest * factor), (bottom, top));
     grid(out, x, &y, (70.0, 26.0));
-    let grips = series.grip.iter().any(|grip| *grip > 0.0);
-    let grip = grips.then_some(("grip", &series.grip));
     let lines = [("peak", &series.peak), ("curve", &series.force)];
+    let grip = grip.map(|grip| ("grip", grip));
     for (class, values) in lines.into_iter().chain(grip) {
         let drawn = thin::extremes(values, MAX_POINTS).into_iter().map(|i| {
             (
@@ -88,8 +93,8 @@ fn strip(
         &in_both(unit, unit),
     );
     let name = in_both(
-        &format!("{} → {}", tool.de, series.body),
-        &format!("{} → {}", tool.en, series.body),
+        &format!("{} → {}", tool.de, body.de),
+        &format!("{} → {}", tool.en, body.en),
     );
     let class = format!("name {colour}");
     svg_text(out, (LEFT, top - 8.0), &class, "start", &name);

@@ -14,6 +14,7 @@ pub use speed::speed_plot;
 
 use crate::Moment;
 use crate::html::{escape, in_both, kind_class};
+use crate::moment::{line_kind, lines};
 use crate::number::{Ticks, fixed, ticks};
 use microsim_message::LocalText;
 use std::fmt::Write;
@@ -156,13 +157,14 @@ const NUMBER_WIDTH: f64 = 17.0;
 /// Of the discs of numbers above the topmost strip, whose name stands between the two.
 const NUMBERS_ABOVE: f64 = 32.0;
 
-/// A line from top to bottom at each moment, and its number, from 1, above it where there is room.
+/// A line from top to bottom at the moments of each line of the list, and its number, from 1, above it where there is room.
 fn moment_marks(out: &mut String, x: &Axis, (top, bottom): (f64, f64), moments: &[Moment]) {
     let middle = top - NUMBERS_ABOVE;
     let mut free_from = f64::NEG_INFINITY;
-    for (k, moment) in moments.iter().enumerate() {
-        let at = x.at(moment.session_time);
-        let class = kind_class(moment.kind);
+    for (k, line) in lines(moments).into_iter().enumerate() {
+        let line = &moments[line];
+        let at = x.at(line[0].session_time);
+        let class = kind_class(line_kind(line));
         let _ = write!(
             out,
             "<path class=\"moment {class}\" d=\"M{at:.1} {middle:.1}V{bottom:.1}\"/>"

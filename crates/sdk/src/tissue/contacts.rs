@@ -2,21 +2,27 @@
 
 use super::length;
 use crate::{Fault, Tick};
-use microsim_message::{ContactForce, ContactForces};
+use microsim_message::{ContactForce, ContactForces, GRIP_MIN};
 use serde::{Deserialize, Serialize};
 
 /// Time without a grip after which tissue has been dropped \[s\]. A grip that trembles for a tick has not let go.
 const DROPPED: f64 = 0.1;
+
+/// Share of the normal force that has to act where nothing slides, for tissue to move with the jaws. Tissue that is held at rest
+/// under tension may be at the limit of its friction over more than half of the grip, and what sticks holds it nevertheless.
+const HELD_STICK: f64 = 0.25;
 
 /// The contacts of a body, tick by tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contacts {
     /// Whether anything of a tool has touched it so far.
     pub touched: bool,
-    /// Whether each of the tools that hold had it in the last tick.
-    pub held: Vec<bool>,
-    /// Rigid things and bodies that it touched in the last tick.
-    pub on: Vec<String>,
+    /// Whether a tool that holds has had it so far.
+    pub gripped: bool,
+    /// The pieces of it that each of the tools that hold had in the last tick; none where it held nothing.
+    pub held: Vec<Vec<u32>>,
+    /// Rigid things and bodies that it touched in the last tick, each with the pieces of it that did.
+    pub on: Vec<(String, Vec<u32>)>,
     /// Largest force of a tool on it, mean over a tick \[N\].
     pub peak_force: f64,
     /// Largest force with which the jaws of a tool that holds squeezed it, mean over a tick \[N\].
@@ -44,10 +50,16 @@ impl Contacts {
             .filter(of_it)
             .collect();
         self.touched |= !contacts.is_empty();
-        let held = |tool: &String| contacts.iter().any(|c| c.tool == *tool && holds(c));
+        let held = |tool: &String| {
+            let held = contacts.iter().filter(|c| c.tool == *tool && holds(c));
+            held.flat_map(|c| c.pieces.iter().copied()).collect()
+        };
         self.held = holders.iter().map(held).collect();
+        self.gripped |= self.held_by_any();
         let between = forces.iter().flat_map(|f| &f.between).filter(of_it);
-        self.on = between.map(|contact| contact.tool.clone()).collect();
+        self.on = between
+            .map(|contact| (contact.tool.clone(), contact.pieces.clone()))
+            .collect();
         let excess = contacts.iter().map(|c| c.over_limit).fold(0.0, f64::max);
         self.too_hard = excess > 0.0;
         if counts {
@@ -55,7 +67,7 @@ impl Contacts {
             for contact in contacts {
                 self.peak_force = self.peak_force.max(length(contact.force));
                 if holders.contains(&contact.tool) {
-                    self.peak_grip = self.peak_grip.max(grip(contact));
+                    self.peak_grip = self.peak_grip.max(contact.grip);
                 }
             }
         }
@@ -64,31 +76,30 @@ impl Contacts {
 
     /// Whether every tool that holds has it.
     pub fn held_by_all(&self) -> bool {
-        !self.held.is_empty() && self.held.iter().all(|held| *held)
+        !self.held.is_empty() && self.held.iter().all(|pieces| !pieces.is_empty())
     }
 
     /// Whether some tool has it.
     pub fn held_by_any(&self) -> bool {
-        self.held.contains(&true)
+        self.held.iter().any(|pieces| !pieces.is_empty())
     }
 
-    /// Whether it touches a rigid thing or body.
-    pub fn is_on(&self, name: &str) -> bool {
-        self.on.iter().any(|other| other == name)
+    /// Whether some tool has a piece of it.
+    pub fn holds(&self, piece: u32) -> bool {
+        self.held.iter().any(|pieces| pieces.contains(&piece))
     }
-}
 
-/// The force with which the jaws of a tool squeeze tissue \[N\]: that of the one that presses less, 0 where only one touches.
-fn grip(contact: &ContactForce) -> f64 {
-    match contact.jaws.as_slice() {
-        [first, second] => first.force.min(second.force),
-        _ => 0.0,
+    /// Whether a piece of it touches a rigid thing or body.
+    pub fn is_on(&self, name: &str, piece: u32) -> bool {
+        let mut on = self.on.iter();
+        on.any(|(other, pieces)| other == name && pieces.contains(&piece))
     }
 }
 
-/// Whether jaws hold tissue: both press, and it does not slide along all of them. What only lies on jaws that slide is not held.
+/// Whether jaws hold tissue: they grip it, and it moves with them. Tissue that lies on jaws is not gripped, and what slides along
+/// them is not held.
 fn holds(contact: &ContactForce) -> bool {
-    grip(contact) > 0.0 && contact.stick > 0.0
+    contact.grip >= GRIP_MIN && contact.stick >= HELD_STICK
 }
 
 /// Counts how often tissue was lost.

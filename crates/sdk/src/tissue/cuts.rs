@@ -2,36 +2,70 @@
 //! elsewhere. Everything is measured in the tissue at rest, so that stretching it does not make a cut better.
 
 use super::{dot, length};
+use crate::{Fault, axis};
 use microsim_message::TissueCut;
+use microsim_settings::Object;
 use serde::{Deserialize, Serialize};
 
-/// A line on tissue along which it is to be cut.
+/// A line on tissue along which it is to be cut, straight down: tissue that lies flat has its normal along z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkLine {
     /// Its middle, at rest \[m\].
     pub middle: [f64; 3],
     /// Its direction, of length 1.
     pub along: [f64; 3],
+    /// Normal of the plane that it spans with the normal of the tissue, of length 1.
+    pub across: [f64; 3],
 }
 
-/// What was cut at a mark: the area \[m²\], and times the distance \[m³\] and the sine of the angle \[m²\].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Account {
+impl MarkLine {
+    /// The line along the z axis of a mark. A fault where it stands upright on the tissue.
+    pub fn new(mark: &Object) -> Result<Self, Fault> {
+        let along = axis(mark.orientation);
+        let across = [along[1], -along[0], 0.0];
+        let size = length(across);
+        if size <= f64::EPSILON {
+            return Err(Fault::new(format!(
+                "[[object]] \"{}\": its `orientation` lets the mark stand upright on the tissue; it has to lie on it",
+                mark.name
+            )));
+        }
+        Ok(Self {
+            middle: mark.position,
+            along,
+            across: across.map(|c| c / size),
+        })
+    }
+
+    /// How far a place is from the line [m].
+    fn away(&self, place: [f64; 3]) -> f64 {
+        let offset = [0, 1, 2].map(|k| place[k] - self.middle[k]);
+        let along = dot(offset, self.along);
+        length([0, 1, 2].map(|k| offset[k] - along * self.along[k]))
+    }
+}
+
+/// What was cut in a tick, as seen from a mark.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Cut {
+    /// [m²]
     area: f64,
-    distance: f64,
+    /// Signed distance of its plane from the mark's middle [m].
+    offset: f64,
+    /// Distance of its centroid from the plane that the mark asks for [m].
+    beside: f64,
+    /// Sine of the angle between its plane and the one that the mark asks for.
     sine: f64,
 }
 
 /// All cuts of a body so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CutLog {
-    marks: Vec<Account>,
-    /// Area that tools opened away from all marks \[m²\].
-    pub stray: f64,
-    /// Area that tore by itself \[m²\].
-    pub torn: f64,
-    /// Area that tools opened while the tissue was held \[m²\].
-    pub steadied: f64,
+    marks: Vec<Vec<Cut>>,
+    /// Areas that tools opened: at no mark, and while the tissue was held \[m²\].
+    elsewhere: f64,
+    steadied: f64,
+    torn: f64,
 }
 
 /// Where a cut belongs.
@@ -52,6 +86,23 @@ pub enum Booking {
     Nothing,
 }
 
+/// What is known of all cuts together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutFindings {
+    /// Largest over the marks: the distance of a mark's middle from the planes of its cut, mean over their area \[m\]. `None` if
+    /// nothing was cut at any.
+    pub distance: Option<f64>,
+    /// Largest over the marks: the angle between the planes of its cut and the one that the mark's line spans with the tissue's
+    /// normal, of the mean sine over their area \[rad\]. `None` if nothing was cut at any.
+    pub angle: Option<f64>,
+    /// Area that tools opened outside of the cuts of all marks \[m²\].
+    pub stray: f64,
+    /// Area that tore by itself \[m²\].
+    pub torn: f64,
+    /// Share of the area opened by tools that was opened while the tissue was held. `None` if nothing was cut.
+    pub steadied: Option<f64>,
+}
+
 impl CutLog {
     /// Books a cut to the nearest of the marks, if it is within `reach` \[m\]. `steadied` tells whether the tissue was held.
     pub fn book(
@@ -61,7 +112,7 @@ impl CutLog {
         reach: f64,
         steadied: bool,
     ) -> Booking {
-        self.marks.resize(marks.len(), Account::default());
+        self.marks.resize(marks.len(), Vec::new());
         if cut.area <= 0.0 {
             return Booking::Nothing;
         }
@@ -70,49 +121,176 @@ impl CutLog {
             return Booking::Tear;
         }
         self.steadied += if steadied { cut.area } else { 0.0 };
-        let offset = |mark: &MarkLine| [0, 1, 2].map(|k| cut.rest_centroid[k] - mark.middle[k]);
-        let away = |mark: &MarkLine| {
-            let offset = offset(mark);
-            let along = dot(offset, mark.along);
-            length([0, 1, 2].map(|k| offset[k] - along * mark.along[k]))
-        };
+        let away = |mark: &MarkLine| mark.away(cut.rest_centroid);
         let all = marks.iter().enumerate();
         let nearest = all.min_by(|(_, a), (_, b)| away(a).total_cmp(&away(b)));
         let Some((index, mark)) = nearest.filter(|(_, mark)| away(mark) <= reach) else {
-            self.stray += cut.area;
+            self.elsewhere += cut.area;
             return Booking::Stray;
         };
-        let account = &mut self.marks[index];
-        let first = account.area == 0.0;
-        account.area += cut.area;
-        account.distance += cut.area * dot(offset(mark), cut.rest_normal).abs();
-        account.sine += cut.area * dot(mark.along, cut.rest_normal).abs();
+        let cosine = dot(cut.rest_normal, mark.across);
+        let normal = cut.rest_normal.map(|c| if cosine < 0.0 { -c } else { c });
+        let offset = [0, 1, 2].map(|k| cut.rest_centroid[k] - mark.middle[k]);
+        let first = self.marks[index].is_empty();
+        self.marks[index].push(Cut {
+            area: cut.area,
+            offset: dot(offset, normal),
+            beside: dot(offset, mark.across).abs(),
+            sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
+        });
         Booking::Mark { index, first }
     }
 
-    /// Largest over the marks: the distance of a mark's middle from the planes of the cuts booked to it, mean over their area
-    /// \[m\]. `None` if there are none.
-    pub fn distance(&self) -> Option<f64> {
-        self.largest(|account| account.distance)
+    /// What is known so far. The cut of a mark is where most of it was cut: planes farther than `width` \[m\] from its median by
+    /// area, and from the mark as well, are stray, so that a good cut does not make up for a wound beside it. A small bite near the
+    /// mark belongs to it even where its own plane, which is uncertain, points past it.
+    pub fn findings(&self, width: f64) -> CutFindings {
+        let (mut distance, mut sine) = (None, None);
+        let (mut at_marks, mut stray) = (0.0, self.elsewhere);
+        let worse = |one: Option<f64>, other: f64| Some(one.map_or(other, |one| one.max(other)));
+        for cuts in self.marks.iter().filter(|cuts| !cuts.is_empty()) {
+            let all: f64 = cuts.iter().map(|cut| cut.area).sum();
+            let middle = median(cuts, all);
+            let is_near = |cut: &&Cut| {
+                let away = (cut.offset - middle).abs().min(cut.offset.abs());
+                away.min(cut.beside) <= width
+            };
+            let (own, far): (Vec<&Cut>, Vec<&Cut>) = cuts.iter().partition(is_near);
+            let area: f64 = own.iter().map(|cut| cut.area).sum();
+            let mean = |of: fn(&Cut) -> f64| {
+                let sum: f64 = own.iter().map(|cut| cut.area * of(cut)).sum();
+                sum / area
+            };
+            distance = worse(distance, mean(|cut| cut.offset.abs()));
+            sine = worse(sine, mean(|cut| cut.sine));
+            at_marks += all;
+            stray += far.iter().map(|cut| cut.area).sum::<f64>();
+        }
+        let opened = at_marks + self.elsewhere;
+        CutFindings {
+            distance,
+            angle: sine.map(|sine| libm::asin(sine.min(1.0))),
+            stray,
+            torn: self.torn,
+            steadied: (opened > 0.0).then(|| self.steadied / opened),
+        }
+    }
+}
+
+/// The offset on both sides of which half of the area lies; `all` is the whole of it.
+fn median(cuts: &[Cut], all: f64) -> f64 {
+    let mut sorted: Vec<&Cut> = cuts.iter().collect();
+    sorted.sort_by(|a, b| a.offset.total_cmp(&b.offset));
+    let mut sum = 0.0;
+    let middle = sorted.iter().find(|cut| {
+        sum += cut.area;
+        sum >= 0.5 * all
+    });
+    middle.map_or(0.0, |cut| cut.offset)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mark along y through the origin.
+    fn mark() -> MarkLine {
+        MarkLine {
+            middle: [0.0; 3],
+            along: [0.0, 1.0, 0.0],
+            across: [1.0, 0.0, 0.0],
+        }
     }
 
-    /// Largest over the marks: the angle between a mark's line and the planes of the cuts booked to it, of the mean sine over
-    /// their area \[rad\]. `None` if there are none.
-    pub fn angle(&self) -> Option<f64> {
-        self.largest(|account| account.sine)
-            .map(|sine| libm::asin(sine.min(1.0)))
+    fn cut(x: f64, area: f64, rest_normal: [f64; 3]) -> TissueCut {
+        TissueCut {
+            tool: "right".into(),
+            area,
+            rest_centroid: [x, 0.0, 0.0],
+            rest_normal,
+            ..TissueCut::default()
+        }
     }
 
-    /// Share of the area opened by tools that was opened while the tissue was held. `None` if nothing was cut.
-    pub fn steadied_share(&self) -> Option<f64> {
-        let at_marks: f64 = self.marks.iter().map(|account| account.area).sum();
-        let all = at_marks + self.stray;
-        (all > 0.0).then(|| self.steadied / all)
+    fn findings(cuts: &[TissueCut]) -> CutFindings {
+        let mut log = CutLog::default();
+        for cut in cuts {
+            log.book(cut, &[mark()], 1.2e-3, false);
+        }
+        log.findings(0.4e-3)
     }
 
-    fn largest(&self, moment: impl Fn(&Account) -> f64) -> Option<f64> {
-        let cut = self.marks.iter().filter(|account| account.area > 0.0);
-        cut.map(|account| moment(account) / account.area)
-            .max_by(f64::total_cmp)
+    /// A cut of 1.2 mm² at the mark and a snip of 0.3 mm² 1 mm beside it, whichever comes first, and on either side: the mean of both
+    /// would be 0.2 mm.
+    #[test]
+    fn a_good_cut_does_not_make_up_for_a_wound_beside_it() {
+        for side in [1.0, -1.0] {
+            // A blade may come from either side: the normal's sign means nothing.
+            let snip = cut(side * 1e-3, 0.3e-6, [-1.0, 0.0, 0.0]);
+            let good = cut(0.0, 1.2e-6, [1.0, 0.0, 0.0]);
+            for cuts in [[&snip, &good], [&good, &snip]] {
+                let found = findings(&cuts.map(Clone::clone));
+                assert_eq!(found.distance, Some(0.0));
+                assert!((found.stray - 0.3e-6).abs() < 1e-18, "{}", found.stray);
+            }
+        }
+    }
+
+    /// Two bites from both edges, 0.6 mm apart and each 0.3 mm from the mark: neither is far from it.
+    #[test]
+    fn bites_on_both_sides_of_the_mark_are_its_cut() {
+        let bites = [0.3e-3, -0.3e-3].map(|x| cut(x, 0.6e-6, [1.0, 0.0, 0.0]));
+        let found = findings(&bites);
+        let distance = found.distance.expect("a cut");
+        assert!((distance - 0.3e-3).abs() < 1e-15, "{distance}");
+        assert_eq!(found.stray, 0.0);
+    }
+
+    /// A bite at the edge of the mark, 0.9 mm along it, whose plane is askew by asin(0.6) and so passes the middle at 0.54 mm.
+    #[test]
+    fn a_small_bite_at_the_mark_is_not_stray_for_its_uncertain_plane() {
+        let mut bite = cut(0.0, 0.1e-6, [0.8, 0.6, 0.0]);
+        bite.rest_centroid[1] = 0.9e-3;
+        let found = findings(&[cut(0.0, 1.1e-6, [1.0, 0.0, 0.0]), bite]);
+        assert_eq!(found.stray, 0.0);
+        let distance = found.distance.expect("a cut");
+        assert!((distance - 0.54e-3 / 12.0).abs() < 1e-15, "{distance}");
+    }
+
+    /// All of it 0.7 mm beside: it is the cut of this mark, only at the wrong place.
+    #[test]
+    fn a_whole_cut_beside_the_mark_is_far_and_not_stray() {
+        let cuts = [0.69e-3, 0.7e-3, 0.71e-3].map(|x| cut(x, 0.4e-6, [1.0, 0.0, 0.0]));
+        let found = findings(&cuts);
+        let distance = found.distance.expect("a cut");
+        assert!((distance - 0.7e-3).abs() < 1e-15, "{distance}");
+        assert_eq!(found.stray, 0.0);
+    }
+
+    /// Planes through the mark's middle, turned by asin(0.6) about the tissue's normal, and about the mark's own line (a bevel).
+    #[test]
+    fn an_oblique_cut_and_a_bevel_count_alike() {
+        for normal in [[0.8, 0.6, 0.0], [0.8, 0.0, 0.6], [-0.8, 0.0, 0.6]] {
+            let found = findings(&[cut(0.0, 1e-6, normal)]);
+            let angle = found.angle.expect("a cut");
+            assert!((angle - libm::asin(0.6)).abs() < 1e-12, "{angle}");
+            assert_eq!(found.distance, Some(0.0));
+        }
+    }
+
+    #[test]
+    fn a_mark_that_stands_upright_is_refused_by_its_key() {
+        let object = |orientation: [f64; 4]| {
+            let object = serde_json::json!({
+                "name": "mark-1", "shape": "capsule", "radius": 1e-4, "length": 1e-3, "position": [0.0, 0.0, 0.0],
+                "orientation": orientation, "colour": "#888888", "finish": "matte", "active": true,
+            });
+            serde_json::from_value(object).expect("an object")
+        };
+        let fault = MarkLine::new(&object([0.0, 0.0, 0.0, 1.0])).expect_err("upright");
+        assert!(fault.to_string().contains("`orientation`"), "{fault}");
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let line = MarkLine::new(&object([-half, 0.0, 0.0, half])).expect("it lies");
+        assert!((line.across[0].abs() - 1.0).abs() < 1e-12, "{line:?}");
     }
 }

@@ -17,12 +17,18 @@
 //!
 //! Where contacts are few all of this is done among them alone first (`reduced`), and conjugate gradients only see to what is left.
 //!
+//! Where a factor costs no more than a few solutions (bodies of a few hundred nodes) each inner iteration has its own, with all contacts as they
+//! are then. They are a hundred times stiffer while the direction is sought; after it the multipliers are set such that the softer ones of
+//! the potential have the same forces along it. So all forces are in balance at its end, which a light free piece in a firm grip needs: a thousandth
+//! of the grip is many times its weight.
+//!
 //! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a softer ρ
 //! and more updates.
 
 mod reduced;
 mod row;
 
+use super::LINEAR;
 use crate::contact::Contact;
 use crate::system::System;
 use microsim_sparse::NotPositive;
@@ -35,9 +41,14 @@ use row::Row;
 /// takes twice the rounds of solutions.
 const STIFF: f64 = 10.0;
 const SOFT: f64 = 8.0;
+/// How much stiffer contacts are where each change of them has a factor of its own: multipliers are right after an update or two then. The
+/// potential keeps the softer ones, which let a way turn.
+const SHARP: f64 = 100.0;
 /// Most inner iterations with the same multipliers, and most updates of those.
 const INNER: u32 = 12;
 const UPDATES: u32 = 12;
+/// Most updates where a direction of its own factors need not have the last digits of friction.
+const UPDATES_QUICK: u32 = 2;
 /// Most steps of the search along an inner direction: each halves what is unknown.
 const HALVES: u32 = 30;
 /// Sweeps over the contacts in which single nodes are put on surfaces that have moved, to begin with.
@@ -47,6 +58,8 @@ const SWEEPS: u32 = 4;
 #[derive(Clone, Debug)]
 pub(super) struct Gaps {
     pub contacts: Vec<Contact>,
+    /// Whether contacts keep bounds, multipliers and the law they have when they are set for new positions.
+    pub keeps_laws: bool,
     rows: Vec<Row>,
     /// The contacts that were found before in this step, as they were told.
     told: Vec<Contact>,
@@ -67,6 +80,7 @@ impl Gaps {
         let zeros = vec![Vector3::zeros(); nodes];
         Self {
             contacts: Vec::new(),
+            keeps_laws: false,
             rows: Vec::new(),
             told: Vec::new(),
             edge,
@@ -100,6 +114,15 @@ impl Gaps {
         stiffness: impl Fn(usize) -> f64,
     ) {
         self.base.copy_from_slice(positions);
+        if self.keeps_laws && self.rows.len() == self.contacts.len() {
+            for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
+                let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
+                row.gap = contact.gap(positions);
+                row.slide = slide - contact.normal * contact.normal.dot(&slide);
+                row.keeps_bound = true;
+            }
+            return;
+        }
         self.rows.clear();
         // Both lists have the same order, but for what came and went.
         let mut next = 0;
@@ -129,16 +152,21 @@ impl Gaps {
             let joint = compliances[0] > 0.0 && compliances[1] > 0.0;
             let share = if joint { SOFT } else { STIFF };
             let compliance = compliances[0] + compliances[1];
+            let stiffness = if compliance > 0.0 {
+                share / compliance
+            } else {
+                0.0
+            };
+            let across = traction - contact.normal * contact.normal.dot(&traction);
             self.rows.push(Row {
-                stiffness: if compliance > 0.0 {
-                    share / compliance
-                } else {
-                    0.0
-                },
+                told: (contact.pressure, across),
+                stiffness,
+                soft: stiffness,
                 joint,
                 multiplier: contact.pressure,
-                traction: traction - contact.normal * contact.normal.dot(&traction),
+                traction: across,
                 bound: contact.friction * contact.pressure,
+                keeps_bound: false,
                 floor: match statics {
                     true => contact.floor,
                     false => contact.floor.min(contact.start_gap),
@@ -211,8 +239,10 @@ impl Gaps {
 
     /// Adds the contacts that are closed when the nodes go `direction` to the matrix.
     pub fn stiffen(&mut self, direction: &[Vector3<f64>], system: &mut System) {
+        let sharp = if self.is_direct(system) { SHARP } else { 1.0 };
         for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
             row.factored = None;
+            row.stiffness = sharp * row.soft;
             if row.stiffness == 0.0 || row.joint {
                 continue;
             }
@@ -221,6 +251,11 @@ impl Gaps {
                 row.factored = Some(curvature);
             }
         }
+    }
+
+    /// Whether each change of contacts has a factor of its own.
+    fn is_direct(&self, system: &System) -> bool {
+        system.is_direct() && !self.rows.iter().any(|row| row.joint)
     }
 
     /// Sets `direction`, which holds the ways of the prescribed nodes and a guess for the others, to that of the iteration, for the forces `others` [N] that no contact
@@ -245,7 +280,11 @@ impl Gaps {
             0.0 => size(&self.others, fixed),
             scale => scale,
         };
-        let most = self.settle(fixed, system, [tolerance, rough, slack], scale, direction)?;
+        let direct = self.is_direct(system);
+        let most = match direct {
+            true => None,
+            false => self.settle(fixed, system, [tolerance, rough, slack], scale, direction)?,
+        };
         let mut first = most.is_none();
         let Self {
             contacts,
@@ -257,7 +296,12 @@ impl Gaps {
             ..
         } = self;
         let mut enough = 0.0;
-        for _ in 0..UPDATES {
+        let updates = if direct && rough > 0.0 {
+            UPDATES_QUICK
+        } else {
+            UPDATES
+        };
+        for update in 0..updates {
             for _ in 0..INNER {
                 // What is left of all forces, and the curvature of contacts, at the direction so far.
                 inner.copy_from_slice(left);
@@ -267,7 +311,8 @@ impl Gaps {
                 // What is left at the start may be little against all forces, and still all that a small load is to move.
                 enough = rough.max(tolerance) / tolerance * allowed;
                 enough = enough.min(most.unwrap_or(f64::INFINITY));
-                if missing <= enough && (!first || missing == 0.0) {
+                let goal = if direct { LINEAR * allowed } else { enough };
+                if missing <= goal && (!first || missing == 0.0) {
                     break;
                 }
                 let share = 0.5 * if first { allowed } else { enough } / missing;
@@ -279,10 +324,17 @@ impl Gaps {
                     }
                 }
                 product.copy_from_slice(inner);
-                let apply = |p: &[Vector3<f64>], q: &mut [Vector3<f64>]| {
-                    add_contacts(contacts, rows, p, q);
-                };
-                system.solve_with(apply, inner, share)?;
+                if direct {
+                    if refactor(contacts, rows, system) {
+                        system.factorise(fixed)?;
+                    }
+                    system.solve(inner, share)?;
+                } else {
+                    let apply = |p: &[Vector3<f64>], q: &mut [Vector3<f64>]| {
+                        add_contacts(contacts, rows, p, q);
+                    };
+                    system.solve_with(apply, inner, share)?;
+                }
                 let slope = -dot(product, inner);
                 multiply_others(system, contacts, rows, inner, product);
                 let stiffness = dot(inner, product);
@@ -297,16 +349,26 @@ impl Gaps {
                 }
             }
             let (mut worst, mut changes) = (0.0f64, 0.0);
-            for (contact, row) in contacts.iter().zip(&mut *rows) {
+            for (contact, row) in contacts.iter().zip(&*rows) {
                 if row.stiffness > 0.0 {
-                    let (updated, [miss, change]) = row.updated(contact, &contact.blend(direction));
-                    *row = updated;
+                    let (_, [miss, change]) = row.updated(contact, &contact.blend(direction));
                     worst = worst.max(miss);
                     changes += change;
                 }
             }
             // In short steps forces are the sharper measure.
-            if worst <= slack * *edge && changes.sqrt() <= enough {
+            let done = worst <= slack * *edge && changes.sqrt() <= enough;
+            let last = done || update + 1 == updates;
+            for (contact, row) in contacts.iter().zip(&mut *rows) {
+                if row.stiffness > 0.0 {
+                    let y = contact.blend(direction);
+                    *row = match direct && last {
+                        true => row.softened(contact, &y),
+                        false => row.updated(contact, &y).0,
+                    };
+                }
+            }
+            if done {
                 break;
             }
         }
@@ -316,9 +378,10 @@ impl Gaps {
     /// Tells the contacts what they have become.
     pub fn tell(&mut self) {
         for (contact, row) in self.contacts.iter_mut().zip(&self.rows) {
-            contact.pressure = row.multiplier;
-            let share = row.bound / row.traction.norm().max(f64::MIN_POSITIVE);
-            contact.traction = row.traction * share.min(1.0);
+            let (pressure, traction) = row.told;
+            contact.pressure = pressure;
+            let share = row.bound / traction.norm().max(f64::MIN_POSITIVE);
+            contact.traction = traction * share.min(1.0);
         }
         self.told.clone_from(&self.contacts);
     }
@@ -380,6 +443,21 @@ fn lowest(start: f64, slope_at: impl Fn(f64) -> f64) -> f64 {
         }
     }
     0.5 * (low + high)
+}
+
+/// Puts the contacts as they are now into the matrix in place of what of them is in it; says whether that is anything else.
+fn refactor(contacts: &[Contact], rows: &mut [Row], system: &mut System) -> bool {
+    let mut changed = false;
+    for (contact, row) in contacts.iter().zip(rows) {
+        if row.stiffness > 0.0 {
+            let more = row.hessian - row.factored.unwrap_or_else(Matrix3::zeros);
+            if more != Matrix3::zeros() && system.add_contact(contact, &more) {
+                row.factored = Some(row.hessian);
+                changed = true;
+            }
+        }
+    }
+    changed
 }
 
 /// q = (matrix without contacts) p.

@@ -1,6 +1,6 @@
 //! Contact in an equation: finding it, telling it its forces, undoing old overlaps.
 
-use super::{Equation, FINDS, LINEAR_TOLERANCES, NewtonSolver, Problem, SLACK, Touch};
+use super::{Equation, FINDS, FINDS_QUICK, LINEAR_TOLERANCES, NewtonSolver, Problem, SLACK, Touch};
 use crate::elements::Tangent;
 use crate::executor::Executor;
 use crate::model::TissueModel;
@@ -23,7 +23,9 @@ impl NewtonSolver {
             self.gaps.clear();
             return;
         }
-        if self.finds < FINDS {
+        let finds = if self.is_quick { FINDS_QUICK } else { FINDS };
+        self.gaps.keeps_laws = self.is_quick && self.finds >= finds;
+        if self.finds < finds {
             let contacts = &mut self.gaps.contacts;
             touch.source.find(touch.way, positions, contacts);
             for contact in contacts.iter_mut() {

@@ -1,19 +1,21 @@
 //! Synthetic trainees: the plan of a script, followed the way a hand does.
 //!
 //! The plan says where each tool should be when. A trainee is slower than it, pauses where all tools rest, misses where it
-//! aims, goes astray and beyond its end, closes jaws further than need be, and trembles. All of it is added to the plan:
+//! aims and how it holds the tool there, goes astray and beyond its end, closes jaws further than need be, and trembles. All of it is added to the plan:
 //! a trainee with no error of any kind makes exactly the motion of the plan. Times of the tools stay together.
 //!
 //! These motions test software. That two groups of them differ follows from their parameters and shows nothing about people.
 //!
-//! - Between two keyframes a distance L apart the tip is beside the plan by `detour`·L and ahead of it by `overshoot`·L, most at
-//!   90 % of the time, where 0.9 % of L is left of a movement with minimum jerk. Sizes are half-normal with this mean.
-//! - It ends beside its end by a normal error, which stays until the next movement.
+//! - Between two keyframes a distance L apart the tip is beside the plan by `detour`·L and ahead of it by `lead`·L, most at
+//!   90 % of the time. There 0.9 % of L is left of a movement with minimum jerk: it gets beyond its end by what the lead is above
+//!   that, and comes back. Sizes are half-normal with this mean.
+//! - It ends beside its end, and turned about the tip, by normal errors, which stay until the next movement.
 //! - Tremor is a sum of sines between 8 and 12 Hz (Riviere 1997: RMS; DOMAIN 1), in real time, along all axes alike.
 
 mod random;
 mod tremor;
 
+use crate::rotation::product;
 use crate::script::{Keyframe, Script, ScriptError, ScriptTrack, minimum_jerk, mix};
 use random::Stream;
 use tremor::Tremor;
@@ -25,10 +27,11 @@ const AHEAD_AT: f64 = 0.9;
 const AHEAD_FROM: f64 = 0.4;
 /// Share of the time of an opening or closing within which the tremor grows to that of actuating, and falls from it.
 const GROWS: f64 = 0.1;
-/// Of the random streams of a trainee: own parameters, pauses; from the last on two per tool.
+/// Of the random streams of a trainee: own parameters, pauses; from `TOOLS` on two per tool, from `TURNS` on one.
 const PARAMETERS: u64 = 0;
 const PAUSES: u64 = 1;
 const TOOLS: u64 = 2;
+const TURNS: u64 = 1 << 32;
 
 /// How a kind of trainees moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,8 +48,11 @@ pub struct Profile {
     pub hesitation: f64,
     /// Standard deviation along each axis of where a movement of at least 1 mm ends \[m\]; in proportion less for a shorter one.
     pub aiming_error: f64,
-    /// How far a movement goes beyond its end first, as a share of its length.
-    pub overshoot: f64,
+    /// Standard deviation about each axis of how the tool is turned where a movement of at least 1 mm ends \[rad\]; in proportion less
+    /// for a shorter one.
+    pub angular_error: f64,
+    /// How far a movement gets ahead of the plan, as a share of its length: beyond its end by what this is above 0.9 %.
+    pub lead: f64,
     /// How far a movement goes astray to the side, as a share of its length.
     pub detour: f64,
     /// How much further than planned jaws are closed, as a share of the closing.
@@ -75,9 +81,11 @@ impl Trainee {
                 hesitation_chance: own(profile.hesitation_chance).min(1.0),
                 hesitation: own(profile.hesitation),
                 aiming_error: own(profile.aiming_error),
-                overshoot: own(profile.overshoot),
+                lead: own(profile.lead),
                 detour: own(profile.detour),
                 grip_excess: own(profile.grip_excess),
+                // The last one drawn: those before it are the same as without it.
+                angular_error: own(profile.angular_error),
                 spread: profile.spread,
             },
             seed,
@@ -187,6 +195,8 @@ fn rests(plan: &Script) -> Vec<f64> {
 struct Movement {
     /// Beside the plan at its begin and its end \[m\].
     aside: [[f64; 3]; 2],
+    /// Turned from the plan at its begin and its end, as a vector along the axis \[rad\].
+    turned: [[f64; 3]; 2],
     /// How far it gets ahead of the plan, and beside it \[m\].
     ahead: [f64; 3],
     astray: [f64; 3],
@@ -207,7 +217,8 @@ struct Hand {
 impl Hand {
     fn new(own: &Profile, seed: u64, index: u64, track: &ScriptTrack) -> Self {
         let mut stream = Stream::new(seed, TOOLS + 2 * index);
-        let (mut aside, mut squeeze) = ([0.0; 3], 0.0);
+        let mut turns = Stream::new(seed, TURNS + index);
+        let (mut aside, mut turned, mut squeeze) = ([0.0; 3], [0.0; 3], 0.0);
         let mut movements = Vec::new();
         for pair in track.keyframes.windows(2) {
             let way = [0, 1, 2].map(|k| pair[1].position[k] - pair[0].position[k]);
@@ -222,6 +233,8 @@ impl Hand {
             let side = across(way, [stream.normal(), stream.normal(), stream.normal()]);
             let share = (length / AIMED).min(1.0);
             let ends = [0, 1, 2].map(|k| mix(aside[k], own.aiming_error * miss[k], share));
+            let turn = [turns.normal(), turns.normal(), turns.normal()];
+            let turns_to = [0, 1, 2].map(|k| mix(turned[k], own.angular_error * turn[k], share));
             let closing = pair[0].opening - pair[1].opening;
             let squeezes = match closing {
                 closing if closing > 0.0 => squeeze + own.grip_excess * closing * firmly,
@@ -230,12 +243,13 @@ impl Hand {
             };
             movements.push(Movement {
                 aside: [aside, ends],
-                ahead: way.map(|c| own.overshoot * ahead * c),
+                turned: [turned, turns_to],
+                ahead: way.map(|c| own.lead * ahead * c),
                 astray: side.map(|c| own.detour * astray * length * c),
                 squeeze: [squeeze, squeezes],
                 actuates: closing != 0.0,
             });
-            (aside, squeeze) = (ends, squeezes);
+            (aside, turned, squeeze) = (ends, turns_to, squeezes);
         }
         Self {
             movements,
@@ -252,7 +266,7 @@ impl Hand {
             .partition_point(|frame| frame.time_s <= u)
             .checked_sub(1)?;
         let planned = plan.sample(&track.device, u)?;
-        let (shift, squeeze, amplitude) = match (self.movements.get(from), frames.get(from + 1)) {
+        let error = match (self.movements.get(from), frames.get(from + 1)) {
             (Some(movement), Some(to)) => {
                 let begin = frames[from].end_s();
                 let share = ((u - begin) / (to.time_s - begin)).max(0.0);
@@ -260,24 +274,41 @@ impl Hand {
             }
             _ => match self.movements.last() {
                 Some(movement) => movement.at(1.0, self.still, self.actuating),
-                None => ([0.0; 3], 0.0, self.still),
+                None => Deviation {
+                    shift: [0.0; 3],
+                    turn: [0.0; 3],
+                    squeeze: 0.0,
+                    tremor: self.still,
+                },
             },
         };
-        let tremor = self.tremor.at(t, amplitude);
+        let tremor = self.tremor.at(t, error.tremor);
         Some(Keyframe {
             time_s: t,
             hold_s: 0.0,
-            position: [0, 1, 2].map(|k| planned.position[k] + shift[k] + tremor[k]),
-            orientation: planned.orientation,
-            opening: (planned.opening? - squeeze).max(0.0),
+            position: [0, 1, 2].map(|k| planned.position[k] + error.shift[k] + tremor[k]),
+            orientation: turned_by(planned.orientation, error.turn),
+            opening: (planned.opening? - error.squeeze).max(0.0),
             visible: planned.visible,
         })
     }
 }
 
+/// How far a hand is from its plan at a moment.
+struct Deviation {
+    /// \[m\]
+    shift: [f64; 3],
+    /// About the tip, as a vector along the axis \[rad\].
+    turn: [f64; 3],
+    /// What the opening is less.
+    squeeze: f64,
+    /// RMS of the tremor \[m\].
+    tremor: f64,
+}
+
 impl Movement {
-    /// At a share of its time: shift \[m\], what the opening is less, RMS of the tremor \[m\].
-    fn at(&self, share: f64, still: f64, actuating: f64) -> ([f64; 3], f64, f64) {
+    /// At a share of its time; RMS of the tremor \[m\] of an opening that stands, and of one that changes.
+    fn at(&self, share: f64, still: f64, actuating: f64) -> Deviation {
         let done = minimum_jerk(share);
         let bulge = {
             let half = 4.0 * done * (1.0 - done);
@@ -297,9 +328,23 @@ impl Movement {
             true => minimum_jerk((share.min(1.0 - share) / GROWS).clamp(0.0, 1.0)),
             false => 0.0,
         };
-        let squeeze = mix(self.squeeze[0], self.squeeze[1], share);
-        (shift, squeeze, mix(still, actuating, effort))
+        Deviation {
+            shift,
+            turn: [0, 1, 2].map(|k| mix(self.turned[0][k], self.turned[1][k], done)),
+            squeeze: mix(self.squeeze[0], self.squeeze[1], share),
+            tremor: mix(still, actuating, effort),
+        }
     }
+}
+
+/// An orientation, turned in the field by a vector along the axis \[rad\].
+fn turned_by(orientation: [f64; 4], turn: [f64; 3]) -> [f64; 4] {
+    let angle = norm(turn);
+    if angle == 0.0 {
+        return orientation;
+    }
+    let [x, y, z] = turn.map(|c| c * libm::sin(0.5 * angle) / angle);
+    product([x, y, z, libm::cos(0.5 * angle)], orientation)
 }
 
 /// The unit vector across `way` that is nearest to `to`, upwards; 0 where there is none.

@@ -14,7 +14,8 @@ const PERFECT: Profile = Profile {
     hesitation_chance: 0.0,
     hesitation: 0.0,
     aiming_error: 0.0,
-    overshoot: 0.0,
+    angular_error: 0.0,
+    lead: 0.0,
     detour: 0.0,
     grip_excess: 0.0,
     spread: 0.0,
@@ -171,12 +172,43 @@ fn reaches_end_beside_their_ends() {
     );
 }
 
-/// Over many trainees a reach of 10 mm goes on average 10 % beyond its end, less what is left of the way at 90 % of its time (0.9 %), and
-/// 20 % aside and not downwards; half-normal with mean m has the deviation m·√(π/2 − 1), and four standard errors are allowed.
+/// How the tool is held at the end of a reach over many trainees: the rotation vector from the plan's orientation has the standard
+/// deviation asked for along each axis, within four standard errors (σ/√(2n)); it stays while the tip does, and the tip is not moved.
+#[test]
+fn reaches_end_turned() {
+    let asked = 0.03;
+    let profile = Profile {
+        angular_error: asked,
+        ..PERFECT
+    };
+    let (plan, n) = (plan(), 400);
+    let mut squares = 0.0;
+    for seed in 0..n {
+        let motion = follow(profile, seed, &plan);
+        let at = |time: f64| motion[(time * RATE).ceil() as usize];
+        let (reached, stayed) = (at(1.0), at(3.0));
+        assert_eq!(reached.orientation, stayed.orientation);
+        assert_eq!(reached.position, [0.01, 0.001, -0.002]);
+        // From the conjugate of the plan's (0, 0, 0.6, 0.8): 2·atan2(|v|, w) along v.
+        let [x, y, z, w] = product(reached.orientation, [0.0, 0.0, -0.6, 0.8]);
+        let angle = 2.0 * libm::atan2(norm([x, y, z]), w);
+        squares += angle * angle;
+    }
+    let count = 3.0 * n as f64;
+    let deviation = (squares / count).sqrt();
+    assert!(
+        (deviation / asked - 1.0).abs() < 4.0 / (2.0 * count).sqrt(),
+        "{deviation}"
+    );
+}
+
+/// Over many trainees a reach of 10 mm gets on average 10 % of it ahead of the plan, and 20 % aside and not downwards; half-normal with
+/// mean m has the deviation m·√(π/2 − 1), and four standard errors are allowed. Sampled every 16 ms, the peak is missed by at most 8 ms,
+/// 0.08 of the 0.1 s in which the lead goes: 1 − 10·0.08³ of it are left. The bulge is flat at its top.
 #[test]
 fn reaches_go_too_far_and_astray() {
     let far = Profile {
-        overshoot: 0.1,
+        lead: 0.1,
         ..PERFECT
     };
     let astray = Profile {
@@ -184,21 +216,23 @@ fn reaches_go_too_far_and_astray() {
         ..PERFECT
     };
     let (plan, n) = (plan(), 400);
-    let (mut beyond, mut aside) = (0.0, 0.0);
+    let (mut ahead, mut beyond, mut aside) = (0.0, 0, 0.0);
     for seed in 0..n {
-        let at = |k: &Keyframe| {
-            [
-                k.position[0] - 0.01,
-                k.position[1] - 0.001,
-                k.position[2] + 0.002,
-            ]
-        };
-        beyond += follow(far, seed, &plan)
+        let lead = follow(far, seed, &plan)
             .iter()
-            .map(|k| at(k)[0])
-            .fold(0.0, f64::max);
+            .map(|k| {
+                let planned = plan.sample("right", k.time_s).expect("a device");
+                (k.position[0] - planned.position[0], k.position[0] - 0.01)
+            })
+            .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+        // Beyond the end by the lead less what is left of 10 mm then: 1.1 % of them 8 ms before the peak, nothing at the end.
+        if lead.0 > 2e-4 {
+            assert!(lead.1 > lead.0 - 1.1e-4 && lead.1 < lead.0, "{lead:?}");
+            beyond += 1;
+        }
+        ahead += lead.0;
         let side = |k: &Keyframe| {
-            let [_, y, z] = at(k);
+            let (y, z) = (k.position[1] - 0.001, k.position[2] + 0.002);
             assert!(z > -1e-15, "downwards");
             (y * y + z * z).sqrt()
         };
@@ -207,16 +241,13 @@ fn reaches_go_too_far_and_astray() {
             .map(side)
             .fold(0.0, f64::max);
     }
+    assert!(beyond > n / 2, "{beyond}");
     let n = n as f64;
     let error = |mean: f64| 4.0 * mean * (std::f64::consts::FRAC_PI_2 - 1.0).sqrt() / n.sqrt();
-    // Small overshoots do not reach beyond the end at all, which lifts the mean; sampling misses the peak by at most 8 ms.
-    let beyond = beyond / n;
-    assert!(
-        (beyond - 1e-3 + 0.9e-4).abs() < error(1e-3) + 0.5e-4,
-        "{beyond}"
-    );
-    let aside = aside / n;
-    assert!((aside - 2e-3).abs() < error(2e-3) + 0.5e-4, "{aside}");
+    let (ahead, aside) = (ahead / n, aside / n);
+    let missed = 10.0 * 0.08_f64.powi(3) * 1e-3;
+    assert!((ahead - 1e-3).abs() < error(1e-3) + missed, "{ahead}");
+    assert!((aside - 2e-3).abs() < error(2e-3) + missed, "{aside}");
 }
 
 /// Closing from 0.75 to 0.25 goes on average 10 % of 0.5 further, stays so while the jaws hold, and is gone when they open.

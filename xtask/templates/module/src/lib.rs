@@ -1,25 +1,21 @@
 //! {{title}}: touch the sphere with the tip of the tool and stay in it for a while.
 //!
-//! The sphere turns yellow while a touch counts and green when it is done. Targets, limits, motion metrics and the
-//! result are the [`Course`]'s; here stands only what is this module's own.
+//! The sphere turns yellow while a touch counts and green when it is done. Targets, limits, motion metrics, the result and the frame
+//! of a plugin are the SDK's; here stands only what is this module's own.
 
-use microsim_sdk::message::{
-    Colour, LocalText, ObjectSet, ToolStates, ToolStatus, decode_bytes, encode,
+use microsim_sdk::message::{Colour, LocalText, ToolStates, ToolStatus};
+use microsim_sdk::tissue::{colour, distance, mark_colour};
+use microsim_sdk::{
+    Course, CourseConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, export_plugin,
 };
-use microsim_sdk::{Course, CourseConfig, Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
-use serde_bytes::ByteBuf;
 
 /// Name of the level's object, and of the target.
 const SPHERE: &str = "sphere";
 
 /// Declared in `module.toml`: touched, but not held for long enough.
 const DWELL_TOO_SHORT: &str = "dwell-too-short";
-
-const WAITING: Colour = [0.95, 0.50, 0.10];
-const COUNTING: Colour = [0.98, 0.85, 0.15];
-const DONE: Colour = [0.20, 0.70, 0.25];
 
 /// The level's table `[module]`.
 #[derive(Debug, Deserialize)]
@@ -28,170 +24,107 @@ struct Keys {
     dwell: f64,
 }
 
-/// The level's objects, as far as they matter here.
-#[derive(Debug, Deserialize)]
-struct Object {
-    name: String,
-    /// \[m\], in the field.
-    position: [f64; 3],
+/// What a level asks for.
+#[derive(Debug)]
+pub struct {{Name}} {
+    keys: Keys,
+    tool: String,
     /// \[m\]
-    radius: Option<f64>,
+    centre: [f64; 3],
+    /// \[m\]
+    radius: f64,
 }
 
 /// What evolves besides the course.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct State {
+pub struct State {
     dwell: Dwell,
     touched: bool,
     losses: u32,
     colour: Colour,
 }
 
-/// A level that has been set up.
-#[derive(Debug)]
-struct Task {
-    course: Course,
-    tool: String,
-    centre: [f64; 3],
-    radius: f64,
-    start: State,
-    state: State,
-}
-
-impl Task {
-    fn new(setup: &Setup) -> Result<Self, Fault> {
-        let config = CourseConfig::new(setup)?;
-        let keys: Keys = serde_json::from_value(config.module.clone())?;
-        let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
-        let sphere = objects.iter().find(|o| o.name == SPHERE);
-        let Some((centre, radius)) = sphere.and_then(|s| Some((s.position, s.radius?))) else {
-            return Err(Fault::new("the level needs a sphere with the name \"sphere\""));
-        };
-        let tool = config.tools.first();
-        let tool = tool.ok_or_else(|| Fault::new("the level needs a tool"))?;
-        let start = State {
-            dwell: Dwell::new(keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
-            touched: false,
-            losses: 0,
-            colour: WAITING,
-        };
-        Ok(Self {
-            course: Course::new(&config, vec![SPHERE.into()])?,
-            tool: tool.name.clone(),
-            centre,
-            radius,
-            state: start.clone(),
-            start,
-        })
-    }
-
-    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
-        self.course.hear(tick)?;
-        if self.course.running() && !self.course.is_done(SPHERE) {
-            self.touch(tick)?;
-        }
-        let losses = f64::from(self.state.losses);
-        self.course.measure("losses", losses);
-        let touched = self.state.touched;
-        self.course.conclude(tick, |course| {
-            if touched && !course.is_done(SPHERE) {
-                course.speaks_against(DWELL_TOO_SHORT);
-            }
-        })
-    }
-
-    /// The tip against the sphere.
-    fn touch(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
-        let inside = self.is_inside(tick)?;
-        self.state.touched |= inside;
-        let colour = match self.state.dwell.update(tick.time(), inside) {
-            DwellState::Complete => {
-                let said = LocalText {
-                    de: "Kugel geschafft".into(),
-                    en: "Sphere done".into(),
-                };
-                self.course.target_done(tick, SPHERE, said)?;
-                DONE
-            }
-            DwellState::Holding(_) => COUNTING,
-            DwellState::Lost(_) => {
-                self.state.losses += 1;
-                WAITING
-            }
-            DwellState::Idle => WAITING,
-        };
-        if colour != self.state.colour {
-            self.state.colour = colour;
-            tick.publish(&ObjectSet {
-                name: SPHERE.into(),
-                colour: Some(colour),
-                ..ObjectSet::default()
-            });
-        }
-        Ok(())
-    }
-
+impl {{Name}} {
     /// Whether the tip of a tool that is seen now lies in the sphere.
     fn is_inside(&self, tick: &Tick<'_>) -> Result<bool, Fault> {
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         let tool = tools.iter().find(|t| t.tool == self.tool);
         let tool = tool.filter(|t| t.status == ToolStatus::Tracked);
-        Ok(tool.is_some_and(|tool| {
-            let offsets = tool.pose.position.iter().zip(self.centre);
-            let square: f64 = offsets.map(|(tip, centre)| (tip - centre) * (tip - centre)).sum();
-            square <= self.radius * self.radius
-        }))
+        Ok(tool.is_some_and(|tool| distance(tool.pose.position, self.centre) <= self.radius))
     }
 }
 
-/// The module.
-#[derive(Debug, Default)]
-pub struct {{Name}} {
-    task: Option<Task>,
-}
+impl Exercise for {{Name}} {
+    type State = State;
 
-impl {{Name}} {
-    fn task(&mut self) -> Result<&mut Task, Fault> {
-        self.task.as_mut().ok_or_else(|| Fault::new("not initialised"))
-    }
-}
-
-impl Plugin for {{Name}} {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        self.task = Some(Task::new(setup)?);
-        Ok(())
+    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
+        let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
+        let sphere = objects.iter().find(|o| o.name == SPHERE);
+        let Some((centre, Shape::Sphere { radius })) = sphere.map(|o| (o.position, o.shape)) else {
+            return Err(Fault::new("the level needs an [[object]] \"sphere\" of the shape \"sphere\""));
+        };
+        let tool = config.tools.first();
+        let exercise = Self {
+            keys: serde_json::from_value(config.module.clone())?,
+            tool: tool.ok_or_else(|| Fault::new("the level needs a [[tool]]"))?.name.clone(),
+            centre,
+            radius,
+        };
+        Ok((exercise, vec![SPHERE.into()]))
     }
 
-    fn reset(&mut self) -> Result<(), Fault> {
-        let task = self.task()?;
-        task.state = task.start.clone();
-        task.course.reset()
+    fn start(&self) -> Result<State, Fault> {
+        Ok(State {
+            dwell: Dwell::new(self.keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
+            touched: false,
+            losses: 0,
+            colour: colour::CURRENT,
+        })
     }
 
-    fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
-        self.task()?.process(tick)
-    }
-
-    fn save(&self) -> Vec<u8> {
-        let task = self.task.as_ref();
-        encode(&task.map(|task| (ByteBuf::from(task.course.save()), &task.state)))
-    }
-
-    fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
-        if let Some((course, state)) = decode_bytes::<Option<(ByteBuf, State)>>(state)? {
-            let task = self.task()?;
-            task.course.restore(&course)?;
-            task.state = state;
+    fn judge(
+        &self,
+        state: &mut State,
+        course: &mut Course,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
+        if !course.running() {
+            return Ok(());
         }
+        let inside = self.is_inside(tick)?;
+        state.touched |= inside;
+        let shown = match state.dwell.update(tick.time(), inside) {
+            DwellState::Complete => {
+                let said = LocalText {
+                    de: "Kugel geschafft".into(),
+                    en: "Sphere done".into(),
+                };
+                course.target_done(tick, SPHERE, said)?;
+                colour::DONE
+            }
+            DwellState::Holding(_) => colour::HOLDING,
+            DwellState::Lost(_) => {
+                state.losses += 1;
+                colour::CURRENT
+            }
+            DwellState::Idle => colour::CURRENT,
+        };
+        if shown != state.colour {
+            state.colour = shown;
+            mark_colour(tick, SPHERE, shown);
+        }
+        course.measure("losses", f64::from(state.losses));
         Ok(())
+    }
+
+    fn reasons(&self, state: &State, course: &mut Course) {
+        if state.touched && !course.is_done(SPHERE) {
+            course.speaks_against(DWELL_TOO_SHORT);
+        }
     }
 }
 
-export_plugin!({{Name}}, "../module.toml");
+export_plugin!(Training<{{Name}}>, "../module.toml");
 
 #[cfg(test)]
 mod tests {
@@ -201,7 +134,7 @@ mod tests {
     use serde_json::json;
 
     /// A level with a sphere of 2 mm at the origin, to be held for 1 s, in ticks of 8 ms.
-    fn host() -> TestHost<{{Name}}> {
+    fn host() -> TestHost<Training<{{Name}}>> {
         let config = json!({
             "tools": [{ "name": "right", "model": "forceps" }],
             "models": {},
@@ -213,7 +146,10 @@ mod tests {
             "own_metrics": [],
             "reasons": [],
             "module": { "dwell": 1.0 },
-            "objects": [{ "name": SPHERE, "position": [0.0, 0.0, 0.0], "radius": 0.002 }],
+            "objects": [{
+                "name": SPHERE, "shape": "sphere", "radius": 0.002, "position": [0.0, 0.0, 0.0],
+                "orientation": [0.0, 0.0, 0.0, 1.0], "colour": "#f28019", "finish": "moist", "active": true,
+            }],
         });
         let manifest = include_str!("../module.toml");
         let host = TestHost::of_module(manifest, 1, 1, config);

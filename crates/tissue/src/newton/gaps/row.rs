@@ -9,17 +9,23 @@ const TANGENTIAL: f64 = 0.1;
 /// A contact as an iteration sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// ρ [N/m]; 0 for a contact that can move nothing.
+    /// ρ [N/m]; 0 for a contact that can move nothing. While a direction is sought with factors of its own it is [`SHARP`] times `soft`.
     pub stiffness: f64,
+    /// ρ of the potential [N/m].
+    pub soft: f64,
     /// λ [N].
     pub multiplier: f64,
     /// t [N].
     pub traction: Vector3<f64>,
     /// μ λ [N].
     pub bound: f64,
+    /// Whether that stays.
+    pub keeps_bound: bool,
     /// Whether both sides can move.
     pub joint: bool,
     pub floor: f64,
+    /// λ and t as contacts are told them [N].
+    pub told: (f64, Vector3<f64>),
     /// g₀ [m].
     pub gap: f64,
     /// u₀ [m].
@@ -102,7 +108,10 @@ impl Row {
     /// should be [m], and the square of the change of the forces [N²].
     pub fn updated(&self, contact: &Contact, y: &Vector3<f64>) -> (Self, [f64; 2]) {
         let law = self.law(contact, y);
-        let bound = contact.friction * law.pressure;
+        let bound = match self.keeps_bound {
+            true => self.bound,
+            false => contact.friction * law.pressure,
+        };
         let pressure = law.pressure - self.multiplier;
         // What sticks must not slide, and what slides must do so against all that there is.
         let change = (law.traction - self.traction).norm() + (bound - self.bound).abs();
@@ -110,10 +119,30 @@ impl Row {
         let row = Self {
             multiplier: law.pressure,
             traction: law.traction,
+            told: (law.pressure, law.traction),
             bound,
             ..*self
         };
         (row, [miss, pressure * pressure + change * change])
+    }
+
+    /// With the stiffness of the potential, and the multipliers with which the forces after the sides have come closer by `y` stay what they
+    /// are: all forces remain in balance.
+    pub fn softened(&self, contact: &Contact, y: &Vector3<f64>) -> Self {
+        let law = self.law(contact, y);
+        let along = contact.normal.dot(y);
+        let slide = self.slide + y - contact.normal * along;
+        let mut row = Self {
+            stiffness: self.soft,
+            multiplier: 0.0,
+            told: (law.pressure, law.traction),
+            ..*self
+        };
+        if law.pressure > 0.0 {
+            row.multiplier = law.pressure + self.soft * (self.gap + along - self.floor);
+        }
+        row.traction = law.traction + slide * (TANGENTIAL * self.soft);
+        row
     }
 }
 
