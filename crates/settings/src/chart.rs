@@ -27,6 +27,8 @@ pub struct Chart {
     pub material: Vec<ChartMaterial>,
     /// Methods.
     pub method: Vec<ChartMethod>,
+    /// Methods that `tune` tries on levels.
+    pub level_method: Vec<ChartMethod>,
     /// Scenes.
     pub scene: Vec<ChartScene>,
 }
@@ -71,8 +73,6 @@ pub struct ChartTune {
     pub discretisations: Vec<Discretisation>,
     /// Names of methods, with the steps and iterations that the chart tries.
     pub methods: Vec<String>,
-    /// Names of methods for levels with contact.
-    pub contact_methods: Vec<String>,
 }
 
 /// A material with its discretisation.
@@ -213,7 +213,7 @@ pub struct ChartSweep {
 pub fn read_chart(text: &str, file: &str) -> Result<Loaded<Chart>, ConfigErrors> {
     let mut reading = Reading::new(text, file, &chart_schema())?;
     let root = KeyPath::root();
-    for list in ["material", "method", "scene"] {
+    for list in ["material", "method", "level_method", "scene"] {
         let names = texts(reading.value(), list, "name");
         unique(&mut reading, &root, &names, list, "name");
         for i in 0..items(reading.value(), list).count() {
@@ -225,18 +225,16 @@ pub fn read_chart(text: &str, file: &str) -> Result<Loaded<Chart>, ConfigErrors>
     }
     let methods = texts(reading.value(), "method", "name");
     let methods: Vec<&str> = methods.iter().map(|(_, name)| name.as_str()).collect();
-    for list in ["methods", "contact_methods"] {
-        let tune = reading.value()["tune"].clone();
-        for (i, name) in items(&tune, list) {
-            let Some(name) = name.as_str() else { continue };
-            refers(
-                &mut reading,
-                &root.key("tune").key(list).at(i),
-                name,
-                "a method",
-                &methods,
-            );
-        }
+    let tune = reading.value()["tune"].clone();
+    for (i, name) in items(&tune, "methods") {
+        let Some(name) = name.as_str() else { continue };
+        refers(
+            &mut reading,
+            &root.key("tune").key("methods").at(i),
+            name,
+            "a method",
+            &methods,
+        );
     }
     for i in 0..items(reading.value(), "scene").count() {
         check_scene(&mut reading, i);

@@ -36,6 +36,7 @@ pub fn chart_schema() -> Schema {
             Key::required("tune", Kind::Table(tune_keys()), "What `microsim tune` chooses from."),
             Key::required("material", some(material_keys(), 64), "Materials with their discretisations."),
             Key::required("method", some(method_keys(), 64), "Methods with the parameters that are tried."),
+            Key::list("level_method", Kind::Table(method_keys()), 64, "Methods that `microsim tune` tries on levels."),
             Key::required("scene", some(scene_keys(), 64), "Scenes with what is compared."),
         ],
     }
@@ -102,11 +103,6 @@ fn tune_keys() -> Vec<Key> {
             "methods",
             some(Kind::Text),
             "Names of methods, with the steps and iterations that the chart tries.",
-        ),
-        Key::required(
-            "contact_methods",
-            some(Kind::Text),
-            "Names of methods for levels with contact.",
         ),
     ]
 }

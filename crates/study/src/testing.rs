@@ -23,7 +23,6 @@ level_scales = [[1, 1, 1]]
 level_reference_scale = 2.0
 discretisations = ["tetrahedra"]
 methods = ["verlet"]
-contact_methods = ["verlet"]
 [[material]]
 name = "linear"
 title = "linear tetrahedra"
@@ -204,7 +203,6 @@ level_scales = [[1, 1, 1]]
 level_reference_scale = 2
 discretisations = ["selective", "tetrahedra"]
 methods = ["verlet", "midpoint", "xpbd"]
-contact_methods = ["verlet"]
 [[material]]
 name = "as-it-is"
 title = "as it is"

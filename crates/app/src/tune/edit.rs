@@ -148,7 +148,10 @@ fn replace_in_value(at: &mut Value, path: &str, new: Value) -> Option<()> {
 
 /// Gives a key a value and keeps the comment behind it; one that is the same stays as it is written.
 fn set_value(table: &mut Item, key: &str, mut new: Value) {
-    let bare = |value: &Value| value.to_string().replace(char::is_whitespace, "");
+    let bare = |value: &Value| {
+        let value = value.clone().decorated("", "");
+        value.to_string().replace(char::is_whitespace, "")
+    };
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         if bare(old) == bare(&new) {
             return;

@@ -111,25 +111,23 @@ pub fn candidates(
     let kind = of_plan.map_or(kind, |scene| scene.exact);
     let (set, step) = exact_way(chart, kind, of_plan);
     let contact = level.is_some_and(|level| level.contact);
-    let names = if contact {
-        &tune.contact_methods
-    } else {
-        &tune.methods
-    };
-    let planned = names
-        .iter()
-        .filter_map(|name| chart.method.iter().find(|m| m.name == *name));
-    let mut methods: Vec<ChartMethod> = planned.cloned().collect();
-    let (scales, reference) = match level {
+    let planned = |name: &String| chart.method.iter().find(|m| m.name == *name);
+    let (scales, reference, methods) = match level {
         None => {
             let scales = tune.scales.iter().map(|scale| [*scale; 3]).collect();
-            (scales, tune.reference_scale)
+            let methods = tune.methods.iter().filter_map(planned).cloned().collect();
+            (scales, tune.reference_scale, methods)
         }
         Some(level) => {
+            let mut methods: Vec<ChartMethod> = chart.level_method.clone();
             for method in &mut methods {
                 whole_parts(&mut method.steps, level.tick);
             }
-            (tune.level_scales.clone(), tune.level_reference_scale)
+            (
+                tune.level_scales.clone(),
+                tune.level_reference_scale,
+                methods,
+            )
         }
     };
     let mut meshes: Vec<Mesh> = Vec::new();
