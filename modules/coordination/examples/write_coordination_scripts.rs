@@ -19,6 +19,9 @@ const WIDE: f64 = 0.8;
 /// Where the free end of elastic tissue hangs once it is cut at one mark (level 3, measured) \[m\].
 const DROOP: f64 = -0.0005;
 
+/// How far a mark has gone towards the forceps once the tissue is cut at the one close to it (level 5, measured) \[m\].
+const GIVEN: f64 = -0.0001;
+
 /// A rest that is too long \[s\].
 const PAUSE: f64 = 14.0;
 
@@ -233,8 +236,9 @@ impl<'a> Hands<'a> {
         self.key(0.5);
         self.forceps.0[1] = BEYOND;
         self.key(0.8);
+        // Closed slowly a sliver stays between the jaws that no pull parts.
         self.forceps.1 = 0.0;
-        self.key(1.5);
+        self.key(0.7);
         self.forceps.1 = OPEN;
         self.key(0.5);
         self.forceps.0[1] = AWAY;
@@ -434,7 +438,10 @@ fn cut_twice(folder: &Path, place: &Place) {
 /// Cut at both marks, carry, drop in the tray.
 fn deliver(folder: &Path, place: &Place) {
     let tray = place.tray.expect("a tray");
-    let [first, second] = place.order();
+    let [first, mut second] = place.order();
+    if place.level == 5 {
+        second += GIVEN;
+    }
     let way = [tray[0], tray[1] + 0.0003, tray[2] + 0.002];
     let stay = place.dwell + 0.5;
     let begin = |doc| {
@@ -490,7 +497,7 @@ fn deliver(folder: &Path, place: &Place) {
             idle.write(folder, "fail-tool-idle", stay);
         }
         5 => {
-            beside("fail-cut-beside-the-mark", 0.0004);
+            beside("fail-cut-beside-the-mark", 0.0006);
 
             let mut slow = begin("Wanders about with the held tissue until the time is over.");
             slow.wander(place.time_limit);
