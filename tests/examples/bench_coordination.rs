@@ -12,14 +12,16 @@ use microsim_bus::{Frames, Limits, kind_id};
 use microsim_host::Engine;
 use microsim_host::assemble::Input;
 use microsim_host::loader::load;
+use microsim_host::parallel::Parallel;
 use microsim_host::run::RunError;
 use microsim_message::{Message, TrainingResult};
 use microsim_tests::in_process::{plan, tick};
 use microsim_tests::statistics::percentile;
-use microsim_tests::{repository, scratch, tree};
+use microsim_tests::{command, repository, scratch, tree};
 use rustix::time::{ClockId, clock_gettime};
 use std::cell::RefCell;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::rc::Rc;
 use std::time::Instant;
@@ -100,14 +102,20 @@ fn has_result(log: &[u8]) -> bool {
         .any(|frame| frame.header.kind == kind_id(TrainingResult::KIND))
 }
 
-/// Runs the script that passes a level; the names of the plugins and all pictures.
-fn measure(module: &str, level: u32) -> (Vec<String>, Vec<Picture>) {
-    let script = tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"));
+/// The script that passes a level.
+fn script(module: &str, level: u32) -> PathBuf {
+    tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"))
+}
+
+/// Runs the script that passes a level, on so many threads; the names of the plugins and all pictures.
+fn measure(module: &str, level: u32, threads: usize) -> (Vec<String>, Vec<Picture>) {
+    let script = script(module, level);
     let folder = scratch();
     let session = folder.path().join("unused.session");
     let plan = plan(module, level, Input::Script(script), session);
     let names: Vec<String> = plan.plugins.iter().map(|p| p.name.clone()).collect();
-    let engine = Engine::new(&plan, Limits::default(), None, |planned| {
+    let parallel = (threads > 1).then(|| Parallel::new(threads).expect("threads"));
+    let engine = Engine::new(&plan, Limits::default(), parallel, |planned| {
         let stage = names.iter().position(|name| *name == planned.name);
         let plugin = load(planned).map_err(RunError::from)?;
         let timed = Timed {
@@ -135,11 +143,38 @@ fn measure(module: &str, level: u32) -> (Vec<String>, Vec<Picture>) {
     (names, pictures)
 }
 
+/// Wall-clock time of drawing a picture \[ms\]: what a run of the program takes longer that draws every picture of 16 ms into a file.
+fn drawing(module: &str, level: u32) -> f64 {
+    let folder = scratch();
+    let [mut plain, mut drawn] = ["plain", "drawn"].map(|name| {
+        let mut run = command(["run", module, "--headless", "--no-pictures", "--level"]);
+        let source = format!("script:{}", script(module, level).display());
+        run.args([&level.to_string(), "--input", &source, "--session"]);
+        run.arg(folder.path().join(name).with_extension("session"));
+        run
+    });
+    let pictures = folder.path().join("pictures");
+    drawn
+        .arg("--frames")
+        .arg(&pictures)
+        .args(["--frame-rate", "62.5"]);
+    let seconds = [plain, drawn].map(|mut run| {
+        let start = Instant::now();
+        let output = run.output().expect("the program runs");
+        assert!(output.status.success(), "{output:?}");
+        start.elapsed().as_secs_f64()
+    });
+    let count = std::fs::read_dir(pictures).expect("pictures").count();
+    1e3 * (seconds[1] - seconds[0]) / count as f64
+}
+
 /// The table of a module's levels.
 fn table(module: &str, levels: &[u32]) -> String {
     let mut text = String::new();
     for level in levels {
-        let (names, pictures) = measure(module, *level);
+        let (names, pictures) = measure(module, *level, 1);
+        let (_, beside) = measure(module, *level, 2);
+        let beside: Vec<_> = beside.iter().map(|picture| picture.wall).collect();
         let p = |of: &dyn Fn(&Picture) -> f64, share| {
             percentile(&pictures.iter().map(of).collect::<Vec<_>>(), share)
         };
@@ -147,9 +182,9 @@ fn table(module: &str, levels: &[u32]) -> String {
             let stages: Vec<_> = names.iter().map(|name| format!(" {name} |")).collect();
             let _ = writeln!(
                 text,
-                "| level | pictures | CPU p50 [ms] | CPU p99 [ms] | CPU most [ms] | wall p99 [ms] | real-time factor |{} host |\n|{}",
+                "| level | pictures | CPU p50 [ms] | CPU p99 [ms] | CPU most [ms] | wall p99 [ms] | wall p99, 2 threads [ms] | drawing [ms] | real-time factor |{} host |\n|{}",
                 stages.concat(),
-                "---|".repeat(8 + names.len())
+                "---|".repeat(10 + names.len())
             );
         }
         let cpu: f64 = pictures.iter().map(|picture| picture.cpu).sum();
@@ -170,12 +205,14 @@ fn table(module: &str, levels: &[u32]) -> String {
         let simulated = 1e-6 * (PICTURE * pictures.len() as u64) as f64;
         let _ = writeln!(
             text,
-            "| {level} | {} | {:.2} | {:.2} | {:.2} | {:.2} | {:.1} |{}",
+            "| {level} | {} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.1} | {:.1} |{}",
             pictures.len(),
             p(&|picture| picture.cpu, 0.5),
             p(&|picture| picture.cpu, 0.99),
             p(&|picture| picture.cpu, 1.0),
             p(&|picture| picture.wall, 0.99),
+            percentile(&beside, 0.99),
+            drawing(module, *level),
             simulated / pictures.iter().map(|picture| picture.wall).sum::<f64>(),
             shares.concat(),
         );
@@ -185,9 +222,9 @@ fn table(module: &str, levels: &[u32]) -> String {
 
 /// Levels of a module with a script that passes.
 fn levels(module: &str) -> Vec<u32> {
-    let script =
-        |level: u32| tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"));
-    (1..).take_while(|level| script(*level).is_file()).collect()
+    (1..)
+        .take_while(|level| script(module, *level).is_file())
+        .collect()
 }
 
 fn main() -> ExitCode {
@@ -207,9 +244,10 @@ fn main() -> ExitCode {
     }
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let text = format!(
-        "# Cost of the levels of coordination\n\nCommand: `cargo xtask bench coordination`, on a machine with {cores} processor cores; one thread. The script that passes each level,\n\
-         from the input to the snapshots of the bodies, per picture of 16 ms. Shares are of all CPU time of the run, by plugin; the host is what is left:\n\
-         bus, running hash. The times are this machine's.\n\n{table}"
+        "# Cost of the levels of coordination\n\nCommand: `cargo xtask bench coordination`, on a machine with {cores} processor cores; one thread but where it says two. The script that passes each\n\
+         level, from the input to the snapshots of the bodies, per picture of 16 ms. Shares are of all CPU time of the run, by plugin; the host is what is left:\n\
+         bus, running hash. Drawing is what a run takes longer per picture that draws each of them into a file with the graphics driver that was found; it is not in the\n\
+         other columns. The times are this machine's.\n\n{table}"
     );
     match std::fs::write(
         repository().join("tests/results/bench_coordination.md"),

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
 /// A contact slides when its friction is within this share of what can be held; the rest is what iterations leave.
-const SLIDING: f64 = 1e-3;
+const SLIDING: f64 = 0.02;
 
 /// An overlap from before the step counts as one from this share of the mean edge length on: less is what iterations leave.
 const OLD_OVERLAP: f64 = 1e-2;

@@ -83,8 +83,8 @@ const OVERLAP: f64 = 0.02;
 const MORE: u32 = 3;
 
 /// How often contacts are found for an equation; then they keep their features and normals. Features of equal distance could
-/// take turns for ever. In quick steps they are found less often, and keep the bounds of friction too: all that is left to the other iterations are
-/// the elements, and these converge.
+/// take turns for ever. In quick steps they are found less often, and then keep the bounds of friction too, so that only elements, and which
+/// contacts are closed or stick, are left to the other iterations.
 const FINDS: u32 = 5;
 const FINDS_QUICK: u32 = 3;
 
@@ -185,8 +185,8 @@ pub(crate) struct NewtonSolver {
     balanced: bool,
     /// How often contacts were found for this equation.
     finds: u32,
-    /// Whether iterations that gain little are left out: where the method need not converge, and the body is so small that each of its
-    /// directions is exact.
+    /// Whether iterations on contact that gain little are left out: in steps of time that need not converge, where the body is so small that each
+    /// direction is exact.
     is_quick: bool,
     /// Bound of the highest frequency [1/s].
     frequency: f64,
@@ -315,7 +315,7 @@ impl NewtonSolver {
         };
         self.start(&problem, guesses);
         self.finds = 0;
-        self.is_quick = !options.must_converge && self.system.is_direct();
+        self.is_quick = equation.rate > 0.0 && !options.must_converge && self.system.is_direct();
         self.find(&problem, touch.as_mut());
         let slack = SLACK[usize::from(!options.must_converge)];
         let mut report = StepReport {
@@ -362,7 +362,8 @@ impl NewtonSolver {
                 false => stalled + 1,
             };
             least = least.min(report.residual);
-            if self.is_quick && stalled == PATIENCE && self.gaps.overlap() <= OVERLAP {
+            let touches = !self.gaps.is_empty() && self.gaps.overlap() <= OVERLAP;
+            if self.is_quick && touches && stalled >= PATIENCE {
                 break;
             }
             match way {

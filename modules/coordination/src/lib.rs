@@ -301,6 +301,7 @@ impl Coordination {
             );
         }
         let held = state.contacts.holds(piece.number);
+        state.carried |= held;
         let inside = tray.contains(piece.centre);
         // What is let go above the tray is dropped where it belongs.
         let lost = !held && !tray.is_above(piece.centre);
@@ -311,7 +312,8 @@ impl Coordination {
                 text("Stück fallen gelassen".into(), "Piece dropped".into()),
             );
         }
-        let lies = inside && state.contacts.is_on(TRAY, piece.number) && !held;
+        // What was only pushed or fell there was not delivered.
+        let lies = state.carried && inside && state.contacts.is_on(TRAY, piece.number) && !held;
         let done = state.dwell.update(tick.time(), lies) == DwellState::Complete;
         let colour = match (done, lies) {
             (true, _) => colour::DONE,

@@ -30,6 +30,8 @@ pub struct State {
     pub(crate) counted: (u64, f64),
     /// Whether the piece between the marks is off.
     pub(crate) off: bool,
+    /// Whether forceps have had it since.
+    pub(crate) carried: bool,
     pub(crate) dwell: Dwell,
     /// Of the mark in the ring, or of the tray.
     pub(crate) colour: Colour,
@@ -52,6 +54,7 @@ impl State {
             loose: false,
             counted: (0, 0.0),
             off: false,
+            carried: false,
             dwell: Dwell::new(dwell).map_err(|e| Fault::new(e.to_string()))?,
             colour: colour::WAITING,
         })

@@ -278,7 +278,7 @@ fn a_piece_cut_out_at_the_marks_that_lies_in_the_tray_passes() {
 }
 
 #[test]
-fn only_the_piece_itself_lies_in_the_tray_or_is_held_above_it() {
+fn only_the_piece_itself_that_was_carried_lies_in_the_tray_or_is_held_above_it() {
     let deliver = || {
         let mut host = both_cut("deliver", 0.0, ACROSS, json!([]));
         assert!(ticks(&mut host, &FREE, 3).is_none());
@@ -292,6 +292,14 @@ fn only_the_piece_itself_lies_in_the_tray_or_is_held_above_it() {
         ticks(&mut deliver(), &stump, 2 * STAY).is_none(),
         "the stump touches the tray, the piece does not"
     );
+    // A piece that no forceps have had since it came off was pushed there, or fell.
+    let mut pushed = both_cut("deliver", 0.0, ACROSS, json!([]));
+    let let_go = Scene {
+        held: false,
+        ..FREE
+    };
+    assert!(ticks(&mut pushed, &let_go, 3).is_none());
+    assert!(ticks(&mut pushed, &IN_TRAY, 2 * STAY).is_none(), "pushed");
     // Forceps that have gone on to a stump have let the piece go.
     let elsewhere = Scene {
         held: true,

@@ -120,6 +120,13 @@ impl Gaps {
                 row.gap = contact.gap(positions);
                 row.slide = slide - contact.normal * contact.normal.dot(&slide);
                 row.keeps_bound = true;
+                // What has opened drags nothing, and what has closed since has its friction.
+                let (pressure, _) = row.told;
+                if pressure <= 0.0 {
+                    (row.bound, row.traction) = (0.0, Vector3::zeros());
+                } else if row.bound == 0.0 {
+                    row.bound = contact.friction * pressure;
+                }
             }
             return;
         }
@@ -254,7 +261,7 @@ impl Gaps {
     }
 
     /// Whether each change of contacts has a factor of its own.
-    fn is_direct(&self, system: &System) -> bool {
+    pub fn is_direct(&self, system: &System) -> bool {
         system.is_direct() && !self.rows.iter().any(|row| row.joint)
     }
 

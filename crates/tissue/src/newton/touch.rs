@@ -23,8 +23,9 @@ impl NewtonSolver {
             self.gaps.clear();
             return;
         }
-        let finds = if self.is_quick { FINDS_QUICK } else { FINDS };
-        self.gaps.keeps_laws = self.is_quick && self.finds >= finds;
+        let quick = self.is_quick && self.gaps.is_direct(&self.system);
+        let finds = if quick { FINDS_QUICK } else { FINDS };
+        self.gaps.keeps_laws = quick && self.finds >= finds;
         if self.finds < finds {
             let contacts = &mut self.gaps.contacts;
             touch.source.find(touch.way, positions, contacts);

@@ -152,3 +152,82 @@ impl Law {
         contact.normal * self.pressure + self.traction
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact along z, which has slid by 2 µm along x since the start of the step, and its row, a hundred times as stiff as in the potential.
+    fn sharp(pressure: f64, traction: f64) -> (Contact, Row) {
+        let contact = Contact {
+            nodes: [0; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            first: 1,
+            normal: Vector3::z(),
+            offset: 0.0,
+            floor: 0.0,
+            start_gap: 0.0,
+            friction: 0.5,
+            drift: Vector3::zeros(),
+            pressure,
+            traction: Vector3::x() * traction,
+        };
+        let row = Row {
+            stiffness: 4e4,
+            soft: 4e2,
+            multiplier: pressure,
+            traction: contact.traction,
+            bound: contact.friction * pressure,
+            keeps_bound: false,
+            told: (pressure, contact.traction),
+            joint: false,
+            floor: 0.0,
+            gap: 1e-7,
+            slide: Vector3::x() * 2e-6,
+            responses: [0.0; 4],
+            compliance: 1.0,
+            factored: None,
+            hessian: Matrix3::zeros(),
+        };
+        (contact, row)
+    }
+
+    /// The softer law with the multipliers of `softened` has the same force at the same place, whatever the contact does there, and what is
+    /// told is that force: the definition.
+    #[test]
+    fn a_softened_contact_keeps_its_force() {
+        // Closed and stuck, closed and sliding, open where it would stick: by how far it closes and slides in the iteration [m].
+        let cases = [
+            ([-2e-6, 0.0, -4e-7], true, true),
+            ([3e-6, 1e-6, -4e-7], true, false),
+            ([-2e-6, 0.0, 1e-3], false, true),
+        ];
+        for (y, closed, sticks) in cases {
+            let y = Vector3::from(y);
+            let (contact, row) = sharp(0.02, 1e-3);
+            let before = row.law(&contact, &y);
+            let after = row.softened(&contact, &y);
+            let law = after.law(&contact, &y);
+            assert_eq!(after.stiffness, row.soft);
+            assert_eq!(before.pressure > 0.0, closed);
+            let slides = before.traction.norm() >= row.bound * (1.0 - 1e-12);
+            assert_eq!(slides, !sticks);
+            assert!((law.force(&contact) - before.force(&contact)).norm() <= 1e-12 * row.bound);
+            assert_eq!(after.told, (before.pressure, before.traction));
+        }
+    }
+
+    /// Coulomb: what is told after an update is within the cone of the new pressure, and nothing is told of an open contact.
+    #[test]
+    fn an_update_stays_within_the_cone() {
+        let (contact, row) = sharp(0.02, 1e-3);
+        for y in [[3e-6, 1e-6, -4e-7], [0.0, 0.0, 1e-3]] {
+            let y = Vector3::from(y);
+            let (once, _) = row.updated(&contact, &y);
+            let (twice, _) = once.updated(&contact, &y);
+            let (pressure, traction) = twice.told;
+            assert!(traction.norm() <= contact.friction * once.multiplier * (1.0 + 1e-12));
+            assert_eq!(twice.bound, contact.friction * pressure);
+        }
+    }
+}
