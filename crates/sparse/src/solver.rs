@@ -3,8 +3,7 @@
 //! 1. Conjugate gradients with a [`TwoLevel`] preconditioner: large solid bodies.
 //! 2. Conjugate gradients with a factor of single numbers: small and slender bodies. Half the time and memory of one of double
 //!    numbers; two or three iterations.
-//! 3. A factor of double numbers, whose solution is as exact as they are. Bodies of a few hundred nodes begin with it: all of it is in the
-//!    cache, and it saves the iterations.
+//! 3. A factor of double numbers, whose solution is as exact as they are.
 //!
 //! Where a way does not come to the tolerance the next one is taken, for this matrix alone: nearly incompressible bodies and very
 //! slender ones without inertia may need that. The solution is the same up to the tolerance, and the choice depends on the numbers
@@ -22,8 +21,8 @@ use crate::{
 /// Operations of a factor per block of the matrix from which on two levels cost less (`cargo xtask bench solvers`).
 const OPERATIONS: f64 = 12_000.0;
 
-/// Operations of a factor up to which it is one of double numbers at once: it takes no longer than two or three iterations more
-/// (`cargo xtask bench coordination`: 2.4e6 for 318 nodes of a strip).
+/// Operations of a factor of double numbers up to which it costs about as much as a few solutions: 2.4e6 for 318 nodes of a strip take
+/// 0.11 ms, a solution 0.03 ms.
 const FEW: f64 = 1e7;
 
 /// Distances of nodes along a cell of the lattice.
@@ -117,13 +116,8 @@ impl LinearSolver {
 
     /// Memory for the numbers of the first way, now and not with the first matrix: new memory takes as long as a factor.
     fn make_room(&mut self) {
-        let Some(symbolic) = self.symbolic.get() else {
-            return;
-        };
-        match self.first {
-            Way::TwoLevel => {}
-            Way::Single => self.single = Some(Box::new(Factor::new(symbolic.clone()))),
-            Way::Double => self.double = Some(Box::new(Factor::new(symbolic.clone()))),
+        if let (Way::Single, Some(symbolic)) = (self.first, self.symbolic.get()) {
+            self.single = Some(Box::new(Factor::new(symbolic.clone())));
         }
     }
 
@@ -139,7 +133,21 @@ impl LinearSolver {
     /// Whether a new factor costs about as much as a few solutions: then a matrix that changes is better factored anew than left to
     /// [`solve_with`](Self::solve_with).
     pub fn is_direct(&self) -> bool {
-        self.first == Way::Double
+        let few = |symbolic: &Arc<Symbolic>| symbolic.flops() <= FEW;
+        self.first == Way::Single && self.symbolic.get().is_some_and(few)
+    }
+
+    /// As [`factorise`](Self::factorise), with double numbers: solutions are as exact as they are.
+    ///
+    /// # Errors
+    /// When the matrix shows not to be positive definite.
+    pub fn factorise_double(
+        &mut self,
+        matrix: &BlockMatrix,
+        fixed: &[bool],
+    ) -> Result<(), NotPositive> {
+        self.fixed.copy_from_slice(fixed);
+        self.prepare(matrix, Way::Double)
     }
 
     /// The first way in a word, for reports.
@@ -385,10 +393,8 @@ fn analyse(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Arc<Symbolic> 
 fn first_way(symbolic: &Symbolic, pattern: &Pattern) -> Way {
     if symbolic.flops() > OPERATIONS * pattern.blocks() as f64 {
         Way::TwoLevel
-    } else if symbolic.flops() > FEW {
-        Way::Single
     } else {
-        Way::Double
+        Way::Single
     }
 }
 

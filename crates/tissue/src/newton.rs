@@ -185,9 +185,6 @@ pub(crate) struct NewtonSolver {
     balanced: bool,
     /// How often contacts were found for this equation.
     finds: u32,
-    /// Whether iterations on contact that gain little are left out: in steps of time that need not converge, where the body is so small that each
-    /// direction is exact.
-    is_quick: bool,
     /// Bound of the highest frequency [1/s].
     frequency: f64,
     /// The residual without the forces of contacts [N].
@@ -239,7 +236,6 @@ impl NewtonSolver {
             parts: Parts::new(model),
             balanced: false,
             finds: 0,
-            is_quick: false,
             frequency: model.rate_bound().sqrt(),
             system,
             forces: KnownForces::new(model),
@@ -315,7 +311,7 @@ impl NewtonSolver {
         };
         self.start(&problem, guesses);
         self.finds = 0;
-        self.is_quick = equation.rate > 0.0 && !options.must_converge && self.system.is_direct();
+        self.gaps.may_be_direct = equation.rate > 0.0 && !options.must_converge;
         self.find(&problem, touch.as_mut());
         let slack = SLACK[usize::from(!options.must_converge)];
         let mut report = StepReport {
@@ -363,7 +359,7 @@ impl NewtonSolver {
             };
             least = least.min(report.residual);
             let touches = !self.gaps.is_empty() && self.gaps.overlap() <= OVERLAP;
-            if self.is_quick && touches && stalled >= PATIENCE {
+            if stalled >= PATIENCE && touches && self.gaps.is_direct(&self.system) {
                 break;
             }
             match way {
@@ -601,7 +597,10 @@ impl NewtonSolver {
             self.system.add_diagonal(node, *hold);
         }
         self.gaps.stiffen(&self.direction, &mut self.system);
-        self.system.factorise(problem.fixed)
+        match !self.gaps.is_empty() && self.gaps.is_direct(&self.system) {
+            true => self.system.factorise_double(problem.fixed),
+            false => self.system.factorise(problem.fixed),
+        }
     }
 
     /// No element and no mass makes the positive matrix indefinite: it is singular to rounding, or has numbers that are not finite.

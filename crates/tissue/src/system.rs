@@ -164,6 +164,11 @@ impl System {
         self.solver.factorise(&self.matrix, fixed)
     }
 
+    /// As [`factorise`](Self::factorise), with double numbers.
+    pub fn factorise_double(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
+        self.solver.factorise_double(&self.matrix, fixed)
+    }
+
     /// Solves in place until what is left is at most `tolerance` of the right-hand side. Prescribed nodes keep their entry, which
     /// has no effect on the others.
     pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {

@@ -17,7 +17,7 @@
 //!
 //! Where contacts are few all of this is done among them alone first (`reduced`), and conjugate gradients only see to what is left.
 //!
-//! Where a factor costs no more than a few solutions (bodies of a few hundred nodes) each inner iteration has its own, with all contacts as they
+//! In steps of time that need not converge, where a factor costs no more than a few solutions (bodies of a few hundred nodes), each inner iteration has its own, with all contacts as they
 //! are then. They are a hundred times stiffer while the direction is sought; after it the multipliers are set such that the softer ones of
 //! the potential have the same forces along it. So all forces are in balance at its end, which a light free piece in a firm grip needs: a thousandth
 //! of the grip is many times its weight.
@@ -58,6 +58,8 @@ const SWEEPS: u32 = 4;
 #[derive(Clone, Debug)]
 pub(super) struct Gaps {
     pub contacts: Vec<Contact>,
+    /// Whether the equation is of a step of time that need not converge.
+    pub may_be_direct: bool,
     /// Whether contacts keep bounds, multipliers and the law they have when they are set for new positions.
     pub keeps_laws: bool,
     rows: Vec<Row>,
@@ -80,6 +82,7 @@ impl Gaps {
         let zeros = vec![Vector3::zeros(); nodes];
         Self {
             contacts: Vec::new(),
+            may_be_direct: false,
             keeps_laws: false,
             rows: Vec::new(),
             told: Vec::new(),
@@ -262,7 +265,7 @@ impl Gaps {
 
     /// Whether each change of contacts has a factor of its own.
     pub fn is_direct(&self, system: &System) -> bool {
-        system.is_direct() && !self.rows.iter().any(|row| row.joint)
+        self.may_be_direct && system.is_direct() && !self.rows.iter().any(|row| row.joint)
     }
 
     /// Sets `direction`, which holds the ways of the prescribed nodes and a guess for the others, to that of the iteration, for the forces `others` [N] that no contact
@@ -303,11 +306,7 @@ impl Gaps {
             ..
         } = self;
         let mut enough = 0.0;
-        let updates = if direct && rough > 0.0 {
-            UPDATES_QUICK
-        } else {
-            UPDATES
-        };
+        let updates = if direct { UPDATES_QUICK } else { UPDATES };
         for update in 0..updates {
             for _ in 0..INNER {
                 // What is left of all forces, and the curvature of contacts, at the direction so far.
@@ -333,7 +332,7 @@ impl Gaps {
                 product.copy_from_slice(inner);
                 if direct {
                     if refactor(contacts, rows, system) {
-                        system.factorise(fixed)?;
+                        system.factorise_double(fixed)?;
                     }
                     system.solve(inner, share)?;
                 } else {

@@ -23,7 +23,7 @@ impl NewtonSolver {
             self.gaps.clear();
             return;
         }
-        let quick = self.is_quick && self.gaps.is_direct(&self.system);
+        let quick = self.gaps.is_direct(&self.system);
         let finds = if quick { FINDS_QUICK } else { FINDS };
         self.gaps.keeps_laws = quick && self.finds >= finds;
         if self.finds < finds {
