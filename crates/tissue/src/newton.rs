@@ -84,9 +84,10 @@ const MORE: u32 = 3;
 
 /// How often contacts are found for an equation; then they keep their features and normals. Features of equal distance could
 /// take turns for ever. In quick steps they are found less often, and then keep the bounds of friction too, so that only elements, and which
-/// contacts are closed or stick, are left to the other iterations.
+/// contacts are closed or stick, are left to the other iterations. With three a cut of scissors that close came to lie 0.1 mm, and 7°,
+/// off where that of converged steps lies; with four it does not.
 const FINDS: u32 = 5;
-const FINDS_QUICK: u32 = 3;
+const FINDS_QUICK: u32 = 4;
 
 /// So many iterations in a row that do not halve the residual end a quick step.
 const PATIENCE: u32 = 3;
