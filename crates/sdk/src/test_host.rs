@@ -6,7 +6,9 @@ use crate::{Fault, Plugin, boundary};
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault as AbiFault, FaultKind, PluginBox};
 use microsim_bus::{EndpointId, Frames, KindInfo, Limits, Router};
-use microsim_message::{Message, Setup, core_kinds, decode, encode, push};
+use microsim_message::{
+    Message, Pose, Setup, ToolState, ToolStates, ToolStatus, core_kinds, decode, encode, push,
+};
 
 /// The test's own place on the bus.
 const TESTER: &str = "tester";
@@ -140,6 +142,20 @@ impl<P: Plugin> TestHost<P> {
         self.router
             .publish(self.tester, time, &bytes)
             .expect("a known kind and room in the queue");
+    }
+
+    /// Publishes where all tools are: closed and tracked, each with its slot.
+    pub fn send_tools(&mut self, tools: &[(&str, Pose)]) {
+        let state = |(tool, pose): &(&str, Pose)| ToolState {
+            tool: (*tool).into(),
+            model: "-".into(),
+            status: ToolStatus::Tracked,
+            pose: *pose,
+            opening: 0.0,
+        };
+        self.send(&ToolStates {
+            tools: tools.iter().map(state).collect(),
+        });
     }
 
     /// Publishes a block.

@@ -2,14 +2,16 @@
 
 mod contacts;
 mod cuts;
+mod delivery;
 mod marks;
 mod patch;
 mod pieces;
 mod ring;
 
-pub use contacts::{Contacts, Drops};
+pub use contacts::{Contacts, Releases};
 pub use cuts::{Booking, CutFindings, CutLog, MarkLine};
-pub use marks::{colour, mark_colour, mark_places};
+pub use delivery::{Delivered, Delivery};
+pub use marks::{colour, mark_colour, mark_places, show_colour};
 pub use patch::{Patch, PatchPlace};
 pub use pieces::{PieceView, Probes};
 pub use ring::Ring;

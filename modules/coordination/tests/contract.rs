@@ -4,7 +4,7 @@
 use microsim_module_coordination::Module;
 use microsim_sdk::message::{
     ContactForce, ContactForces, LevelControl, LevelEvent, ObjectSet, Pose, TISSUE_SNAPSHOT,
-    TissueCut, ToolSample, ToolState, ToolStates, ToolStatus, TrainingResult,
+    TissueCut, ToolSample, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, Fault, Heard, TestHost};
 use serde_json::{Value, json};
@@ -155,16 +155,7 @@ fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
         .u32s("piece", NODES.iter().map(|(_, part)| scene.pieces[*part]))
         .u32s("triangle", [0, 1, 2]);
     host.send_block(&block.finish());
-    let state = |tool: &str| ToolState {
-        tool: tool.into(),
-        model: "-".into(),
-        status: ToolStatus::Tracked,
-        pose: Pose::default(),
-        opening: 0.0,
-    };
-    host.send(&ToolStates {
-        tools: vec![state("left"), state("right")],
-    });
+    host.send_tools(&[("left", Pose::default()), ("right", Pose::default())]);
     let contact = |tool: &str, part: usize, grip: f64, stick: f64| ContactForce {
         tool: tool.into(),
         body: "tissue".into(),
@@ -370,6 +361,36 @@ fn tissue_that_lies_on_jaws_or_slides_along_them_is_not_held() {
         cut(&mut loose, "right", -0.002, ACROSS);
         tick(&mut loose, &touched);
         assert_eq!(value(&end(&mut loose), "steadied"), Some(0.0));
+    }
+}
+
+/// 1 mm² at each mark. What holds a stump steadies the cut next to it, also while it is one with the piece, and no other one.
+#[test]
+fn only_what_is_cut_can_be_steadied() {
+    let stump = Scene {
+        touch: Touch::Stump,
+        ..HELD
+    };
+    let first_is_through = Scene {
+        pieces: [0, 1, 1],
+        ..HELD
+    };
+    let elsewhere = Scene {
+        touch: Touch::Stump,
+        ..first_is_through
+    };
+    for (before, after, steadied) in [
+        (HELD, first_is_through, 1.0),
+        (stump, first_is_through, 1.0),
+        (stump, elsewhere, 0.5),
+        (Scene::default(), elsewhere, 0.0),
+    ] {
+        let mut host = started("cut", json!([]));
+        cut(&mut host, "right", -0.002, ACROSS);
+        tick(&mut host, &before);
+        cut(&mut host, "right", 0.002, ACROSS);
+        tick(&mut host, &after);
+        assert_eq!(value(&end(&mut host), "steadied"), Some(steadied));
     }
 }
 

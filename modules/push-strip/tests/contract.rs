@@ -3,8 +3,7 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, ToolState, ToolStates,
-    ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
@@ -65,23 +64,11 @@ fn snapshot(depth: f64) -> Vec<u64> {
         .finish()
 }
 
-fn tool() -> ToolStates {
-    ToolStates {
-        tools: vec![ToolState {
-            tool: "right".into(),
-            model: "probe".into(),
-            status: ToolStatus::Tracked,
-            pose: Pose::default(),
-            opening: 0.0,
-        }],
-    }
-}
-
 /// Holds a depth for so many ticks under a force.
 fn hold(host: &mut TestHost<Module>, depth: f64, force: f64, ticks: u64) -> Option<TrainingResult> {
     for _ in 0..ticks {
         host.send_block(&snapshot(depth));
-        host.send(&tool());
+        host.send_tools(&[("right", Pose::default())]);
         host.send(&ContactForces {
             contacts: vec![ContactForce {
                 tool: "right".into(),
@@ -167,7 +154,7 @@ fn without_tissue_nothing_is_reached() {
     let mut host = host();
     host.send(&LevelControl::Start);
     for _ in 0..2 * STAY {
-        host.send(&tool());
+        host.send_tools(&[("right", Pose::default())]);
         host.tick().expect("a good tick");
     }
     let result = end(&mut host);

@@ -2,8 +2,7 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, ToolState,
-    ToolStates, ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
@@ -29,6 +28,12 @@ fn started() -> TestHost<Module> {
         keys["active"] = json!(true);
         keys
     };
+    let own_metric = |id: &str, unit: &str| {
+        json!({
+            "id": id, "unit": unit, "display_unit": null, "direction": "lower", "category": "target", "formula": "-",
+            "source": "this test", "title": { "de": "-", "en": "-" }, "advice": { "de": "-", "en": "-" },
+        })
+    };
     let config = json!({
         "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
         "models": { "forceps": tool("forceps", 0.0), "scissors": tool("scissors", 1.0) },
@@ -40,11 +45,7 @@ fn started() -> TestHost<Module> {
             "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05,
             "resample_rate": 60.0, "gap": 0.1, "shortest_path": null,
         },
-        "own_metrics": [{
-            "id": "cut-distance", "unit": "m", "display_unit": "um", "direction": "lower",
-            "category": "target", "formula": "cut-distance/1", "source": "this test",
-            "title": { "de": "Abstand", "en": "Distance" }, "advice": { "de": "-", "en": "-" },
-        }],
+        "own_metrics": [own_metric("cut-distance", "m"), own_metric("drops", "count")],
         "reasons": [],
         "module": { "task": "cut", "depth": 0.001, "depth_tolerance": 0.0001, "dwell": DWELL, "mark_radius": 0.0021 },
         "objects": [
@@ -103,16 +104,7 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
         .u32s("piece", pieces)
         .u32s("triangle", [0, 1, 2]);
     host.send_block(&block.finish());
-    let state = |tool: &str| ToolState {
-        tool: tool.into(),
-        model: "-".into(),
-        status: ToolStatus::Tracked,
-        pose: Pose::default(),
-        opening: 0.0,
-    };
-    host.send(&ToolStates {
-        tools: vec![state("left"), state("right")],
-    });
+    host.send_tools(&[("left", Pose::default()), ("right", Pose::default())]);
     let last = pieces[3];
     let force = |tool: &str, grip: f64| ContactForce {
         tool: tool.into(),
@@ -144,6 +136,9 @@ fn cut(host: &mut TestHost<Module>, x: f64) {
 
 const IN_TRAY: Piece = Piece::Off([-0.0075, 0.0, -0.0035]);
 const BESIDE: Piece = Piece::Off([-0.0075, 0.0, -0.0049]);
+const ABOVE: Piece = Piece::Off([-0.0075, 0.0, 0.0]);
+/// Ticks without a grip after which a piece is dropped: 0.1 s, counted from the first one.
+const DROP: u64 = 14;
 
 fn lie(
     host: &mut TestHost<Module>,
@@ -198,6 +193,37 @@ fn each_reason_comes_alone() {
 
     let mut beside = started();
     cut(&mut beside, -0.0005);
+    lie(&mut beside, Piece::Off([0.0; 3]), true, 1);
     let result = lie(&mut beside, IN_TRAY, false, 2 * STAY).expect("the verdict");
     assert_eq!(result.failed, ["cut-beside-the-mark"]);
+}
+
+/// What is let go straight above the tray falls into it and is delivered; what is let go elsewhere was dropped, at the first tick of
+/// 0.1 s; what was never gripped neither is dropped nor delivered, wherever it lies.
+#[test]
+fn a_piece_is_dropped_only_where_it_does_not_fall_into_the_tray() {
+    let carried = || {
+        let mut host = started();
+        cut(&mut host, 0.001);
+        lie(&mut host, Piece::Off([0.0; 3]), true, 1);
+        host
+    };
+    let mut delivered = carried();
+    assert!(lie(&mut delivered, ABOVE, false, 2 * DROP).is_none());
+    let result = lie(&mut delivered, IN_TRAY, false, STAY + 1).expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+    assert_eq!(metric(&result, "drops"), Some(0.0));
+
+    for (ticks, drops) in [(DROP - 2, 0.0), (DROP, 1.0)] {
+        let mut dropped = carried();
+        lie(&mut dropped, BESIDE, false, ticks);
+        assert_eq!(metric(&end(&mut dropped), "drops"), Some(drops));
+    }
+
+    let mut fallen = started();
+    lie(&mut fallen, Piece::None, false, 1);
+    cut(&mut fallen, 0.001);
+    assert!(lie(&mut fallen, IN_TRAY, false, 2 * STAY).is_none());
+    let result = end(&mut fallen);
+    assert_eq!(result.failed, ["not-in-tray"]);
 }

@@ -196,11 +196,10 @@ fn the_current_sphere_shows_its_colour() {
     assert!(pose("needle").is_some());
     let first = level_places()[0];
     host.send(&tool(first.centre, first.direction, 1.0));
-    let red: ObjectSet = host
-        .tick()
-        .expect("a good tick")
-        .last()
-        .expect("a change of colour");
+    let changes: Vec<ObjectSet> = host.tick().expect("a good tick").all();
+    let [red] = &changes[..] else {
+        panic!("all is shown once, and the change of one colour: {changes:?}");
+    };
     assert_eq!(red.name, "sphere-1");
     let [r, g, b] = red.colour.expect("a colour");
     assert!(r > 0.7 && g < 0.3 && b < 0.3, "red inside at a wrong angle");
