@@ -7,10 +7,6 @@ use microsim_message::TissueCut;
 use microsim_settings::Object;
 use serde::{Deserialize, Serialize};
 
-/// Cosine of the angle from which on a plane runs across a mark rather than along it: half a right angle. Such a plane is no cut of the
-/// mark, however near it is: where it is told nothing of how far the mark was missed.
-const ACROSS: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
 /// A line on tissue along which it is to be cut, straight down: tissue that lies flat has its normal along z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkLine {
@@ -39,6 +35,17 @@ impl MarkLine {
             along,
             across: across.map(|c| c / size),
         })
+    }
+
+    /// Whether a plane with this normal is a cut of the mark, rather than a slit that runs away from it or a layer that is peeled off: of
+    /// the mark's three directions (across, along and the one normal to both) the normal is nearest to the first.
+    fn is_cut_by(&self, normal: [f64; 3]) -> bool {
+        let squares = [self.across, self.along].map(|axis| {
+            let share = dot(normal, axis);
+            share * share
+        });
+        let [across, along] = squares;
+        across > along.max(1.0 - across - along)
     }
 
     /// How far a place is from the line [m].
@@ -108,8 +115,8 @@ pub struct CutFindings {
 }
 
 impl CutLog {
-    /// Books a cut to the nearest of the marks, if it is within `reach` \[m\] and less than half a right angle askew. `steadied` is asked
-    /// whether the tissue at the nearest mark was held, by the mark's index, whether or not the cut is booked to it.
+    /// Books a cut to the nearest of the marks, if it is within `reach` \[m\] and runs along its line rather than away from it. `steadied` is
+    /// asked whether the tissue at the nearest mark was held, by the mark's index, whether or not the cut is booked to it.
     pub fn book(
         &mut self,
         cut: &TissueCut,
@@ -131,13 +138,12 @@ impl CutLog {
         if nearest.is_some_and(|(index, _)| steadied(index)) {
             self.steadied += cut.area;
         }
-        let cosine = |mark: &MarkLine| dot(cut.rest_normal, mark.across);
-        let is_its_cut = |mark: &MarkLine| away(mark) <= reach && cosine(mark).abs() > ACROSS;
+        let is_its_cut = |mark: &MarkLine| away(mark) <= reach && mark.is_cut_by(cut.rest_normal);
         let Some((index, mark)) = nearest.filter(|(_, mark)| is_its_cut(mark)) else {
             self.elsewhere += cut.area;
             return Booking::Stray;
         };
-        let cosine = cosine(mark);
+        let cosine = dot(cut.rest_normal, mark.across);
         let normal = cut.rest_normal.map(|c| if cosine < 0.0 { -c } else { c });
         let offset = [0, 1, 2].map(|k| cut.rest_centroid[k] - mark.middle[k]);
         let first = self.marks[index].is_empty();
@@ -263,7 +269,7 @@ mod tests {
     }
 
     /// A slit of 1 mm² along the tissue through the middle of the mark: its plane holds the mark's middle and would have the distance 0.
-    /// At 0.7 rad, less than half a right angle of 0.785, a plane is still the mark's cut, at 0.87 rad no more.
+    /// At 0.7 rad, less than half a right angle of 0.785, a plane is still the mark's cut, at 0.87 rad no more, turned either way.
     #[test]
     fn a_slit_lengthwise_through_the_mark_is_stray() {
         let mut log = CutLog::default();
@@ -276,8 +282,10 @@ mod tests {
             (None, None, 1e-6)
         );
         for (angle, stray) in [(0.7, 0.0), (0.87, 1e-6)] {
-            let normal = [libm::cos(angle), libm::sin(angle), 0.0];
-            assert_eq!(findings(&[cut(0.0, 1e-6, normal)]).stray, stray);
+            let (c, s) = (libm::cos(angle), libm::sin(angle));
+            for normal in [[c, s, 0.0], [-c, 0.0, s]] {
+                assert_eq!(findings(&[cut(0.0, 1e-6, normal)]).stray, stray);
+            }
         }
     }
 
