@@ -234,8 +234,12 @@ impl PushStrip {
             };
             course.measure(id, errors / n as f64);
         }
-        if let Some(distance) = state.progress.cuts.findings(f64::INFINITY).distance {
-            course.measure("cut-distance", distance);
+        if let Task::Cut(_) = self.task {
+            let found = state.progress.cuts.findings(f64::INFINITY);
+            course.measure("stray-cut", found.stray);
+            if let Some(distance) = found.distance {
+                course.measure("cut-distance", distance);
+            }
         }
     }
 

@@ -28,6 +28,12 @@ fn started() -> TestHost<Module> {
         keys["active"] = json!(true);
         keys
     };
+    let limit = |metric: &str, max: f64, reason: &str| {
+        json!({
+            "metric": metric, "min": null, "max": max, "full": null, "zero": null,
+            "source": "this test", "provisional": true, "reason": reason,
+        })
+    };
     let own_metric = |id: &str, unit: &str| {
         json!({
             "id": id, "unit": unit, "display_unit": null, "direction": "lower", "category": "target", "formula": "-",
@@ -37,15 +43,12 @@ fn started() -> TestHost<Module> {
     let config = json!({
         "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
         "models": { "forceps": tool("forceps", 0.0), "scissors": tool("scissors", 1.0) },
-        "limits": [{
-            "metric": "cut-distance", "min": null, "max": 0.001, "full": null, "zero": null,
-            "source": "this test", "provisional": true, "reason": "cut-beside-the-mark",
-        }],
+        "limits": [limit("cut-distance", 0.001, "cut-beside-the-mark"), limit("stray-cut", 1e-8, "stray-cut")],
         "metrics": {
             "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05,
             "resample_rate": 60.0, "gap": 0.1, "shortest_path": null,
         },
-        "own_metrics": [own_metric("cut-distance", "m"), own_metric("drops", "count")],
+        "own_metrics": [own_metric("cut-distance", "m"), own_metric("stray-cut", "m^2"), own_metric("drops", "count")],
         "reasons": [],
         "module": { "task": "cut", "depth": 0.001, "depth_tolerance": 0.0001, "dwell": DWELL, "mark_radius": 0.0021 },
         "objects": [
@@ -123,13 +126,17 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
 }
 
 fn cut(host: &mut TestHost<Module>, x: f64) {
+    cut_at(host, x, [1.0, 0.0, 0.0]);
+}
+
+fn cut_at(host: &mut TestHost<Module>, x: f64, rest_normal: [f64; 3]) {
     host.send(&TissueCut {
         body: "strip".into(),
         tool: "right".into(),
         area: 1e-6,
         // Only along the normal does it count.
         rest_centroid: [x, 0.0005, -0.0005],
-        rest_normal: [1.0, 0.0, 0.0],
+        rest_normal,
         ..TissueCut::default()
     });
 }
@@ -196,6 +203,14 @@ fn each_reason_comes_alone() {
     lie(&mut beside, Piece::Off([0.0; 3]), true, 1);
     let result = lie(&mut beside, IN_TRAY, false, 2 * STAY).expect("the verdict");
     assert_eq!(result.failed, ["cut-beside-the-mark"]);
+
+    // Cut off by planes along the strip alone: nothing is known of a distance, and that must not let it pass.
+    let mut slit = started();
+    cut_at(&mut slit, 0.001, [0.0, 1.0, 0.0]);
+    lie(&mut slit, Piece::Off([0.0; 3]), true, 1);
+    let result = lie(&mut slit, IN_TRAY, false, 2 * STAY).expect("the verdict");
+    assert_eq!(result.failed, ["stray-cut"]);
+    assert_eq!(metric(&result, "cut-distance"), None);
 }
 
 /// What is let go straight above the tray falls into it and is delivered; what is let go elsewhere was dropped, at the first tick of
