@@ -7,7 +7,8 @@ use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault as AbiFault, FaultKind, PluginBox};
 use microsim_bus::{EndpointId, Frames, KindInfo, Limits, Router};
 use microsim_message::{
-    Message, Pose, Setup, ToolState, ToolStates, ToolStatus, core_kinds, decode, encode, push,
+    LevelControl, Message, Pose, Setup, ToolState, ToolStates, ToolStatus, TrainingResult,
+    core_kinds, decode, encode, push,
 };
 
 /// The test's own place on the bus.
@@ -221,6 +222,13 @@ impl<P: Plugin> TestHost<P> {
             }
         }
         Ok(None)
+    }
+
+    /// The input ends: the verdict of a training module.
+    pub fn end(&mut self) -> TrainingResult {
+        self.send(&LevelControl::InputEnded);
+        let result = self.tick().expect("a good tick").last();
+        result.expect("a verdict when the input has ended")
     }
 
     /// The plugin's state.

@@ -10,7 +10,7 @@ mod state;
 use microsim_sdk::message::{
     LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
 };
-use microsim_sdk::tissue::{Booking, Patch, Probes, colour, show_colour};
+use microsim_sdk::tissue::{Booking, Patch, Probes, colour, show_colour, show_mark};
 use microsim_sdk::{
     BlockView, Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, export_plugin,
     turned_to,
@@ -380,12 +380,7 @@ impl Exercise for Coordination {
 
     fn show(&self, tick: &mut Tick<'_>) {
         for mark in &self.site.marks {
-            tick.publish(&ObjectSet {
-                name: mark.name.clone(),
-                active: Some(true),
-                colour: Some(colour::CURRENT),
-                pose: None,
-            });
+            show_mark(tick, &mark.name, colour::CURRENT);
         }
     }
 

@@ -13,7 +13,8 @@ use microsim_sdk::message::{
     Colour, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
 };
 use microsim_sdk::tissue::{
-    Contacts, Patch, Releases, Ring, colour, mark_colour, mark_places, show_colour,
+    Contacts, Patch, Releases, Ring, colour, mark_colour, mark_places, show_colour, show_mark,
+    tissue_of,
 };
 use microsim_sdk::{
     BlockView, Course, CourseConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, Tray,
@@ -267,13 +268,8 @@ impl Exercise for PushStrip {
     type State = State;
 
     fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
-        #[derive(Deserialize)]
-        struct Named {
-            name: String,
-        }
         let keys: Keys = serde_json::from_value(config.module.clone())?;
         let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
-        let bodies: Vec<Named> = serde_json::from_value(setup.config["bodies"].clone())?;
         let marks = mark_places(&objects)?;
         let task = match keys.task {
             TaskName::Push => Task::Push {
@@ -283,13 +279,7 @@ impl Exercise for PushStrip {
             TaskName::Hold => Task::Hold(Ring::named(&objects, RING)?),
             TaskName::Cut => Task::Cut(Site::new(&marks[0], &objects, Tray::named(setup, TRAY)?)?),
         };
-        let body = bodies
-            .into_iter()
-            .next()
-            .ok_or_else(|| Fault::new("the level needs a body"))?;
-        let cuts = |model: &str| config.models.get(model).is_some_and(|m| m.sharpness > 0.0);
-        let holding = config.tools.iter().filter(|tool| !cuts(&tool.model));
-        let tools: Vec<String> = holding.map(|tool| tool.name.clone()).collect();
+        let tools = config.holders();
         if tools.is_empty() {
             return Err(Fault::new("the level needs a tool"));
         }
@@ -302,7 +292,7 @@ impl Exercise for PushStrip {
             task,
             marks,
             targets: targets.clone(),
-            body: body.name,
+            body: tissue_of(setup)?,
             tools,
         };
         Ok((exercise, targets))
@@ -328,16 +318,11 @@ impl Exercise for PushStrip {
 
     fn show(&self, tick: &mut Tick<'_>) {
         for (index, mark) in self.marks.iter().enumerate() {
-            tick.publish(&ObjectSet {
-                name: mark.name.clone(),
-                active: Some(true),
-                colour: Some(if index == 0 {
-                    colour::CURRENT
-                } else {
-                    colour::WAITING
-                }),
-                pose: None,
-            });
+            let colour = match index {
+                0 => colour::CURRENT,
+                _ => colour::WAITING,
+            };
+            show_mark(tick, &mark.name, colour);
         }
     }
 

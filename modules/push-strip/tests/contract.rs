@@ -97,14 +97,6 @@ fn started() -> TestHost<Module> {
     host
 }
 
-fn end(host: &mut TestHost<Module>) -> TrainingResult {
-    host.send(&LevelControl::InputEnded);
-    host.tick()
-        .expect("a good tick")
-        .last()
-        .expect("a verdict when the input has ended")
-}
-
 #[test]
 fn the_depth_held_for_long_enough_passes() {
     let mut host = started();
@@ -121,17 +113,17 @@ fn the_depth_held_for_long_enough_passes() {
 fn each_reason_comes_alone() {
     let mut shallow = started();
     hold(&mut shallow, DEPTH - 1.1 * TOLERANCE, 0.005, 2 * STAY);
-    assert_eq!(end(&mut shallow).failed, ["not-deep-enough"]);
+    assert_eq!(shallow.end().failed, ["not-deep-enough"]);
 
     let mut short = started();
     // The tick that ends the input still sees the last snapshot.
     hold(&mut short, DEPTH, 0.005, STAY - 2);
-    assert_eq!(end(&mut short).failed, ["dwell-too-short"]);
+    assert_eq!(short.end().failed, ["dwell-too-short"]);
 
     let mut deep = started();
     hold(&mut deep, DEPTH + 1.1 * TOLERANCE, 0.005, 2 * STAY);
     assert_eq!(
-        end(&mut deep).failed,
+        deep.end().failed,
         ["dwell-too-short"],
         "too deep does not count as held"
     );
@@ -157,7 +149,7 @@ fn without_tissue_nothing_is_reached() {
         host.send_tools(&[("right", Pose::default())]);
         host.tick().expect("a good tick");
     }
-    let result = end(&mut host);
+    let result = host.end();
     assert_eq!(
         (result.targets_done, result.score, result.passed),
         (0, 0.0, false)

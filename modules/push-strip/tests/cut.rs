@@ -156,12 +156,6 @@ fn lie(
     (0..ticks).find_map(|_| tick(host, piece, held))
 }
 
-fn end(host: &mut TestHost<Module>) -> TrainingResult {
-    host.send(&LevelControl::InputEnded);
-    let result = host.tick().expect("a good tick").last();
-    result.expect("a verdict when the input has ended")
-}
-
 fn metric(result: &TrainingResult, id: &str) -> Option<f64> {
     result.metrics.iter().find(|m| m.id == id)?.value
 }
@@ -190,13 +184,13 @@ fn a_piece_cut_off_at_the_mark_that_lies_in_the_tray_passes() {
 fn each_reason_comes_alone() {
     let mut uncut = started();
     lie(&mut uncut, Piece::None, false, 2 * STAY);
-    assert_eq!(end(&mut uncut).failed, ["not-cut"]);
+    assert_eq!(uncut.end().failed, ["not-cut"]);
 
     let mut lost = started();
     cut(&mut lost, 0.001);
     lie(&mut lost, Piece::Off([0.0; 3]), true, 1);
     lie(&mut lost, BESIDE, false, 2 * STAY);
-    assert_eq!(end(&mut lost).failed, ["not-in-tray"]);
+    assert_eq!(lost.end().failed, ["not-in-tray"]);
 
     let mut beside = started();
     cut(&mut beside, -0.0005);
@@ -232,13 +226,13 @@ fn a_piece_is_dropped_only_where_it_does_not_fall_into_the_tray() {
     for (ticks, drops) in [(DROP - 2, 0.0), (DROP, 1.0)] {
         let mut dropped = carried();
         lie(&mut dropped, BESIDE, false, ticks);
-        assert_eq!(metric(&end(&mut dropped), "drops"), Some(drops));
+        assert_eq!(metric(&dropped.end(), "drops"), Some(drops));
     }
 
     let mut fallen = started();
     lie(&mut fallen, Piece::None, false, 1);
     cut(&mut fallen, 0.001);
     assert!(lie(&mut fallen, IN_TRAY, false, 2 * STAY).is_none());
-    let result = end(&mut fallen);
+    let result = fallen.end();
     assert_eq!(result.failed, ["not-in-tray"]);
 }

@@ -44,6 +44,16 @@ pub fn mark_places(objects: &[Object]) -> Result<Vec<Object>, Fault> {
     Ok(marks)
 }
 
+/// Shows a mark where it lies.
+pub fn show_mark(tick: &mut Tick<'_>, name: &str, colour: Colour) {
+    tick.publish(&ObjectSet {
+        name: name.to_owned(),
+        active: Some(true),
+        colour: Some(colour),
+        pose: None,
+    });
+}
+
 /// Lets an object or rigid thing show a colour if it is another one than `shown`, which it becomes.
 pub fn show_colour(shown: &mut Colour, tick: &mut Tick<'_>, name: &str, colour: Colour) {
     if *shown != colour {

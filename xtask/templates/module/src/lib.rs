@@ -173,9 +173,7 @@ mod tests {
             }
         }
         tip(&mut host, 0.0021);
-        host.send(&LevelControl::InputEnded);
-        let heard = host.tick().expect("a good tick");
-        heard.last().expect("a verdict when the input has ended")
+        host.end()
     }
 
     #[test]
