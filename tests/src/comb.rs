@@ -11,7 +11,7 @@ use std::path::Path;
 pub const MODULE: &str = "push-strip";
 
 /// Ticks in which the jaws close, and as many in which they open and go on.
-const HALF: u32 = 4;
+const HALF: u32 = 8;
 
 /// Ticks before the first snip, with the jaws open around the rim.
 const APPROACH: u32 = 4;
