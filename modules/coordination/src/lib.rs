@@ -133,18 +133,12 @@ impl Coordination {
         block: &BlockView<'_>,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        let State {
-            contacts, probes, ..
-        } = &*state;
-        let steadied: Vec<bool> = (0..self.site.marks.len())
-            .map(|mark| {
-                let sides = [mark, mark + 1].map(|side| probes.number(side, block));
-                sides
-                    .into_iter()
-                    .flatten()
-                    .any(|piece| contacts.holds(piece))
-            })
-            .collect();
+        let now = tick.time();
+        state
+            .grasp
+            .watch(now, &state.contacts, &state.probes, block);
+        let grasp = &state.grasp;
+        let steadied = |mark: usize| [mark, mark + 1].iter().any(|part| grasp.holds(*part, now));
         let lines: Vec<_> = self
             .site
             .marks
@@ -157,9 +151,8 @@ impl Coordination {
             }
             match state
                 .cuts
-                .book(&cut, &lines, self.site.keys.mark_reach, |mark| {
-                    steadied[mark]
-                }) {
+                .book(&cut, &lines, self.site.keys.mark_reach, steadied)
+            {
                 Booking::Mark { index, first: true } => {
                     let n = index + 1;
                     course.event(

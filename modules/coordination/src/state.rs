@@ -2,7 +2,7 @@
 
 use microsim_sdk::Fault;
 use microsim_sdk::message::Colour;
-use microsim_sdk::tissue::{Contacts, CutLog, Delivery, Patch, Probes, Releases, colour};
+use microsim_sdk::tissue::{Contacts, CutLog, Delivery, Grasp, Patch, Probes, Releases, colour};
 use microsim_training::Dwell;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +15,7 @@ pub struct State {
     pub(crate) patches: Vec<[Patch; 2]>,
     pub(crate) probes: Probes,
     pub(crate) contacts: Contacts,
+    pub(crate) grasp: Grasp,
     pub(crate) cuts: CutLog,
     /// Whether the event of a grip has been published that goes on, and what says when it has ended.
     pub(crate) grip_told: bool,
@@ -50,6 +51,7 @@ impl State {
             patches: Vec::new(),
             probes: Probes::default(),
             contacts: Contacts::default(),
+            grasp: Grasp::default(),
             cuts: CutLog::default(),
             grip_told: false,
             grip_ends: Releases::default(),

@@ -1,7 +1,8 @@
 //! What tools do to a body: whether they hold it, how hard, for how long too hard; and how often it was let go.
 
-use super::length;
+use super::{Probes, length};
 use crate::{Fault, Tick};
+use microsim_bus::BlockView;
 use microsim_message::{ContactForce, ContactForces, GRIP_MIN};
 use serde::{Deserialize, Serialize};
 
@@ -123,5 +124,38 @@ impl Releases {
         self.told |= gone;
         self.count += u32::from(gone);
         gone
+    }
+}
+
+/// Which parts of a body are held, part by part of its [`Probes`]: what was held a moment ago still is, as a grip that trembles for a tick
+/// has not let go.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Grasp {
+    /// When the piece of each probe was held last \[s\].
+    last: Vec<Option<f64>>,
+}
+
+impl Grasp {
+    /// Looks at all parts in a tick, at `time` \[s\].
+    pub fn watch(
+        &mut self,
+        time: f64,
+        contacts: &Contacts,
+        probes: &Probes,
+        block: &BlockView<'_>,
+    ) {
+        self.last.resize(probes.count(), None);
+        for (probe, last) in self.last.iter_mut().enumerate() {
+            let piece = probes.number(probe, block);
+            if piece.is_some_and(|piece| contacts.holds(piece)) {
+                *last = Some(time);
+            }
+        }
+    }
+
+    /// Whether the piece of a probe is held at `time` \[s\].
+    pub fn holds(&self, probe: usize, time: f64) -> bool {
+        let last = self.last.get(probe).copied().flatten();
+        last.is_some_and(|last| time - last < LET_GO)
     }
 }

@@ -7,6 +7,10 @@ use microsim_message::TissueCut;
 use microsim_settings::Object;
 use serde::{Deserialize, Serialize};
 
+/// Sine of the angle to the surface below which a plane does not cut tissue through but peels a layer off: 30°. Small bites at edges are
+/// bevels of up to 50°.
+const PEELED: f64 = 0.5;
+
 /// A line on tissue along which it is to be cut, straight down: tissue that lies flat has its normal along z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkLine {
@@ -37,15 +41,11 @@ impl MarkLine {
         })
     }
 
-    /// Whether a plane with this normal is a cut of the mark, rather than a slit that runs away from it or a layer that is peeled off: of
-    /// the mark's three directions (across, along and the one normal to both) the normal is nearest to the first.
+    /// Whether a plane with this normal is a cut of the mark, rather than a slit that runs away from its line or a layer that is peeled
+    /// off.
     fn is_cut_by(&self, normal: [f64; 3]) -> bool {
-        let squares = [self.across, self.along].map(|axis| {
-            let share = dot(normal, axis);
-            share * share
-        });
-        let [across, along] = squares;
-        across > along.max(1.0 - across - along)
+        let [across, along] = [self.across, self.along].map(|axis| dot(normal, axis).abs());
+        across > along.max(PEELED)
     }
 
     /// How far a place is from the line [m].
@@ -269,7 +269,8 @@ mod tests {
     }
 
     /// A slit of 1 mm² along the tissue through the middle of the mark: its plane holds the mark's middle and would have the distance 0.
-    /// At 0.7 rad, less than half a right angle of 0.785, a plane is still the mark's cut, at 0.87 rad no more, turned either way.
+    /// Turned by 0.7 rad, less than half a right angle of 0.785, a plane is still the mark's cut, by 0.87 rad no more; as a bevel by 1.0 and
+    /// not by 1.1 rad, before and behind 60°.
     #[test]
     fn a_slit_lengthwise_through_the_mark_is_stray() {
         let mut log = CutLog::default();
@@ -281,11 +282,15 @@ mod tests {
             (found.distance, found.angle, found.stray),
             (None, None, 1e-6)
         );
-        for (angle, stray) in [(0.7, 0.0), (0.87, 1e-6)] {
-            let (c, s) = (libm::cos(angle), libm::sin(angle));
-            for normal in [[c, s, 0.0], [-c, 0.0, s]] {
-                assert_eq!(findings(&[cut(0.0, 1e-6, normal)]).stray, stray);
-            }
+        let turned = |angle| [libm::cos(angle), libm::sin(angle), 0.0];
+        let bevel = |angle| [-libm::cos(angle), 0.0, libm::sin(angle)];
+        for (normal, stray) in [
+            (turned(0.7), 0.0),
+            (turned(0.87), 1e-6),
+            (bevel(1.0), 0.0),
+            (bevel(1.1), 1e-6),
+        ] {
+            assert_eq!(findings(&[cut(0.0, 1e-6, normal)]).stray, stray);
         }
     }
 
