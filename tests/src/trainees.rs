@@ -66,19 +66,36 @@ pub fn largest_force(report: &Value) -> f64 {
 const JUMP: f64 = 0.03;
 
 /// Ticks with a force or grip of a tool of at least 30 mN that is three times that of the tick before and of the one after: no hand is
-/// so quick within 8 ms, the computation is at fault.
+/// so quick within 8 ms, the computation is at fault. Before and after a contact there is no force; what the last tick of a session
+/// is followed by is not known.
 pub fn jumps(report: &Value) -> usize {
+    let tick = report["session"]["tick_s"].as_f64().unwrap_or(f64::NAN);
+    let last = report["simulated"].as_f64().unwrap_or(f64::NAN) - 1.5 * tick;
     let forces = report["forces"].as_array().into_iter().flatten();
-    let lists = forces.flat_map(|series| [&series["force"], &series["grip"]]);
-    let count = |list: &Value| {
-        let values = list.as_array().into_iter().flatten();
-        let values: Vec<f64> = values.filter_map(Value::as_f64).collect();
-        let threes = values.windows(3);
-        threes
-            .filter(|v| v[1] >= JUMP && v[1] >= 3.0 * v[0].max(v[2]))
-            .count()
+    let count = |series: &Value| {
+        let [time, contact, force, grip] =
+            ["time", "contact", "force", "grip"].map(|list| numbers(&series[list]));
+        let jumps = |values: &[f64]| {
+            let beside = |at: usize, other: usize| match contact.get(other) {
+                Some(number) if *number == contact[at] => values[other],
+                _ => 0.0,
+            };
+            let is_jump = |at: &usize| {
+                let before = at.checked_sub(1).map_or(0.0, |other| beside(*at, other));
+                let neighbour = before.max(beside(*at, at + 1));
+                time[*at] < last && values[*at] >= JUMP && values[*at] >= 3.0 * neighbour
+            };
+            (0..values.len()).filter(is_jump).count()
+        };
+        jumps(&force) + jumps(&grip)
     };
-    lists.map(count).sum()
+    forces.map(count).sum()
+}
+
+/// A list of a report; what is no number there is none here.
+fn numbers(list: &Value) -> Vec<f64> {
+    let values = list.as_array().into_iter().flatten();
+    values.map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
 }
 
 /// Ids of the metrics that measure time: score points for them are points for haste.
@@ -117,13 +134,26 @@ pub fn scores(report: &Value, left_out: &[&str]) -> Vec<(String, f64)> {
 mod tests {
     use super::{jumps, scores};
 
-    /// One tick of 118 mN among ticks of 4 mN is a jump; what rises over two ticks is none, and neither is what is small.
+    /// In ticks of 8 ms, of which the session has 12: one of 118 mN among ticks of 4 mN is a jump; what rises over two ticks is none, and
+    /// neither is what is small. Between tick 4 and tick 8 there is no contact: the 40 mN of tick 8 are a jump though 38 mN stand before
+    /// them in the list, and so are the 36 mN of tick 10 alone; what comes after tick 11 is not known.
     #[test]
     fn a_force_of_one_tick_is_a_jump() {
-        let report = serde_json::json!({ "forces": [
-            { "force": [0.004, 0.118, 0.005, 0.02, 0.04, 0.04, 0.0], "grip": [0.001, 0.02, 0.001] },
-        ] });
-        assert_eq!(jumps(&report), 1);
+        let ticks = [0, 1, 2, 3, 4, 8, 10, 11];
+        let report = |force: [f64; 8], contact: [u32; 8]| {
+            let time = ticks.map(|tick| f64::from(tick) * 0.008);
+            serde_json::json!({
+                "session": { "tick_s": 0.008 }, "simulated": 12.0 * 0.008,
+                "forces": [{ "time": time, "contact": contact, "force": force, "grip": force.map(|f| 0.2 * f) }],
+            })
+        };
+        let forces = [0.004, 0.118, 0.005, 0.02, 0.038, 0.04, 0.036, 0.2];
+        let separate = [0, 0, 0, 0, 0, 1, 2, 2];
+        assert_eq!(jumps(&report(forces, separate)), 2);
+        let alone = [0, 0, 0, 0, 0, 1, 2, 3];
+        assert_eq!(jumps(&report(forces, alone)), 3);
+        let squeezed = forces.map(|f| 5.0 * f);
+        assert_eq!(jumps(&report(squeezed, separate)), 4, "grips as well");
     }
 
     /// By hand: half of the targets; target without points 50; handling (80 + 40)/2 · ½ = 30, without the first 20; efficiency 10,

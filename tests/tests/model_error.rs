@@ -37,14 +37,16 @@ fn installation(folder: &Path) -> PathBuf {
 
 #[test]
 fn the_model_error_of_every_level_is_what_its_file_states() {
-    for level in 1..=6 {
-        let level = level.to_string();
-        let said = microsim(["tune", MODULE, "--level", &level, "--verify"]).expect(0);
-        assert!(
-            said.out.contains("confirmed"),
-            "level {level}: {}",
-            said.out
-        );
+    for (module, levels) in [(MODULE, 6), ("push-strip", 4)] {
+        for level in 1..=levels {
+            let level = level.to_string();
+            let said = microsim(["tune", module, "--level", &level, "--verify"]).expect(0);
+            assert!(
+                said.out.contains("confirmed"),
+                "{module}, level {level}: {}",
+                said.out
+            );
+        }
     }
 }
 

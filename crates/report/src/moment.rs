@@ -239,20 +239,28 @@ impl<'a> MomentCollector<'a> {
     }
 }
 
-/// What the messages show goes where the module says the same within [`PAUSE`]: its event takes the kind over.
+/// What the messages show goes where the module says the same within [`PAUSE`]: the nearest of its events takes over kind and tick, of
+/// several kinds the most telling one and of several ticks the last.
 fn without_doubles(mut moments: Vec<Moment>) -> Vec<Moment> {
     let mut doubles = Vec::new();
     for (at, shown) in moments.iter().enumerate() {
         let words = shown.kind.words();
-        let said = moments.iter().position(|said| {
+        let apart = |said: &Moment| (said.session_time - shown.session_time).abs();
+        let same = moments.iter().enumerate().filter(|(_, said)| {
             let id = said.event.as_deref().unwrap_or_default();
-            id.split('-').any(|part| words.contains(&part))
-                && (said.session_time - shown.session_time).abs() <= PAUSE
+            id.split('-').any(|part| words.contains(&part)) && apart(said) <= PAUSE
         });
-        doubles.extend(said.map(|said| (at, said)));
+        let said = same.min_by(|(_, a), (_, b)| apart(a).total_cmp(&apart(b)));
+        doubles.extend(said.map(|(said, _)| (at, said)));
     }
+    let rank = |kind| TELLING.iter().position(|telling| *telling == kind);
     for &(shown, said) in &doubles {
-        moments[said].kind = moments[shown].kind;
+        let Moment { kind, tick, .. } = moments[shown];
+        let said = &mut moments[said];
+        if said.kind == MomentKind::Event || rank(kind) < rank(said.kind) {
+            said.kind = kind;
+        }
+        said.tick = said.tick.max(tick);
     }
     let mut at = 0..moments.len();
     moments.retain(|_| {
@@ -458,6 +466,33 @@ mod tests {
         assert_eq!(lines, [0..3, 3..5, 5..6]);
         assert_eq!(line_kind(&report.moments[0..3]), MomentKind::LargestForce);
         assert_eq!(line_kind(&report.moments[3..5]), MomentKind::PieceOff);
+    }
+
+    /// Ticks of 1/8 s. Two tools cut one tick after the other, and the module says something of each: every cut goes to the event of its
+    /// own time, whose picture is of its last tick. An event that says that a cut has freed a piece is of the more telling kind.
+    #[test]
+    fn a_moment_is_told_by_the_nearest_event_and_by_its_most_telling_kind() {
+        let said = |id: &str| LevelEvent {
+            id: id.into(),
+            time: 0.0,
+            text: text(id),
+        };
+        let ticks = [
+            (3, log(&[&cut("left", &[]), &said("cut")])),
+            (4, log(&[&cut("right", &[]), &said("stray-cut")])),
+            (5, log(&[&cut("right", &[])])),
+            (9, log(&[&cut("left", &[1]), &said("cut-piece")])),
+        ];
+        let report = Report::build(&input(), ticks.iter().map(|(tick, log)| (*tick, &log[..])));
+        assert_eq!(
+            kinds(&report),
+            [
+                (MomentKind::Cut, 0.375, 3),
+                (MomentKind::Cut, 0.5, 5),
+                (MomentKind::PieceOff, 1.125, 9),
+                (MomentKind::End, 1.25, 9),
+            ]
+        );
     }
 
     /// Six grips and one cut in four pictures: begin and end do not fall out for grips, and the first grip comes before the second.

@@ -597,4 +597,11 @@ impl CourseConfig {
     pub fn new(setup: &Setup) -> Result<Self, Fault> {
         Ok(serde_json::from_value(setup.config.clone())?)
     }
+
+    /// Slots of the tools that hold tissue: those that do not cut it.
+    pub fn holders(&self) -> Vec<String> {
+        let cuts = |model: &str| self.models.get(model).is_some_and(|m| m.sharpness > 0.0);
+        let holding = self.tools.iter().filter(|tool| !cuts(&tool.model));
+        holding.map(|tool| tool.name.clone()).collect()
+    }
 }

@@ -18,6 +18,9 @@ pub trait Exercise: fmt::Debug + Send + Sized + 'static {
     /// The state before the first tick.
     fn start(&self) -> Result<Self::State, Fault>;
 
+    /// What is to be seen from the first tick on, published once, before the first [`Exercise::judge`]; nothing unless a module says so.
+    fn show(&self, _tick: &mut Tick<'_>) {}
+
     /// One tick, in every phase of the level, up to its end: see [`Course::running`].
     fn judge(
         &self,
@@ -34,6 +37,8 @@ pub trait Exercise: fmt::Debug + Send + Sized + 'static {
 struct Level<E: Exercise> {
     exercise: E,
     course: Course,
+    /// Whether [`Exercise::show`] has been called.
+    shown: bool,
     state: E::State,
 }
 
@@ -60,6 +65,7 @@ impl<E: Exercise> Plugin for Training<E> {
         let (exercise, targets) = E::new(setup, &config)?;
         self.level = Some(Level {
             course: Course::new(&config, targets)?,
+            shown: false,
             state: exercise.start()?,
             exercise,
         });
@@ -69,6 +75,7 @@ impl<E: Exercise> Plugin for Training<E> {
     fn reset(&mut self) -> Result<(), Fault> {
         let level = self.level()?;
         level.course.reset()?;
+        level.shown = false;
         level.state = level.exercise.start()?;
         Ok(())
     }
@@ -77,8 +84,12 @@ impl<E: Exercise> Plugin for Training<E> {
         let Level {
             exercise,
             course,
+            shown,
             state,
         } = self.level()?;
+        if !std::mem::replace(shown, true) {
+            exercise.show(tick);
+        }
         course.hear(tick)?;
         if !course.finished() {
             exercise.judge(state, course, tick)?;
@@ -89,15 +100,16 @@ impl<E: Exercise> Plugin for Training<E> {
     fn save(&self) -> Vec<u8> {
         let parts = self.level.as_ref().map(|level| {
             let course = serde_bytes::ByteBuf::from(level.course.save());
-            (course, &level.state)
+            (course, level.shown, &level.state)
         });
         encode(&parts)
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
-        let parts: Option<(serde_bytes::ByteBuf, E::State)> = decode_bytes(state)?;
-        if let (Some(level), Some((course, state))) = (&mut self.level, parts) {
+        let parts: Option<(serde_bytes::ByteBuf, bool, E::State)> = decode_bytes(state)?;
+        if let (Some(level), Some((course, shown, state))) = (&mut self.level, parts) {
             level.course.restore(&course)?;
+            level.shown = shown;
             level.state = state;
         }
         Ok(())

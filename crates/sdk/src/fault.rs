@@ -2,6 +2,7 @@
 
 use microsim_abi::{Fault as AbiFault, FaultKind};
 use microsim_message::DecodeError;
+use microsim_training::DwellError;
 use std::fmt;
 
 /// A failed call: one sentence for a person, and whether the plugin as such is fine but something on this machine is
@@ -54,6 +55,12 @@ impl std::error::Error for Fault {}
 
 impl From<DecodeError> for Fault {
     fn from(error: DecodeError) -> Self {
+        Self::new(error.to_string())
+    }
+}
+
+impl From<DwellError> for Fault {
+    fn from(error: DwellError) -> Self {
         Self::new(error.to_string())
     }
 }

@@ -6,7 +6,10 @@ use crate::{Fault, Plugin, boundary};
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault as AbiFault, FaultKind, PluginBox};
 use microsim_bus::{EndpointId, Frames, KindInfo, Limits, Router};
-use microsim_message::{Message, Setup, core_kinds, decode, encode, push};
+use microsim_message::{
+    LevelControl, Message, Pose, Setup, ToolState, ToolStates, ToolStatus, TrainingResult,
+    core_kinds, decode, encode, push,
+};
 
 /// The test's own place on the bus.
 const TESTER: &str = "tester";
@@ -142,6 +145,20 @@ impl<P: Plugin> TestHost<P> {
             .expect("a known kind and room in the queue");
     }
 
+    /// Publishes where all tools are: closed and tracked, each with its slot.
+    pub fn send_tools(&mut self, tools: &[(&str, Pose)]) {
+        let state = |(tool, pose): &(&str, Pose)| ToolState {
+            tool: (*tool).into(),
+            model: "-".into(),
+            status: ToolStatus::Tracked,
+            pose: *pose,
+            opening: 0.0,
+        };
+        self.send(&ToolStates {
+            tools: tools.iter().map(state).collect(),
+        });
+    }
+
     /// Publishes a block.
     pub fn send_block(&mut self, words: &[u64]) {
         self.router
@@ -205,6 +222,13 @@ impl<P: Plugin> TestHost<P> {
             }
         }
         Ok(None)
+    }
+
+    /// The input ends: the verdict of a training module.
+    pub fn end(&mut self) -> TrainingResult {
+        self.send(&LevelControl::InputEnded);
+        let result = self.tick().expect("a good tick").last();
+        result.expect("a verdict when the input has ended")
     }
 
     /// The plugin's state.

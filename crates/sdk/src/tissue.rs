@@ -2,17 +2,34 @@
 
 mod contacts;
 mod cuts;
+mod delivery;
 mod marks;
 mod patch;
 mod pieces;
 mod ring;
 
-pub use contacts::{Contacts, Drops};
+pub use contacts::{Contacts, Grasp, Releases};
 pub use cuts::{Booking, CutFindings, CutLog, MarkLine};
-pub use marks::{colour, mark_colour, mark_places};
+pub use delivery::{Delivered, Delivery};
+pub use marks::{colour, mark_colour, mark_places, show_colour, show_mark};
 pub use patch::{Patch, PatchPlace};
 pub use pieces::{PieceView, Probes};
 pub use ring::Ring;
+
+use crate::{Fault, Setup};
+use serde::Deserialize;
+
+/// The name of the tissue of a level: its first body. A fault where it has none.
+pub fn tissue_of(setup: &Setup) -> Result<String, Fault> {
+    #[derive(Deserialize)]
+    struct Named {
+        name: String,
+    }
+    let bodies: Vec<Named> = serde_json::from_value(setup.config["bodies"].clone())?;
+    let body = bodies.into_iter().next();
+    let body = body.ok_or_else(|| Fault::new("the level needs a [[body]]: the tissue"))?;
+    Ok(body.name)
+}
 
 /// Between two places \[m\].
 pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 /// The inner space of a rigid thing of the shape `tray`, from the floor to the rim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tray {
+    name: String,
     pose: Pose,
     /// \[m\]
     half_size: [f64; 3],
@@ -20,6 +21,7 @@ impl Tray {
         let thing = things.into_iter().find(|thing| thing.name == name);
         match thing.as_ref().map(|thing| (thing, thing.shape)) {
             Some((thing, RigidShape::Tray { half_size, .. })) => Ok(Self {
+                name: name.to_owned(),
                 pose: Pose::from_arrays(thing.position, thing.orientation),
                 half_size,
             }),
@@ -27,6 +29,11 @@ impl Tray {
                 "the level needs a [[rigid]] thing \"{name}\" of the shape \"tray\""
             ))),
         }
+    }
+
+    /// The rigid thing's name.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// Its middle \[m\].

@@ -8,9 +8,9 @@ mod site;
 mod state;
 
 use microsim_sdk::message::{
-    Colour, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
+    LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
 };
-use microsim_sdk::tissue::{Booking, Patch, Probes, colour, mark_colour};
+use microsim_sdk::tissue::{Booking, Patch, Probes, colour, show_colour, show_mark};
 use microsim_sdk::{
     BlockView, Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, export_plugin,
     turned_to,
@@ -33,13 +33,8 @@ fn text(de: String, en: String) -> LocalText {
 }
 
 impl Coordination {
-    /// Where marks lie and what tells the pieces apart, as the tissue lies in the first tick.
-    fn settle(
-        &self,
-        state: &mut State,
-        block: &BlockView<'_>,
-        tick: &mut Tick<'_>,
-    ) -> Result<(), Fault> {
+    /// Which tissue carries the marks and what tells the pieces apart, as the tissue lies in the first tick.
+    fn settle(&self, state: &mut State, block: &BlockView<'_>) -> Result<(), Fault> {
         for mark in &self.site.marks {
             let around = |end: [f64; 3]| Patch::around(end, self.site.keys.mark_radius, block);
             let [Some(first), Some(second)] = mark.ends().map(around) else {
@@ -49,12 +44,6 @@ impl Coordination {
                 )));
             };
             state.patches.push([first, second]);
-            tick.publish(&ObjectSet {
-                name: mark.name.clone(),
-                active: Some(true),
-                colour: Some(colour::CURRENT),
-                pose: None,
-            });
         }
         state.probes = Probes::nearest(&self.site.parts(), block).unwrap_or_default();
         Ok(())
@@ -112,11 +101,11 @@ impl Coordination {
             return Ok(());
         }
         let held = state.contacts.held_by_any();
-        if state.release.watch(tick.time(), !held) {
-            state.gripped = false;
+        if state.grip_ends.watch(tick.time(), !held) {
+            state.grip_told = false;
         }
-        if held && !state.gripped {
-            state.gripped = true;
+        if held && !state.grip_told {
+            state.grip_told = true;
             course.event(
                 tick,
                 "grip",
@@ -136,9 +125,20 @@ impl Coordination {
         Ok(())
     }
 
-    /// Cuts of a tick.
-    fn book(&self, state: &mut State, course: &Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
-        let steadied = state.contacts.held_by_any();
+    /// Cuts of a tick. One is steadied by what holds a piece on either side of its mark; a stump elsewhere does not.
+    fn book(
+        &self,
+        state: &mut State,
+        course: &Course,
+        block: &BlockView<'_>,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
+        let now = tick.time();
+        state
+            .grasp
+            .watch(now, &state.contacts, &state.probes, block);
+        let grasp = &state.grasp;
+        let steadied = |mark: usize| [mark, mark + 1].iter().any(|part| grasp.holds(*part, now));
         let lines: Vec<_> = self
             .site
             .marks
@@ -200,9 +200,10 @@ impl Coordination {
         };
         let mark = &self.site.marks[0];
         let held = state.contacts.held_by_all();
-        state.had |= held;
-        if state.drops.watch(tick.time(), state.had && !held) {
-            state.had = false;
+        let hold = &mut state.hold;
+        hold.had |= held;
+        if hold.drops.watch(tick.time(), hold.had && !held) {
+            hold.had = false;
             course.event(
                 tick,
                 "drop",
@@ -212,18 +213,14 @@ impl Coordination {
         let away = ring.away(place);
         let inside = away <= ring.opening;
         let holds = held && inside;
-        state.loose |= inside && !held;
+        hold.loose |= inside && !held;
         if holds {
-            state.reached = true;
-            state.counted = (state.counted.0 + 1, state.counted.1 + away);
+            hold.reached = true;
+            hold.counted = (hold.counted.0 + 1, hold.counted.1 + away);
         }
-        let done = state.dwell.update(tick.time(), holds) == DwellState::Complete;
-        let colour = match (done, holds) {
-            (true, _) => colour::DONE,
-            (false, true) => colour::HOLDING,
-            (false, false) => colour::CURRENT,
-        };
-        show(&mut state.colour, tick, &mark.name, colour);
+        let done = hold.dwell.update(tick.time(), holds) == DwellState::Complete;
+        let colour = colour::of(done, holds);
+        show_colour(&mut state.colour, tick, &mark.name, colour);
         if done {
             course.target_done(
                 tick,
@@ -300,28 +297,19 @@ impl Coordination {
                 text("Stück ist frei".into(), "Piece is free".into()),
             );
         }
-        let held = state.contacts.holds(piece.number);
-        state.carried |= held;
-        let inside = tray.contains(piece.centre);
-        // What is let go above the tray is dropped where it belongs.
-        let lost = !held && !tray.is_above(piece.centre);
-        if state.drops.watch(tick.time(), lost) {
+        let delivered = state
+            .delivery
+            .watch(tick.time(), &piece, &state.contacts, tray);
+        if delivered.dropped {
             course.event(
                 tick,
                 "drop",
                 text("Stück fallen gelassen".into(), "Piece dropped".into()),
             );
         }
-        // What was only pushed or fell there was not delivered.
-        let lies = state.carried && inside && state.contacts.is_on(TRAY, piece.number) && !held;
-        let done = state.dwell.update(tick.time(), lies) == DwellState::Complete;
-        let colour = match (done, lies) {
-            (true, _) => colour::DONE,
-            (false, true) => colour::HOLDING,
-            (false, false) => colour::CURRENT,
-        };
-        show(&mut state.colour, tick, TRAY, colour);
-        if done {
+        let colour = colour::of(delivered.done, delivered.lies);
+        show_colour(&mut state.colour, tick, TRAY, colour);
+        if delivered.done {
             course.target_done(
                 tick,
                 TRAY,
@@ -340,7 +328,7 @@ impl Coordination {
         course.measure("excess-time", state.contacts.excess);
         course.measure("peak-grip", state.contacts.peak_grip);
         if self.site.keys.task == Task::Hold {
-            if let (n @ 1.., errors) = state.counted {
+            if let (n @ 1.., errors) = state.hold.counted {
                 course.measure("place-error", errors / n as f64);
             }
         } else {
@@ -358,18 +346,15 @@ impl Coordination {
                     .for_each(|value| course.measure(id, value));
             }
         }
+        let drops = match self.site.keys.task {
+            Task::Hold => Some(state.hold.drops),
+            Task::Cut => None,
+            Task::Deliver => Some(state.delivery.drops),
+        };
         // What was never in a grip cannot be dropped.
-        if self.site.keys.task != Task::Cut && state.contacts.gripped {
-            course.measure("drops", f64::from(state.drops.count));
+        if let Some(drops) = drops.filter(|_| state.contacts.was_held) {
+            course.measure("drops", f64::from(drops.count));
         }
-    }
-}
-
-/// Shows a colour if it is another one.
-fn show(shown: &mut Colour, tick: &mut Tick<'_>, name: &str, colour: Colour) {
-    if *shown != colour {
-        *shown = colour;
-        mark_colour(tick, name, colour);
     }
 }
 
@@ -386,6 +371,12 @@ impl Exercise for Coordination {
         State::new(self.site.keys.dwell)
     }
 
+    fn show(&self, tick: &mut Tick<'_>) {
+        for mark in &self.site.marks {
+            show_mark(tick, &mark.name, colour::CURRENT);
+        }
+    }
+
     fn judge(
         &self,
         state: &mut State,
@@ -399,7 +390,7 @@ impl Exercise for Coordination {
             return Ok(());
         };
         if state.patches.is_empty() {
-            self.settle(state, &block, tick)?;
+            self.settle(state, &block)?;
         }
         let mut first = None;
         for (index, (mark, ends)) in self.site.marks.iter().zip(&state.patches).enumerate() {
@@ -415,7 +406,7 @@ impl Exercise for Coordination {
         if !course.running() {
             return Ok(());
         }
-        self.book(state, course, tick)?;
+        self.book(state, course, &block, tick)?;
         match self.site.keys.task {
             Task::Hold => self.hold(state, course, first, tick)?,
             Task::Cut => self.part(state, course, &block, tick)?,
@@ -443,8 +434,8 @@ impl Exercise for Coordination {
             .iter()
             .any(|mark| !course.is_done(&mark.name));
         course.speaks_against(match self.site.keys.task {
-            Task::Hold if state.reached => "dwell-too-short",
-            Task::Hold if state.loose => "not-gripped",
+            Task::Hold if state.hold.reached => "dwell-too-short",
+            Task::Hold if state.hold.loose => "not-gripped",
             Task::Hold => "not-in-ring",
             _ if uncut => "not-cut",
             _ => "not-in-tray",

@@ -1,6 +1,6 @@
 //! What a level asks for, from its file: marks, clamps, ring, tray, and which tools hold.
 
-use microsim_sdk::tissue::{MarkLine, Ring, mark_places};
+use microsim_sdk::tissue::{MarkLine, Ring, mark_places, tissue_of};
 use microsim_sdk::{CourseConfig, Fault, Object, Setup, Shape, Tray, least_way};
 use serde::Deserialize;
 
@@ -91,13 +91,8 @@ pub(crate) struct Site {
 impl Site {
     /// From the set-up of a level.
     pub fn new(setup: &Setup, config: &CourseConfig) -> Result<Self, Fault> {
-        #[derive(Deserialize)]
-        struct Named {
-            name: String,
-        }
         let keys: Keys = serde_json::from_value(config.module.clone())?;
         let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
-        let bodies: Vec<Named> = serde_json::from_value(setup.config["bodies"].clone())?;
         let marks = mark_places(&objects)?;
         let marks: Result<Vec<Mark>, Fault> = marks.iter().map(Mark::new).collect();
         let marks = marks?;
@@ -121,15 +116,10 @@ impl Site {
                 "[module] `task`: `hold` needs one [[object]] whose `name` starts with \"mark-\", `deliver` two; the level has {count}"
             )));
         }
-        let body = bodies.into_iter().next();
-        let cuts = |model: &str| config.models.get(model).is_some_and(|m| m.sharpness > 0.0);
-        let holding = config.tools.iter().filter(|tool| !cuts(&tool.model));
         Ok(Self {
-            body: body
-                .ok_or_else(|| Fault::new("the level needs a [[body]]: the tissue"))?
-                .name,
+            body: tissue_of(setup)?,
             tools: config.tools.iter().map(|tool| tool.name.clone()).collect(),
-            holders: holding.map(|tool| tool.name.clone()).collect(),
+            holders: config.holders(),
             ring: match keys.task {
                 Task::Hold => Some(Ring::named(&objects, RING)?),
                 _ => None,

@@ -2,7 +2,7 @@
 
 use microsim_sdk::Fault;
 use microsim_sdk::message::Colour;
-use microsim_sdk::tissue::{Contacts, CutLog, Drops, Patch, Probes, colour};
+use microsim_sdk::tissue::{Contacts, CutLog, Delivery, Grasp, Patch, Probes, Releases, colour};
 use microsim_training::Dwell;
 use serde::{Deserialize, Serialize};
 
@@ -15,26 +15,32 @@ pub struct State {
     pub(crate) patches: Vec<[Patch; 2]>,
     pub(crate) probes: Probes,
     pub(crate) contacts: Contacts,
+    pub(crate) grasp: Grasp,
     pub(crate) cuts: CutLog,
-    pub(crate) drops: Drops,
-    /// Whether tissue counts as gripped, and what says when it no longer does.
-    pub(crate) gripped: bool,
-    pub(crate) release: Drops,
-    /// Whether all tools that hold have had the tissue since it was last lost.
-    pub(crate) had: bool,
-    /// Whether the mark has counted as held at any time.
-    pub(crate) reached: bool,
-    /// Whether the mark has been in the ring without being held.
-    pub(crate) loose: bool,
-    /// Number of ticks and sum of distances from the middle of the ring \[m\], over all holding that counted.
-    pub(crate) counted: (u64, f64),
-    /// Whether the piece between the marks is off.
+    /// Whether the event of a grip has been published that goes on, and what says when it has ended.
+    pub(crate) grip_told: bool,
+    pub(crate) grip_ends: Releases,
+    pub(crate) hold: Hold,
+    /// Whether the piece between the marks is off, and how far it is on its way to the tray.
     pub(crate) off: bool,
-    /// Whether forceps have had it since.
-    pub(crate) carried: bool,
-    pub(crate) dwell: Dwell,
+    pub(crate) delivery: Delivery,
     /// Of the mark in the ring, or of the tray.
     pub(crate) colour: Colour,
+}
+
+/// What evolves in the task `hold`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Hold {
+    /// Whether all tools that hold have had the tissue since it was last lost, and how often it was.
+    pub had: bool,
+    pub drops: Releases,
+    /// Whether the mark has counted as held at any time.
+    pub reached: bool,
+    /// Whether the mark has been in the ring without being held.
+    pub loose: bool,
+    /// Number of ticks and sum of distances from the middle of the ring \[m\], over all holding that counted.
+    pub counted: (u64, f64),
+    pub dwell: Dwell,
 }
 
 impl State {
@@ -45,17 +51,20 @@ impl State {
             patches: Vec::new(),
             probes: Probes::default(),
             contacts: Contacts::default(),
+            grasp: Grasp::default(),
             cuts: CutLog::default(),
-            drops: Drops::default(),
-            gripped: false,
-            release: Drops::default(),
-            had: false,
-            reached: false,
-            loose: false,
-            counted: (0, 0.0),
+            grip_told: false,
+            grip_ends: Releases::default(),
+            hold: Hold {
+                had: false,
+                drops: Releases::default(),
+                reached: false,
+                loose: false,
+                counted: (0, 0.0),
+                dwell: Dwell::new(dwell)?,
+            },
             off: false,
-            carried: false,
-            dwell: Dwell::new(dwell).map_err(|e| Fault::new(e.to_string()))?,
+            delivery: Delivery::new(dwell)?,
             colour: colour::WAITING,
         })
     }

@@ -1,6 +1,6 @@
 //! The task `cut`: where the strip was cut, what has come off, and whether it lies in the tray.
 
-use microsim_sdk::tissue::{CutLog, Drops, MarkLine, Probes};
+use microsim_sdk::tissue::{CutLog, Delivery, MarkLine, PieceView, Probes};
 use microsim_sdk::{BlockView, Fault, Object, Tray};
 use serde::{Deserialize, Serialize};
 
@@ -41,29 +41,34 @@ impl Site {
 }
 
 /// How far the trainee is.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Progress {
     /// A node at the clamp and one of the free end: what has come off is the piece of the second.
     probes: Option<Probes>,
     pub cuts: CutLog,
-    pub drops: Drops,
+    pub delivery: Delivery,
     /// Whether the free end has come off.
     pub off: bool,
-    /// The number of its piece while it is in the tray.
-    pub inside: Option<u32>,
 }
 
 impl Progress {
-    /// Looks where the pieces are.
-    pub fn look(&mut self, block: &BlockView<'_>, site: &Site) -> Option<()> {
+    /// Before the first tick; the piece has to lie in the tray for `dwell` \[s\].
+    pub fn new(dwell: f64) -> Result<Self, Fault> {
+        Ok(Self {
+            probes: None,
+            cuts: CutLog::default(),
+            delivery: Delivery::new(dwell)?,
+            off: false,
+        })
+    }
+
+    /// Where the free end is, once it has come off.
+    pub fn piece(&mut self, block: &BlockView<'_>, site: &Site) -> Option<PieceView> {
         if self.probes.is_none() {
             self.probes = Probes::nearest(&site.ends(), block);
         }
         let probes = self.probes.as_ref()?;
         self.off = probes.apart(0, 1, block)?;
-        let piece = probes.piece(1, block)?;
-        let inside = self.off && site.tray.contains(piece.centre);
-        self.inside = inside.then_some(piece.number);
-        Some(())
+        probes.piece(1, block).filter(|_| self.off)
     }
 }

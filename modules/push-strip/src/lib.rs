@@ -12,7 +12,10 @@ use cut::{Progress, Site, TRAY};
 use microsim_sdk::message::{
     Colour, LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
 };
-use microsim_sdk::tissue::{Contacts, Drops, Patch, Ring, colour, mark_colour, mark_places};
+use microsim_sdk::tissue::{
+    Contacts, Patch, Releases, Ring, colour, mark_colour, mark_places, show_colour, show_mark,
+    tissue_of,
+};
 use microsim_sdk::{
     BlockView, Course, CourseConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, Tray,
     export_plugin, least_way,
@@ -30,7 +33,6 @@ const RING: &str = "ring";
 /// What evolves here besides the course.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    shown: bool,
     patches: Vec<Patch>,
     /// Number of targets done, and so the current one.
     current: usize,
@@ -46,7 +48,7 @@ pub struct State {
     counted: (u64, f64),
     /// Whether every tool that holds has had the tissue since it was last lost, and how often it was.
     had: bool,
-    drops: Drops,
+    drops: Releases,
     /// Of the task `cut`.
     progress: Progress,
     /// First tracked position of the tip \[m\].
@@ -69,21 +71,6 @@ pub struct PushStrip {
 pub type Module = Training<PushStrip>;
 
 impl PushStrip {
-    fn show(&self, tick: &mut Tick<'_>) {
-        for (index, mark) in self.marks.iter().enumerate() {
-            tick.publish(&ObjectSet {
-                name: mark.name.clone(),
-                active: Some(true),
-                colour: Some(if index == 0 {
-                    colour::CURRENT
-                } else {
-                    colour::WAITING
-                }),
-                pose: None,
-            });
-        }
-    }
-
     /// Lets marks move with the tissue.
     fn move_marks(&self, state: &State, block: &BlockView<'_>, tick: &mut Tick<'_>) {
         for (mark, patch) in self.marks.iter().zip(&state.patches) {
@@ -159,9 +146,9 @@ impl PushStrip {
             if let Some(next) = self.marks.get(n) {
                 mark_colour(tick, &next.name, colour::CURRENT);
             }
-        } else if standing.colour != state.colour {
-            state.colour = standing.colour;
-            mark_colour(tick, &self.marks[state.current].name, standing.colour);
+        } else {
+            let name = &self.marks[state.current].name;
+            show_colour(&mut state.colour, tick, name, standing.colour);
         }
         Ok(())
     }
@@ -186,10 +173,10 @@ impl PushStrip {
                 state
                     .progress
                     .cuts
-                    .book(&cut, mark, f64::INFINITY, steadied);
+                    .book(&cut, mark, f64::INFINITY, |_| steadied);
             }
         }
-        state.progress.look(block, site);
+        let piece = state.progress.piece(block, site);
         if state.current == 0 && state.progress.off {
             (state.current, state.colour) = (1, colour::WAITING);
             let said = LocalText {
@@ -203,30 +190,20 @@ impl PushStrip {
                 ..ObjectSet::default()
             });
         }
-        let held = state.contacts.held_by_all();
-        let (off, inside) = (state.progress.off, state.progress.inside);
-        state
-            .drops
-            .watch(tick.time(), off && inside.is_none() && !held);
-        let lies = inside.is_some_and(|piece| state.contacts.is_on(TRAY, piece)) && !held;
-        let mut shown = match lies {
-            true => colour::HOLDING,
-            false => colour::CURRENT,
+        let Some(piece) = piece.filter(|_| state.current == 1) else {
+            return Ok(());
         };
-        if state.current == 1 && state.dwell.update(tick.time(), lies) == DwellState::Complete {
+        let delivery = &mut state.progress.delivery;
+        let delivered = delivery.watch(tick.time(), &piece, &state.contacts, &site.tray);
+        let colour = colour::of(delivered.done, delivered.lies);
+        show_colour(&mut state.colour, tick, TRAY, colour);
+        if delivered.done {
             state.current = 2;
             let said = LocalText {
                 de: "Stück liegt in der Schale".into(),
                 en: "Piece lies in the tray".into(),
             };
             course.target_done(tick, TRAY, said)?;
-        }
-        if state.current == 2 {
-            shown = colour::DONE;
-        }
-        if state.current > 0 && shown != state.colour {
-            state.colour = shown;
-            mark_colour(tick, TRAY, shown);
         }
         Ok(())
     }
@@ -240,7 +217,15 @@ impl PushStrip {
                 course.measure("overshoot", state.overshoot);
             } else {
                 course.measure("peak-grip", state.contacts.peak_grip);
-                course.measure("drops", f64::from(state.drops.count));
+            }
+            let drops = match self.task {
+                Task::Push { .. } => None,
+                Task::Hold(_) => Some(state.drops),
+                Task::Cut(_) => Some(state.progress.delivery.drops),
+            };
+            // What was never in a grip cannot be dropped.
+            if let Some(drops) = drops.filter(|_| state.contacts.was_held) {
+                course.measure("drops", f64::from(drops.count));
             }
         }
         if let (n @ 1.., errors) = state.counted {
@@ -250,8 +235,12 @@ impl PushStrip {
             };
             course.measure(id, errors / n as f64);
         }
-        if let Some(distance) = state.progress.cuts.findings(f64::INFINITY).distance {
-            course.measure("cut-distance", distance);
+        if let Task::Cut(_) = self.task {
+            let found = state.progress.cuts.findings(f64::INFINITY);
+            course.measure("stray-cut", found.stray);
+            if let Some(distance) = found.distance {
+                course.measure("cut-distance", distance);
+            }
         }
     }
 
@@ -279,13 +268,8 @@ impl Exercise for PushStrip {
     type State = State;
 
     fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
-        #[derive(Deserialize)]
-        struct Named {
-            name: String,
-        }
         let keys: Keys = serde_json::from_value(config.module.clone())?;
         let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
-        let bodies: Vec<Named> = serde_json::from_value(setup.config["bodies"].clone())?;
         let marks = mark_places(&objects)?;
         let task = match keys.task {
             TaskName::Push => Task::Push {
@@ -295,13 +279,7 @@ impl Exercise for PushStrip {
             TaskName::Hold => Task::Hold(Ring::named(&objects, RING)?),
             TaskName::Cut => Task::Cut(Site::new(&marks[0], &objects, Tray::named(setup, TRAY)?)?),
         };
-        let body = bodies
-            .into_iter()
-            .next()
-            .ok_or_else(|| Fault::new("the level needs a body"))?;
-        let cuts = |model: &str| config.models.get(model).is_some_and(|m| m.sharpness > 0.0);
-        let holding = config.tools.iter().filter(|tool| !cuts(&tool.model));
-        let tools: Vec<String> = holding.map(|tool| tool.name.clone()).collect();
+        let tools = config.holders();
         if tools.is_empty() {
             return Err(Fault::new("the level needs a tool"));
         }
@@ -314,7 +292,7 @@ impl Exercise for PushStrip {
             task,
             marks,
             targets: targets.clone(),
-            body: body.name,
+            body: tissue_of(setup)?,
             tools,
         };
         Ok((exercise, targets))
@@ -322,10 +300,9 @@ impl Exercise for PushStrip {
 
     fn start(&self) -> Result<State, Fault> {
         Ok(State {
-            shown: false,
             patches: Vec::new(),
             current: 0,
-            dwell: Dwell::new(self.keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
+            dwell: Dwell::new(self.keys.dwell)?,
             colour: colour::CURRENT,
             reached: false,
             deepest: 0.0,
@@ -333,10 +310,20 @@ impl Exercise for PushStrip {
             overshoot: 0.0,
             counted: (0, 0.0),
             had: false,
-            drops: Drops::default(),
-            progress: Progress::default(),
+            drops: Releases::default(),
+            progress: Progress::new(self.keys.dwell)?,
             start: None,
         })
+    }
+
+    fn show(&self, tick: &mut Tick<'_>) {
+        for (index, mark) in self.marks.iter().enumerate() {
+            let colour = match index {
+                0 => colour::CURRENT,
+                _ => colour::WAITING,
+            };
+            show_mark(tick, &mark.name, colour);
+        }
     }
 
     fn judge(
@@ -345,10 +332,6 @@ impl Exercise for PushStrip {
         course: &mut Course,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        if !state.shown {
-            state.shown = true;
-            self.show(tick);
-        }
         state
             .contacts
             .hear(tick, &self.body, &self.tools, course.running())?;

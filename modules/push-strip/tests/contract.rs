@@ -3,8 +3,7 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, ToolState, ToolStates,
-    ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
@@ -65,23 +64,11 @@ fn snapshot(depth: f64) -> Vec<u64> {
         .finish()
 }
 
-fn tool() -> ToolStates {
-    ToolStates {
-        tools: vec![ToolState {
-            tool: "right".into(),
-            model: "probe".into(),
-            status: ToolStatus::Tracked,
-            pose: Pose::default(),
-            opening: 0.0,
-        }],
-    }
-}
-
 /// Holds a depth for so many ticks under a force.
 fn hold(host: &mut TestHost<Module>, depth: f64, force: f64, ticks: u64) -> Option<TrainingResult> {
     for _ in 0..ticks {
         host.send_block(&snapshot(depth));
-        host.send(&tool());
+        host.send_tools(&[("right", Pose::default())]);
         host.send(&ContactForces {
             contacts: vec![ContactForce {
                 tool: "right".into(),
@@ -110,14 +97,6 @@ fn started() -> TestHost<Module> {
     host
 }
 
-fn end(host: &mut TestHost<Module>) -> TrainingResult {
-    host.send(&LevelControl::InputEnded);
-    host.tick()
-        .expect("a good tick")
-        .last()
-        .expect("a verdict when the input has ended")
-}
-
 #[test]
 fn the_depth_held_for_long_enough_passes() {
     let mut host = started();
@@ -134,17 +113,17 @@ fn the_depth_held_for_long_enough_passes() {
 fn each_reason_comes_alone() {
     let mut shallow = started();
     hold(&mut shallow, DEPTH - 1.1 * TOLERANCE, 0.005, 2 * STAY);
-    assert_eq!(end(&mut shallow).failed, ["not-deep-enough"]);
+    assert_eq!(shallow.end().failed, ["not-deep-enough"]);
 
     let mut short = started();
     // The tick that ends the input still sees the last snapshot.
     hold(&mut short, DEPTH, 0.005, STAY - 2);
-    assert_eq!(end(&mut short).failed, ["dwell-too-short"]);
+    assert_eq!(short.end().failed, ["dwell-too-short"]);
 
     let mut deep = started();
     hold(&mut deep, DEPTH + 1.1 * TOLERANCE, 0.005, 2 * STAY);
     assert_eq!(
-        end(&mut deep).failed,
+        deep.end().failed,
         ["dwell-too-short"],
         "too deep does not count as held"
     );
@@ -167,10 +146,10 @@ fn without_tissue_nothing_is_reached() {
     let mut host = host();
     host.send(&LevelControl::Start);
     for _ in 0..2 * STAY {
-        host.send(&tool());
+        host.send_tools(&[("right", Pose::default())]);
         host.tick().expect("a good tick");
     }
-    let result = end(&mut host);
+    let result = host.end();
     assert_eq!(
         (result.targets_done, result.score, result.passed),
         (0, 0.0, false)

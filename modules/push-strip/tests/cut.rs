@@ -2,8 +2,7 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, ToolState,
-    ToolStates, ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
@@ -29,22 +28,27 @@ fn started() -> TestHost<Module> {
         keys["active"] = json!(true);
         keys
     };
+    let limit = |metric: &str, max: f64, reason: &str| {
+        json!({
+            "metric": metric, "min": null, "max": max, "full": null, "zero": null,
+            "source": "this test", "provisional": true, "reason": reason,
+        })
+    };
+    let own_metric = |id: &str, unit: &str| {
+        json!({
+            "id": id, "unit": unit, "display_unit": null, "direction": "lower", "category": "target", "formula": "-",
+            "source": "this test", "title": { "de": "-", "en": "-" }, "advice": { "de": "-", "en": "-" },
+        })
+    };
     let config = json!({
         "tools": [{ "name": "left", "model": "forceps" }, { "name": "right", "model": "scissors" }],
         "models": { "forceps": tool("forceps", 0.0), "scissors": tool("scissors", 1.0) },
-        "limits": [{
-            "metric": "cut-distance", "min": null, "max": 0.001, "full": null, "zero": null,
-            "source": "this test", "provisional": true, "reason": "cut-beside-the-mark",
-        }],
+        "limits": [limit("cut-distance", 0.001, "cut-beside-the-mark"), limit("stray-cut", 1e-8, "stray-cut")],
         "metrics": {
             "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05,
             "resample_rate": 60.0, "gap": 0.1, "shortest_path": null,
         },
-        "own_metrics": [{
-            "id": "cut-distance", "unit": "m", "display_unit": "um", "direction": "lower",
-            "category": "target", "formula": "cut-distance/1", "source": "this test",
-            "title": { "de": "Abstand", "en": "Distance" }, "advice": { "de": "-", "en": "-" },
-        }],
+        "own_metrics": [own_metric("cut-distance", "m"), own_metric("stray-cut", "m^2"), own_metric("drops", "count")],
         "reasons": [],
         "module": { "task": "cut", "depth": 0.001, "depth_tolerance": 0.0001, "dwell": DWELL, "mark_radius": 0.0021 },
         "objects": [
@@ -103,16 +107,7 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
         .u32s("piece", pieces)
         .u32s("triangle", [0, 1, 2]);
     host.send_block(&block.finish());
-    let state = |tool: &str| ToolState {
-        tool: tool.into(),
-        model: "-".into(),
-        status: ToolStatus::Tracked,
-        pose: Pose::default(),
-        opening: 0.0,
-    };
-    host.send(&ToolStates {
-        tools: vec![state("left"), state("right")],
-    });
+    host.send_tools(&[("left", Pose::default()), ("right", Pose::default())]);
     let last = pieces[3];
     let force = |tool: &str, grip: f64| ContactForce {
         tool: tool.into(),
@@ -131,19 +126,26 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
 }
 
 fn cut(host: &mut TestHost<Module>, x: f64) {
+    cut_at(host, x, [1.0, 0.0, 0.0]);
+}
+
+fn cut_at(host: &mut TestHost<Module>, x: f64, rest_normal: [f64; 3]) {
     host.send(&TissueCut {
         body: "strip".into(),
         tool: "right".into(),
         area: 1e-6,
         // Only along the normal does it count.
         rest_centroid: [x, 0.0005, -0.0005],
-        rest_normal: [1.0, 0.0, 0.0],
+        rest_normal,
         ..TissueCut::default()
     });
 }
 
 const IN_TRAY: Piece = Piece::Off([-0.0075, 0.0, -0.0035]);
 const BESIDE: Piece = Piece::Off([-0.0075, 0.0, -0.0049]);
+const ABOVE: Piece = Piece::Off([-0.0075, 0.0, 0.0]);
+/// Ticks without a grip after which a piece is dropped: 0.1 s, counted from the first one.
+const DROP: u64 = 14;
 
 fn lie(
     host: &mut TestHost<Module>,
@@ -152,12 +154,6 @@ fn lie(
     ticks: u64,
 ) -> Option<TrainingResult> {
     (0..ticks).find_map(|_| tick(host, piece, held))
-}
-
-fn end(host: &mut TestHost<Module>) -> TrainingResult {
-    host.send(&LevelControl::InputEnded);
-    let result = host.tick().expect("a good tick").last();
-    result.expect("a verdict when the input has ended")
 }
 
 fn metric(result: &TrainingResult, id: &str) -> Option<f64> {
@@ -188,16 +184,55 @@ fn a_piece_cut_off_at_the_mark_that_lies_in_the_tray_passes() {
 fn each_reason_comes_alone() {
     let mut uncut = started();
     lie(&mut uncut, Piece::None, false, 2 * STAY);
-    assert_eq!(end(&mut uncut).failed, ["not-cut"]);
+    assert_eq!(uncut.end().failed, ["not-cut"]);
 
     let mut lost = started();
     cut(&mut lost, 0.001);
     lie(&mut lost, Piece::Off([0.0; 3]), true, 1);
     lie(&mut lost, BESIDE, false, 2 * STAY);
-    assert_eq!(end(&mut lost).failed, ["not-in-tray"]);
+    assert_eq!(lost.end().failed, ["not-in-tray"]);
 
     let mut beside = started();
     cut(&mut beside, -0.0005);
+    lie(&mut beside, Piece::Off([0.0; 3]), true, 1);
     let result = lie(&mut beside, IN_TRAY, false, 2 * STAY).expect("the verdict");
     assert_eq!(result.failed, ["cut-beside-the-mark"]);
+
+    // Cut off by planes along the strip alone: nothing is known of a distance, and that must not let it pass.
+    let mut slit = started();
+    cut_at(&mut slit, 0.001, [0.0, 1.0, 0.0]);
+    lie(&mut slit, Piece::Off([0.0; 3]), true, 1);
+    let result = lie(&mut slit, IN_TRAY, false, 2 * STAY).expect("the verdict");
+    assert_eq!(result.failed, ["stray-cut"]);
+    assert_eq!(metric(&result, "cut-distance"), None);
+}
+
+/// What is let go straight above the tray falls into it and is delivered; what is let go elsewhere was dropped, at the first tick of
+/// 0.1 s; what was never gripped neither is dropped nor delivered, wherever it lies.
+#[test]
+fn a_piece_is_dropped_only_where_it_does_not_fall_into_the_tray() {
+    let carried = || {
+        let mut host = started();
+        cut(&mut host, 0.001);
+        lie(&mut host, Piece::Off([0.0; 3]), true, 1);
+        host
+    };
+    let mut delivered = carried();
+    assert!(lie(&mut delivered, ABOVE, false, 2 * DROP).is_none());
+    let result = lie(&mut delivered, IN_TRAY, false, STAY + 1).expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+    assert_eq!(metric(&result, "drops"), Some(0.0));
+
+    for (ticks, drops) in [(DROP - 2, 0.0), (DROP, 1.0)] {
+        let mut dropped = carried();
+        lie(&mut dropped, BESIDE, false, ticks);
+        assert_eq!(metric(&dropped.end(), "drops"), Some(drops));
+    }
+
+    let mut fallen = started();
+    lie(&mut fallen, Piece::None, false, 1);
+    cut(&mut fallen, 0.001);
+    assert!(lie(&mut fallen, IN_TRAY, false, 2 * STAY).is_none());
+    let result = fallen.end();
+    assert_eq!(result.failed, ["not-in-tray"]);
 }

@@ -11,7 +11,7 @@ pub use placement::{Place, places};
 use microsim_sdk::message::{
     Colour, LocalText, ObjectSet, Pose, ToolState, ToolStates, ToolStatus,
 };
-use microsim_sdk::tissue::{colour, distance, mark_colour};
+use microsim_sdk::tissue::{colour, distance, mark_colour, show_colour};
 use microsim_sdk::{
     Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, axis, export_plugin, least_way,
     turned_to,
@@ -47,7 +47,6 @@ struct ObjectKeys {
 /// What evolves here besides the course.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    shown: bool,
     current: usize,
     dwell: Dwell,
     colour: Colour,
@@ -80,25 +79,6 @@ fn target(index: usize) -> String {
 }
 
 impl TouchSpheres {
-    /// Shows the spheres where they lie, and the first needle.
-    fn show(&self, tick: &mut Tick<'_>) {
-        for (index, place) in self.places.iter().enumerate() {
-            tick.publish(&ObjectSet {
-                name: target(index),
-                active: Some(true),
-                pose: Some(Pose {
-                    position: place.centre,
-                    ..Pose::default()
-                }),
-                colour: Some(match index {
-                    0 => colour::CURRENT,
-                    _ => colour::WAITING,
-                }),
-            });
-        }
-        self.show_needle(tick, self.places.first());
-    }
-
     fn show_needle(&self, tick: &mut Tick<'_>, place: Option<&Place>) {
         let pose = place.map(|place| {
             let way = self.radius + 0.5 * self.needle;
@@ -130,10 +110,8 @@ impl TouchSpheres {
         if tool.status != ToolStatus::Tracked {
             // Nothing is known of the tip: what it held is neither kept nor counted as lost.
             state.dwell.reset();
-            if state.colour != colour::CURRENT {
-                state.colour = colour::CURRENT;
-                mark_colour(tick, &target(state.current), colour::CURRENT);
-            }
+            let name = target(state.current);
+            show_colour(&mut state.colour, tick, &name, colour::CURRENT);
             return Ok(());
         }
         let tip = tool.pose.position;
@@ -193,10 +171,7 @@ impl TouchSpheres {
             (false, true) => colour::TOO_FAR,
             (false, false) => colour::CURRENT,
         };
-        if shown != state.colour {
-            state.colour = shown;
-            mark_colour(tick, &target(state.current), shown);
-        }
+        show_colour(&mut state.colour, tick, &target(state.current), shown);
         Ok(())
     }
 
@@ -249,9 +224,8 @@ impl Exercise for TouchSpheres {
 
     fn start(&self) -> Result<State, Fault> {
         Ok(State {
-            shown: false,
             current: 0,
-            dwell: Dwell::new(self.keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
+            dwell: Dwell::new(self.keys.dwell)?,
             colour: colour::CURRENT,
             wrong: 0.0,
             touched: false,
@@ -261,16 +235,31 @@ impl Exercise for TouchSpheres {
         })
     }
 
+    /// Shows the spheres where they lie, and the first needle.
+    fn show(&self, tick: &mut Tick<'_>) {
+        for (index, place) in self.places.iter().enumerate() {
+            tick.publish(&ObjectSet {
+                name: target(index),
+                active: Some(true),
+                pose: Some(Pose {
+                    position: place.centre,
+                    ..Pose::default()
+                }),
+                colour: Some(match index {
+                    0 => colour::CURRENT,
+                    _ => colour::WAITING,
+                }),
+            });
+        }
+        self.show_needle(tick, self.places.first());
+    }
+
     fn judge(
         &self,
         state: &mut State,
         course: &mut Course,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        if !state.shown {
-            state.shown = true;
-            self.show(tick);
-        }
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         if let (true, Some(tool)) = (course.running(), tools.iter().find(|t| t.tool == self.tool)) {
             self.touch(state, course, tool, tick)?;

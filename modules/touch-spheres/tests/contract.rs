@@ -86,14 +86,6 @@ fn run(host: &mut TestHost<Module>, states: &ToolStates, ticks: u64) -> Option<T
     None
 }
 
-fn end(host: &mut TestHost<Module>) -> TrainingResult {
-    host.send(&LevelControl::InputEnded);
-    host.tick()
-        .expect("a good tick")
-        .last()
-        .expect("a verdict when the input has ended")
-}
-
 #[test]
 fn both_spheres_touched_rightly_pass() {
     let mut host = host();
@@ -146,7 +138,7 @@ fn a_wrong_angle_and_a_short_stay_are_told_apart() {
             &tool(first.centre, first.direction, angle),
             ticks,
         );
-        let result = end(&mut host);
+        let result = host.end();
         assert_eq!(result.failed, [reason], "{angle} rad for {ticks} ticks");
         assert_eq!((result.targets_done, result.score), (0, 0.0));
     }
@@ -166,7 +158,7 @@ fn nothing_counts_before_the_start_nor_while_not_tracked() {
     run(&mut host, &good, STAY / 2);
     run(&mut host, &lost, 1);
     run(&mut host, &good, STAY / 2);
-    let result = end(&mut host);
+    let result = host.end();
     assert_eq!(result.targets_done, 0);
     let losses = result.metrics.iter().find(|m| m.id == "losses");
     assert_eq!(losses.and_then(|m| m.value), Some(0.0));
@@ -196,11 +188,10 @@ fn the_current_sphere_shows_its_colour() {
     assert!(pose("needle").is_some());
     let first = level_places()[0];
     host.send(&tool(first.centre, first.direction, 1.0));
-    let red: ObjectSet = host
-        .tick()
-        .expect("a good tick")
-        .last()
-        .expect("a change of colour");
+    let changes: Vec<ObjectSet> = host.tick().expect("a good tick").all();
+    let [red] = &changes[..] else {
+        panic!("all is shown once, and the change of one colour: {changes:?}");
+    };
     assert_eq!(red.name, "sphere-1");
     let [r, g, b] = red.colour.expect("a colour");
     assert!(r > 0.7 && g < 0.3 && b < 0.3, "red inside at a wrong angle");

@@ -1,12 +1,13 @@
-//! What tools do to a body: whether they hold it, how hard, for how long too hard; and how often it was lost.
+//! What tools do to a body: whether they hold it, how hard, for how long too hard; and how often it was let go.
 
-use super::length;
+use super::{Probes, length};
 use crate::{Fault, Tick};
+use microsim_bus::BlockView;
 use microsim_message::{ContactForce, ContactForces, GRIP_MIN};
 use serde::{Deserialize, Serialize};
 
-/// Time without a grip after which tissue has been dropped \[s\]. A grip that trembles for a tick has not let go.
-const DROPPED: f64 = 0.1;
+/// Time without a grip after which tissue has been let go \[s\]. A grip that trembles for a tick has not let go.
+const LET_GO: f64 = 0.1;
 
 /// Share of the normal force that has to act where nothing slides, for tissue to move with the jaws. Tissue that is held at rest
 /// under tension may be at the limit of its friction over more than half of the grip, and what sticks holds it nevertheless.
@@ -18,7 +19,7 @@ pub struct Contacts {
     /// Whether anything of a tool has touched it so far.
     pub touched: bool,
     /// Whether a tool that holds has had it so far.
-    pub gripped: bool,
+    pub was_held: bool,
     /// The pieces of it that each of the tools that hold had in the last tick; none where it held nothing.
     pub held: Vec<Vec<u32>>,
     /// Rigid things and bodies that it touched in the last tick, each with the pieces of it that did.
@@ -55,7 +56,7 @@ impl Contacts {
             held.flat_map(|c| c.pieces.iter().copied()).collect()
         };
         self.held = holders.iter().map(held).collect();
-        self.gripped |= self.held_by_any();
+        self.was_held |= self.held_by_any();
         let between = forces.iter().flat_map(|f| &f.between).filter(of_it);
         self.on = between
             .map(|contact| (contact.tool.clone(), contact.pieces.clone()))
@@ -102,26 +103,59 @@ fn holds(contact: &ContactForce) -> bool {
     contact.grip >= GRIP_MIN && contact.stick >= HELD_STICK
 }
 
-/// Counts how often tissue was lost.
+/// Counts how often something was let go for good.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Drops {
+pub struct Releases {
     /// How often so far.
     pub count: u32,
     since: Option<f64>,
     told: bool,
 }
 
-impl Drops {
-    /// Whether it counts as dropped from `time` \[s\] on; `loose` tells whether nobody has it where somebody should.
+impl Releases {
+    /// Whether it counts as let go from `time` \[s\] on; `loose` tells whether nobody has it where somebody should.
     pub fn watch(&mut self, time: f64, loose: bool) -> bool {
         if !loose {
             (self.since, self.told) = (None, false);
             return false;
         }
         let since = *self.since.get_or_insert(time);
-        let dropped = !self.told && time - since >= DROPPED;
-        self.told |= dropped;
-        self.count += u32::from(dropped);
-        dropped
+        let gone = !self.told && time - since >= LET_GO;
+        self.told |= gone;
+        self.count += u32::from(gone);
+        gone
+    }
+}
+
+/// Which parts of a body are held, part by part of its [`Probes`]: what was held a moment ago still is, as a grip that trembles for a tick
+/// has not let go.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Grasp {
+    /// When the piece of each probe was held last \[s\].
+    last: Vec<Option<f64>>,
+}
+
+impl Grasp {
+    /// Looks at all parts in a tick, at `time` \[s\].
+    pub fn watch(
+        &mut self,
+        time: f64,
+        contacts: &Contacts,
+        probes: &Probes,
+        block: &BlockView<'_>,
+    ) {
+        self.last.resize(probes.count(), None);
+        for (probe, last) in self.last.iter_mut().enumerate() {
+            let piece = probes.number(probe, block);
+            if piece.is_some_and(|piece| contacts.holds(piece)) {
+                *last = Some(time);
+            }
+        }
+    }
+
+    /// Whether the piece of a probe is held at `time` \[s\].
+    pub fn holds(&self, probe: usize, time: f64) -> bool {
+        let last = self.last.get(probe).copied().flatten();
+        last.is_some_and(|last| time - last < LET_GO)
     }
 }

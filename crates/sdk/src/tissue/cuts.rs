@@ -7,6 +7,10 @@ use microsim_message::TissueCut;
 use microsim_settings::Object;
 use serde::{Deserialize, Serialize};
 
+/// Sine of the angle to the surface below which a plane does not cut tissue through but peels a layer off: 30°. Small bites at edges are
+/// bevels of up to 50°.
+const PEELED: f64 = 0.5;
+
 /// A line on tissue along which it is to be cut, straight down: tissue that lies flat has its normal along z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkLine {
@@ -37,6 +41,13 @@ impl MarkLine {
         })
     }
 
+    /// Whether a plane with this normal is a cut of the mark, rather than a slit that runs away from its line or a layer that is peeled
+    /// off.
+    fn is_cut_by(&self, normal: [f64; 3]) -> bool {
+        let [across, along] = [self.across, self.along].map(|axis| dot(normal, axis).abs());
+        across > along.max(PEELED)
+    }
+
     /// How far a place is from the line [m].
     fn away(&self, place: [f64; 3]) -> f64 {
         let offset = [0, 1, 2].map(|k| place[k] - self.middle[k]);
@@ -62,7 +73,7 @@ struct Cut {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CutLog {
     marks: Vec<Vec<Cut>>,
-    /// Areas that tools opened: at no mark, and while the tissue was held \[m²\].
+    /// Areas that tools opened: at no mark, and in tissue that was held \[m²\].
     elsewhere: f64,
     steadied: f64,
     torn: f64,
@@ -99,18 +110,19 @@ pub struct CutFindings {
     pub stray: f64,
     /// Area that tore by itself \[m²\].
     pub torn: f64,
-    /// Share of the area opened by tools that was opened while the tissue was held. `None` if nothing was cut.
+    /// Share of the area opened by tools that was opened in tissue that was held. `None` if nothing was cut.
     pub steadied: Option<f64>,
 }
 
 impl CutLog {
-    /// Books a cut to the nearest of the marks, if it is within `reach` \[m\]. `steadied` tells whether the tissue was held.
+    /// Books a cut to the nearest of the marks, if it is within `reach` \[m\] and runs along its line rather than away from it. `steadied` is
+    /// asked whether the tissue at the nearest mark was held, by the mark's index, whether or not the cut is booked to it.
     pub fn book(
         &mut self,
         cut: &TissueCut,
         marks: &[MarkLine],
         reach: f64,
-        steadied: bool,
+        steadied: impl FnOnce(usize) -> bool,
     ) -> Booking {
         self.marks.resize(marks.len(), Vec::new());
         if cut.area <= 0.0 {
@@ -120,11 +132,14 @@ impl CutLog {
             self.torn += cut.area;
             return Booking::Tear;
         }
-        self.steadied += if steadied { cut.area } else { 0.0 };
         let away = |mark: &MarkLine| mark.away(cut.rest_centroid);
         let all = marks.iter().enumerate();
         let nearest = all.min_by(|(_, a), (_, b)| away(a).total_cmp(&away(b)));
-        let Some((index, mark)) = nearest.filter(|(_, mark)| away(mark) <= reach) else {
+        if nearest.is_some_and(|(index, _)| steadied(index)) {
+            self.steadied += cut.area;
+        }
+        let is_its_cut = |mark: &MarkLine| away(mark) <= reach && mark.is_cut_by(cut.rest_normal);
+        let Some((index, mark)) = nearest.filter(|(_, mark)| is_its_cut(mark)) else {
             self.elsewhere += cut.area;
             return Booking::Stray;
         };
@@ -215,7 +230,7 @@ mod tests {
     fn findings(cuts: &[TissueCut]) -> CutFindings {
         let mut log = CutLog::default();
         for cut in cuts {
-            log.book(cut, &[mark()], 1.2e-3, false);
+            log.book(cut, &[mark()], 1.2e-3, |_| false);
         }
         log.findings(0.4e-3)
     }
@@ -236,14 +251,64 @@ mod tests {
         }
     }
 
-    /// Two bites from both edges, 0.6 mm apart and each 0.3 mm from the mark: neither is far from it.
-    #[test]
-    fn bites_on_both_sides_of_the_mark_are_its_cut() {
-        let bites = [0.3e-3, -0.3e-3].map(|x| cut(x, 0.6e-6, [1.0, 0.0, 0.0]));
-        let found = findings(&bites);
-        let distance = found.distance.expect("a cut");
-        assert!((distance - 0.3e-3).abs() < 1e-15, "{distance}");
+    /// Nothing is stray, and the distance of the cut is this one [m]; tolerance: rounding.
+    #[track_caller]
+    fn assert_cut(found: CutFindings, distance: f64) {
+        let measured = found.distance.expect("a cut");
+        assert!((measured - distance).abs() < 1e-15, "{measured}");
         assert_eq!(found.stray, 0.0);
+    }
+
+    /// Two bites from both edges, 0.6 mm apart and each 0.3 mm from the mark: neither is far from it. And a whole cut 0.7 mm beside: it
+    /// is the cut of this mark, only at the wrong place.
+    #[test]
+    fn bites_on_both_sides_of_the_mark_and_a_whole_cut_beside_it_are_its_cut() {
+        let across = |x: f64| cut(x, 0.4e-6, [1.0, 0.0, 0.0]);
+        assert_cut(findings(&[0.3e-3, -0.3e-3].map(across)), 0.3e-3);
+        assert_cut(findings(&[0.69e-3, 0.7e-3, 0.71e-3].map(across)), 0.7e-3);
+    }
+
+    /// A slit of 1 mm² along the tissue through the middle of the mark: its plane holds the mark's middle and would have the distance 0.
+    /// Turned by 0.7 rad, less than half a right angle of 0.785, a plane is still the mark's cut, by 0.87 rad no more; as a bevel by 1.0 and
+    /// not by 1.1 rad, before and behind 60°.
+    #[test]
+    fn a_slit_lengthwise_through_the_mark_is_stray() {
+        let mut log = CutLog::default();
+        let slit = cut(0.0, 1e-6, [0.0, -1.0, 0.0]);
+        let booked = log.book(&slit, &[mark()], 1.2e-3, |_| false);
+        assert_eq!(booked, Booking::Stray);
+        let found = log.findings(0.4e-3);
+        assert_eq!(
+            (found.distance, found.angle, found.stray),
+            (None, None, 1e-6)
+        );
+        let turned = |angle| [libm::cos(angle), libm::sin(angle), 0.0];
+        let bevel = |angle| [-libm::cos(angle), 0.0, libm::sin(angle)];
+        for (normal, stray) in [
+            (turned(0.7), 0.0),
+            (turned(0.87), 1e-6),
+            (bevel(1.0), 0.0),
+            (bevel(1.1), 1e-6),
+        ] {
+            assert_eq!(findings(&[cut(0.0, 1e-6, normal)]).stray, stray);
+        }
+    }
+
+    /// Of two cuts of 1 mm² each the one at the second mark is steadied, whose tissue is held; so is a stray one nearest to it.
+    #[test]
+    fn a_cut_is_steadied_by_what_holds_the_tissue_at_its_mark() {
+        let mut other = mark();
+        other.middle = [4e-3, 0.0, 0.0];
+        let marks = [mark(), other];
+        let mut log = CutLog::default();
+        let mut steadied = |x: f64| {
+            let cut = cut(x, 1e-6, [1.0, 0.0, 0.0]);
+            log.book(&cut, &marks, 1.2e-3, |index| index == 1);
+            log.findings(0.4e-3).steadied
+        };
+        assert_eq!(steadied(0.0), Some(0.0));
+        assert_eq!(steadied(4e-3), Some(0.5));
+        assert_eq!(steadied(7e-3), Some(2.0 / 3.0));
     }
 
     /// A bite at the edge of the mark, 0.9 mm along it, whose plane is askew by asin(0.6) and so passes the middle at 0.54 mm.
@@ -252,19 +317,7 @@ mod tests {
         let mut bite = cut(0.0, 0.1e-6, [0.8, 0.6, 0.0]);
         bite.rest_centroid[1] = 0.9e-3;
         let found = findings(&[cut(0.0, 1.1e-6, [1.0, 0.0, 0.0]), bite]);
-        assert_eq!(found.stray, 0.0);
-        let distance = found.distance.expect("a cut");
-        assert!((distance - 0.54e-3 / 12.0).abs() < 1e-15, "{distance}");
-    }
-
-    /// All of it 0.7 mm beside: it is the cut of this mark, only at the wrong place.
-    #[test]
-    fn a_whole_cut_beside_the_mark_is_far_and_not_stray() {
-        let cuts = [0.69e-3, 0.7e-3, 0.71e-3].map(|x| cut(x, 0.4e-6, [1.0, 0.0, 0.0]));
-        let found = findings(&cuts);
-        let distance = found.distance.expect("a cut");
-        assert!((distance - 0.7e-3).abs() < 1e-15, "{distance}");
-        assert_eq!(found.stray, 0.0);
+        assert_cut(found, 0.54e-3 / 12.0);
     }
 
     /// Planes through the mark's middle, turned by asin(0.6) about the tissue's normal, and about the mark's own line (a bevel).

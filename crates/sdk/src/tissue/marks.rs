@@ -21,6 +21,15 @@ pub mod colour {
     pub const TOO_FAR: Colour = [0.85, 0.12, 0.12];
     /// Done.
     pub const DONE: Colour = [0.20, 0.70, 0.25];
+
+    /// Of what is asked for now: done, as it should be, or neither.
+    pub fn of(done: bool, holds: bool) -> Colour {
+        match (done, holds) {
+            (true, _) => DONE,
+            (false, true) => HOLDING,
+            (false, false) => CURRENT,
+        }
+    }
 }
 
 /// The marks among the objects of a level, in its order. A fault where there is none.
@@ -33,6 +42,24 @@ pub fn mark_places(objects: &[Object]) -> Result<Vec<Object>, Fault> {
         )));
     }
     Ok(marks)
+}
+
+/// Shows a mark where it lies.
+pub fn show_mark(tick: &mut Tick<'_>, name: &str, colour: Colour) {
+    tick.publish(&ObjectSet {
+        name: name.to_owned(),
+        active: Some(true),
+        colour: Some(colour),
+        pose: None,
+    });
+}
+
+/// Lets an object or rigid thing show a colour if it is another one than `shown`, which it becomes.
+pub fn show_colour(shown: &mut Colour, tick: &mut Tick<'_>, name: &str, colour: Colour) {
+    if *shown != colour {
+        *shown = colour;
+        mark_colour(tick, name, colour);
+    }
 }
 
 /// Lets an object or rigid thing show a colour.

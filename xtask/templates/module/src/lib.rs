@@ -4,7 +4,7 @@
 //! of a plugin are the SDK's; here stands only what is this module's own.
 
 use microsim_sdk::message::{Colour, LocalText, ToolStates, ToolStatus};
-use microsim_sdk::tissue::{colour, distance, mark_colour};
+use microsim_sdk::tissue::{colour, distance, show_colour};
 use microsim_sdk::{
     Course, CourseConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, export_plugin,
 };
@@ -75,7 +75,7 @@ impl Exercise for {{Name}} {
 
     fn start(&self) -> Result<State, Fault> {
         Ok(State {
-            dwell: Dwell::new(self.keys.dwell).map_err(|e| Fault::new(e.to_string()))?,
+            dwell: Dwell::new(self.keys.dwell)?,
             touched: false,
             losses: 0,
             colour: colour::CURRENT,
@@ -109,10 +109,7 @@ impl Exercise for {{Name}} {
             }
             DwellState::Idle => colour::CURRENT,
         };
-        if shown != state.colour {
-            state.colour = shown;
-            mark_colour(tick, SPHERE, shown);
-        }
+        show_colour(&mut state.colour, tick, SPHERE, shown);
         course.measure("losses", f64::from(state.losses));
         Ok(())
     }
@@ -130,7 +127,7 @@ export_plugin!(Training<{{Name}}>, "../module.toml");
 mod tests {
     use super::*;
     use microsim_sdk::TestHost;
-    use microsim_sdk::message::{LevelControl, Pose, ToolState, TrainingResult};
+    use microsim_sdk::message::{LevelControl, Pose, TrainingResult};
     use serde_json::json;
 
     /// A level with a sphere of 2 mm at the origin, to be held for 1 s, in ticks of 8 ms.
@@ -157,20 +154,12 @@ mod tests {
         host.expect("a level that is complete").moving()
     }
 
-    fn tip(x: f64) -> ToolStates {
+    fn tip(host: &mut TestHost<Training<{{Name}}>>, x: f64) {
         let pose = Pose {
             position: [x, 0.0, 0.0],
             ..Pose::default()
         };
-        ToolStates {
-            tools: vec![ToolState {
-                tool: "right".into(),
-                model: "forceps".into(),
-                status: ToolStatus::Tracked,
-                pose,
-                opening: 0.0,
-            }],
-        }
+        host.send_tools(&[("right", pose)]);
     }
 
     /// The verdict on a tip that stays in the sphere for so many ticks and then leaves it.
@@ -178,15 +167,13 @@ mod tests {
         let mut host = host();
         host.send(&LevelControl::Start);
         for _ in 0..ticks_inside {
-            host.send(&tip(0.0019));
+            tip(&mut host, 0.0019);
             if let Some(result) = host.tick().expect("a good tick").last() {
                 return result;
             }
         }
-        host.send(&tip(0.0021));
-        host.send(&LevelControl::InputEnded);
-        let heard = host.tick().expect("a good tick");
-        heard.last().expect("a verdict when the input has ended")
+        tip(&mut host, 0.0021);
+        host.end()
     }
 
     #[test]

@@ -1,0 +1,62 @@
+//! A piece that has come off, is carried to a tray and let go there.
+
+use super::{Contacts, PieceView, Releases};
+use crate::{Fault, Tray};
+use microsim_training::{Dwell, DwellState};
+use serde::{Deserialize, Serialize};
+
+/// How far a piece has got on its way to a tray.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Delivery {
+    /// How often it was let go where it does not fall into the tray.
+    pub drops: Releases,
+    /// Whether a tool has had it since it came off.
+    carried: bool,
+    dwell: Dwell,
+}
+
+/// What a tick has brought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Delivered {
+    /// Whether the piece counts as dropped from this tick on.
+    pub dropped: bool,
+    /// Whether it lies in the tray and nobody holds it.
+    pub lies: bool,
+    /// Whether it has lain there for long enough.
+    pub done: bool,
+}
+
+impl Delivery {
+    /// Of a piece that has to lie in the tray for `dwell` \[s\].
+    pub fn new(dwell: f64) -> Result<Self, Fault> {
+        Ok(Self {
+            drops: Releases::default(),
+            carried: false,
+            dwell: Dwell::new(dwell)?,
+        })
+    }
+
+    /// Where the piece is at `time` \[s\], in every tick from when it is off until it is delivered. What is let go in the tray or
+    /// straight above it is let go where it belongs; what was only pushed or fell there was not delivered.
+    pub fn watch(
+        &mut self,
+        time: f64,
+        piece: &PieceView,
+        contacts: &Contacts,
+        tray: &Tray,
+    ) -> Delivered {
+        let held = contacts.holds(piece.number);
+        self.carried |= held;
+        let lies = self.carried
+            && !held
+            && tray.contains(piece.centre)
+            && contacts.is_on(tray.name(), piece.number);
+        Delivered {
+            dropped: self
+                .drops
+                .watch(time, !held && !tray.is_above(piece.centre)),
+            lies,
+            done: self.dwell.update(time, lies) == DwellState::Complete,
+        }
+    }
+}
