@@ -8,7 +8,7 @@ mod patch;
 mod pieces;
 mod ring;
 
-pub use contacts::{Contacts, Grasp, Releases};
+pub use contacts::{Contacts, Grasp, Grip, Releases};
 pub use cuts::{Booking, CutFindings, CutLog, MarkLine};
 pub use delivery::{Delivered, Delivery};
 pub use marks::{colour, mark_colour, mark_places, show_colour, show_mark};

@@ -36,9 +36,11 @@ impl Tray {
         &self.name
     }
 
-    /// Its middle \[m\].
-    pub fn centre(&self) -> [f64; 3] {
-        self.pose.position.into()
+    /// The place nearest to a point of the field \[m\] that is in it or straight above it.
+    pub fn nearest(&self, point: [f64; 3]) -> [f64; 3] {
+        let ([x, y, z], inner) = (self.half_size, self.inner(point));
+        let nearest = Vector3::new(inner.x.clamp(-x, x), inner.y.clamp(-y, y), inner.z.max(-z));
+        (self.pose.position + self.pose.orientation * nearest).into()
     }
 
     /// Whether a point of the field \[m\] is in it.
@@ -93,6 +95,10 @@ mod tests {
             assert!(!tray.contains(outside), "beside it, or below the floor");
             assert!(!tray.is_above(outside));
         }
+        // From the origin, 10 mm beside its middle and 5 mm above it: to where its short side ends, at the same height.
+        let nearest = tray.nearest([0.0; 3]);
+        let away = crate::tissue::distance(nearest, [0.008, 0.0, 0.0]);
+        assert!(away < 1e-15, "{nearest:?}");
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod state;
 use microsim_sdk::message::{
     LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
 };
-use microsim_sdk::tissue::{Booking, Patch, Probes, colour, show_colour, show_mark};
+use microsim_sdk::tissue::{Booking, Grasp, Patch, Probes, colour, show_colour, show_mark};
 use microsim_sdk::{
     BlockView, Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, export_plugin,
     turned_to,
@@ -45,7 +45,9 @@ impl Coordination {
             };
             state.patches.push([first, second]);
         }
-        state.probes = Probes::nearest(&self.site.parts(), block).unwrap_or_default();
+        let (parts, lines) = (self.site.parts(), self.site.lines());
+        state.probes = Probes::nearest(&parts, block).unwrap_or_default();
+        state.grasp = Grasp::between(&lines, parts[0], block).unwrap_or_default();
         Ok(())
     }
 
@@ -85,8 +87,8 @@ impl Coordination {
                 (*start, new) = (Some(tool.pose.position), true);
             }
         }
-        if new && let Some(way) = self.site.least_way(&state.starts) {
-            course.set_shortest_path(way);
+        if new {
+            course.set_shortest_path(self.site.least_way(&state.starts));
         }
         Ok(())
     }
@@ -125,7 +127,7 @@ impl Coordination {
         Ok(())
     }
 
-    /// Cuts of a tick. One is steadied by what holds a piece on either side of its mark; a stump elsewhere does not.
+    /// Cuts of a tick. One is steadied by what holds the tissue beside its mark, as far as the next mark or clamp.
     fn book(
         &self,
         state: &mut State,
@@ -138,13 +140,8 @@ impl Coordination {
             .grasp
             .watch(now, &state.contacts, &state.probes, block);
         let grasp = &state.grasp;
-        let steadied = |mark: usize| [mark, mark + 1].iter().any(|part| grasp.holds(*part, now));
-        let lines: Vec<_> = self
-            .site
-            .marks
-            .iter()
-            .map(|mark| mark.line.clone())
-            .collect();
+        let steadied = |mark: usize| grasp.steadies(mark, now);
+        let lines = self.site.lines();
         for cut in tick.messages::<TissueCut>()? {
             if cut.body != self.site.body {
                 continue;

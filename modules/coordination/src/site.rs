@@ -116,10 +116,24 @@ impl Site {
                 "[module] `task`: `hold` needs one [[object]] whose `name` starts with \"mark-\", `deliver` two; the level has {count}"
             )));
         }
+        let clamps = [left?, right?];
+        in_order(&marks, clamps)?;
+        let holders = config.holders();
+        let (holds, cuts) = (!holders.is_empty(), holders.len() < config.tools.len());
+        if keys.task != Task::Cut && !holds {
+            return Err(Fault::new(
+                "[module] `task`: `hold` and `deliver` need a [[tool]] that does not cut",
+            ));
+        }
+        if keys.task != Task::Hold && !cuts {
+            return Err(Fault::new(
+                "[module] `task`: `cut` and `deliver` need a [[tool]] that cuts",
+            ));
+        }
         Ok(Self {
             body: tissue_of(setup)?,
             tools: config.tools.iter().map(|tool| tool.name.clone()).collect(),
-            holders: config.holders(),
+            holders,
             ring: match keys.task {
                 Task::Hold => Some(Ring::named(&objects, RING)?),
                 _ => None,
@@ -128,7 +142,7 @@ impl Site {
                 Task::Deliver => Some(Tray::named(setup, TRAY)?),
                 _ => None,
             },
-            clamps: [left?, right?],
+            clamps,
             marks,
             keys,
         })
@@ -141,31 +155,38 @@ impl Site {
         marks.chain(tray).collect()
     }
 
-    /// The least way of all tools that the task asks for, from where each was first seen \[m\]: of those that cut past the marks, in
-    /// the better order; of those that hold from the mark to the ring, or from the piece to the tray. `None` before all of them
-    /// were seen.
-    pub fn least_way(&self, starts: &[Option<[f64; 3]>]) -> Option<f64> {
+    /// The least way of all tools that the task asks for, from where each was first seen \[m\]; one that was not has no way.
+    pub fn least_way(&self, starts: &[Option<[f64; 3]>]) -> f64 {
+        let ways = self.tools.iter().zip(starts).filter_map(|(tool, start)| {
+            let holds = self.holders.contains(tool);
+            Some(self.least_way_of(holds, (*start)?))
+        });
+        ways.sum()
+    }
+
+    /// That of one tool. If it cuts, past the marks, in the better order; if it `holds`, from the mark to the ring, or from the piece to
+    /// where it falls into the tray, or just to the tissue.
+    fn least_way_of(&self, holds: bool, start: [f64; 3]) -> f64 {
+        let way = |goals: &[[f64; 3]]| least_way(start, goals, self.keys.mark_reach);
         let marks: Vec<[f64; 3]> = self.marks.iter().map(|mark| mark.line.middle).collect();
-        let back: Vec<[f64; 3]> = marks.iter().rev().copied().collect();
-        let held: Vec<[f64; 3]> = match (&self.ring, &self.tray) {
-            (Some(ring), _) => vec![marks[0], ring.centre],
-            (_, Some(tray)) => vec![self.parts()[1], tray.centre()],
-            // Whether tissue is held while it is cut is left to the trainee.
-            (None, None) => Vec::new(),
-        };
-        let mut sum = 0.0;
-        for (index, tool) in self.tools.iter().enumerate() {
-            let orders = match self.holders.contains(tool) {
-                true => [&held, &held],
-                false => [&marks, &back],
-            };
-            if !orders[0].is_empty() {
-                let start = (*starts.get(index)?)?;
-                let ways = orders.map(|goals| least_way(start, goals, self.keys.mark_reach));
-                sum += ways[0].min(ways[1]);
+        match (holds, &self.ring, &self.tray) {
+            (true, Some(ring), _) => way(&[marks[0], ring.centre]),
+            (true, None, Some(tray)) => {
+                let piece = self.parts()[1];
+                way(&[piece, tray.nearest(piece)])
+            }
+            (true, None, None) => way(&[between(self.clamps, start)]),
+            (false, Some(_), _) => 0.0,
+            (false, None, _) => {
+                let back: Vec<[f64; 3]> = marks.iter().rev().copied().collect();
+                way(&marks).min(way(&back))
             }
         }
-        Some(sum)
+    }
+
+    /// The lines of the marks, in their order.
+    pub fn lines(&self) -> Vec<MarkLine> {
+        self.marks.iter().map(|mark| mark.line.clone()).collect()
     }
 
     /// A place in each part that the marks divide the tissue into, at rest \[m\].
@@ -179,4 +200,31 @@ impl Site {
         parts.push(right);
         parts
     }
+}
+
+/// A fault unless each mark lies farther from the first clamp towards the second than the one before, and short of it.
+fn in_order(marks: &[Mark], [left, right]: [[f64; 3]; 2]) -> Result<(), Fault> {
+    let line = [0, 1, 2].map(|k| right[k] - left[k]);
+    let along = |place: [f64; 3]| -> f64 { (0..3).map(|k| (place[k] - left[k]) * line[k]).sum() };
+    let mut last = 0.0;
+    for mark in marks {
+        let here = along(mark.line.middle);
+        if here <= last || here >= along(right) {
+            return Err(Fault::new(format!(
+                "[[object]] \"{}\": its `position` has to lie between the clamps, and marks have to follow each other from \"{}\" to \"{}\"",
+                mark.name, CLAMPS[0], CLAMPS[1]
+            )));
+        }
+        last = here;
+    }
+    Ok(())
+}
+
+/// The place nearest to `place` on the line between two others [m].
+fn between([a, b]: [[f64; 3]; 2], place: [f64; 3]) -> [f64; 3] {
+    let line = [0, 1, 2].map(|k| b[k] - a[k]);
+    let along: f64 = (0..3).map(|k| (place[k] - a[k]) * line[k]).sum();
+    let size: f64 = line.iter().map(|c| c * c).sum();
+    let share = (along / size).clamp(0.0, 1.0);
+    [0, 1, 2].map(|k| a[k] + share * line[k])
 }

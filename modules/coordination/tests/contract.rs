@@ -4,7 +4,7 @@
 use microsim_module_coordination::Module;
 use microsim_sdk::message::{
     ContactForce, ContactForces, LevelControl, LevelEvent, ObjectSet, Pose, TISSUE_SNAPSHOT,
-    TissueCut, ToolSample, TrainingResult,
+    TissueCut, ToolSample, ToolState, ToolStates, ToolStatus, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, Fault, Heard, TestHost};
 use serde_json::{Value, json};
@@ -127,6 +127,8 @@ enum Touch {
     Grip,
     /// So the part on the left.
     Stump,
+    /// So the part on the right.
+    FarStump,
     /// The tissue lies on both jaws, which press the same way.
     Hook,
     /// It slides along them.
@@ -145,6 +147,11 @@ const NODES: [([f64; 3], usize); 7] = [
 ];
 
 fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
+    tick_with(host, scene, &[("left", Some(0.0)), ("right", Some(0.0))])
+}
+
+/// With tools at heights above the origin \[m\]; those without one are not in view.
+fn tick_with(host: &mut TestHost<Module>, scene: &Scene, tools: &[(&str, Option<f64>)]) -> Heard {
     let place = |(place, part): &([f64; 3], usize)| {
         let by = if *part == 1 { scene.by } else { [0.0; 3] };
         [0, 1, 2].map(|k| place[k] + by[k])
@@ -155,10 +162,27 @@ fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
         .u32s("piece", NODES.iter().map(|(_, part)| scene.pieces[*part]))
         .u32s("triangle", [0, 1, 2]);
     host.send_block(&block.finish());
-    host.send_tools(&[("left", Pose::default()), ("right", Pose::default())]);
+    let state = |(tool, height): &(&str, Option<f64>)| ToolState {
+        tool: (*tool).into(),
+        model: "-".into(),
+        status: match height {
+            Some(_) => ToolStatus::Tracked,
+            None => ToolStatus::Stale,
+        },
+        pose: Pose {
+            position: [0.0, 0.0, height.unwrap_or_default()],
+            ..Pose::default()
+        },
+        opening: 0.0,
+    };
+    host.send(&ToolStates {
+        tools: tools.iter().map(state).collect(),
+    });
     let contact = |tool: &str, part: usize, grip: f64, stick: f64| ContactForce {
         tool: tool.into(),
         body: "tissue".into(),
+        // At the clamps, or in the middle between the marks.
+        point: place(&NODES[3 * part]),
         force: [0.0, 0.0, scene.force],
         over_limit: if scene.force > 0.02 { 0.008 } else { 0.0 },
         stick,
@@ -169,6 +193,7 @@ fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
     let forceps = match scene.touch {
         Touch::Grip => contact("left", 1, 0.01, 1.0),
         Touch::Stump => contact("left", 0, 0.01, 1.0),
+        Touch::FarStump => contact("left", 2, 0.01, 1.0),
         Touch::Hook => contact("left", 1, 0.0, 1.0),
         Touch::Slide => contact("left", 1, 0.01, 0.1),
     };
@@ -285,6 +310,17 @@ fn only_the_piece_itself_that_was_carried_lies_in_the_tray_or_is_held_above_it()
     };
     assert!(ticks(&mut pushed, &let_go, 3).is_none());
     assert!(ticks(&mut pushed, &IN_TRAY, 2 * STAY).is_none(), "pushed");
+    // So was one that was dropped beside it; picked up again and let go in the tray it is delivered.
+    let mut again = deliver();
+    let beside = Scene {
+        by: [0.0, -0.02, -0.0035],
+        ..IN_TRAY
+    };
+    assert!(ticks(&mut again, &beside, DROP).is_none());
+    assert!(ticks(&mut again, &IN_TRAY, 2 * STAY).is_none(), "pushed");
+    assert!(ticks(&mut again, &FREE, 1).is_none());
+    let result = ticks(&mut again, &IN_TRAY, 2 * STAY).expect("the verdict");
+    assert_eq!(value(&result, "drops"), Some(1.0));
     // Forceps that have gone on to a stump have let the piece go.
     let elsewhere = Scene {
         held: true,
@@ -358,17 +394,25 @@ fn tissue_that_lies_on_jaws_or_slides_along_them_is_not_held() {
     }
 }
 
-/// 1 mm² at each mark. What holds a stump steadies the cut next to it, also while it is one with the piece, and no other one; a grip that
-/// lets go for less than 0.1 s has not let go.
+/// 1 mm² at each mark. What holds a stump steadies the cut next to it, and no other one, also while all is one piece; a grip that lets go
+/// for less than 0.1 s has not let go.
 #[test]
 fn only_what_is_cut_can_be_steadied() {
     let stump = Scene {
         touch: Touch::Stump,
         ..HELD
     };
+    let far_stump = Scene {
+        touch: Touch::FarStump,
+        ..HELD
+    };
     let first_is_through = Scene {
         pieces: [0, 1, 1],
         ..HELD
+    };
+    let far_after = Scene {
+        touch: Touch::FarStump,
+        ..first_is_through
     };
     let elsewhere = Scene {
         touch: Touch::Stump,
@@ -382,6 +426,8 @@ fn only_what_is_cut_can_be_steadied() {
         (HELD, first_is_through, DROP, 1.0),
         (stump, first_is_through, DROP, 1.0),
         (stump, elsewhere, DROP, 0.5),
+        (stump, stump, DROP, 0.5),
+        (far_stump, far_after, DROP, 0.5),
         (Scene::default(), elsewhere, DROP, 0.0),
         (HELD, loose, DROP - 2, 1.0),
         (HELD, loose, DROP, 0.5),
@@ -396,12 +442,22 @@ fn only_what_is_cut_can_be_steadied() {
     }
 }
 
-/// Both tools begin at the origin and stay there: to the marks, 2 mm away on either side, are 1 + 2 mm, with the reach of 1 mm once
-/// and twice; nothing has moved, so that no run has an economy. Of a run of 1 mm it is 3.
+/// The scissors begin at the origin: to the marks, 2 mm away on either side, are 1 + 2 mm, with the reach of 1 mm once and twice. The
+/// forceps begin 3 mm above the line between the clamps, 2 mm beyond the reach, or are there already, or never come into view. Nothing has
+/// moved, so that no run has an economy; of a run of 1 mm it is so many.
 #[test]
 fn the_economy_is_that_of_the_least_way_of_the_task() {
-    for moves in [false, true] {
-        let mut host = started("cut", json!([]));
+    for (moves, forceps, expected) in [
+        (false, Some(0.0), 0.0),
+        (true, Some(0.0), 3.0),
+        (true, Some(0.003), 5.0),
+        (true, None, 3.0),
+    ] {
+        let host = host(config("cut", json!([]))).expect("a complete set-up");
+        let mut host = host.moving();
+        host.send(&LevelControl::Start);
+        tick_with(&mut host, &HELD, &[]);
+        let tools = [("left", forceps), ("right", Some(0.0))];
         for step in 0..2 {
             host.send(&ToolSample {
                 tool: "right".into(),
@@ -414,12 +470,12 @@ fn the_economy_is_that_of_the_least_way_of_the_task() {
                 opening: 0.0,
             });
         }
-        tick(&mut host, &HELD);
-        let result = tick(&mut host, &FREE)
+        tick_with(&mut host, &HELD, &tools);
+        let result = tick_with(&mut host, &FREE, &tools)
             .last::<TrainingResult>()
             .expect("the verdict");
         match value(&result, "economy") {
-            Some(economy) => assert!(moves && (economy - 3.0).abs() < 1e-9, "{economy}"),
+            Some(economy) => assert!(moves && (economy - expected).abs() < 1e-9, "{economy}"),
             None => assert!(!moves),
         }
     }
@@ -570,40 +626,67 @@ fn excess_force_is_timed_and_told_once() {
     assert_eq!(value(&result, "peak-force"), Some(0.03));
 }
 
+/// Cuts and contacts say nothing where no snapshot has said what there is: what was not measured is not zero.
 #[test]
-fn without_tissue_nothing_is_reached() {
-    let mut host = started(
-        "cut",
-        json!([limit("cut-distance", 0.0004, "cut-beside-the-mark")]),
-    );
+fn without_tissue_nothing_is_measured() {
+    let host = host(config("cut", json!([]))).expect("a complete set-up");
+    let mut host = host.moving();
+    host.send(&LevelControl::Start);
+    for _ in 0..2 {
+        host.send_tools(&[("left", Pose::default()), ("right", Pose::default())]);
+        cut(&mut host, "right", -0.002, ACROSS);
+        host.tick().expect("a good tick");
+    }
     let result = host.end();
-    assert_eq!((result.targets_done, result.score), (0, 0.0));
+    assert_eq!(result.failed, ["not-cut"]);
+    for id in [
+        "cut-distance",
+        "stray-cut",
+        "torn",
+        "steadied",
+        "peak-force",
+    ] {
+        assert_eq!(value(&result, id), None, "{id}");
+    }
 }
 
 /// Each message names the key of the level's file that does not fit.
 #[test]
 fn a_level_that_does_not_fit_is_refused_by_its_key() {
-    let refused = |key: &str, spoil: fn(&mut Value)| {
+    let refused = |key: &str, spoil: &dyn Fn(&mut Value)| {
         let mut config = config("cut", json!([]));
         spoil(&mut config);
         let fault = host(config).err().expect(key).to_string();
         assert!(fault.contains(key), "{fault}");
     };
-    refused("[module] `task`", |config| {
+    refused("[module] `task`", &|config| {
         config["module"]["task"] = json!("hold")
     });
-    refused("\"clamp-left\"", |config| {
+    refused("\"clamp-left\"", &|config| {
         config["objects"][0]["name"] = json!("clamp");
     });
-    refused("\"mark-1\": `shape`", |config| {
+    refused("\"mark-1\": `shape`", &|config| {
         config["objects"][2] = object(
             "mark-1",
             json!({ "shape": "sphere", "radius": 0.001 }),
             [0.0; 3],
         );
     });
-    refused("\"mark-1\": its `orientation`", |config| {
+    refused("\"mark-1\": its `orientation`", &|config| {
         config["objects"][2]["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
     });
-    refused("[[body]]", |config| config["bodies"] = json!([]));
+    refused("[[body]]", &|config| config["bodies"] = json!([]));
+    // The second mark before the first, and behind the second clamp.
+    for x in [-0.003, 0.005] {
+        refused("\"mark-2\": its `position`", &|config| {
+            config["objects"][4]["position"] = json!([x, 0.0, 0.0]);
+        });
+    }
+    refused("[[tool]] that cuts", &|config| {
+        config["models"]["scissors"]["sharpness"] = json!(0.0);
+    });
+    refused("[[tool]] that does not cut", &|config| {
+        config["module"]["task"] = json!("deliver");
+        config["models"]["forceps"]["sharpness"] = json!(1.0);
+    });
 }

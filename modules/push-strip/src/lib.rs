@@ -281,7 +281,12 @@ impl Exercise for PushStrip {
         };
         let tools = config.holders();
         if tools.is_empty() {
-            return Err(Fault::new("the level needs a tool"));
+            return Err(Fault::new("the level needs a [[tool]] that does not cut"));
+        }
+        if matches!(task, Task::Cut(_)) && tools.len() == config.tools.len() {
+            return Err(Fault::new(
+                "[module] `task`: `cut` needs a [[tool]] that cuts",
+            ));
         }
         let targets: Vec<String> = match task {
             Task::Cut(_) => vec![marks[0].name.clone(), TRAY.to_owned()],

@@ -13,6 +13,13 @@ const DWELL: f64 = 0.2;
 const STAY: u64 = 26;
 
 fn started() -> TestHost<Module> {
+    let mut host = ready();
+    assert!(tick(&mut host, Piece::None, true).is_none());
+    host
+}
+
+/// Before the first tick.
+fn ready() -> TestHost<Module> {
     let tool = |name: &str, sharpness: f64| {
         json!({
             "title": { "de": name, "en": name }, "doc": "-", "hinge": null, "opening_angle": null, "colour": "#888888",
@@ -65,7 +72,6 @@ fn started() -> TestHost<Module> {
     let host = TestHost::of_module(manifest, 1, 4, config).expect("a complete set-up");
     let mut host = host.moving();
     host.send(&LevelControl::Start);
-    assert!(tick(&mut host, Piece::None, true).is_none());
     host
 }
 
@@ -229,10 +235,13 @@ fn a_piece_is_dropped_only_where_it_does_not_fall_into_the_tray() {
         assert_eq!(metric(&dropped.end(), "drops"), Some(drops));
     }
 
-    let mut fallen = started();
-    lie(&mut fallen, Piece::None, false, 1);
-    cut(&mut fallen, 0.001);
-    assert!(lie(&mut fallen, IN_TRAY, false, 2 * STAY).is_none());
-    let result = fallen.end();
-    assert_eq!(result.failed, ["not-in-tray"]);
+    for place in [IN_TRAY, BESIDE] {
+        let mut fallen = ready();
+        lie(&mut fallen, Piece::None, false, 1);
+        cut(&mut fallen, 0.001);
+        assert!(lie(&mut fallen, place, false, 2 * STAY).is_none());
+        let result = fallen.end();
+        assert_eq!(result.failed, ["not-in-tray"]);
+        assert_eq!(metric(&result, "drops"), None);
+    }
 }

@@ -1,6 +1,6 @@
 //! What tools do to a body: whether they hold it, how hard, for how long too hard; and how often it was let go.
 
-use super::{Probes, length};
+use super::{MarkLine, Probes, distance, dot, length, place_of};
 use crate::{Fault, Tick};
 use microsim_bus::BlockView;
 use microsim_message::{ContactForce, ContactForces, GRIP_MIN};
@@ -13,15 +13,24 @@ const LET_GO: f64 = 0.1;
 /// under tension may be at the limit of its friction over more than half of the grip, and what sticks holds it nevertheless.
 const HELD_STICK: f64 = 0.25;
 
+/// What a tool has in its jaws.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grip {
+    /// Where it acts \[m\].
+    pub place: [f64; 3],
+    /// Numbers of the pieces that it holds.
+    pub pieces: Vec<u32>,
+}
+
 /// The contacts of a body, tick by tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contacts {
-    /// Whether anything of a tool has touched it so far.
+    /// Whether anything of a tool has touched it so far, also before it counts: from then on it no longer lies as it lay.
     pub touched: bool,
-    /// Whether a tool that holds has had it so far.
+    /// Whether a tool that holds has had it so far, while it counted.
     pub was_held: bool,
-    /// The pieces of it that each of the tools that hold had in the last tick; none where it held nothing.
-    pub held: Vec<Vec<u32>>,
+    /// The grips of each of the tools that hold in the last tick; none where it held nothing.
+    pub held: Vec<Vec<Grip>>,
     /// Rigid things and bodies that it touched in the last tick, each with the pieces of it that did.
     pub on: Vec<(String, Vec<u32>)>,
     /// Largest force of a tool on it, mean over a tick \[N\].
@@ -53,10 +62,14 @@ impl Contacts {
         self.touched |= !contacts.is_empty();
         let held = |tool: &String| {
             let held = contacts.iter().filter(|c| c.tool == *tool && holds(c));
-            held.flat_map(|c| c.pieces.iter().copied()).collect()
+            let grip = |c: &&ContactForce| Grip {
+                place: c.point,
+                pieces: c.pieces.clone(),
+            };
+            held.map(grip).collect()
         };
         self.held = holders.iter().map(held).collect();
-        self.was_held |= self.held_by_any();
+        self.was_held |= counts && self.held_by_any();
         let between = forces.iter().flat_map(|f| &f.between).filter(of_it);
         self.on = between
             .map(|contact| (contact.tool.clone(), contact.pieces.clone()))
@@ -77,17 +90,18 @@ impl Contacts {
 
     /// Whether every tool that holds has it.
     pub fn held_by_all(&self) -> bool {
-        !self.held.is_empty() && self.held.iter().all(|pieces| !pieces.is_empty())
+        !self.held.is_empty() && self.held.iter().all(|grips| !grips.is_empty())
     }
 
     /// Whether some tool has it.
     pub fn held_by_any(&self) -> bool {
-        self.held.iter().any(|pieces| !pieces.is_empty())
+        self.held.iter().any(|grips| !grips.is_empty())
     }
 
     /// Whether some tool has a piece of it.
     pub fn holds(&self, piece: u32) -> bool {
-        self.held.iter().any(|pieces| pieces.contains(&piece))
+        let mut grips = self.held.iter().flatten();
+        grips.any(|grip| grip.pieces.contains(&piece))
     }
 
     /// Whether a piece of it touches a rigid thing or body.
@@ -100,7 +114,7 @@ impl Contacts {
 /// Whether jaws hold tissue: they grip it, and it moves with them. Tissue that lies on jaws is not gripped, and what slides along
 /// them is not held.
 fn holds(contact: &ContactForce) -> bool {
-    contact.grip >= GRIP_MIN && contact.stick >= HELD_STICK
+    contact.grip >= GRIP_MIN && contact.stick >= HELD_STICK && !contact.pieces.is_empty()
 }
 
 /// Counts how often something was let go for good.
@@ -127,16 +141,44 @@ impl Releases {
     }
 }
 
-/// Which parts of a body are held, part by part of its [`Probes`]: what was held a moment ago still is, as a grip that trembles for a tick
-/// has not let go.
+/// Which marks of a body are steadied: something holds it next to them. What was held a moment ago still is, as a grip that trembles for a
+/// tick has not let go.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Grasp {
-    /// When the piece of each probe was held last \[s\].
+    /// Nodes by their ids, ascending, each with the number of marks between it and the first end of the tissue.
+    parts: Vec<(u32, usize)>,
+    /// When each mark was steadied last \[s\].
     last: Vec<Option<f64>>,
 }
 
 impl Grasp {
-    /// Looks at all parts in a tick, at `time` \[s\].
+    /// Of marks that divide tissue into parts, as it lies now; `first` lies in the first of them \[m\]. `None` if the snapshot has no
+    /// nodes.
+    pub fn between(marks: &[MarkLine], first: [f64; 3], block: &BlockView<'_>) -> Option<Self> {
+        let (ids, positions) = (block.u32s("node_id")?, block.f64s("position")?);
+        let part = |row: usize| {
+            let place = place_of(positions, row);
+            let passed = marks.iter().filter(|mark| {
+                let [there, here] = [place, first].map(|p| {
+                    let offset = [0, 1, 2].map(|k| p[k] - mark.middle[k]);
+                    dot(offset, mark.across)
+                });
+                there * here < 0.0
+            });
+            passed.count()
+        };
+        let mut parts: Vec<(u32, usize)> =
+            (0..ids.len()).map(|row| (ids[row], part(row))).collect();
+        parts.sort_unstable();
+        Some(Self {
+            parts,
+            last: vec![None; marks.len()],
+        })
+    }
+
+    /// Looks at all marks in a tick, at `time` \[s\]. `probes` has one node in each of the parts, in their order. A mark is steadied by a grip
+    /// on a part beside it, as it was divided at first: a cut that is not yet through leaves far parts in one piece. The piece in the grip
+    /// has to be that of the part as well, not a shred of it.
     pub fn watch(
         &mut self,
         time: f64,
@@ -144,18 +186,40 @@ impl Grasp {
         probes: &Probes,
         block: &BlockView<'_>,
     ) {
-        self.last.resize(probes.count(), None);
-        for (probe, last) in self.last.iter_mut().enumerate() {
-            let piece = probes.number(probe, block);
-            if piece.is_some_and(|piece| contacts.holds(piece)) {
-                *last = Some(time);
+        for grip in contacts.held.iter().flatten() {
+            let Some(part) = self.part_at(grip, block) else {
+                continue;
+            };
+            for (mark, last) in self.last.iter_mut().enumerate() {
+                let beside = [mark, mark + 1];
+                let has = |part| {
+                    let piece = probes.number(part, block);
+                    piece.is_some_and(|piece| grip.pieces.contains(&piece))
+                };
+                if beside.contains(&part) && beside.into_iter().any(has) {
+                    *last = Some(time);
+                }
             }
         }
     }
 
-    /// Whether the piece of a probe is held at `time` \[s\].
-    pub fn holds(&self, probe: usize, time: f64) -> bool {
-        let last = self.last.get(probe).copied().flatten();
+    /// The part of the node nearest to a grip, of the pieces in it. Nodes that cuts have made belong to none.
+    fn part_at(&self, grip: &Grip, block: &BlockView<'_>) -> Option<usize> {
+        let (ids, positions) = (block.u32s("node_id")?, block.f64s("position")?);
+        let pieces = block.u32s("piece")?;
+        let rows = (0..ids.len()).filter(|row| grip.pieces.contains(&pieces[*row]));
+        let known = rows.filter_map(|row| {
+            let known = self.parts.binary_search_by_key(&ids[row], |(id, _)| *id);
+            let (_, part) = self.parts[known.ok()?];
+            Some((distance(place_of(positions, row), grip.place), part))
+        });
+        let nearest = known.min_by(|(a, _), (b, _)| a.total_cmp(b));
+        nearest.map(|(_, part)| part)
+    }
+
+    /// Whether a mark is steadied at `time` \[s\].
+    pub fn steadies(&self, mark: usize, time: f64) -> bool {
+        let last = self.last.get(mark).copied().flatten();
         last.is_some_and(|last| time - last < LET_GO)
     }
 }

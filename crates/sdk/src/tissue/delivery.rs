@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Delivery {
     /// How often it was let go where it does not fall into the tray.
     pub drops: Releases,
-    /// Whether a tool has had it since it came off.
+    /// Whether a tool has had it since it came off, and since it was last dropped.
     carried: bool,
     dwell: Dwell,
 }
@@ -37,7 +37,8 @@ impl Delivery {
     }
 
     /// Where the piece is at `time` \[s\], in every tick from when it is off until it is delivered. What is let go in the tray or
-    /// straight above it is let go where it belongs; what was only pushed or fell there was not delivered.
+    /// straight above it is let go where it belongs; what was dropped elsewhere, or never gripped, and
+    /// was pushed there or fell was not delivered.
     pub fn watch(
         &mut self,
         time: f64,
@@ -46,15 +47,16 @@ impl Delivery {
         tray: &Tray,
     ) -> Delivered {
         let held = contacts.holds(piece.number);
-        self.carried |= held;
+        let dropped = self
+            .drops
+            .watch(time, !held && !tray.is_above(piece.centre));
+        self.carried = held || (self.carried && !dropped);
         let lies = self.carried
             && !held
             && tray.contains(piece.centre)
             && contacts.is_on(tray.name(), piece.number);
         Delivered {
-            dropped: self
-                .drops
-                .watch(time, !held && !tray.is_above(piece.centre)),
+            dropped,
             lies,
             done: self.dwell.update(time, lies) == DwellState::Complete,
         }

@@ -37,11 +37,6 @@ impl Probes {
         Some(self.number(a, block)? != self.number(b, block)?)
     }
 
-    /// How many there are.
-    pub(crate) fn count(&self) -> usize {
-        self.nodes.len()
-    }
-
     /// The number of the piece of a probe. `None` if the probe is not there any more.
     pub(crate) fn number(&self, probe: usize, block: &BlockView<'_>) -> Option<u32> {
         let row = row_of(block.u32s("node_id")?, *self.nodes.get(probe)?)?;
