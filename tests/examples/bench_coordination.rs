@@ -146,7 +146,7 @@ fn measure(module: &str, level: u32, threads: usize) -> (Vec<String>, Vec<Pictur
 /// Wall-clock time of drawing a picture \[ms\]: what a run of the program takes longer that draws every picture of 16 ms into a file.
 fn drawing(module: &str, level: u32) -> f64 {
     let folder = scratch();
-    let [mut plain, mut drawn] = ["plain", "drawn"].map(|name| {
+    let [plain, mut drawn] = ["plain", "drawn"].map(|name| {
         let mut run = command(["run", module, "--headless", "--no-pictures", "--level"]);
         let source = format!("script:{}", script(module, level).display());
         run.args([&level.to_string(), "--input", &source, "--session"]);
