@@ -252,6 +252,7 @@ fn section(
         let points = match (effect, intended) {
             (None, _) | (_, None) => "–",
             (Some((d, _)), _) if d.abs() < SMALL => "no difference",
+            (Some((d, error)), _) if d.abs() < 2.0 * error => "not told apart",
             (Some((d, _)), Some((_, sign))) if d * sign > 0.0 => "yes",
             _ => "**wrong way**",
         };
