@@ -106,7 +106,7 @@ impl Counts {
                 100.0 * change
             );
             // What is no number is beyond, too.
-            if !(change.abs() <= MARGIN) {
+            if change.is_nan() || change.abs() > MARGIN {
                 let percent = 100.0 * change;
                 beyond.push(format!("{kernel}: {percent:+.2} % instructions"));
             }

@@ -181,7 +181,7 @@ impl BlockBuilder {
         let first = self.data.len();
         let mut length = 0_u64;
         for value in values {
-            if length % 2 == 0 {
+            if length.is_multiple_of(2) {
                 self.data.push(u64::from(value));
             } else if let Some(word) = self.data.last_mut() {
                 *word |= u64::from(value) << 32;

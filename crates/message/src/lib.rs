@@ -23,8 +23,8 @@ pub use level::{
 pub use object::{Colour, Finish, ObjectScene, ObjectSet, ObjectState, Shape};
 pub use setup::{Log, LogLevel, PictureRequest, Progress, SessionRecord, Setup, SetupFile};
 pub use tool::{
-    ContactForce, ContactForces, GRIP_MIN, Jaw, JawForce, TissueCut, TissueRecovery, ToolSample,
-    ToolState, ToolStates, ToolStatus,
+    ContactForce, ContactForces, GRIP_MIN, TissueCut, TissueRecovery, ToolSample, ToolState,
+    ToolStates, ToolStatus,
 };
 
 use microsim_bus::{Frame, Overflow, kind_id};

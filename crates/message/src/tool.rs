@@ -96,35 +96,11 @@ pub struct ContactForce {
     /// The pieces of the body that are touched, by their numbers in the snapshots, ascending.
     #[serde(default)]
     pub pieces: Vec<u32>,
-    /// The jaws that touch, of a tool that has jaws.
-    #[serde(default)]
-    pub jaws: Vec<JawForce>,
 }
 
 /// Jaws that squeeze tissue less than this touch it and do not grip it \[N\]: a few times what lifts a freed piece of a few
 /// milligrams, and far below the grips that tasks take, of tens of millinewtons.
 pub const GRIP_MIN: f64 = 1e-3;
-
-/// What one jaw does, mean over a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct JawForce {
-    /// Which jaw.
-    pub jaw: Jaw,
-    /// Sum of the sizes of its normal forces \[N\].
-    pub force: f64,
-    /// Pressure over the surface that it touches \[Pa\].
-    pub pressure: f64,
-}
-
-/// A jaw of a tool.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Jaw {
-    /// The one that opens towards +x of the tool.
-    Left,
-    /// The one that opens towards −x.
-    Right,
-}
 
 /// All contacts of a tick; published while there are any, and once more, empty, when the last one ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -43,8 +43,7 @@ pub use microsim_tissue::{
 };
 pub use overlap::Overlap;
 pub use report::{
-    ContactPartner, ContactReport, CutReport, JawReport, MANY_SUBSTEPS, Recovery, RejectedCut,
-    TickReport,
+    ContactPartner, ContactReport, CutReport, MANY_SUBSTEPS, Recovery, RejectedCut, TickReport,
 };
 pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;

@@ -1,7 +1,6 @@
 //! What a tick tells.
 
 use crate::containment::Divergence;
-use crate::spec::Jaw;
 
 /// The report of one tick.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,8 +73,8 @@ pub struct ContactReport {
     /// Force with which both jaws of a tool squeezed the body between them, mean over the tick [N]: the smaller of what each pushed
     /// it towards the other one, without friction; 0 where they pushed the same way.
     pub grip_n: f64,
-    /// What each jaw did that touched; empty of a tool without jaws.
-    pub jaws: Vec<JawReport>,
+    /// Larger mean pressure of the two jaws over the surface that each touched [Pa], by the areas at rest; 0 of a tool without jaws.
+    pub jaw_pressure_pa: f64,
 }
 
 /// What a tool cut in a tick, or what tore.
@@ -113,17 +112,6 @@ pub struct RejectedCut {
     pub tool: usize,
     /// Why.
     pub why: String,
-}
-
-/// The grip of one jaw in a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JawReport {
-    /// Which jaw.
-    pub jaw: Jaw,
-    /// Sum of the sizes of its normal forces, mean over the tick [N].
-    pub normal_force_n: f64,
-    /// Mean pressure over the surface that it touched [Pa], by the areas at rest.
-    pub pressure_pa: f64,
 }
 
 /// A tick that was repeated because a body diverged.

@@ -52,7 +52,7 @@ pub struct ContactSeries {
     pub over_limit: Vec<f64>,
     /// Share of the normal force that acted where nothing slid.
     pub stick_share: Vec<f64>,
-    /// Sum of the sizes of the normal forces of the jaws, mean over the sample before [N].
+    /// Force with which both jaws squeezed the body between them, mean over the sample before [N].
     pub grip: Vec<f64>,
     /// Largest mean pressure of a jaw [Pa].
     pub grip_pressure: Vec<f64>,
@@ -306,10 +306,8 @@ impl Runner {
             sum.over_limit += contact.over_limit_s;
             sum.stick += contact.stick_share * contact.impulse_ns;
             sum.weight += contact.impulse_ns;
-            let grip: f64 = contact.jaws.iter().map(|jaw| jaw.normal_force_n).sum();
-            sum.grip += grip * length;
-            let pressures = contact.jaws.iter().map(|jaw| jaw.pressure_pa);
-            sum.pressure = pressures.fold(sum.pressure, f64::max);
+            sum.grip += contact.grip_n * length;
+            sum.pressure = sum.pressure.max(contact.jaw_pressure_pa);
         }
     }
 

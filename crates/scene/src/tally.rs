@@ -2,16 +2,12 @@
 
 use crate::group::Group;
 use crate::pairs::{Pair, PairPartner};
-use crate::report::{ContactPartner, ContactReport, JawReport};
+use crate::report::{ContactPartner, ContactReport};
 use crate::scene::{Body, Scene};
-use crate::spec::Jaw;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::Partner;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
-
-/// A contact slides when its friction is within this share of what can be held; the rest is what iterations leave.
-const SLIDING: f64 = 0.02;
 
 /// An overlap from before the step counts as one from this share of the mean edge length on: less is what iterations leave.
 const OLD_OVERLAP: f64 = 1e-2;
@@ -123,8 +119,7 @@ pub(crate) fn sum_up(
         tally.weight += size * h;
         tally.last_point = place;
         tally.normal_impulse += contact.pressure * h;
-        let held = contact.friction * contact.pressure;
-        if contact.traction.norm() < held * (1.0 - SLIDING) {
+        if !contact.slides {
             tally.stick_impulse += contact.pressure * h;
         }
         let jaw = match point.key.partner {
@@ -225,8 +220,7 @@ impl Tally {
             true => self.weighted_point / self.weight,
             false => self.last_point,
         };
-        let jaws = [Jaw::Left, Jaw::Right].into_iter().zip(self.jaws);
-        let jaws = jaws.filter(|(_, sum)| sum.area > 0.0);
+        let jaws = self.jaws.iter().filter(|sum| sum.area > 0.0);
         let moved = match with {
             ContactPartner::Tool(tool) => motions.iter().find(|motion| motion.tool == tool),
             _ => None,
@@ -254,13 +248,7 @@ impl Tally {
                 false => 0.0,
             },
             grip_n: squeezed / tick_s,
-            jaws: jaws
-                .map(|(jaw, sum)| JawReport {
-                    jaw,
-                    normal_force_n: sum.impulse / tick_s,
-                    pressure_pa: sum.impulse / sum.area,
-                })
-                .collect(),
+            jaw_pressure_pa: jaws.map(|sum| sum.impulse / sum.area).fold(0.0, f64::max),
         })
     }
 }

@@ -421,6 +421,7 @@ impl ContactSource for Source<'_> {
                 pressure,
                 // The surface has turned since.
                 traction: traction - normal * normal.dot(&traction),
+                slides: false,
             };
             contact.offset = contact.gap(positions) - point.gap;
             contact

@@ -133,7 +133,7 @@ fn probe_keys() -> Vec<Key> {
         Key::required(
             "quantity",
             Kind::choice(&Quantity::NAMES),
-            "What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest `distance` from rest, `force` or `torque` with which clamps hold those that they hold now, relative change of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`; `contact-force` of the other side, `grip` of the jaws of a tool, `gap` to the other body, share of nodes `inside` what the body touches and the `depth` of the deepest, `crossings` of edges of its surface and the other body's with triangles; number of `pieces` that the body has come apart into.",
+            "What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest `distance` from rest, `force` or `torque` with which clamps hold those that they hold now, relative change of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`; `contact-force` of the other side, `grip`, the force with which both jaws of a tool squeeze it between them, `gap` to the other body, share of nodes `inside` what the body touches and the `depth` of the deepest, `crossings` of edges of its surface and the other body's with triangles; number of `pieces` that the body has come apart into.",
         ),
         Key::optional(
             "direction",

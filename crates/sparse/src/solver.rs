@@ -21,8 +21,8 @@ use crate::{
 /// Operations of a factor per block of the matrix from which on two levels cost less (`cargo xtask bench solvers`).
 const OPERATIONS: f64 = 12_000.0;
 
-/// Operations of a factor of double numbers up to which it costs about as much as a few solutions: 2.4e6 for 318 nodes of a strip take
-/// 0.11 ms, a solution 0.03 ms.
+/// Operations of a factor up to which it costs about as much as a few solutions. A judgement, between mesh S of `cargo xtask bench solvers`,
+/// whose factor costs as much as five to ten of them, and mesh M, of which it costs twelve to thirty.
 const FEW: f64 = 1e7;
 
 /// Distances of nodes along a cell of the lattice.

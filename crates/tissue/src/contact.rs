@@ -34,9 +34,31 @@ pub struct Contact {
     pub pressure: f64,
     /// t on the first side [N], across the normal: on entry that of the end of the last step, on exit what the solver found.
     pub traction: Vector3<f64>,
+    /// Whether the sides slide, as the solver found: t is all that friction holds, which it may have bounded with a λ from before its last
+    /// iterations. Where nothing holds they do.
+    pub slides: bool,
 }
 
 impl Contact {
+    /// One of a single node with a rigid thing, without friction and force, whose gap is n·x − o and is to be kept at 0.
+    #[cfg(test)]
+    pub(crate) fn of_node(node: u32, normal: Vector3<f64>, offset: f64) -> Self {
+        Self {
+            nodes: [node; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            first: 1,
+            normal,
+            offset,
+            floor: 0.0,
+            start_gap: 0.0,
+            friction: 0.0,
+            drift: Vector3::zeros(),
+            pressure: 0.0,
+            traction: Vector3::zeros(),
+            slides: false,
+        }
+    }
+
     /// The gap at `positions` [m].
     pub fn gap(&self, positions: &[Vector3<f64>]) -> f64 {
         self.normal.dot(&self.blend(positions)) - self.offset

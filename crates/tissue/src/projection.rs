@@ -152,6 +152,7 @@ impl Projection {
         for contact in contacts {
             contact.pressure = 0.0;
             contact.traction = Vector3::zeros();
+            contact.slides = true;
             let mut row = Row {
                 response: [0.0; 4],
                 compliance: 0.0,
@@ -263,7 +264,9 @@ fn relax(kept: Kept<'_>, contact: &mut Contact, row: &Row, values: &mut [Vector3
         let slide = slide - contact.normal * contact.normal.dot(&slide);
         let traction = contact.traction - slide / row.compliance;
         let most = contact.friction * contact.pressure;
-        let traction = traction * (most / traction.norm().max(f64::MIN_POSITIVE)).min(1.0);
+        let share = most / traction.norm().max(f64::MIN_POSITIVE);
+        contact.slides = share < 1.0;
+        let traction = traction * share.min(1.0);
         let change = traction - contact.traction;
         contact.traction = traction;
         shift(contact, row, &change, values);

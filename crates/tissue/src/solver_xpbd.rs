@@ -230,6 +230,7 @@ impl Solver for SolverXpbd {
                 for (contact, kept) in touching.contacts.iter_mut().zip(&self.contacts) {
                     contact.pressure = kept.pressure;
                     contact.traction = kept.traction;
+                    contact.slides = kept.slides;
                 }
             }
         }

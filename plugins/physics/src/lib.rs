@@ -5,8 +5,8 @@ use microsim_scene::{
     ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    ContactForce, ContactForces, Jaw, JawForce, TISSUE_SNAPSHOT, TissueCut, TissueRecovery,
-    ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    ContactForce, ContactForces, TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolState, ToolStates,
+    ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -136,14 +136,6 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
         ContactPartner::Itself => scene.body_name(contact.body),
         other => scene.partner_name(other),
     };
-    let jaws = contact.jaws.iter().map(|jaw| JawForce {
-        jaw: match jaw.jaw {
-            microsim_scene::Jaw::Left => Jaw::Left,
-            microsim_scene::Jaw::Right => Jaw::Right,
-        },
-        force: jaw.normal_force_n,
-        pressure: jaw.pressure_pa,
-    });
     ContactForce {
         tool: with.into(),
         body: scene.body_name(contact.body).into(),
@@ -157,7 +149,6 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
         stick: contact.stick_share,
         grip: contact.grip_n,
         pieces: contact.pieces.clone(),
-        jaws: jaws.collect(),
     }
 }
 

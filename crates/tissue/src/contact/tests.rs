@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 mod bodies;
 mod explicit;
 mod implicit;
+mod quick;
 
 /// What is remembered of a contact.
 type Memory = BTreeMap<[u32; 2], (f64, Vector3<f64>)>;
@@ -75,7 +76,7 @@ impl ContactSource for Source<'_> {
             memory,
             ..
         } = self.world;
-        self.last.extend(remember(contacts));
+        self.last.extend(remember(planes, contacts));
         contacts.clear();
         let start = &state.positions;
         let mut push = |nodes: [u32; 2], contact: Contact| {
@@ -92,19 +93,6 @@ impl ContactSource for Source<'_> {
                 ..contact
             });
         };
-        let none = Contact {
-            nodes: [0; 4],
-            weights: [1.0, 0.0, 0.0, 0.0],
-            first: 1,
-            normal: Vector3::zeros(),
-            offset: 0.0,
-            floor: 0.0,
-            start_gap: 0.0,
-            friction: 0.0,
-            drift: Vector3::zeros(),
-            pressure: 0.0,
-            traction: Vector3::zeros(),
-        };
         for (index, plane) in planes.iter().enumerate() {
             for node in 0..positions.len() as u32 {
                 if !(plane.sees)(&self.world.model.rest_positions()[node as usize]) {
@@ -115,12 +103,13 @@ impl ContactSource for Source<'_> {
                 push(
                     [node, u32::MAX - index as u32],
                     Contact {
-                        nodes: [node; 4],
-                        normal: plane.normal,
-                        offset: plane.height + bump + plane.normal.dot(&drift),
                         friction: plane.friction,
                         drift,
-                        ..none
+                        ..Contact::of_node(
+                            node,
+                            plane.normal,
+                            plane.height + bump + plane.normal.dot(&drift),
+                        )
                     },
                 );
             }
@@ -131,18 +120,23 @@ impl ContactSource for Source<'_> {
                 Contact {
                     nodes: [a, b, a, a],
                     weights: [1.0, -1.0, 0.0, 0.0],
-                    normal: Vector3::x(),
-                    ..none
+                    ..Contact::of_node(a, Vector3::x(), 0.0)
                 },
             );
         }
     }
 }
 
-fn remember(contacts: &[Contact]) -> impl Iterator<Item = ([u32; 2], (f64, Vector3<f64>))> + '_ {
+/// The planes of a test are told apart by their normals.
+fn remember(
+    planes: &[Plane],
+    contacts: &[Contact],
+) -> impl Iterator<Item = ([u32; 2], (f64, Vector3<f64>))> {
     contacts.iter().map(|c| {
-        // The planes of the tests are told apart by their normals alone.
-        let other = c.other_side().unwrap_or(u32::MAX);
+        let other = c.other_side().unwrap_or_else(|| {
+            let plane = planes.iter().position(|plane| plane.normal == c.normal);
+            u32::MAX - plane.map_or(0, |index| index as u32)
+        });
         ([c.nodes[0], other], (c.pressure, c.traction))
     })
 }
@@ -191,7 +185,7 @@ impl World {
             &Serial,
         );
         self.contacts = touching.contacts;
-        self.memory = remember(&self.contacts).collect();
+        self.memory = remember(&self.planes, &self.contacts).collect();
         self.state = state;
         for plane in &mut self.planes {
             plane.height += plane.normal.dot(&plane.motion);

@@ -34,7 +34,7 @@ use crate::system::System;
 use microsim_sparse::NotPositive;
 use nalgebra::{Matrix3, Vector3};
 use reduced::{Reduced, size};
-use row::Row;
+use row::{Row, Told};
 
 /// ρ and k over the stiffness of the nodes at a contact by themselves: where the factor has it, and where not. Stiffer contacts need
 /// fewer updates, which cost next to nothing among few, and lose digits of a factor of single numbers: with 100 a vessel between jaws
@@ -124,7 +124,7 @@ impl Gaps {
                 row.slide = slide - contact.normal * contact.normal.dot(&slide);
                 row.keeps_bound = true;
                 // What has opened drags nothing, and what has closed since has its friction.
-                let (pressure, _) = row.told;
+                let pressure = row.told.pressure;
                 if pressure <= 0.0 {
                     (row.bound, row.traction) = (0.0, Vector3::zeros());
                 } else if row.bound == 0.0 {
@@ -147,7 +147,8 @@ impl Gaps {
                 .map(|k| k + next)
                 .or_else(|| self.told.iter().position(same));
             next = found.map_or(next, |k| k + 1);
-            let traction = found.map_or(contact.traction, |k| self.told[k].traction);
+            let last = found.map_or(contact, |k| &self.told[k]);
+            let (traction, slides) = (last.traction, last.slides);
             let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
             let mut compliances = [0.0; 2];
             let mut responses = [0.0; 4];
@@ -169,7 +170,11 @@ impl Gaps {
             };
             let across = traction - contact.normal * contact.normal.dot(&traction);
             self.rows.push(Row {
-                told: (contact.pressure, across),
+                told: Told {
+                    pressure: contact.pressure,
+                    traction: across,
+                    slides,
+                },
                 stiffness,
                 soft: stiffness,
                 joint,
@@ -219,7 +224,7 @@ impl Gaps {
     /// across open ones.
     pub fn miss(&self) -> f64 {
         let miss = |(contact, row): (&Contact, &Row)| {
-            let pressure = row.law(contact, &Vector3::zeros()).pressure;
+            let pressure = row.law(contact, &Vector3::zeros()).told.pressure;
             (pressure - row.multiplier).abs() / row.stiffness
         };
         self.active().map(miss).fold(0.0, f64::max) / self.edge
@@ -384,10 +389,11 @@ impl Gaps {
     /// Tells the contacts what they have become.
     pub fn tell(&mut self) {
         for (contact, row) in self.contacts.iter_mut().zip(&self.rows) {
-            let (pressure, traction) = row.told;
-            contact.pressure = pressure;
-            let share = row.bound / traction.norm().max(f64::MIN_POSITIVE);
-            contact.traction = traction * share.min(1.0);
+            let told = row.told;
+            contact.pressure = told.pressure;
+            let share = row.bound / told.traction.norm().max(f64::MIN_POSITIVE);
+            contact.traction = told.traction * share.min(1.0);
+            contact.slides = told.slides || share <= 1.0;
         }
         self.told.clone_from(&self.contacts);
     }

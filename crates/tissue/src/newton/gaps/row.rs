@@ -24,8 +24,8 @@ pub(super) struct Row {
     /// Whether both sides can move.
     pub joint: bool,
     pub floor: f64,
-    /// λ and t as contacts are told them [N].
-    pub told: (f64, Vector3<f64>),
+    /// What contacts are told.
+    pub told: Told,
     /// g₀ [m].
     pub gap: f64,
     /// u₀ [m].
@@ -39,11 +39,21 @@ pub(super) struct Row {
     pub hessian: Matrix3<f64>,
 }
 
+/// Force of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Told {
+    /// λ [N].
+    pub pressure: f64,
+    /// t [N].
+    pub traction: Vector3<f64>,
+    /// Whether t is all that the bound allows.
+    pub slides: bool,
+}
+
 /// Force and energy of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Law {
-    pub pressure: f64,
-    pub traction: Vector3<f64>,
+    pub told: Told,
     pub energy: f64,
 }
 
@@ -54,12 +64,13 @@ impl Row {
         let pressure =
             (self.multiplier - self.stiffness * (self.gap + along - self.floor)).max(0.0);
         let mut energy = pressure * pressure / (2.0 * self.stiffness);
-        let mut traction = Vector3::zeros();
+        let (mut traction, mut slides) = (Vector3::zeros(), true);
         if self.bound > 0.0 {
             let k = TANGENTIAL * self.stiffness;
             let trial = self.trial(contact, y, along);
             let size = trial.norm();
-            if size <= self.bound {
+            slides = size > self.bound;
+            if !slides {
                 traction = trial;
                 energy += size * size / (2.0 * k);
             } else {
@@ -67,11 +78,12 @@ impl Row {
                 energy += self.bound * (size - 0.5 * self.bound) / k;
             }
         }
-        Law {
+        let told = Told {
             pressure,
             traction,
-            energy,
-        }
+            slides,
+        };
+        Law { told, energy }
     }
 
     /// t − k u.
@@ -107,19 +119,19 @@ impl Row {
     /// With the multipliers and the bound updated after the sides have come closer by `y`; how far the sides are from where they
     /// should be [m], and the square of the change of the forces [N²].
     pub fn updated(&self, contact: &Contact, y: &Vector3<f64>) -> (Self, [f64; 2]) {
-        let law = self.law(contact, y);
+        let told = self.law(contact, y).told;
         let bound = match self.keeps_bound {
             true => self.bound,
-            false => contact.friction * law.pressure,
+            false => contact.friction * told.pressure,
         };
-        let pressure = law.pressure - self.multiplier;
+        let pressure = told.pressure - self.multiplier;
         // What sticks must not slide, and what slides must do so against all that there is.
-        let change = (law.traction - self.traction).norm() + (bound - self.bound).abs();
+        let change = (told.traction - self.traction).norm() + (bound - self.bound).abs();
         let miss = (pressure.abs() / self.stiffness).max(change / (TANGENTIAL * self.stiffness));
         let row = Self {
-            multiplier: law.pressure,
-            traction: law.traction,
-            told: (law.pressure, law.traction),
+            multiplier: told.pressure,
+            traction: told.traction,
+            told,
             bound,
             ..*self
         };
@@ -129,19 +141,19 @@ impl Row {
     /// With the stiffness of the potential, and the multipliers with which the forces after the sides have come closer by `y` stay what they
     /// are: all forces remain in balance.
     pub fn softened(&self, contact: &Contact, y: &Vector3<f64>) -> Self {
-        let law = self.law(contact, y);
+        let told = self.law(contact, y).told;
         let along = contact.normal.dot(y);
         let slide = self.slide + y - contact.normal * along;
         let mut row = Self {
             stiffness: self.soft,
             multiplier: 0.0,
-            told: (law.pressure, law.traction),
+            told,
             ..*self
         };
-        if law.pressure > 0.0 {
-            row.multiplier = law.pressure + self.soft * (self.gap + along - self.floor);
+        if told.pressure > 0.0 {
+            row.multiplier = told.pressure + self.soft * (self.gap + along - self.floor);
         }
-        row.traction = law.traction + slide * (TANGENTIAL * self.soft);
+        row.traction = told.traction + slide * (TANGENTIAL * self.soft);
         row
     }
 }
@@ -149,7 +161,7 @@ impl Row {
 impl Law {
     /// On the first side [N].
     pub fn force(&self, contact: &Contact) -> Vector3<f64> {
-        contact.normal * self.pressure + self.traction
+        contact.normal * self.told.pressure + self.told.traction
     }
 }
 
@@ -160,17 +172,10 @@ mod tests {
     /// A contact along z, which has slid by 2 µm along x since the start of the step, and its row, a hundred times as stiff as in the potential.
     fn sharp(pressure: f64, traction: f64) -> (Contact, Row) {
         let contact = Contact {
-            nodes: [0; 4],
-            weights: [1.0, 0.0, 0.0, 0.0],
-            first: 1,
-            normal: Vector3::z(),
-            offset: 0.0,
-            floor: 0.0,
-            start_gap: 0.0,
             friction: 0.5,
-            drift: Vector3::zeros(),
             pressure,
             traction: Vector3::x() * traction,
+            ..Contact::of_node(0, Vector3::z(), 0.0)
         };
         let row = Row {
             stiffness: 4e4,
@@ -179,7 +184,11 @@ mod tests {
             traction: contact.traction,
             bound: contact.friction * pressure,
             keeps_bound: false,
-            told: (pressure, contact.traction),
+            told: Told {
+                pressure,
+                traction: contact.traction,
+                slides: false,
+            },
             joint: false,
             floor: 0.0,
             gap: 1e-7,
@@ -209,11 +218,12 @@ mod tests {
             let after = row.softened(&contact, &y);
             let law = after.law(&contact, &y);
             assert_eq!(after.stiffness, row.soft);
-            assert_eq!(before.pressure > 0.0, closed);
-            let slides = before.traction.norm() >= row.bound * (1.0 - 1e-12);
-            assert_eq!(slides, !sticks);
+            assert_eq!(before.told.pressure > 0.0, closed);
+            assert_eq!(before.told.slides, !sticks);
+            let size = before.told.traction.norm();
+            assert_eq!(size >= row.bound * (1.0 - 1e-12), !sticks);
             assert!((law.force(&contact) - before.force(&contact)).norm() <= 1e-12 * row.bound);
-            assert_eq!(after.told, (before.pressure, before.traction));
+            assert_eq!(after.told, before.told);
         }
     }
 
@@ -225,7 +235,9 @@ mod tests {
             let y = Vector3::from(y);
             let (once, _) = row.updated(&contact, &y);
             let (twice, _) = once.updated(&contact, &y);
-            let (pressure, traction) = twice.told;
+            let Told {
+                pressure, traction, ..
+            } = twice.told;
             assert!(traction.norm() <= contact.friction * once.multiplier * (1.0 + 1e-12));
             assert_eq!(twice.bound, contact.friction * pressure);
         }
