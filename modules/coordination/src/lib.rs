@@ -81,14 +81,14 @@ impl Coordination {
         // There are no fewer tools in a tick that says nothing of them.
         let count = state.starts.len().max(tools.len());
         state.starts.resize(count, None);
-        let mut new = false;
         for (tool, start) in tools.iter().zip(&mut state.starts) {
             if course.running() && start.is_none() && tool.status == ToolStatus::Tracked {
-                (*start, new) = (Some(tool.pose.position), true);
+                *start = Some(tool.pose.position);
             }
         }
-        if new {
-            course.set_shortest_path(self.site.least_way(&state.starts));
+        if state.starts.iter().any(Option::is_some) {
+            let way = self.site.least_way(&state.starts, state.contacts.was_held);
+            course.set_shortest_path(way);
         }
         Ok(())
     }

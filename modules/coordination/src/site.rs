@@ -156,10 +156,12 @@ impl Site {
     }
 
     /// The least way of all tools that the task asks for, from where each was first seen \[m\]; one that was not has no way.
-    pub fn least_way(&self, starts: &[Option<[f64; 3]>]) -> f64 {
+    /// Whether tissue is held while it is cut is left to the trainee: only if it `was_held`, that is part of the task `cut`.
+    pub fn least_way(&self, starts: &[Option<[f64; 3]>], was_held: bool) -> f64 {
         let ways = self.tools.iter().zip(starts).filter_map(|(tool, start)| {
             let holds = self.holders.contains(tool);
-            Some(self.least_way_of(holds, (*start)?))
+            let idle = holds && self.keys.task == Task::Cut && !was_held;
+            Some(self.least_way_of(holds, (*start)?)).filter(|_| !idle)
         });
         ways.sum()
     }

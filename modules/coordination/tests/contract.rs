@@ -443,20 +443,24 @@ fn only_what_is_cut_can_be_steadied() {
 }
 
 /// The scissors begin at the origin: to the marks, 2 mm away on either side, are 1 + 2 mm, with the reach of 1 mm once and twice. The
-/// forceps begin 3 mm above the line between the clamps, 2 mm beyond the reach, or are there already, or never come into view. Nothing has
+/// forceps begin 3 mm above the line between the clamps, 2 mm beyond the reach, or are there already, or never hold tissue, or
+/// never come into view. Nothing has
 /// moved, so that no run has an economy; of a run of 1 mm it is so many.
 #[test]
 fn the_economy_is_that_of_the_least_way_of_the_task() {
-    for (moves, forceps, expected) in [
-        (false, Some(0.0), 0.0),
-        (true, Some(0.0), 3.0),
-        (true, Some(0.003), 5.0),
-        (true, None, 3.0),
+    for (moves, forceps, held, expected) in [
+        (false, Some(0.0), true, 0.0),
+        (true, Some(0.0), true, 3.0),
+        (true, Some(0.003), true, 5.0),
+        (true, Some(0.003), false, 3.0),
+        (true, None, false, 3.0),
     ] {
+        let before = Scene { held, ..HELD };
+        let after = Scene { held, ..FREE };
         let host = host(config("cut", json!([]))).expect("a complete set-up");
         let mut host = host.moving();
         host.send(&LevelControl::Start);
-        tick_with(&mut host, &HELD, &[]);
+        tick_with(&mut host, &before, &[]);
         let tools = [("left", forceps), ("right", Some(0.0))];
         for step in 0..2 {
             host.send(&ToolSample {
@@ -470,8 +474,8 @@ fn the_economy_is_that_of_the_least_way_of_the_task() {
                 opening: 0.0,
             });
         }
-        tick_with(&mut host, &HELD, &tools);
-        let result = tick_with(&mut host, &FREE, &tools)
+        tick_with(&mut host, &before, &tools);
+        let result = tick_with(&mut host, &after, &tools)
             .last::<TrainingResult>()
             .expect("the verdict");
         match value(&result, "economy") {
