@@ -128,6 +128,7 @@ impl ContactSource for Detected {
                 drift: point.drift,
                 pressure: guess.map_or(pressure, |place| self.guesses[place].1),
                 traction: traction - normal * normal.dot(&traction),
+                slides: false,
             };
             contact.offset = contact.gap(positions) - point.gap;
             contacts.push(contact);
