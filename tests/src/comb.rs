@@ -10,7 +10,7 @@ use std::path::Path;
 /// The module of the level.
 pub const MODULE: &str = "push-strip";
 
-/// Ticks in which the jaws close, and as many in which they open and go on.
+/// Ticks in which the jaws close, and as many in which they open and go on. In half as many the soft band often slips out between them.
 const HALF: u32 = 8;
 
 /// Ticks before the first snip, with the jaws open around the rim.

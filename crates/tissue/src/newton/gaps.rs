@@ -17,10 +17,10 @@
 //!
 //! Where contacts are few all of this is done among them alone first (`reduced`), and conjugate gradients only see to what is left.
 //!
-//! In steps of time that need not converge, where a factor costs no more than a few solutions (bodies of a few hundred nodes), each inner iteration has its own, with all contacts as they
-//! are then. They are a hundred times stiffer while the direction is sought; after it the multipliers are set such that the softer ones of
-//! the potential have the same forces along it. So all forces are in balance at its end, which a light free piece in a firm grip needs: a thousandth
-//! of the grip is many times its weight.
+//! In steps of time that need not converge, where a factor costs no more than a few solutions (bodies of a few hundred nodes), each inner
+//! iteration has its own, with all contacts as they are then. They are a hundred times stiffer while the direction is sought; after it
+//! the multipliers are set such that the softer ones of the potential have the same forces along it. So all forces are in balance at its
+//! end, which a light free piece in a firm grip needs: a thousandth of the grip is many times its weight.
 //!
 //! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a softer ρ
 //! and more updates.
