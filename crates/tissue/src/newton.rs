@@ -82,6 +82,9 @@ const SLACK: [f64; 2] = [1e-5, 1e-3];
 const OVERLAP: f64 = 0.02;
 const MORE: u32 = 3;
 
+/// How often the way of an iteration in a quick step is halved where it leads to such overlaps.
+const HALVES: u32 = 3;
+
 /// How often contacts are found for an equation; then they keep their features and normals. Features of equal distance could
 /// take turns for ever. In quick steps they are found less often, and then keep the bounds of friction too, so that only elements, and
 /// which contacts are closed or stick, are left to the other iterations. Four is what cuts need: with three they come to lie beside those
@@ -344,8 +347,14 @@ impl NewtonSolver {
             let before = report.residual;
             let rough = if options.must_converge { 0.0 } else { ROUGH };
             let tolerances = [options.tolerance, rough, slack];
+            if self.is_quick() {
+                tangent = Tangent::Positive;
+            }
             let way = self.go(&problem, ends, &mut tangent, before, tolerances)?;
-            self.find(&problem, touch.as_mut());
+            match way {
+                Way::Share(share) => self.find_ahead(&problem, touch.as_mut(), share),
+                Way::Jump | Way::None => self.find(&problem, touch.as_mut()),
+            }
             report.residual = self.evaluate(&problem, self.noise(fixed));
             if report.residual <= options.tolerance
                 && report.residual.is_finite()
@@ -359,8 +368,7 @@ impl NewtonSolver {
                 false => stalled + 1,
             };
             least = least.min(report.residual);
-            let touches = !self.gaps.is_empty() && self.gaps.overlap() <= OVERLAP;
-            if stalled >= PATIENCE && touches && self.gaps.is_direct(&self.system) {
+            if stalled >= PATIENCE && self.is_quick() && self.gaps.overlap() <= OVERLAP {
                 break;
             }
             match way {
@@ -598,10 +606,15 @@ impl NewtonSolver {
             self.system.add_diagonal(node, *hold);
         }
         self.gaps.stiffen(&self.direction, &mut self.system);
-        match !self.gaps.is_empty() && self.gaps.is_direct(&self.system) {
+        match self.is_quick() {
             true => self.system.factorise_double(problem.fixed),
             false => self.system.factorise(problem.fixed),
         }
+    }
+
+    /// Whether contacts are among the forces of a quick step.
+    fn is_quick(&self) -> bool {
+        !self.gaps.is_empty() && self.gaps.is_direct(&self.system)
     }
 
     /// No element and no mass makes the positive matrix indefinite: it is singular to rounding, or has numbers that are not finite.

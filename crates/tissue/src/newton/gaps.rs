@@ -25,14 +25,16 @@
 //! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a softer ρ
 //! and more updates.
 
+mod interior;
+mod quick;
 mod reduced;
 mod row;
 
-use super::LINEAR;
 use crate::contact::Contact;
 use crate::system::System;
 use microsim_sparse::NotPositive;
 use nalgebra::{Matrix3, Vector3};
+use quick::Quick;
 use reduced::{Reduced, size};
 use row::{Row, Told};
 
@@ -41,14 +43,9 @@ use row::{Row, Told};
 /// takes twice the rounds of solutions.
 const STIFF: f64 = 10.0;
 const SOFT: f64 = 8.0;
-/// How much stiffer contacts are where each change of them has a factor of its own: multipliers are right after an update or two then. The
-/// potential keeps the softer ones, which let a way turn.
-const SHARP: f64 = 100.0;
 /// Most inner iterations with the same multipliers, and most updates of those.
 const INNER: u32 = 12;
 const UPDATES: u32 = 12;
-/// Most updates where a direction of its own factors need not have the last digits of friction.
-const UPDATES_QUICK: u32 = 2;
 /// Most steps of the search along an inner direction: each halves what is unknown.
 const HALVES: u32 = 30;
 /// Sweeps over the contacts in which single nodes are put on surfaces that have moved, to begin with.
@@ -65,6 +62,8 @@ pub(super) struct Gaps {
     rows: Vec<Row>,
     /// The contacts that were found before in this step, as they were told.
     told: Vec<Contact>,
+    /// Contacts that may be found to have been left too far.
+    kept: Vec<Contact>,
     edge: f64,
     /// Positions that the contacts were found for [m].
     base: Vec<Vector3<f64>>,
@@ -74,6 +73,7 @@ pub(super) struct Gaps {
     inner: Vec<Vector3<f64>>,
     product: Vec<Vector3<f64>>,
     reduced: Reduced,
+    quick: Quick,
 }
 
 impl Gaps {
@@ -86,12 +86,14 @@ impl Gaps {
             keeps_laws: false,
             rows: Vec::new(),
             told: Vec::new(),
+            kept: Vec::new(),
             edge,
             base: zeros.clone(),
             others: zeros.clone(),
             inner: zeros.clone(),
             product: zeros,
             reduced: Reduced::default(),
+            quick: Quick::default(),
         }
     }
 
@@ -176,7 +178,6 @@ impl Gaps {
                     slides,
                 },
                 stiffness,
-                soft: stiffness,
                 joint,
                 multiplier: contact.pressure,
                 traction: across,
@@ -254,11 +255,10 @@ impl Gaps {
 
     /// Adds the contacts that are closed when the nodes go `direction` to the matrix.
     pub fn stiffen(&mut self, direction: &[Vector3<f64>], system: &mut System) {
-        let sharp = if self.is_direct(system) { SHARP } else { 1.0 };
+        let quick = self.is_direct(system);
         for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
             row.factored = None;
-            row.stiffness = sharp * row.soft;
-            if row.stiffness == 0.0 || row.joint {
+            if row.stiffness == 0.0 || row.joint || quick {
                 continue;
             }
             let curvature = row.curvature(contact, &contact.blend(direction));
@@ -290,16 +290,15 @@ impl Gaps {
             multiply_others(system, &self.contacts, &self.rows, direction, product);
             left.iter_mut().zip(&*product).for_each(|(l, p)| *l -= p);
         }
+        if self.is_direct(system) {
+            return self.set_quick_direction(fixed, system, direction);
+        }
         // Where nothing else acts, as when overlaps are undone, the forces of the guess are the measure.
         let scale = match size(others, fixed) {
             0.0 => size(&self.others, fixed),
             scale => scale,
         };
-        let direct = self.is_direct(system);
-        let most = match direct {
-            true => None,
-            false => self.settle(fixed, system, [tolerance, rough, slack], scale, direction)?,
-        };
+        let most = self.settle(fixed, system, [tolerance, rough, slack], scale, direction)?;
         let mut first = most.is_none();
         let Self {
             contacts,
@@ -311,8 +310,7 @@ impl Gaps {
             ..
         } = self;
         let mut enough = 0.0;
-        let updates = if direct { UPDATES_QUICK } else { UPDATES };
-        for update in 0..updates {
+        for _ in 0..UPDATES {
             for _ in 0..INNER {
                 // What is left of all forces, and the curvature of contacts, at the direction so far.
                 inner.copy_from_slice(left);
@@ -322,8 +320,7 @@ impl Gaps {
                 // What is left at the start may be little against all forces, and still all that a small load is to move.
                 enough = rough.max(tolerance) / tolerance * allowed;
                 enough = enough.min(most.unwrap_or(f64::INFINITY));
-                let goal = if direct { LINEAR * allowed } else { enough };
-                if missing <= goal && (!first || missing == 0.0) {
+                if missing <= enough && (!first || missing == 0.0) {
                     break;
                 }
                 let share = 0.5 * if first { allowed } else { enough } / missing;
@@ -335,17 +332,10 @@ impl Gaps {
                     }
                 }
                 product.copy_from_slice(inner);
-                if direct {
-                    if refactor(contacts, rows, system) {
-                        system.factorise_double(fixed)?;
-                    }
-                    system.solve(inner, share)?;
-                } else {
-                    let apply = |p: &[Vector3<f64>], q: &mut [Vector3<f64>]| {
-                        add_contacts(contacts, rows, p, q);
-                    };
-                    system.solve_with(apply, inner, share)?;
-                }
+                let apply = |p: &[Vector3<f64>], q: &mut [Vector3<f64>]| {
+                    add_contacts(contacts, rows, p, q);
+                };
+                system.solve_with(apply, inner, share)?;
                 let slope = -dot(product, inner);
                 multiply_others(system, contacts, rows, inner, product);
                 let stiffness = dot(inner, product);
@@ -369,14 +359,10 @@ impl Gaps {
             }
             // In short steps forces are the sharper measure.
             let done = worst <= slack * *edge && changes.sqrt() <= enough;
-            let last = done || update + 1 == updates;
             for (contact, row) in contacts.iter().zip(&mut *rows) {
                 if row.stiffness > 0.0 {
                     let y = contact.blend(direction);
-                    *row = match direct && last {
-                        true => row.softened(contact, &y),
-                        false => row.updated(contact, &y).0,
-                    };
+                    *row = row.updated(contact, &y).0;
                 }
             }
             if done {
@@ -384,6 +370,18 @@ impl Gaps {
             }
         }
         Ok(())
+    }
+
+    /// Keeps the contacts, as they have become, for [`restore`](Self::restore).
+    pub fn keep(&mut self) {
+        self.tell();
+        self.kept.clone_from(&self.contacts);
+    }
+
+    /// Makes the contacts those that were kept.
+    pub fn restore(&mut self) {
+        self.contacts.clone_from(&self.kept);
+        self.rows.clear();
     }
 
     /// Tells the contacts what they have become.
@@ -455,21 +453,6 @@ fn lowest(start: f64, slope_at: impl Fn(f64) -> f64) -> f64 {
         }
     }
     0.5 * (low + high)
-}
-
-/// Puts the contacts as they are now into the matrix in place of what of them is in it; says whether that is anything else.
-fn refactor(contacts: &[Contact], rows: &mut [Row], system: &mut System) -> bool {
-    let mut changed = false;
-    for (contact, row) in contacts.iter().zip(rows) {
-        if row.stiffness > 0.0 {
-            let more = row.hessian - row.factored.unwrap_or_else(Matrix3::zeros);
-            if more != Matrix3::zeros() && system.add_contact(contact, &more) {
-                row.factored = Some(row.hessian);
-                changed = true;
-            }
-        }
-    }
-    changed
 }
 
 /// q = (matrix without contacts) p.

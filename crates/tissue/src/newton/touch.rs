@@ -1,6 +1,9 @@
 //! Contact in an equation: finding it, telling it its forces, undoing old overlaps.
 
-use super::{Equation, FINDS, FINDS_QUICK, LINEAR_TOLERANCES, NewtonSolver, Problem, SLACK, Touch};
+use super::{
+    Equation, FINDS, FINDS_QUICK, HALVES, LINEAR_TOLERANCES, NewtonSolver, OVERLAP, Problem, SLACK,
+    Touch,
+};
 use crate::elements::Tangent;
 use crate::executor::Executor;
 use crate::model::TissueModel;
@@ -44,6 +47,32 @@ impl NewtonSolver {
                 let inertia = rate * (rate + drags[node]) * problem.model.inertia(node);
                 stiffness[node] + inertia + hold.get(node).unwrap_or(&0.0)
             });
+    }
+
+    /// Finds the contacts where an iteration has led. In a quick step goes back on its way, of which `share` was taken, while they say that surfaces
+    /// have turned: gaps that it was to keep are far below their floors, further than any was before it. Tissue would spring out of jaws.
+    pub(super) fn find_ahead(
+        &mut self,
+        problem: &Problem<'_>,
+        mut touch: Option<&mut Touch<'_>>,
+        mut share: f64,
+    ) {
+        let most = self.gaps.overlap().max(OVERLAP);
+        let quick = self.is_quick();
+        if quick {
+            self.gaps.keep();
+        }
+        self.find(problem, touch.as_deref_mut());
+        for _ in 0..HALVES {
+            if !quick || self.gaps.overlap() <= most {
+                return;
+            }
+            share *= 0.5;
+            self.advance(problem, share);
+            self.gaps.restore();
+            self.finds = self.finds.saturating_sub(1);
+            self.find(problem, touch.as_deref_mut());
+        }
     }
 
     /// Tells the contacts their forces. With inertia the momentum of each part that is free is kept to rounding with these: the whole part

@@ -1,0 +1,388 @@
+//! The forces of contacts among themselves, with bounds of friction that are given, by an interior-point method.
+//!
+//! With the compliance W of the contacts among themselves and their ways h without forces, the forces p = (λ, t) of all are the lowest
+//! point of
+//!
+//! ```text
+//! ½ pᵀ W p + h·p        λ ≥ 0        |t| ≤ b
+//! ```
+//!
+//! where no gap is below its floor, none with a force above it, and what slides does so against all that its bound allows: Signorini's
+//! and Tresca's conditions are those of this convex problem. With s ≥ 0 the gaps above their floors and z ≥ 0 the way that is slid over
+//! its force,
+//!
+//! ```text
+//! (W p + h)_n = s     (W p + h)_t = −z t     λ s = τ     z (b² − |t|²)/2 = τ
+//! ```
+//!
+//! is solved by Newton's method while τ goes to zero, with Mehrotra's predictor and corrector (1992). It takes ten to twenty small
+//! factors, however many contacts open, close, stick or slide: a method that follows these one by one takes one for each, and may go in
+//! circles.
+
+/// A contact among the forces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    /// The place of λ among the forces; that of t is behind it where there is friction.
+    pub first: usize,
+    /// b [N]; 0 for none.
+    pub bound: f64,
+    /// Whether it has a force at the end, and whether that is less across than the bound.
+    pub closed: bool,
+    pub sticks: bool,
+    /// s [m], z [m/N], and their steps.
+    above: f64,
+    slid: f64,
+    above_step: f64,
+    slid_step: f64,
+    /// The place of λ among the unknowns.
+    at: usize,
+}
+
+/// Most iterations. Ten to twenty are enough in what was seen.
+const ITERATIONS: u32 = 50;
+
+/// What may be left of ways, as a share of the largest of them, and of products of forces and ways.
+const TOLERANCE: f64 = 1e-9;
+
+/// The share of the way to the edge of what is allowed that is gone.
+const INSIDE: f64 = 0.99;
+
+/// Working memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Interior {
+    /// The direction of each unknown.
+    unknowns: Vec<usize>,
+    /// W of the unknowns, and its factor with what conditions add, row after row.
+    compliance: Vec<f64>,
+    factor: Vec<f64>,
+    /// h, p, W p + h, and a step of p.
+    base: Vec<f64>,
+    forces: Vec<f64>,
+    ways: Vec<f64>,
+    step: Vec<f64>,
+}
+
+impl Cone {
+    /// With this bound [N].
+    pub fn new(first: usize, bound: f64) -> Self {
+        Self {
+            first,
+            bound,
+            closed: false,
+            sticks: false,
+            above: 0.0,
+            slid: 0.0,
+            above_step: 0.0,
+            slid_step: 0.0,
+            at: 0,
+        }
+    }
+
+    /// (b² − |t|²)/2 [N²] for these forces.
+    fn reserve(&self, forces: &[f64]) -> f64 {
+        let [a, b] = self.across(forces);
+        0.5 * (self.bound * self.bound - a * a - b * b)
+    }
+
+    /// The numbers of the two unknowns across.
+    fn across(&self, numbers: &[f64]) -> [f64; 2] {
+        [numbers[self.at + 1], numbers[self.at + 2]]
+    }
+}
+
+impl Interior {
+    /// Sets `forces` [N], which holds a guess of them, for the compliance `compliance` [m/N], row after row, with `own` [m/N] that each
+    /// contact has by itself, and the ways `ways` [m] without forces: along a normal the gap above its floor. A cone tells what became
+    /// of it.
+    pub fn solve(
+        &mut self,
+        compliance: &[f64],
+        own: &[f64],
+        ways: &[f64],
+        cones: &mut [Cone],
+        forces: &mut [f64],
+    ) {
+        self.begin(compliance, own, ways, cones, forces);
+        let reach = self.base.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+        if reach > 0.0 {
+            self.enter(cones, reach);
+            for _ in 0..ITERATIONS {
+                self.set_ways();
+                if self.is_done(cones, reach) || !self.advance(cones) {
+                    break;
+                }
+            }
+        }
+        self.finish(cones, forces);
+    }
+
+    /// Takes over the part of the problem that has unknowns.
+    fn begin(
+        &mut self,
+        compliance: &[f64],
+        own: &[f64],
+        ways: &[f64],
+        cones: &mut [Cone],
+        forces: &[f64],
+    ) {
+        self.unknowns.clear();
+        for cone in cones {
+            cone.at = self.unknowns.len();
+            let count = if cone.bound > 0.0 { 3 } else { 1 };
+            self.unknowns.extend(cone.first..cone.first + count);
+        }
+        let all = ways.len();
+        let of = |numbers: &[f64]| self.unknowns.iter().map(|k| numbers[*k]).collect();
+        (self.base, self.forces) = (of(ways), of(forces));
+        self.compliance.clear();
+        for (row, &direction) in self.unknowns.iter().enumerate() {
+            let entries = &compliance[direction * all..][..all];
+            self.compliance
+                .extend(self.unknowns.iter().map(|column| entries[*column]));
+            let diagonal = row * self.unknowns.len() + row;
+            self.compliance[diagonal] += own[direction];
+        }
+        self.ways.resize(self.unknowns.len(), 0.0);
+        self.step.resize(self.unknowns.len(), 0.0);
+    }
+
+    /// Starts inside of all conditions.
+    fn enter(&mut self, cones: &mut [Cone], reach: f64) {
+        let count = self.unknowns.len();
+        for cone in cones {
+            let own = self.compliance[cone.at * count + cone.at].max(f64::MIN_POSITIVE);
+            self.forces[cone.at] = self.forces[cone.at].max(reach / own);
+            cone.above = reach;
+            if cone.bound > 0.0 {
+                self.forces[cone.at + 1..cone.at + 3].fill(0.0);
+                cone.slid = reach / cone.bound;
+            }
+        }
+    }
+
+    fn set_ways(&mut self) {
+        let count = self.unknowns.len();
+        self.ways.copy_from_slice(&self.base);
+        for (row, force) in self.compliance.chunks_exact(count).zip(&self.forces) {
+            let entries = self.ways.iter_mut().zip(row);
+            entries.for_each(|(way, entry)| *way += entry * force);
+        }
+    }
+
+    fn is_done(&self, cones: &[Cone], reach: f64) -> bool {
+        let most = |size: f64, cone: &Cone| size.max(self.forces[cone.at]);
+        let largest = cones.iter().fold(0.0, most);
+        cones.iter().all(|cone| {
+            let force = self.forces[cone.at];
+            let mut done = (self.ways[cone.at] - cone.above).abs() <= TOLERANCE * reach
+                && force * cone.above <= TOLERANCE * reach * largest;
+            if cone.bound > 0.0 {
+                let [a, b] = cone.across(&self.forces);
+                let [x, y] = cone.across(&self.ways);
+                let wrong = (x + cone.slid * a).abs().max((y + cone.slid * b).abs());
+                done &= wrong <= TOLERANCE * reach
+                    && cone.slid * cone.reserve(&self.forces)
+                        <= TOLERANCE * reach * cone.bound.min(largest);
+            }
+            done
+        })
+    }
+
+    /// One step of predictor and corrector; says whether there was one.
+    fn advance(&mut self, cones: &mut [Cone]) -> bool {
+        if !self.factorise(cones) {
+            return false;
+        }
+        self.set_step(cones, 0.0, 0.0);
+        let now = self.mean_product(cones, 0.0);
+        let ahead = self.mean_product(cones, self.longest(cones));
+        let target = now * (ahead / now).powi(3);
+        self.set_step(cones, target, 1.0);
+        let share = (INSIDE * self.longest(cones)).min(1.0);
+        if !share.is_finite() {
+            return false;
+        }
+        for cone in cones {
+            cone.above += share * cone.above_step;
+            cone.slid += share * cone.slid_step;
+        }
+        for (force, step) in self.forces.iter_mut().zip(&self.step) {
+            *force += share * step;
+        }
+        true
+    }
+
+    /// The mean of λ s and z (b² − |t|²)/2 after this share of the step.
+    fn mean_product(&self, cones: &[Cone], share: f64) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        let after = |k: usize| self.forces[k] + share * self.step[k];
+        for cone in cones {
+            sum += after(cone.at) * (cone.above + share * cone.above_step);
+            count += 1.0;
+            if cone.bound > 0.0 {
+                let (a, b) = (after(cone.at + 1), after(cone.at + 2));
+                let reserve = 0.5 * (cone.bound * cone.bound - a * a - b * b);
+                sum += reserve * (cone.slid + share * cone.slid_step);
+                count += 1.0;
+            }
+        }
+        sum / count
+    }
+
+    /// Factors W + what the conditions add: s/λ along a normal, z 1 + z/w t tᵀ across it, w = (b² − |t|²)/2.
+    fn factorise(&mut self, cones: &[Cone]) -> bool {
+        let count = self.unknowns.len();
+        self.factor.clone_from(&self.compliance);
+        for cone in cones {
+            self.factor[cone.at * (count + 1)] += cone.above / self.forces[cone.at];
+            if cone.bound > 0.0 {
+                let t = cone.across(&self.forces);
+                let more = cone.slid / cone.reserve(&self.forces);
+                for (i, a) in t.into_iter().enumerate() {
+                    let row = (cone.at + 1 + i) * count + cone.at + 1;
+                    self.factor[row + i] += cone.slid;
+                    for (j, b) in t.into_iter().enumerate() {
+                        self.factor[row + j] += more * a * b;
+                    }
+                }
+            }
+        }
+        cholesky(&mut self.factor, count)
+    }
+
+    /// Sets the step to products of `target`; with `curved` 1, that of the step before is a prediction of what is of second order.
+    fn set_step(&mut self, cones: &mut [Cone], target: f64, curved: f64) {
+        let Self {
+            forces, ways, step, ..
+        } = self;
+        for cone in &mut *cones {
+            let along = goal_along(cone, step, target, curved);
+            let mut across = 0.0;
+            if cone.bound > 0.0 {
+                let reserve = cone.reserve(forces);
+                let (t, d, way) = (cone.across(forces), cone.across(step), cone.across(ways));
+                across = goal_across(cone, &t, &d, target, curved) / reserve;
+                for k in 0..2 {
+                    let bent = curved * cone.slid_step * d[k];
+                    step[cone.at + 1 + k] = -way[k] - t[k] * across - bent;
+                }
+            }
+            step[cone.at] = along / forces[cone.at] - ways[cone.at];
+            // What conditions ask for, until the forces are known.
+            cone.above_step = along / forces[cone.at];
+            cone.slid_step = across;
+        }
+        substitute(&self.factor, step);
+        for cone in cones {
+            let ratio = cone.above / forces[cone.at];
+            cone.above_step -= cone.above + ratio * step[cone.at];
+            if cone.bound > 0.0 {
+                let (t, d) = (cone.across(forces), cone.across(step));
+                let more = cone.slid / cone.reserve(forces);
+                cone.slid_step += more * (t[0] * d[0] + t[1] * d[1]) - cone.slid;
+            }
+        }
+    }
+
+    /// The share of the step at which the first condition is met with no reserve, at most 1 over [`INSIDE`].
+    fn longest(&self, cones: &[Cone]) -> f64 {
+        let mut share = 1.0 / INSIDE;
+        let mut limit = |value: f64, step: f64| {
+            if value + share * step < 0.0 {
+                share = -value / step;
+            }
+        };
+        for cone in cones {
+            limit(self.forces[cone.at], self.step[cone.at]);
+            limit(cone.above, cone.above_step);
+            limit(cone.slid, cone.slid_step);
+        }
+        for cone in cones.iter().filter(|cone| cone.bound > 0.0) {
+            // |t + α d|² = b².
+            let (t, d) = (cone.across(&self.forces), cone.across(&self.step));
+            let square = d[0] * d[0] + d[1] * d[1];
+            let along = t[0] * d[0] + t[1] * d[1];
+            let room = 2.0 * cone.reserve(&self.forces);
+            if square > 0.0 {
+                let root = (along * along + square * room).sqrt();
+                share = share.min(room / (along + root));
+            }
+        }
+        share
+    }
+
+    /// Gives the forces: none, all of the bound, or something between.
+    fn finish(&self, cones: &mut [Cone], forces: &mut [f64]) {
+        let count = self.unknowns.len();
+        for cone in cones {
+            let own = |k: usize| self.compliance[k * count + k];
+            let force = self.forces[cone.at];
+            cone.closed = force * own(cone.at) > cone.above;
+            forces[cone.first] = if cone.closed { force } else { 0.0 };
+            cone.sticks = false;
+            if cone.bound > 0.0 {
+                let [a, b] = cone.across(&self.forces);
+                let size = a.hypot(b);
+                let compliance = own(cone.at + 1) + own(cone.at + 2);
+                let reserve = cone.reserve(&self.forces) / (cone.bound * cone.bound);
+                cone.sticks = cone.slid < reserve * compliance;
+                let share = if cone.sticks || size == 0.0 {
+                    1.0
+                } else {
+                    cone.bound / size
+                };
+                forces[cone.first + 1] = a * share;
+                forces[cone.first + 2] = b * share;
+            }
+        }
+    }
+}
+
+/// What λ s is to be, but for what is of second order.
+fn goal_along(cone: &Cone, step: &[f64], target: f64, curved: f64) -> f64 {
+    target - curved * step[cone.at] * cone.above_step
+}
+
+/// What z (b² − |t|²)/2 is to be for these t and the step `d` of them, but for what is of second order.
+fn goal_across(cone: &Cone, t: &[f64; 2], d: &[f64; 2], target: f64, curved: f64) -> f64 {
+    let along = t[0] * d[0] + t[1] * d[1];
+    let square = d[0] * d[0] + d[1] * d[1];
+    target + curved * (cone.slid_step * along + 0.5 * cone.slid * square)
+}
+
+/// Factors a symmetric matrix in place, A = L Lᵀ with Lᵀ in the upper triangle; says whether it is positive definite.
+fn cholesky(matrix: &mut [f64], count: usize) -> bool {
+    for k in 0..count {
+        let (done, below) = matrix.split_at_mut((k + 1) * count);
+        let row = &mut done[k * count + k..];
+        let pivot = row[0];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        let scale = 1.0 / pivot.sqrt();
+        row.iter_mut().for_each(|entry| *entry *= scale);
+        for (index, other) in below.chunks_exact_mut(count).enumerate() {
+            let share = row[index + 1];
+            let entries = other[k + 1 + index..].iter_mut().zip(&row[index + 1..]);
+            entries.for_each(|(entry, above)| *entry -= share * above);
+        }
+    }
+    true
+}
+
+/// Solves with what [`cholesky`] has left, in place.
+fn substitute(factor: &[f64], x: &mut [f64]) {
+    let count = x.len();
+    for k in 0..count {
+        let row = &factor[k * count + k..(k + 1) * count];
+        let (solved, rest) = x[k..].split_at_mut(1);
+        solved[0] /= row[0];
+        let entries = rest.iter_mut().zip(&row[1..]);
+        entries.for_each(|(x, entry)| *x -= entry * solved[0]);
+    }
+    for k in (0..count).rev() {
+        let row = &factor[k * count + k..(k + 1) * count];
+        let known: f64 = row[1..].iter().zip(&x[k + 1..]).map(|(a, b)| a * b).sum();
+        x[k] = (x[k] - known) / row[0];
+    }
+}
