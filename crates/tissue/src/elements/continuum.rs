@@ -5,17 +5,16 @@
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
 use super::continuum_constraints::{ELASTIC, VISCOUS};
-use super::continuum_matrix::{set_positive_tangent, set_tangent};
-use super::domains::{Domains, Tetrahedra, product};
+use super::continuum_matrix::{DomainTangent, set_tangent};
+use super::domains::{Domains, Tetrahedra};
 use super::key::Key;
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent,
 };
-use crate::law::decomposition::cofactor;
-use crate::law::{Lame, Law, viscosity};
-use nalgebra::Vector3;
+use crate::law::{Lame, Law, Matrix9, viscosity};
+use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -52,6 +51,15 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
             lame,
             relaxation_time,
             law: PhantomData,
+        }
+    }
+
+    /// ∂P/∂F at `f` [Pa].
+    #[inline(always)]
+    fn tangent(&self, f: &Matrix3<f64>, tangent: Tangent) -> Matrix9 {
+        match tangent {
+            Tangent::Exact => L::tangent(f, &self.lame),
+            Tangent::Positive => L::positive_tangent(f, &self.lame),
         }
     }
 }
@@ -101,43 +109,34 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     ) {
         out.reset(self.domains.nodes(element).len());
         let f = self.domains.deformation(element, at.positions);
-        let volume = self.domains.volume(element);
+        let tangent = self.tangent(&f, tangent);
         let gradient = |corner| self.domains.gradient(element, corner);
-        match tangent {
-            Tangent::Exact => set_tangent(&L::tangent(&f, &self.lame), volume, gradient, out),
-            Tangent::Positive => set_positive_tangent::<L>(&f, &self.lame, volume, gradient, out),
-        }
+        set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
 
-    fn add_stiffness(
+    fn add_tangent(
         &self,
         at: &Configuration<'_>,
         tangent: Tangent,
+        damping: f64,
         matrix: &mut MatrixWindow<'_>,
     ) {
-        let mut block = ElementMatrix::new();
+        let viscous_time = damping * self.relaxation_time;
         let mut corners = Vec::new();
         for element in 0..self.domains.count() {
             let f = self.domains.deformation(element, at.positions);
-            let (cofactor, j) = cofactor(&f);
-            let derivatives = match tangent {
-                Tangent::Exact => L::invariants(&f, j, &self.lame),
-                Tangent::Positive => None,
-            };
-            let Some(derivatives) = derivatives else {
-                self.stiffness(element, at, tangent, &mut block);
-                matrix.add(element, &block, 1.0);
-                continue;
-            };
-            let derivatives = derivatives.scaled(self.domains.volume(element));
+            let mut stiffness = self.tangent(&f, tangent);
+            if viscous_time > 0.0 {
+                stiffness += viscosity::tangent(&f, &self.lame, viscous_time);
+            }
+            let stiffness = DomainTangent::new(&stiffness, self.domains.volume(element));
             let nodes = self.domains.nodes(element).len();
             corners.clear();
-            corners.extend((0..nodes).map(|node| {
-                let b = self.domains.gradient(element, node);
-                [b, product(&f, &b), product(&cofactor, &b)]
-            }));
+            corners.extend(
+                (0..nodes).map(|node| stiffness.corner(self.domains.gradient(element, node))),
+            );
             matrix.add_pairs(element, nodes, |row, column| {
-                derivatives.block(&f, &corners[row], &corners[column])
+                corners[row].block(&corners[column])
             });
         }
     }

@@ -125,13 +125,8 @@ impl MatrixWindow<'_> {
         let mut places = self.slots.of(element).iter();
         for i in 0..nodes {
             for (j, place) in (0..=i).zip(&mut places) {
-                let value = block(i, j);
-                let target = &mut self.values[(place / 2) as usize];
-                if place % 2 == 0 {
-                    *target += value;
-                } else {
-                    *target += value.transpose();
-                }
+                let (row, column) = if place % 2 == 0 { (i, j) } else { (j, i) };
+                self.values[(place / 2) as usize] += block(row, column);
             }
         }
     }

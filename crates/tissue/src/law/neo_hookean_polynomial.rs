@@ -45,11 +45,6 @@ impl Law for NeoHookeanPolynomial {
         let (cofactor, j) = cofactor(f);
         invariants::tangent(f, &cofactor, &derivatives(f, j, lame))
     }
-
-    #[inline(always)]
-    fn invariants(f: &Matrix3<f64>, j: f64, lame: &Lame) -> Option<InvariantDerivatives> {
-        Some(derivatives(f, j, lame))
-    }
 }
 
 #[inline(always)]
