@@ -1,7 +1,7 @@
 //! Laws of the form Ψ = a(I) + b(J), I = tr FᵀF, J = det F: stress and tangent from the derivatives of a and b.
 
-use super::Matrix9;
-use nalgebra::Matrix3;
+use super::{Matrix9, PrincipalTangent};
+use nalgebra::{Matrix3, Vector3};
 
 /// Derivatives of a and b at some F [Pa].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,4 +53,38 @@ pub(super) fn tangent(
         }
     }
     tangent
+}
+
+/// ∂P/∂F at F = diag(`stretches`).
+#[inline]
+pub(super) fn principal_tangent(
+    stretches: &Vector3<f64>,
+    d: &InvariantDerivatives,
+) -> PrincipalTangent {
+    let [x, y, z] = [stretches[0], stretches[1], stretches[2]];
+    let areas = [y * z, z * x, x * y];
+    let of_areas = [d.b1 * x, d.b1 * y, d.b1 * z];
+    let entry =
+        |i: usize, j: usize| 4.0 * d.a2 * stretches[i] * stretches[j] + d.b2 * areas[i] * areas[j];
+    let direct = 2.0 * d.a1;
+    let (yz, zx, xy) = (
+        entry(1, 2) + of_areas[0],
+        entry(2, 0) + of_areas[1],
+        entry(0, 1) + of_areas[2],
+    );
+    PrincipalTangent {
+        stretch: Matrix3::new(
+            entry(0, 0) + direct,
+            xy,
+            zx,
+            xy,
+            entry(1, 1) + direct,
+            yz,
+            zx,
+            yz,
+            entry(2, 2) + direct,
+        ),
+        direct: [direct; 3],
+        crossed: of_areas.map(|b| -b),
+    }
 }
