@@ -11,7 +11,7 @@ mod continuum_matrix;
 mod coupling;
 mod domains;
 pub mod key;
-mod lanes;
+pub(crate) mod lanes;
 mod matrix;
 mod measure;
 mod plasticity;

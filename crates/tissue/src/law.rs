@@ -76,12 +76,11 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// ∂P/∂F [Pa].
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9;
 
-    /// The nearest ∂P/∂F without negative eigenvalues [Pa].
-    fn positive_tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
-        let svd = SignedSvd::new(f);
-        Self::principal_tangent(&svd.stretches, lame)
+    /// The nearest ∂P/∂F without negative eigenvalues [Pa] at a decomposed F.
+    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
+        Self::principal_tangent(&f.stretches, lame)
             .positive()
-            .rotated(&svd)
+            .rotated(f)
     }
 
     /// ∂P/∂F [Pa] at F = diag(`stretches`).

@@ -5,16 +5,18 @@
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
 use super::continuum_constraints::{ELASTIC, VISCOUS};
-use super::continuum_matrix::{DomainTangent, set_tangent};
+use super::continuum_matrix::{CornerTangent, DomainTangent, set_tangent};
 use super::domains::{Domains, Tetrahedra};
 use super::key::Key;
+use super::lanes::LANES;
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent,
 };
-use crate::law::{Lame, Law, Matrix9, viscosity};
-use nalgebra::{Matrix3, Vector3};
+use crate::law::decomposition::SignedSvd;
+use crate::law::{Lame, Law, viscosity};
+use nalgebra::Vector3;
 use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -51,15 +53,6 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
             lame,
             relaxation_time,
             law: PhantomData,
-        }
-    }
-
-    /// ∂P/∂F at `f` [Pa].
-    #[inline(always)]
-    fn tangent(&self, f: &Matrix3<f64>, tangent: Tangent) -> Matrix9 {
-        match tangent {
-            Tangent::Exact => L::tangent(f, &self.lame),
-            Tangent::Positive => L::positive_tangent(f, &self.lame),
         }
     }
 }
@@ -109,7 +102,10 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     ) {
         out.reset(self.domains.nodes(element).len());
         let f = self.domains.deformation(element, at.positions);
-        let tangent = self.tangent(&f, tangent);
+        let tangent = match tangent {
+            Tangent::Exact => L::tangent(&f, &self.lame),
+            Tangent::Positive => L::positive_tangent(&SignedSvd::new(&f), &self.lame),
+        };
         let gradient = |corner| self.domains.gradient(element, corner);
         set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
@@ -122,22 +118,36 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         matrix: &mut MatrixWindow<'_>,
     ) {
         let viscous_time = damping * self.relaxation_time;
+        let count = self.domains.count();
         let mut corners = Vec::new();
-        for element in 0..self.domains.count() {
-            let f = self.domains.deformation(element, at.positions);
-            let mut stiffness = self.tangent(&f, tangent);
-            if viscous_time > 0.0 {
-                stiffness += viscosity::tangent(&f, &self.lame, viscous_time);
-            }
-            let stiffness = DomainTangent::new(&stiffness, self.domains.volume(element));
-            let nodes = self.domains.nodes(element).len();
-            corners.clear();
-            corners.extend(
-                (0..nodes).map(|node| stiffness.corner(self.domains.gradient(element, node))),
-            );
-            matrix.add_pairs(element, nodes, |row, column| {
-                corners[row].block(&corners[column])
+        for first in (0..count).step_by(LANES) {
+            // The last ones are filled up with the last domain.
+            let f = [0, 1, 2, 3].map(|lane| {
+                let element = (first + lane).min(count - 1);
+                self.domains.deformation(element, at.positions)
             });
+            let decomposed = match tangent {
+                Tangent::Exact => None,
+                Tangent::Positive => Some(SignedSvd::of_four(&f)),
+            };
+            for (element, lane) in (first..count).zip(0..LANES) {
+                let mut tangent = match &decomposed {
+                    None => L::tangent(&f[lane], &self.lame),
+                    Some(f) => L::positive_tangent(&f[lane], &self.lame),
+                };
+                if viscous_time > 0.0 {
+                    tangent += viscosity::tangent(&f[lane], &self.lame, viscous_time);
+                }
+                let tangent = DomainTangent::new(&tangent, self.domains.volume(element));
+                let nodes = self.domains.nodes(element).len();
+                corners.resize(nodes, CornerTangent::default());
+                for (node, corner) in corners.iter_mut().enumerate() {
+                    tangent.set_corner(self.domains.gradient(element, node), corner);
+                }
+                matrix.add_pairs(element, nodes, |row, column| {
+                    corners[row].block(&corners[column])
+                });
+            }
         }
     }
 

@@ -71,19 +71,19 @@ impl DomainTangent {
         Self(ordered)
     }
 
-    /// With the gradient `b` of a node.
+    /// Sets `corner` to that of a node with the gradient `b`.
     #[inline(always)]
-    pub fn corner(&self, b: Vector3<f64>) -> CornerTangent {
+    pub fn set_corner(&self, b: Vector3<f64>, corner: &mut CornerTangent) {
         let [x, y, z] = &self.0;
-        let mut change = [0.0; 27];
-        for p in 0..27 {
-            change[p] = x[p] * b[0] + y[p] * b[1] + z[p] * b[2];
+        corner.b = b;
+        for (p, change) in corner.change.iter_mut().enumerate() {
+            *change = z[p].mul_add(b[2], y[p].mul_add(b[1], x[p] * b[0]));
         }
-        CornerTangent { b, change }
     }
 }
 
-/// What every deformation does to the force on one node.
+/// What deformations do to the force on one node.
+#[derive(Clone, Copy)]
 pub(super) struct CornerTangent {
     b: Vector3<f64>,
     /// `[9 l + 3 k + i]` is V Σ_j T_ijkl b_j [N].
@@ -97,8 +97,18 @@ impl CornerTangent {
         let b = &column.b;
         let mut block = Matrix3::zeros();
         for (p, entry) in block.as_mut_slice().iter_mut().enumerate() {
-            *entry = self.change[p] * b[0] + self.change[9 + p] * b[1] + self.change[18 + p] * b[2];
+            let [x, y, z] = [0, 9, 18].map(|l| self.change[l + p]);
+            *entry = z.mul_add(b[2], y.mul_add(b[1], x * b[0]));
         }
         block
+    }
+}
+
+impl Default for CornerTangent {
+    fn default() -> Self {
+        Self {
+            b: Vector3::zeros(),
+            change: [0.0; 27],
+        }
     }
 }

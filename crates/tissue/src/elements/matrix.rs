@@ -114,7 +114,7 @@ impl MatrixWindow<'_> {
         self.add_pairs(element, block.nodes(), |i, j| block.block(i, j) * factor);
     }
 
-    /// Adds the matrix of an element of so many nodes; `block` gives that of row node i and column node j ≤ i.
+    /// Adds the symmetric matrix of an element of so many nodes; `block` gives that of row node i and column node j.
     #[inline(always)]
     pub fn add_pairs(
         &mut self,

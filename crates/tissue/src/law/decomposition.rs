@@ -3,6 +3,10 @@
 //! All of it is iterative with plain arithmetic and square roots in fixed order, so the bits are the same on every machine.
 //! Of a matrix with a number that is not finite one of the singular values or eigenvalues is not finite; nothing panics.
 
+mod eigenvectors;
+
+use crate::elements::lanes::LANES;
+use eigenvectors::eigenvectors_of_four;
 use nalgebra::{Matrix3, Vector3};
 
 /// F = U diag(σ) Vᵀ with proper rotations U and V and σ1 ≥ σ2 ≥ |σ3|: σ3 has the sign of det F.
@@ -29,6 +33,17 @@ impl SignedSvd {
     /// One-sided Jacobi iteration (Hestenes): rotates the columns of F until they are orthogonal. It never forms FᵀF, so small
     /// singular values are as exact as F itself.
     pub fn new(f: &Matrix3<f64>) -> Self {
+        Self::from_start(f, &Matrix3::identity())
+    }
+
+    /// Those of four matrices, in a quarter of the time: from the eigenvectors of FᵀF, which are all but the end of the iteration.
+    pub fn of_four(f: &[Matrix3<f64>; LANES]) -> [Self; LANES] {
+        let starts = eigenvectors_of_four(&f.map(|f| f.tr_mul(&f)));
+        [0, 1, 2, 3].map(|lane| Self::from_start(&f[lane], &starts[lane]))
+    }
+
+    /// From the proper rotation `v` on.
+    fn from_start(f: &Matrix3<f64>, v: &Matrix3<f64>) -> Self {
         let scale = f.amax();
         if scale == 0.0 {
             return Self {
@@ -37,8 +52,8 @@ impl SignedSvd {
                 v: Matrix3::identity(),
             };
         }
-        let mut a = f / scale;
-        let mut v = Matrix3::identity();
+        let mut v = *v;
+        let mut a = f / scale * v;
         for _ in 0..SWEEPS {
             let mut done = true;
             for [p, q] in PAIRS {

@@ -23,7 +23,7 @@ pub(super) fn stress(f: &Matrix3<f64>, cofactor: &Matrix3<f64>, a1: f64, b1: f64
 }
 
 /// ∂P/∂F = 2a' 1 + 4a'' F⊗F + b'' cof⊗cof + b' ∂cof/∂F.
-#[inline]
+#[inline(always)]
 pub(super) fn tangent(
     f: &Matrix3<f64>,
     cofactor: &Matrix3<f64>,

@@ -49,6 +49,7 @@ impl Law for NeoHookean {
         invariants::stress(f, &cofactor, 0.5 * lame.mu, b1)
     }
 
+    #[inline(always)]
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
         invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))

@@ -41,6 +41,7 @@ impl Law for NeoHookeanPolynomial {
         Some(of(lame.lambda + lame.mu) * (j - of(1.0)) - of(lame.mu))
     }
 
+    #[inline(always)]
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
         invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))

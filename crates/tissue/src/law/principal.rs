@@ -74,12 +74,12 @@ impl PrincipalTangent {
             }
         }
         let mut tangent = Matrix9::zeros();
-        for (q, column) in tangent.as_mut_slice().chunks_exact_mut(9).enumerate() {
+        for (q, out) in tangent.as_mut_slice().chunks_exact_mut(9).enumerate() {
+            let mut column = Deformation::ZERO;
             for (deformation, image) in &pairs {
-                for (entry, along) in column.iter_mut().zip(&deformation.0) {
-                    *entry += along * image.0[q];
-                }
+                column.add(deformation, image.0[q]);
             }
+            out.copy_from_slice(&column.0);
         }
         tangent
     }
@@ -111,7 +111,7 @@ impl Deformation {
     #[inline(always)]
     fn add(&mut self, other: &Self, factor: f64) {
         for (entry, other) in self.0.iter_mut().zip(&other.0) {
-            *entry += factor * other;
+            *entry = other.mul_add(factor, *entry);
         }
     }
 }

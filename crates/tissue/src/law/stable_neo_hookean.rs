@@ -38,6 +38,7 @@ impl Law for StableNeoHookean {
         invariants::stress(f, &cofactor, a1, lambda * (j - 1.0) - 0.75 * mu)
     }
 
+    #[inline(always)]
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
         invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))

@@ -21,6 +21,7 @@ pub fn stress(
 }
 
 /// Its derivative by Ḟ [Pa·s]; symmetric, no negative eigenvalue for μ ≥ 0, λ ≥ 0.
+#[inline(always)]
 pub fn tangent(f: &Matrix3<f64>, lame: &Lame, relaxation_time: f64) -> Matrix9 {
     let Lame { mu, lambda } = *lame;
     let viscosities = Lame {
