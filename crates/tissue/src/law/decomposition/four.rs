@@ -65,11 +65,9 @@ pub(super) fn direct(f: &[Matrix3<f64>; LANES]) -> [Option<SignedSvd>; LANES] {
 #[inline(always)]
 fn exchange_where_above(squares: [Lanes; 2], columns: &mut [FourVectors; 3], p: usize, q: usize) {
     let [first, second] = squares;
-    for i in 0..3 {
-        let [x, y] = [columns[p][i], columns[q][i]];
-        columns[p][i] = second.where_above(first, -y, x);
-        columns[q][i] = second.where_above(first, x, y);
-    }
+    let (x, y) = (columns[p], columns[q]);
+    columns[p] = [0, 1, 2].map(|i| second.where_above(first, -y[i], x[i]));
+    columns[q] = [0, 1, 2].map(|i| second.where_above(first, x[i], y[i]));
 }
 
 /// Whether descending columns are at right angles but for rounding, and none but the last vanishes.
