@@ -185,10 +185,11 @@ pub fn cofactor(f: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
     (cofactor, a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2])
 }
 
-/// Eigenvalues, in no order, and eigenvectors (columns of a proper rotation) of a symmetric matrix, by cyclic Jacobi rotations.
+/// Eigenvalues, in no order, and eigenvectors (columns of a proper rotation) of a symmetric matrix, by cyclic Jacobi rotations
+/// from a start that is the end most of the time.
 pub fn symmetric_eigen(m: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
-    let mut a = *m;
-    let mut vectors = Matrix3::identity();
+    let mut vectors = four::eigenvectors_of_one(m);
+    let mut a = vectors.tr_mul(&(m * vectors));
     for _ in 0..SWEEPS {
         let mut done = true;
         for [p, q] in PAIRS {

@@ -35,7 +35,7 @@ const TINY: f64 = 1e-100;
 pub(super) fn direct(f: &[Matrix3<f64>; LANES]) -> [Option<SignedSvd>; LANES] {
     let column = |k: usize| [0, 1, 2].map(|i| Lanes(f.map(|f| f[(i, k)])));
     let f = [column(0), column(1), column(2)];
-    let mut v = eigenvectors(&f);
+    let mut v = eigenvectors(&gram(&f));
     let mut a = v.map(|v| product_of_four(&f, &v));
     for [p, q] in [[0, 1], [1, 2], [0, 1]] {
         let squares = [p, q].map(|k| dot_of_four(&a[k], &a[k]));
@@ -94,10 +94,26 @@ fn normalised(v: &FourVectors) -> FourVectors {
     v.map(|entry| entry * scale)
 }
 
-/// The columns of a proper rotation V with VᵀFᵀFV diagonal but for some roundings.
+/// A proper rotation V with VᵀmV diagonal but for some roundings of a symmetric `m`, and some rotation where squares of the entries
+/// of m overflow or vanish.
+pub(super) fn eigenvectors_of_one(m: &Matrix3<f64>) -> Matrix3<f64> {
+    let column = |k: usize| [0, 1, 2].map(|i| Lanes::splat(m[(i, k)]));
+    let v = eigenvectors(&[column(0), column(1), column(2)]);
+    Matrix3::from_fn(|i, k| v[k][i].0[0])
+}
+
+/// FᵀF.
 #[inline(always)]
-fn eigenvectors(f: &[FourVectors; 3]) -> [FourVectors; 3] {
-    let m = deviator(f);
+fn gram(f: &[FourVectors; 3]) -> [FourVectors; 3] {
+    let [xx, yy, zz] = f.map(|column| dot_of_four(&column, &column));
+    let [yz, zx, xy] = [[1, 2], [2, 0], [0, 1]].map(|[a, b]| dot_of_four(&f[a], &f[b]));
+    [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]
+}
+
+/// The columns of such rotations of four.
+#[inline(always)]
+fn eigenvectors(m: &[FourVectors; 3]) -> [FourVectors; 3] {
+    let m = deviator(m);
     let first = isolated_eigenvector(&m);
     let [t, w] = complement(&first);
     let (along_t, along_w) = (product_of_four(&m, &t), product_of_four(&m, &w));
@@ -109,12 +125,11 @@ fn eigenvectors(f: &[FourVectors; 3]) -> [FourVectors; 3] {
     [first, second, third]
 }
 
-/// FᵀF without its trace and with squares of eigenvalues that sum to 6.
+/// A symmetric matrix without its trace and with squares of eigenvalues that sum to 6.
 #[inline(always)]
-fn deviator(f: &[FourVectors; 3]) -> [FourVectors; 3] {
+fn deviator(m: &[FourVectors; 3]) -> [FourVectors; 3] {
     let of = Lanes::splat;
-    let [xx, yy, zz] = f.map(|column| dot_of_four(&column, &column));
-    let [yz, zx, xy] = [[1, 2], [2, 0], [0, 1]].map(|[a, b]| dot_of_four(&f[a], &f[b]));
+    let [[xx, xy, zx], [_, yy, yz], [_, _, zz]] = *m;
     let mean = (xx + yy + zz) * of(1.0 / 3.0);
     let [xx, yy, zz] = [xx - mean, yy - mean, zz - mean];
     let squares = dot_of_four(&[xx, yy, zz], &[xx, yy, zz]);
