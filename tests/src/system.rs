@@ -39,7 +39,8 @@ impl System {
                 slots,
                 values: self.matrix.values_mut(),
             };
-            set.add_stiffness(&state.configuration(model, index), tangent, &mut window);
+            let at = state.configuration(model, index);
+            set.add_tangent(&at, tangent, 0.0, &mut window);
         }
     }
 

@@ -11,7 +11,7 @@ mod continuum_matrix;
 mod coupling;
 mod domains;
 pub mod key;
-mod lanes;
+pub(crate) mod lanes;
 mod matrix;
 mod measure;
 mod plasticity;
@@ -104,17 +104,24 @@ pub trait Elements: Any + Debug + Send + Sync {
         out: &mut ElementMatrix,
     );
 
-    /// Adds the second derivatives of the energies of all elements to a matrix, in ascending order.
-    fn add_stiffness(
+    /// Adds K + b·D of all elements to a matrix, in ascending order: [`stiffness`](Self::stiffness) and `damping` b [1/s] times
+    /// [`damping`](Self::damping).
+    fn add_tangent(
         &self,
         at: &Configuration<'_>,
         tangent: Tangent,
+        damping: f64,
         matrix: &mut MatrixWindow<'_>,
     ) {
+        let viscous = damping > 0.0 && self.is_viscous();
         let mut block = ElementMatrix::new();
         for element in 0..self.count() {
             self.stiffness(element, at, tangent, &mut block);
             matrix.add(element, &block, 1.0);
+            if viscous {
+                self.damping(element, at, &mut block);
+                matrix.add(element, &block, damping);
+            }
         }
     }
 

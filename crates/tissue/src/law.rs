@@ -18,7 +18,6 @@ mod stable_neo_hookean;
 pub mod viscosity;
 
 pub use corotational::Corotational;
-pub use invariants::InvariantDerivatives;
 pub use neo_hookean::NeoHookean;
 pub use neo_hookean_polynomial::NeoHookeanPolynomial;
 pub use principal::PrincipalTangent;
@@ -26,6 +25,7 @@ pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 
 use crate::elements::Lanes;
+use decomposition::SignedSvd;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::fmt::Debug;
 
@@ -76,9 +76,11 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// ∂P/∂F [Pa].
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9;
 
-    /// Derivatives of a and b at F with det F = `j`, for a law of the form Ψ = a(tr FᵀF) + b(det F), whose matrices are cheap.
-    fn invariants(_f: &Matrix3<f64>, _j: f64, _lame: &Lame) -> Option<InvariantDerivatives> {
-        None
+    /// The nearest ∂P/∂F without negative eigenvalues [Pa] at a decomposed F.
+    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
+        Self::principal_tangent(&f.stretches, lame)
+            .positive()
+            .rotated(f)
     }
 
     /// ∂P/∂F [Pa] at F = diag(`stretches`).

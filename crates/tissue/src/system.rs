@@ -4,7 +4,7 @@
 //! [`LinearSolver`] which nodes are prescribed. Nothing is kept from one system to the next.
 
 use crate::contact::Contact;
-use crate::elements::{ElementMatrix, MatrixWindow, Slots, Tangent};
+use crate::elements::{MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
 use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive, Pattern};
@@ -27,8 +27,6 @@ pub(crate) struct System {
     slots: Arc<[Slots]>,
     matrix: BlockMatrix,
     solver: LinearSolver,
-    /// Working memory for one element.
-    element: ElementMatrix,
 }
 
 impl System {
@@ -54,7 +52,6 @@ impl System {
             slots: slots.into(),
             solver: solver(&pattern, model.rest_positions()),
             matrix: BlockMatrix::zeros(pattern),
-            element: ElementMatrix::new(),
         }
     }
 
@@ -70,15 +67,8 @@ impl System {
         let values = self.matrix.values_mut();
         for (index, (set, slots)) in model.sets().iter().zip(&*self.slots).enumerate() {
             let at = state.configuration(model, index);
-            let viscous = shares.damping > 0.0 && set.is_viscous();
             let mut window = MatrixWindow { slots, values };
-            set.add_stiffness(&at, tangent, &mut window);
-            if viscous {
-                for element in 0..set.count() {
-                    set.damping(element, &at, &mut self.element);
-                    window.add(element, &self.element, shares.damping);
-                }
-            }
+            set.add_tangent(&at, tangent, shares.damping, &mut window);
         }
         if shares.rate > 0.0 {
             for (nodes, drag) in model.drags() {

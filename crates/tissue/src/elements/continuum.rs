@@ -5,15 +5,16 @@
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
 use super::continuum_constraints::{ELASTIC, VISCOUS};
-use super::continuum_matrix::{set_positive_tangent, set_tangent};
-use super::domains::{Domains, Tetrahedra, product};
+use super::continuum_matrix::{CornerTangent, DomainTangent, set_tangent};
+use super::domains::{Domains, Tetrahedra};
 use super::key::Key;
+use super::lanes::LANES;
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent,
 };
-use crate::law::decomposition::cofactor;
+use crate::law::decomposition::SignedSvd;
 use crate::law::{Lame, Law, viscosity};
 use nalgebra::Vector3;
 use std::any::Any;
@@ -101,44 +102,52 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     ) {
         out.reset(self.domains.nodes(element).len());
         let f = self.domains.deformation(element, at.positions);
-        let volume = self.domains.volume(element);
+        let tangent = match tangent {
+            Tangent::Exact => L::tangent(&f, &self.lame),
+            Tangent::Positive => L::positive_tangent(&SignedSvd::new(&f), &self.lame),
+        };
         let gradient = |corner| self.domains.gradient(element, corner);
-        match tangent {
-            Tangent::Exact => set_tangent(&L::tangent(&f, &self.lame), volume, gradient, out),
-            Tangent::Positive => set_positive_tangent::<L>(&f, &self.lame, volume, gradient, out),
-        }
+        set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
 
-    fn add_stiffness(
+    fn add_tangent(
         &self,
         at: &Configuration<'_>,
         tangent: Tangent,
+        damping: f64,
         matrix: &mut MatrixWindow<'_>,
     ) {
-        let mut block = ElementMatrix::new();
+        let viscous_time = damping * self.relaxation_time;
+        let count = self.domains.count();
         let mut corners = Vec::new();
-        for element in 0..self.domains.count() {
-            let f = self.domains.deformation(element, at.positions);
-            let (cofactor, j) = cofactor(&f);
-            let derivatives = match tangent {
-                Tangent::Exact => L::invariants(&f, j, &self.lame),
-                Tangent::Positive => None,
-            };
-            let Some(derivatives) = derivatives else {
-                self.stiffness(element, at, tangent, &mut block);
-                matrix.add(element, &block, 1.0);
-                continue;
-            };
-            let derivatives = derivatives.scaled(self.domains.volume(element));
-            let nodes = self.domains.nodes(element).len();
-            corners.clear();
-            corners.extend((0..nodes).map(|node| {
-                let b = self.domains.gradient(element, node);
-                [b, product(&f, &b), product(&cofactor, &b)]
-            }));
-            matrix.add_pairs(element, nodes, |row, column| {
-                derivatives.block(&f, &corners[row], &corners[column])
+        for first in (0..count).step_by(LANES) {
+            // The last ones are filled up with the last domain.
+            let f = [0, 1, 2, 3].map(|lane| {
+                let element = (first + lane).min(count - 1);
+                self.domains.deformation(element, at.positions)
             });
+            let decomposed = match tangent {
+                Tangent::Exact => None,
+                Tangent::Positive => Some(SignedSvd::of_four(&f)),
+            };
+            for (element, lane) in (first..count).zip(0..LANES) {
+                let mut tangent = match &decomposed {
+                    None => L::tangent(&f[lane], &self.lame),
+                    Some(f) => L::positive_tangent(&f[lane], &self.lame),
+                };
+                if viscous_time > 0.0 {
+                    tangent += viscosity::tangent(&f[lane], &self.lame, viscous_time);
+                }
+                let tangent = DomainTangent::new(&tangent, self.domains.volume(element));
+                let nodes = self.domains.nodes(element).len();
+                corners.resize(nodes, CornerTangent::default());
+                for (node, corner) in corners.iter_mut().enumerate() {
+                    tangent.set_corner(self.domains.gradient(element, node), corner);
+                }
+                matrix.add_pairs(element, nodes, |row, column| {
+                    corners[row].block(&corners[column])
+                });
+            }
         }
     }
 

@@ -3,8 +3,7 @@
 //! Nothing changes under translation, so the blocks of the first node are minus the sums of the others.
 
 use crate::elements::ElementMatrix;
-use crate::law::decomposition::SignedSvd;
-use crate::law::{Lame, Law, Matrix9};
+use crate::law::Matrix9;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Sets `out`, which is zero, to the matrix of the tangent `tangent` [Pa] over a domain of `volume` [m³] with these gradients.
@@ -35,28 +34,6 @@ pub(super) fn set_tangent(
     complete(out);
 }
 
-/// Sets `out`, which is zero, to the matrix of the nearest tangent without negative eigenvalues. The gradients are turned into
-/// the principal axes, where the tangent is sparse, instead of the tangent out of them.
-pub(super) fn set_positive_tangent<L: Law>(
-    f: &Matrix3<f64>,
-    lame: &Lame,
-    volume: f64,
-    gradient: impl Fn(usize) -> Vector3<f64>,
-    out: &mut ElementMatrix,
-) {
-    let svd = SignedSvd::new(f);
-    let back = svd.u.transpose();
-    let tangent = L::principal_tangent(&svd.stretches, lame).positive();
-    for column in 1..out.nodes() {
-        let b = svd.v.tr_mul(&gradient(column)) * volume;
-        for row in 1..=column {
-            let a = svd.v.tr_mul(&gradient(row));
-            *out.block_mut(row, column) = svd.u * tangent.block(&a, &b) * back;
-        }
-    }
-    complete(out);
-}
-
 /// Completes a matrix of which only the upper triangle without the first node is there.
 fn complete(out: &mut ElementMatrix) {
     for column in 1..out.nodes() {
@@ -76,4 +53,62 @@ fn complete(out: &mut ElementMatrix) {
     }
     // Symmetric but for rounding.
     *out.block_mut(0, 0) = (corner + corner.transpose()) * 0.5;
+}
+
+/// V T of a domain, in the order in which it meets the gradients: `[j][9 l + 3 k + i]` is V T_ijkl [N·m].
+pub(super) struct DomainTangent([[f64; 27]; 3]);
+
+impl DomainTangent {
+    /// That of the tangent `tangent` [Pa] over `volume` [m³].
+    #[inline(always)]
+    pub fn new(tangent: &Matrix9, volume: f64) -> Self {
+        let mut ordered = [[0.0; 27]; 3];
+        for (j, ordered) in ordered.iter_mut().enumerate() {
+            for (l, k, i) in (0..27).map(|p| (p / 9, p / 3 % 3, p % 3)) {
+                ordered[9 * l + 3 * k + i] = volume * tangent[(i + 3 * j, k + 3 * l)];
+            }
+        }
+        Self(ordered)
+    }
+
+    /// Sets `corner` to that of a node with the gradient `b`.
+    #[inline(always)]
+    pub fn set_corner(&self, b: Vector3<f64>, corner: &mut CornerTangent) {
+        let [x, y, z] = &self.0;
+        corner.b = b;
+        for (p, change) in corner.change.iter_mut().enumerate() {
+            *change = z[p].mul_add(b[2], y[p].mul_add(b[1], x[p] * b[0]));
+        }
+    }
+}
+
+/// What deformations do to the force on one node.
+#[derive(Clone, Copy)]
+pub(super) struct CornerTangent {
+    b: Vector3<f64>,
+    /// `[9 l + 3 k + i]` is V Σ_j T_ijkl b_j [N].
+    change: [f64; 27],
+}
+
+impl CornerTangent {
+    /// The block of this node and the node of `column`.
+    #[inline(always)]
+    pub fn block(&self, column: &Self) -> Matrix3<f64> {
+        let b = &column.b;
+        let mut block = Matrix3::zeros();
+        for (p, entry) in block.as_mut_slice().iter_mut().enumerate() {
+            let [x, y, z] = [0, 9, 18].map(|l| self.change[l + p]);
+            *entry = z.mul_add(b[2], y.mul_add(b[1], x * b[0]));
+        }
+        block
+    }
+}
+
+impl Default for CornerTangent {
+    fn default() -> Self {
+        Self {
+            b: Vector3::zeros(),
+            change: [0.0; 27],
+        }
+    }
 }

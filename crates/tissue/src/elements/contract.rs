@@ -11,6 +11,8 @@ const DELTA: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-8;
 /// Sums of some hundred terms of size one.
 const ROUNDING: f64 = 1e-13;
+/// A share of the damping [1/s].
+const DAMPING: f64 = 30.0;
 
 /// Checks that factors of the elements of `set` scale energy, forces and matrices.
 pub(crate) fn check_factors(set: &dyn Elements, at: &Configuration<'_>) {
@@ -40,15 +42,16 @@ pub(crate) fn check_factors(set: &dyn Elements, at: &Configuration<'_>) {
     }
 }
 
-/// Checks that the matrix of all elements is the sum of those of single ones, which may be formed in another way.
+/// Checks that the matrix of all elements, with damping, is the sum of those of single ones, which may be formed in another way.
 pub(crate) fn check_assembly(set: &dyn Elements, at: &Configuration<'_>) {
     let nodes = at.positions.len();
     let (pattern, slots) = Slots::of_sets(nodes, [set]);
     for tangent in [Tangent::Exact, Tangent::Positive] {
         let [mut whole, mut sum] = [0; 2].map(|_| BlockMatrix::zeros(pattern.clone()));
-        set.add_stiffness(
+        set.add_tangent(
             at,
             tangent,
+            DAMPING,
             &mut MatrixWindow {
                 slots: &slots[0],
                 values: whole.values_mut(),
@@ -62,6 +65,8 @@ pub(crate) fn check_assembly(set: &dyn Elements, at: &Configuration<'_>) {
         for index in 0..set.count() {
             set.stiffness(index, at, tangent, &mut element);
             window.add(index, &element, 1.0);
+            set.damping(index, at, &mut element);
+            window.add(index, &element, DAMPING);
         }
         let size = |values: &[Matrix3<f64>]| values.iter().map(Matrix3::amax).fold(0.0, f64::max);
         let difference: Vec<_> = whole

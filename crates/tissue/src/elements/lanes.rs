@@ -2,7 +2,7 @@
 //!
 //! Every operation is that of the single numbers, rounded alike: a result does not depend on which element stands beside which.
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Numbers worked on together: as many as fill a register of 256 bits.
 pub const LANES: usize = 4;
@@ -17,6 +17,56 @@ impl Lanes {
     #[inline(always)]
     pub fn splat(value: f64) -> Self {
         Self([value; LANES])
+    }
+
+    /// √.
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Self(self.0.map(f64::sqrt))
+    }
+
+    /// |·|.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self(self.0.map(f64::abs))
+    }
+
+    /// Each with the sign of the one in `sign`.
+    #[inline(always)]
+    pub fn copysign(self, sign: Self) -> Self {
+        self.with(sign, f64::copysign)
+    }
+
+    /// The smaller ones.
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        self.with(other, |a, b| if b < a { b } else { a })
+    }
+
+    /// The larger ones.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        self.with(other, |a, b| if b > a { b } else { a })
+    }
+
+    /// Where these are above `limit` the numbers `yes`, elsewhere `no`.
+    #[inline(always)]
+    pub fn where_above(self, limit: Self, yes: Self, no: Self) -> Self {
+        let mut chosen = no;
+        for lane in 0..LANES {
+            if self.0[lane] > limit.0[lane] {
+                chosen.0[lane] = yes.0[lane];
+            }
+        }
+        chosen
+    }
+
+    #[inline(always)]
+    fn with(mut self, other: Self, each: impl Fn(f64, f64) -> f64) -> Self {
+        for (a, b) in self.0.iter_mut().zip(&other.0) {
+            *a = each(*a, *b);
+        }
+        self
     }
 }
 
@@ -51,6 +101,18 @@ impl Mul for Lanes {
     fn mul(mut self, other: Self) -> Self {
         for (a, b) in self.0.iter_mut().zip(&other.0) {
             *a *= b;
+        }
+        self
+    }
+}
+
+impl Div for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(mut self, other: Self) -> Self {
+        for (a, b) in self.0.iter_mut().zip(&other.0) {
+            *a /= b;
         }
         self
     }

@@ -114,7 +114,7 @@ impl MatrixWindow<'_> {
         self.add_pairs(element, block.nodes(), |i, j| block.block(i, j) * factor);
     }
 
-    /// Adds the matrix of an element of so many nodes; `block` gives that of row node i and column node j ≤ i.
+    /// Adds the symmetric matrix of an element of so many nodes; `block` gives that of row node i and column node j.
     #[inline(always)]
     pub fn add_pairs(
         &mut self,
@@ -125,13 +125,8 @@ impl MatrixWindow<'_> {
         let mut places = self.slots.of(element).iter();
         for i in 0..nodes {
             for (j, place) in (0..=i).zip(&mut places) {
-                let value = block(i, j);
-                let target = &mut self.values[(place / 2) as usize];
-                if place % 2 == 0 {
-                    *target += value;
-                } else {
-                    *target += value.transpose();
-                }
+                let (row, column) = if place % 2 == 0 { (i, j) } else { (j, i) };
+                self.values[(place / 2) as usize] += block(row, column);
             }
         }
     }

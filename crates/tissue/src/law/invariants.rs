@@ -1,11 +1,11 @@
 //! Laws of the form Ψ = a(I) + b(J), I = tr FᵀF, J = det F: stress and tangent from the derivatives of a and b.
 
-use super::Matrix9;
+use super::{Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
 /// Derivatives of a and b at some F [Pa].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InvariantDerivatives {
+pub(super) struct InvariantDerivatives {
     /// a'.
     pub a1: f64,
     /// a''.
@@ -23,7 +23,7 @@ pub(super) fn stress(f: &Matrix3<f64>, cofactor: &Matrix3<f64>, a1: f64, b1: f64
 }
 
 /// ∂P/∂F = 2a' 1 + 4a'' F⊗F + b'' cof⊗cof + b' ∂cof/∂F.
-#[inline]
+#[inline(always)]
 pub(super) fn tangent(
     f: &Matrix3<f64>,
     cofactor: &Matrix3<f64>,
@@ -55,44 +55,36 @@ pub(super) fn tangent(
     tangent
 }
 
-impl InvariantDerivatives {
-    /// All of them times `factor`.
-    #[inline(always)]
-    pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            a1: factor * self.a1,
-            a2: factor * self.a2,
-            b1: factor * self.b1,
-            b2: factor * self.b2,
-        }
-    }
-
-    /// The 3×3 block Σ_jl ∂P_ij/∂F_kl b_j c_l: what a displacement of the node with the gradient `c` does to the force on the
-    /// one with the gradient `b`, from `fb` = F b, `cb` = (cof F) b and the same of `c`. With cof F (u × v) = Fu × Fv the part
-    /// of ∂cof/∂F is the cross product with −F (b × c).
-    #[inline(always)]
-    pub fn block(
-        &self,
-        f: &Matrix3<f64>,
-        [b, fb, cb]: &[Vector3<f64>; 3],
-        [c, fc, cc]: &[Vector3<f64>; 3],
-    ) -> Matrix3<f64> {
-        let across = b.cross(c) * self.b1;
-        let w = [0, 1, 2]
-            .map(|i| f[(i, 0)] * across[0] + f[(i, 1)] * across[1] + f[(i, 2)] * across[2]);
-        let round = 2.0 * self.a1 * (b[0] * c[0] + b[1] * c[1] + b[2] * c[2]);
-        let (along_f, along_c) = (fc * (4.0 * self.a2), cc * self.b2);
-        let outer = |i: usize, k: usize| fb[i] * along_f[k] + cb[i] * along_c[k];
-        Matrix3::new(
-            outer(0, 0) + round,
-            outer(0, 1) + w[2],
-            outer(0, 2) - w[1],
-            outer(1, 0) - w[2],
-            outer(1, 1) + round,
-            outer(1, 2) + w[0],
-            outer(2, 0) + w[1],
-            outer(2, 1) - w[0],
-            outer(2, 2) + round,
-        )
+/// ∂P/∂F at F = diag(`stretches`).
+#[inline]
+pub(super) fn principal_tangent(
+    stretches: &Vector3<f64>,
+    d: &InvariantDerivatives,
+) -> PrincipalTangent {
+    let [x, y, z] = [stretches[0], stretches[1], stretches[2]];
+    let areas = [y * z, z * x, x * y];
+    let of_areas = [d.b1 * x, d.b1 * y, d.b1 * z];
+    let entry =
+        |i: usize, j: usize| 4.0 * d.a2 * stretches[i] * stretches[j] + d.b2 * areas[i] * areas[j];
+    let direct = 2.0 * d.a1;
+    let (yz, zx, xy) = (
+        entry(1, 2) + of_areas[0],
+        entry(2, 0) + of_areas[1],
+        entry(0, 1) + of_areas[2],
+    );
+    PrincipalTangent {
+        stretch: Matrix3::new(
+            entry(0, 0) + direct,
+            xy,
+            zx,
+            xy,
+            entry(1, 1) + direct,
+            yz,
+            zx,
+            yz,
+            entry(2, 2) + direct,
+        ),
+        direct: [direct; 3],
+        crossed: of_areas.map(|b| -b),
     }
 }

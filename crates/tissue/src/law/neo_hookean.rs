@@ -2,8 +2,8 @@
 
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, Matrix9};
-use nalgebra::Matrix3;
+use super::{Lame, Law, Matrix9, PrincipalTangent};
+use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ ln J + λ/2 ln²J, J = det F (Bonet & Wood 1997).
 ///
@@ -49,19 +49,20 @@ impl Law for NeoHookean {
         invariants::stress(f, &cofactor, 0.5 * lame.mu, b1)
     }
 
+    #[inline(always)]
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
-        invariants::tangent(f, &cofactor, &derivatives(f, j, lame))
+        invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))
     }
 
-    #[inline(always)]
-    fn invariants(f: &Matrix3<f64>, j: f64, lame: &Lame) -> Option<InvariantDerivatives> {
-        Some(derivatives(f, j, lame))
+    fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
+        let derivatives = derivatives(stretches.norm_squared(), stretches.product(), lame);
+        invariants::principal_tangent(stretches, &derivatives)
     }
 }
 
 #[inline(always)]
-fn derivatives(_f: &Matrix3<f64>, j: f64, lame: &Lame) -> InvariantDerivatives {
+fn derivatives(_i: f64, j: f64, lame: &Lame) -> InvariantDerivatives {
     let [log, slope, curvature] = log_volume(j);
     let pull = lame.lambda * log - lame.mu;
     InvariantDerivatives {

@@ -2,9 +2,9 @@
 
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, Matrix9};
+use super::{Lame, Law, Matrix9, PrincipalTangent};
 use crate::elements::Lanes;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ+μ)/2 (J − 1)², J = det F: the simplest form of Smith, de Goes, Kim 2018 (with
 /// the constants of linear elasticity), and what XPBD of Macklin & Müller 2021 solves.
@@ -41,19 +41,20 @@ impl Law for NeoHookeanPolynomial {
         Some(of(lame.lambda + lame.mu) * (j - of(1.0)) - of(lame.mu))
     }
 
+    #[inline(always)]
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
-        invariants::tangent(f, &cofactor, &derivatives(f, j, lame))
+        invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))
     }
 
-    #[inline(always)]
-    fn invariants(f: &Matrix3<f64>, j: f64, lame: &Lame) -> Option<InvariantDerivatives> {
-        Some(derivatives(f, j, lame))
+    fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
+        let derivatives = derivatives(stretches.norm_squared(), stretches.product(), lame);
+        invariants::principal_tangent(stretches, &derivatives)
     }
 }
 
 #[inline(always)]
-fn derivatives(_f: &Matrix3<f64>, j: f64, lame: &Lame) -> InvariantDerivatives {
+fn derivatives(_i: f64, j: f64, lame: &Lame) -> InvariantDerivatives {
     InvariantDerivatives {
         a1: 0.5 * lame.mu,
         a2: 0.0,

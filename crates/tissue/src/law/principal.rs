@@ -6,7 +6,7 @@
 
 use super::Matrix9;
 use super::decomposition::{SignedSvd, symmetric_eigen};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 /// The pairs of axes, in the order of the entries of a shear.
 const PAIRS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
@@ -54,35 +54,65 @@ impl PrincipalTangent {
         }
     }
 
-    /// The 3×3 block Σ_jl T_ijkl a_j b_l: what a displacement of the node with the gradient `b` does to the force on the one
-    /// with the gradient `a`, both in principal axes.
-    #[inline]
-    pub fn block(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
-        let mut block = Matrix3::from_fn(|i, k| self.stretch[(i, k)] * a[i] * b[k]);
-        for ([i, j], (direct, crossed)) in
-            PAIRS.into_iter().zip(self.direct.iter().zip(&self.crossed))
-        {
-            block[(i, i)] += direct * a[j] * b[j];
-            block[(j, j)] += direct * a[i] * b[i];
-            block[(i, j)] += crossed * a[j] * b[i];
-            block[(j, i)] += crossed * a[i] * b[j];
-        }
-        block
-    }
-
-    /// ∂P/∂F at F = U diag(σ) Vᵀ.
+    /// ∂P/∂F at F = U diag(σ) Vᵀ: Σ T_abcd Q_ab ⊗ Q_cd with Q_ab the outer product of the axes a of U and b of V.
     pub fn rotated(&self, svd: &SignedSvd) -> Matrix9 {
-        let gradients: [Vector3<f64>; 3] = [0, 1, 2].map(|j| svd.v.row(j).transpose());
-        let mut tangent = Matrix9::zeros();
-        for j in 0..3 {
-            for l in 0..3 {
-                let block = svd.u * self.block(&gradients[j], &gradients[l]) * svd.u.transpose();
-                tangent
-                    .fixed_view_mut::<3, 3>(3 * j, 3 * l)
-                    .copy_from(&block);
+        let axes = |a: usize, b: usize| Deformation::outer(&svd.u, a, &svd.v, b);
+        let stretches = [axes(0, 0), axes(1, 1), axes(2, 2)];
+        let mut pairs = [(Deformation::ZERO, Deformation::ZERO); 9];
+        for (k, stretch) in stretches.iter().enumerate() {
+            let mut image = stretches[0].scaled(self.stretch[(0, k)]);
+            image.add(&stretches[1], self.stretch[(1, k)]);
+            image.add(&stretches[2], self.stretch[(2, k)]);
+            pairs[k] = (*stretch, image);
+        }
+        for (k, [i, j]) in PAIRS.into_iter().enumerate() {
+            let (one, other) = (axes(i, j), axes(j, i));
+            for (place, a, b) in [(3 + k, one, other), (6 + k, other, one)] {
+                let mut image = a.scaled(self.direct[k]);
+                image.add(&b, self.crossed[k]);
+                pairs[place] = (a, image);
             }
         }
+        let mut tangent = Matrix9::zeros();
+        for (q, out) in tangent.as_mut_slice().chunks_exact_mut(9).enumerate() {
+            let mut column = Deformation::ZERO;
+            for (deformation, image) in &pairs {
+                column.add(deformation, image.0[q]);
+            }
+            out.copy_from_slice(&column.0);
+        }
         tangent
+    }
+}
+
+/// A change of F, column after column.
+#[derive(Clone, Copy)]
+struct Deformation([f64; 9]);
+
+impl Deformation {
+    const ZERO: Self = Self([0.0; 9]);
+
+    /// Column `a` of `u` times column `b` of `v`.
+    #[inline(always)]
+    fn outer(u: &Matrix3<f64>, a: usize, v: &Matrix3<f64>, b: usize) -> Self {
+        let mut entries = [0.0; 9];
+        for (p, entry) in entries.iter_mut().enumerate() {
+            *entry = u[(p % 3, a)] * v[(p / 3, b)];
+        }
+        Self(entries)
+    }
+
+    #[inline(always)]
+    fn scaled(mut self, factor: f64) -> Self {
+        self.0.iter_mut().for_each(|entry| *entry *= factor);
+        self
+    }
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self, factor: f64) {
+        for (entry, other) in self.0.iter_mut().zip(&other.0) {
+            *entry = other.mul_add(factor, *entry);
+        }
     }
 }
 

@@ -30,16 +30,23 @@ pub(super) fn second_piola(strain: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
 
 /// The part of ∂P/∂F that comes from the change of the strain: λ F_ij F_kl + μ ((FFᵀ)_ik δ_jl + F_il F_kj); symmetric, no
 /// negative eigenvalue for μ ≥ 0, λ ≥ 0.
+#[inline(always)]
 pub(super) fn material_tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
     let left = f * f.transpose() * lame.mu;
-    Matrix9::from_fn(|p, q| {
-        let (i, j, k, l) = (p % 3, p / 3, q % 3, q / 3);
-        let mut entry = lame.lambda * f[(i, j)] * f[(k, l)] + lame.mu * f[(i, l)] * f[(k, j)];
-        if j == l {
-            entry += left[(i, k)];
+    let mut tangent = Matrix9::zeros();
+    for (j, l) in (0..9).map(|b| (b % 3, b / 3)) {
+        for k in 0..3 {
+            let (along, across) = (lame.lambda * f[(k, l)], lame.mu * f[(k, j)]);
+            for i in 0..3 {
+                let mut entry = f[(i, j)] * along + f[(i, l)] * across;
+                if j == l {
+                    entry += left[(i, k)];
+                }
+                tangent[(i + 3 * j, k + 3 * l)] = entry;
+            }
         }
-        entry
-    })
+    }
+    tangent
 }
 
 impl Law for StVenantKirchhoff {

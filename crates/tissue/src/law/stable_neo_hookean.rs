@@ -2,8 +2,8 @@
 
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, Matrix9};
-use nalgebra::Matrix3;
+use super::{Lame, Law, Matrix9, PrincipalTangent};
+use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ'/2 (I − 3) + λ'/2 (J − α)² − μ'/2 ln(I + 1) up to a constant, I = tr FᵀF, J = det F, α = 1 + 3μ'/(4λ') (Smith, de Goes,
 /// Kim 2018), with μ' = 4μ/3 and λ' = λ + 5μ/6 so that small strains obey linear elasticity with μ and λ.
@@ -38,21 +38,22 @@ impl Law for StableNeoHookean {
         invariants::stress(f, &cofactor, a1, lambda * (j - 1.0) - 0.75 * mu)
     }
 
+    #[inline(always)]
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
-        invariants::tangent(f, &cofactor, &derivatives(f, j, lame))
+        invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))
     }
 
-    #[inline(always)]
-    fn invariants(f: &Matrix3<f64>, j: f64, lame: &Lame) -> Option<InvariantDerivatives> {
-        Some(derivatives(f, j, lame))
+    fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
+        let derivatives = derivatives(stretches.norm_squared(), stretches.product(), lame);
+        invariants::principal_tangent(stretches, &derivatives)
     }
 }
 
 #[inline(always)]
-fn derivatives(f: &Matrix3<f64>, j: f64, lame: &Lame) -> InvariantDerivatives {
+fn derivatives(i: f64, j: f64, lame: &Lame) -> InvariantDerivatives {
     let (mu, lambda) = own_constants(lame);
-    let inverse = 1.0 / (f.norm_squared() + 1.0);
+    let inverse = 1.0 / (i + 1.0);
     InvariantDerivatives {
         a1: 0.5 * mu * (1.0 - inverse),
         a2: 0.5 * mu * inverse * inverse,

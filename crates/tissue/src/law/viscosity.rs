@@ -21,8 +21,14 @@ pub fn stress(
 }
 
 /// Its derivative by Ḟ [Pa·s]; symmetric, no negative eigenvalue for μ ≥ 0, λ ≥ 0.
+#[inline(always)]
 pub fn tangent(f: &Matrix3<f64>, lame: &Lame, relaxation_time: f64) -> Matrix9 {
-    material_tangent(f, lame) * relaxation_time
+    let Lame { mu, lambda } = *lame;
+    let viscosities = Lame {
+        mu: mu * relaxation_time,
+        lambda: lambda * relaxation_time,
+    };
+    material_tangent(f, &viscosities)
 }
 
 #[cfg(test)]
