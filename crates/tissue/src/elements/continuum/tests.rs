@@ -188,7 +188,7 @@ fn forces_are_minus_the_gradient_of_the_energy() {
 
 #[test]
 fn the_matrix_is_the_sum_of_those_of_elements() {
-    each(0.0, |model, _| {
+    each(TIME, |model, _| {
         let positions = deformed(model);
         for set in model.sets() {
             check_assembly(&**set, &at(&positions, &[]));
