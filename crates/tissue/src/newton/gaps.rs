@@ -237,6 +237,12 @@ impl Gaps {
         self.active().map(overlap).fold(0.0, f64::max) / self.edge
     }
 
+    /// Whether no node goes further in a direction than the share `most` of an edge.
+    pub fn is_short(&self, direction: &[Vector3<f64>], most: f64) -> bool {
+        let most = most * self.edge;
+        direction.iter().all(|d| d.norm_squared() <= most * most)
+    }
+
     /// Adds to a direction, of prescribed nodes so far, what single nodes go with surfaces that have moved: contacts that had a force
     /// stay closed, and none is deeper than its floor. Only a guess, but with the right contacts closed, and forces of the right size.
     pub fn predict(&self, direction: &mut [Vector3<f64>]) {
