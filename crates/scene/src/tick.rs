@@ -139,7 +139,7 @@ impl Scene {
         for motion in motions {
             let tool = &self.tools[motion.tool];
             let swept = tool.swept_bounds(motion);
-            let (mut needed, mut far) = (1.0f64, false);
+            let mut needed = 1.0f64;
             let of_tool = |pair: &&Pair| pair.with == PairPartner::Tool(motion.tool);
             for pair in self.pairs.iter().filter(of_tool) {
                 let (body, state) = (&self.bodies[pair.body], &self.state.bodies[pair.body]);
@@ -154,16 +154,10 @@ impl Scene {
                 if !reach.overlaps(&swept) {
                     continue;
                 }
-                let per_step = share * tool.smallest_radius().min(edge) * f64::from(steps);
-                let travel = tool.travel(motion);
-                let way = match self.method.is_explicit() {
-                    true => travel,
-                    false => tool.advance(motion, &reach).min(travel),
-                };
-                needed = needed.max(way / per_step);
-                far |= travel > f64::from(MAX_SUBSTEPS) * per_step;
+                let per_step = share * tool.smallest_radius().min(edge);
+                needed = needed.max(tool.travel(motion) / f64::from(steps) / per_step);
             }
-            if far {
+            if needed > f64::from(MAX_SUBSTEPS) {
                 jumped.push(motion.tool);
                 motion.from = motion.to;
                 motion.opening_from = motion.opening_to;

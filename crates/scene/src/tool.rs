@@ -6,9 +6,6 @@ use microsim_contact::CapsuleMotion;
 use microsim_geometry::{Aabb, Capsule, Pose};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
-/// From such an angle on [rad] a tool may be where it was and have turned through what lay beside it.
-const LARGE_TURN: f64 = 0.5;
-
 /// The motion of one tool during a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolMotion {
@@ -231,37 +228,6 @@ impl Tool {
         travel
     }
 
-    /// How far the axis goes away from where it was, of the parts that get into a box [m]: an instrument that is drawn back along itself goes
-    /// nowhere. Tissue beside the tool at the start is on the same side of the axis at the end if that is less than the radius there.
-    /// Parts that meet go on in each other. After a large turn it is [`travel`](Self::travel).
-    pub fn advance(&self, motion: &ToolMotion, near: &Aabb) -> f64 {
-        let hinges = self.parts.iter().filter_map(|part| part.hinge.as_ref());
-        let opening = (motion.opening_to - motion.opening_from).abs();
-        let hinged = hinges.map(|hinge| hinge.angle.abs() * opening);
-        if motion.from.angle_to(&motion.to) + hinged.fold(0.0, f64::max) > LARGE_TURN {
-            return self.travel(motion);
-        }
-        let [start, end] = [0.0, 1.0].map(|t| self.capsules_at(motion, t).collect::<Vec<_>>());
-        let distance =
-            |capsule: &Capsule, p: &Vector3<f64>| (p - capsule.axis_point(p).point).norm();
-        let mut most = 0.0f64;
-        for (from, to) in start.iter().zip(&end) {
-            if !near.overlaps(&from.swept_bounds(to)) {
-                continue;
-            }
-            for (before, now) in [(from.a, to.a), (from.b, to.b)] {
-                let met = start
-                    .iter()
-                    .filter(|part| distance(part, &before) <= from.radius);
-                let way = met
-                    .map(|part| distance(part, &now))
-                    .fold(f64::INFINITY, f64::min);
-                most = most.max(way);
-            }
-        }
-        most
-    }
-
     /// The thinnest part's radius [m].
     pub fn smallest_radius(&self) -> f64 {
         self.parts
@@ -380,44 +346,6 @@ mod tests {
 
     fn cosine(x: f64) -> f64 {
         1.0 - x.powi(2) / 2.0 + x.powi(4) / 24.0 - x.powi(6) / 720.0 + x.powi(8) / 40_320.0
-    }
-
-    /// Two parts of 10 mm in a row along z.
-    #[test]
-    fn a_tool_that_is_drawn_back_along_itself_goes_nowhere() {
-        let part = |from: f64, to: f64, radius: f64| CapsuleSpec {
-            a: [0.0, 0.0, from],
-            b: [0.0, 0.0, to],
-            radius,
-            hinge: None,
-            jaw: None,
-            lonor: false,
-            edge: None,
-        };
-        let tool = Tool::new(&ToolSpec {
-            name: "rod".into(),
-            capsules: vec![part(0.0, 10e-3, 1e-4), part(10e-3, 20e-3, 1e-3)],
-            sharpness: 0.0,
-            motion: Vec::new(),
-        })
-        .unwrap();
-        let way = |x: f64, z: f64, angle: f64, box_size: f64| {
-            let to = Pose {
-                position: Vector3::new(x, 0.0, z),
-                orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle),
-            };
-            let motion = motion(to, 0.0);
-            let near = Aabb::of(&[Vector3::zeros()]).inflated(box_size);
-            (tool.advance(&motion, &near), tool.travel(&motion))
-        };
-        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found}");
-        // Back the first part's end is where the second part was; the second part counts where it gets into the box.
-        near(way(0.0, 0.4e-3, 0.0, 11e-3).0, 0.4e-3);
-        near(way(0.0, 0.4e-3, 0.0, 5e-3).0, 0.0);
-        near(way(0.0, -0.4e-3, 0.0, 5e-3).0, 0.4e-3);
-        near(way(0.3e-3, 0.4e-3, 0.0, 5e-3).0, 0.3e-3);
-        let (advance, travel) = way(0.3e-3, 0.4e-3, 0.6, 5e-3);
-        assert_eq!(advance, travel);
     }
 
     #[test]

@@ -122,7 +122,11 @@ impl Gaps {
 }
 
 /// Solves with the factored matrix, with no forces at the nodes that are fixed.
-fn solve(system: &mut System, fixed: &[bool], x: &mut [Vector3<f64>]) -> Result<(), NotPositive> {
+fn solve(
+    system: &mut System,
+    fixed: &[bool],
+    x: &mut [Vector3<f64>],
+) -> Result<(), NotPositive> {
     for (x, fixed) in x.iter_mut().zip(fixed) {
         if *fixed {
             *x = Vector3::zeros();
@@ -208,8 +212,7 @@ impl Quick {
         for member in &self.members {
             let (contact, row) = (&contacts[member.contact], &rows[member.contact]);
             let way = contact.blend(direction);
-            self.ways
-                .push(row.gap + contact.normal.dot(&way) - row.floor);
+            self.ways.push(row.gap + contact.normal.dot(&way) - row.floor);
             let slid = row.slide + way;
             let across = (1..member.count).map(|k| member.frame.column(k).dot(&slid));
             self.ways.extend(across);
@@ -260,9 +263,7 @@ impl Quick {
     /// The force of a member on the first side [N].
     fn force(&self, member: &Member) -> Vector3<f64> {
         let forces = self.forces[member.first..][..member.count].iter();
-        let along = forces
-            .enumerate()
-            .map(|(k, force)| member.frame.column(k) * *force);
+        let along = forces.enumerate().map(|(k, force)| member.frame.column(k) * *force);
         along.sum()
     }
 }
