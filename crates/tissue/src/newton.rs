@@ -360,9 +360,11 @@ impl NewtonSolver {
             if quick {
                 tangent = Tangent::Positive;
             }
-            let way = self.go(&problem, ends, &mut tangent, before, tolerances)?;
-            match way {
-                Way::Share(share) => self.find_ahead(&problem, touch.as_mut(), share),
+            let mut way = self.go(&problem, ends, &mut tangent, before, tolerances)?;
+            match &mut way {
+                Way::Share(share) => {
+                    *share = self.find_ahead(&problem, touch.as_mut(), *share);
+                }
                 Way::Jump | Way::None => self.find(&problem, touch.as_mut()),
             }
             report.residual = self.evaluate(&problem, self.noise(fixed));
@@ -375,7 +377,8 @@ impl NewtonSolver {
             }
             let whole = way == Way::Share(1.0) && quick && self.is_quick();
             // Where forces are small their residual says little.
-            if whole && self.gaps.is_short(&self.direction, STILL) {
+            let kept = report.residual.is_finite() && self.gaps.overlap() <= OVERLAP;
+            if whole && kept && self.gaps.is_short(&self.direction, STILL) {
                 self.tell(&problem);
                 return Ok(report);
             }
@@ -449,7 +452,7 @@ impl NewtonSolver {
                     }
                     self.evaluate(problem, 0.0);
                 }
-                Err(_) if exact => {}
+                Err(_) if exact || self.keeps_matrix => {}
                 Err(failure) => return Err(self.why_not_positive(failure)),
             }
             *tangent = Tangent::Positive;
@@ -661,7 +664,9 @@ impl NewtonSolver {
                 jumps |= *d != Vector3::zeros();
             }
         }
-        self.gaps.predict(&mut self.direction);
+        if !self.is_quick() {
+            self.gaps.predict(&mut self.direction);
+        }
         jumps
     }
 

@@ -77,7 +77,7 @@ impl DomainTangent {
         let [x, y, z] = &self.0;
         corner.b = b;
         for (p, change) in corner.change.iter_mut().enumerate() {
-            *change = z[p].mul_add(b[2], y[p].mul_add(b[1], x[p] * b[0]));
+            *change = x[p] * b[0] + y[p] * b[1] + z[p] * b[2];
         }
     }
 }
@@ -98,7 +98,7 @@ impl CornerTangent {
         let mut block = Matrix3::zeros();
         for (p, entry) in block.as_mut_slice().iter_mut().enumerate() {
             let [x, y, z] = [0, 9, 18].map(|l| self.change[l + p]);
-            *entry = z.mul_add(b[2], y.mul_add(b[1], x * b[0]));
+            *entry = x * b[0] + y * b[1] + z * b[2];
         }
         block
     }

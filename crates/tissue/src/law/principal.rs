@@ -111,7 +111,7 @@ impl Deformation {
     #[inline(always)]
     fn add(&mut self, other: &Self, factor: f64) {
         for (entry, other) in self.0.iter_mut().zip(&other.0) {
-            *entry = other.mul_add(factor, *entry);
+            *entry += other * factor;
         }
     }
 }

@@ -64,6 +64,8 @@ pub(super) struct Gaps {
     told: Vec<Contact>,
     /// Contacts that may be found to have been left too far.
     kept: Vec<Contact>,
+    /// Whether the contacts were restored: what was found since has its pressures from those in between.
+    is_restored: bool,
     edge: f64,
     /// Positions that the contacts were found for [m].
     base: Vec<Vector3<f64>>,
@@ -87,6 +89,7 @@ impl Gaps {
             rows: Vec::new(),
             told: Vec::new(),
             kept: Vec::new(),
+            is_restored: false,
             edge,
             base: zeros.clone(),
             others: zeros.clone(),
@@ -138,7 +141,8 @@ impl Gaps {
         self.rows.clear();
         // Both lists have the same order, but for what came and went.
         let mut next = 0;
-        for contact in &self.contacts {
+        let restored = std::mem::take(&mut self.is_restored);
+        for contact in &mut self.contacts {
             let same = |told: &Contact| {
                 told.nodes == contact.nodes
                     && told.first == contact.first
@@ -149,7 +153,10 @@ impl Gaps {
                 .map(|k| k + next)
                 .or_else(|| self.told.iter().position(same));
             next = found.map_or(next, |k| k + 1);
-            let last = found.map_or(contact, |k| &self.told[k]);
+            if restored {
+                contact.pressure = found.map_or(0.0, |k| self.told[k].pressure);
+            }
+            let last = found.map_or(&*contact, |k| &self.told[k]);
             let (traction, slides) = (last.traction, last.slides);
             let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
             let mut compliances = [0.0; 2];
@@ -388,6 +395,7 @@ impl Gaps {
     pub fn restore(&mut self) {
         self.contacts.clone_from(&self.kept);
         self.rows.clear();
+        self.is_restored = true;
     }
 
     /// Tells the contacts what they have become.
@@ -409,7 +417,8 @@ impl Gaps {
         let mut any = false;
         for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
             row.multiplier = 0.0;
-            row.bound = 0.0;
+            (row.bound, row.keeps_bound) = (0.0, true);
+            row.told = Told::NONE;
             row.floor = contact.floor.min(contact.start_gap + most * self.edge);
             row.gap = contact.gap(positions);
             any |= row.stiffness > 0.0 && row.gap < row.floor - slack * self.edge;

@@ -51,12 +51,13 @@ impl NewtonSolver {
 
     /// Finds the contacts where an iteration has led. In a quick step goes back on its way, of which `share` was taken, while they say that surfaces
     /// have turned: gaps that it was to keep are far below their floors, further than any was before it. Tissue would spring out of jaws.
+    /// Returns the share that is left.
     pub(super) fn find_ahead(
         &mut self,
         problem: &Problem<'_>,
         mut touch: Option<&mut Touch<'_>>,
         mut share: f64,
-    ) {
+    ) -> f64 {
         let most = self.gaps.overlap().max(OVERLAP);
         let quick = self.is_quick();
         if quick {
@@ -65,7 +66,7 @@ impl NewtonSolver {
         self.find(problem, touch.as_deref_mut());
         for _ in 0..HALVES {
             if !quick || self.gaps.overlap() <= most {
-                return;
+                break;
             }
             share *= 0.5;
             self.advance(problem, share);
@@ -73,6 +74,7 @@ impl NewtonSolver {
             self.finds = self.finds.saturating_sub(1);
             self.find(problem, touch.as_deref_mut());
         }
+        share
     }
 
     /// Tells the contacts their forces. With inertia the momentum of each part that is free is kept to rounding with these: the whole part

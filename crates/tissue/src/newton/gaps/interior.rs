@@ -26,8 +26,7 @@ pub(super) struct Cone {
     pub first: usize,
     /// b [N]; 0 for none.
     pub bound: f64,
-    /// Whether it has a force at the end, and whether that is less across than the bound.
-    pub closed: bool,
+    /// Whether the force across is less than the bound at the end.
     pub sticks: bool,
     /// s [m], z [m/N], and their steps.
     above: f64,
@@ -41,7 +40,7 @@ pub(super) struct Cone {
 /// Most iterations. Ten to twenty are enough in what was seen.
 const ITERATIONS: u32 = 50;
 
-/// What may be left of ways, as a share of the largest of them, and of products of forces and ways.
+/// What may be left of ways, as a share of the largest of them, and of products of forces and ways, as a share of those at the start.
 const TOLERANCE: f64 = 1e-9;
 
 /// The share of the way to the edge of what is allowed that is gone.
@@ -60,6 +59,9 @@ pub(super) struct Interior {
     forces: Vec<f64>,
     ways: Vec<f64>,
     step: Vec<f64>,
+    /// The largest way without forces [m], and the largest force at the start [N].
+    reach: f64,
+    scale: f64,
 }
 
 impl Cone {
@@ -68,7 +70,6 @@ impl Cone {
         Self {
             first,
             bound,
-            closed: false,
             sticks: false,
             above: 0.0,
             slid: 0.0,
@@ -93,7 +94,7 @@ impl Cone {
 impl Interior {
     /// Sets `forces` [N], which holds a guess of them, for the compliance `compliance` [m/N], row after row, with `own` [m/N] that each
     /// contact has by itself, and the ways `ways` [m] without forces: along a normal the gap above its floor. A cone tells what became
-    /// of it.
+    /// of it. Says whether the forces are found; if not, as where numbers are not finite, they stay the guess.
     pub fn solve(
         &mut self,
         compliance: &[f64],
@@ -101,19 +102,20 @@ impl Interior {
         ways: &[f64],
         cones: &mut [Cone],
         forces: &mut [f64],
-    ) {
+    ) -> bool {
         self.begin(compliance, own, ways, cones, forces);
-        let reach = self.base.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
-        if reach > 0.0 {
-            self.enter(cones, reach);
-            for _ in 0..ITERATIONS {
-                self.set_ways();
-                if self.is_done(cones, reach) || !self.advance(cones) {
-                    break;
-                }
+        self.enter(cones);
+        for _ in 0..ITERATIONS {
+            self.set_ways();
+            if self.is_done(cones) {
+                self.finish(cones, forces);
+                return true;
+            }
+            if !self.advance(cones) {
+                break;
             }
         }
-        self.finish(cones, forces);
+        false
     }
 
     /// Takes over the part of the problem that has unknowns.
@@ -127,6 +129,7 @@ impl Interior {
     ) {
         self.unknowns.clear();
         for cone in cones {
+            cone.sticks = false;
             cone.at = self.unknowns.len();
             let count = if cone.bound > 0.0 { 3 } else { 1 };
             self.unknowns.extend(cone.first..cone.first + count);
@@ -147,11 +150,20 @@ impl Interior {
     }
 
     /// Starts inside of all conditions.
-    fn enter(&mut self, cones: &mut [Cone], reach: f64) {
+    fn enter(&mut self, cones: &mut [Cone]) {
         let count = self.unknowns.len();
+        let reach = self.base.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+        // Any way at all where there is none: the forces are 0 then.
+        let reach = if reach == 0.0 {
+            f64::MIN_POSITIVE.sqrt()
+        } else {
+            reach
+        };
+        (self.reach, self.scale) = (reach, 0.0);
         for cone in cones {
             let own = self.compliance[cone.at * count + cone.at].max(f64::MIN_POSITIVE);
             self.forces[cone.at] = self.forces[cone.at].max(reach / own);
+            self.scale = self.scale.max(self.forces[cone.at]);
             cone.above = reach;
             if cone.bound > 0.0 {
                 self.forces[cone.at + 1..cone.at + 3].fill(0.0);
@@ -169,20 +181,17 @@ impl Interior {
         }
     }
 
-    fn is_done(&self, cones: &[Cone], reach: f64) -> bool {
-        let most = |size: f64, cone: &Cone| size.max(self.forces[cone.at]);
-        let largest = cones.iter().fold(0.0, most);
+    fn is_done(&self, cones: &[Cone]) -> bool {
+        let little = TOLERANCE * self.reach;
         cones.iter().all(|cone| {
-            let force = self.forces[cone.at];
-            let mut done = (self.ways[cone.at] - cone.above).abs() <= TOLERANCE * reach
-                && force * cone.above <= TOLERANCE * reach * largest;
+            let mut done = (self.ways[cone.at] - cone.above).abs() <= little
+                && self.forces[cone.at] * cone.above <= little * self.scale;
             if cone.bound > 0.0 {
                 let [a, b] = cone.across(&self.forces);
                 let [x, y] = cone.across(&self.ways);
                 let wrong = (x + cone.slid * a).abs().max((y + cone.slid * b).abs());
-                done &= wrong <= TOLERANCE * reach
-                    && cone.slid * cone.reserve(&self.forces)
-                        <= TOLERANCE * reach * cone.bound.min(largest);
+                let product = cone.slid * cone.reserve(&self.forces);
+                done &= wrong <= little && product <= little * cone.bound;
             }
             done
         })
@@ -196,7 +205,8 @@ impl Interior {
         self.set_step(cones, 0.0, 0.0);
         let now = self.mean_product(cones, 0.0);
         let ahead = self.mean_product(cones, self.longest(cones));
-        let target = now * (ahead / now).powi(3);
+        let centred = ahead / now;
+        let target = now * centred * centred * centred;
         self.set_step(cones, target, 1.0);
         let share = (INSIDE * self.longest(cones)).min(1.0);
         if !share.is_finite() {
@@ -317,12 +327,11 @@ impl Interior {
         for cone in cones {
             let own = |k: usize| self.compliance[k * count + k];
             let force = self.forces[cone.at];
-            cone.closed = force * own(cone.at) > cone.above;
-            forces[cone.first] = if cone.closed { force } else { 0.0 };
-            cone.sticks = false;
+            let closed = force * own(cone.at) > cone.above;
+            forces[cone.first] = if closed { force } else { 0.0 };
             if cone.bound > 0.0 {
                 let [a, b] = cone.across(&self.forces);
-                let size = a.hypot(b);
+                let size = (a * a + b * b).sqrt();
                 let compliance = own(cone.at + 1) + own(cone.at + 2);
                 let reserve = cone.reserve(&self.forces) / (cone.bound * cone.bound);
                 cone.sticks = cone.slid < reserve * compliance;

@@ -89,7 +89,8 @@ impl Gaps {
             if !quick.join(contacts, rows, direction, inner, slack) {
                 break;
             }
-            system.set_compliance(&quick.directions, &mut quick.compliance);
+            let known = system.set_compliance(&quick.directions, &mut quick.compliance);
+            debug_assert!(known, "a quick step has a factor");
             quick.balance(contacts, rows, direction);
             inner.fill(Vector3::zeros());
             for member in &quick.members {
@@ -98,13 +99,8 @@ impl Gaps {
             solve(system, fixed, inner)?;
         }
         direction.iter_mut().zip(&*inner).for_each(|(d, i)| *d += i);
-        let zero = Told {
-            pressure: 0.0,
-            traction: Vector3::zeros(),
-            slides: true,
-        };
         for (contact, row) in contacts.iter().zip(&mut *rows) {
-            *row = row.with_force(contact, &contact.blend(direction), zero);
+            *row = row.with_force(contact, &contact.blend(direction), Told::NONE);
         }
         for (member, cone) in quick.members.iter().zip(&quick.cones) {
             let (contact, row) = (&contacts[member.contact], &mut rows[member.contact]);
@@ -122,11 +118,7 @@ impl Gaps {
 }
 
 /// Solves with the factored matrix, with no forces at the nodes that are fixed.
-fn solve(
-    system: &mut System,
-    fixed: &[bool],
-    x: &mut [Vector3<f64>],
-) -> Result<(), NotPositive> {
+fn solve(system: &mut System, fixed: &[bool], x: &mut [Vector3<f64>]) -> Result<(), NotPositive> {
     for (x, fixed) in x.iter_mut().zip(fixed) {
         if *fixed {
             *x = Vector3::zeros();
@@ -155,7 +147,7 @@ impl Quick {
         slack: f64,
     ) -> bool {
         let before = self.members.len();
-        let had = |row: &Row| row.multiplier > 0.0 || row.bound > 0.0;
+        let had = |row: &Row| row.told.pressure > 0.0 || row.bound > 0.0;
         if before == 0 {
             self.take(contacts, rows, |_, row| had(row));
         }
@@ -196,7 +188,7 @@ impl Quick {
                 };
                 self.directions.push(std::array::from_fn(along));
             }
-            let force = contact.normal * row.multiplier + row.traction;
+            let force = contact.normal * row.told.pressure + row.told.traction;
             for k in 0..member.count {
                 self.own.push(OWN[k.min(1)] / row.stiffness);
                 self.before.push(member.frame.column(k).dot(&force));
@@ -212,7 +204,8 @@ impl Quick {
         for member in &self.members {
             let (contact, row) = (&contacts[member.contact], &rows[member.contact]);
             let way = contact.blend(direction);
-            self.ways.push(row.gap + contact.normal.dot(&way) - row.floor);
+            self.ways
+                .push(row.gap + contact.normal.dot(&way) - row.floor);
             let slid = row.slide + way;
             let across = (1..member.count).map(|k| member.frame.column(k).dot(&slid));
             self.ways.extend(across);
@@ -237,14 +230,32 @@ impl Quick {
                 interior,
                 ..
             } = &mut *self;
-            interior.solve(compliance, own, ways, cones, forces);
-            if update + 1 == UPDATES || self.is_settled(contacts, rows) {
+            let found = interior.solve(compliance, own, ways, cones, forces);
+            if !found || update + 1 == UPDATES || self.is_settled(contacts, rows) {
                 break;
             }
             for (member, cone) in self.members.iter().zip(&mut self.cones) {
                 if !rows[member.contact].keeps_bound {
                     cone.bound = contacts[member.contact].friction * self.forces[member.first];
                 }
+            }
+        }
+        self.limit(contacts, rows);
+    }
+
+    /// Takes of the forces across what friction does not hold of the forces along the normals as they have become.
+    fn limit(&mut self, contacts: &[Contact], rows: &[Row]) {
+        for (member, cone) in self.members.iter().zip(&mut self.cones) {
+            if rows[member.contact].keeps_bound {
+                continue;
+            }
+            let force = self.forces[member.first];
+            cone.bound = cone.bound.min(contacts[member.contact].friction * force);
+            let across = &mut self.forces[member.first + 1..][..member.count - 1];
+            let size = across.iter().map(|t| t * t).sum::<f64>().sqrt();
+            if size > cone.bound {
+                across.iter_mut().for_each(|t| *t *= cone.bound / size);
+                cone.sticks = false;
             }
         }
     }
@@ -263,7 +274,9 @@ impl Quick {
     /// The force of a member on the first side [N].
     fn force(&self, member: &Member) -> Vector3<f64> {
         let forces = self.forces[member.first..][..member.count].iter();
-        let along = forces.enumerate().map(|(k, force)| member.frame.column(k) * *force);
+        let along = forces
+            .enumerate()
+            .map(|(k, force)| member.frame.column(k) * *force);
         along.sum()
     }
 }

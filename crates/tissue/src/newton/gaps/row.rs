@@ -48,6 +48,15 @@ pub(super) struct Told {
     pub slides: bool,
 }
 
+impl Told {
+    /// That of an open contact.
+    pub const NONE: Self = Self {
+        pressure: 0.0,
+        traction: Vector3::new(0.0, 0.0, 0.0),
+        slides: true,
+    };
+}
+
 /// Force and energy of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Law {
