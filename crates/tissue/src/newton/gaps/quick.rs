@@ -240,24 +240,6 @@ impl Quick {
                 }
             }
         }
-        self.limit(contacts, rows);
-    }
-
-    /// Takes of the forces across what friction does not hold of the forces along the normals as they have become.
-    fn limit(&mut self, contacts: &[Contact], rows: &[Row]) {
-        for (member, cone) in self.members.iter().zip(&mut self.cones) {
-            if rows[member.contact].keeps_bound {
-                continue;
-            }
-            let force = self.forces[member.first];
-            cone.bound = cone.bound.min(contacts[member.contact].friction * force);
-            let across = &mut self.forces[member.first + 1..][..member.count - 1];
-            let size = across.iter().map(|t| t * t).sum::<f64>().sqrt();
-            if size > cone.bound {
-                across.iter_mut().for_each(|t| *t *= cone.bound / size);
-                cone.sticks = false;
-            }
-        }
     }
 
     /// Whether no bound is far from what its force says.
