@@ -130,9 +130,9 @@ impl LinearSolver {
         self.prepare(matrix, self.first)
     }
 
-    /// Whether a new factor costs about as much as a few solutions: then a matrix that changes is better factored anew than left to
-    /// [`solve_with`](Self::solve_with).
-    pub fn is_direct(&self) -> bool {
+    /// Whether a factor of double numbers costs about as much as a few solutions: [`factorise_double`](Self::factorise_double) is no
+    /// luxury then.
+    pub fn is_small(&self) -> bool {
         let few = |symbolic: &Arc<Symbolic>| symbolic.flops() <= FEW;
         self.first == Way::Single && self.symbolic.get().is_some_and(few)
     }

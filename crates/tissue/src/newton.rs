@@ -34,6 +34,10 @@
 //! straight. After a few iterations of one equation they keep their features and normals. Where gaps found at the end are far below their
 //! floors, iterations are made beyond those asked for.
 //!
+//! Quick steps are those of time that need not converge, of small bodies with contacts. Their tangents are positive, so that contacts can
+//! be settled among themselves. An iteration at whose end surfaces have turned so much that gaps are far below their floors is gone back, up to an
+//! eighth of it. After a short one the matrix is kept for the next; one that moves hardly anything ends the step.
+//!
 //! # Limitations
 //! The derivative of viscous forces by positions is left out, so with viscosity the last iterations converge linearly, by a
 //! factor of the order of the strain in one step, not quadratically. Of the derivative of pressures the symmetric part alone
@@ -82,8 +86,8 @@ const SLACK: [f64; 2] = [1e-5, 1e-3];
 const OVERLAP: f64 = 0.02;
 const MORE: u32 = 3;
 
-/// How often the way of an iteration in a quick step is halved where it leads to such overlaps.
-const HALVES: u32 = 3;
+/// How often an iteration of a quick step goes back half of its way where that led to such overlaps.
+const RETREATS: u32 = 3;
 
 /// How often contacts are found for an equation; then they keep their features and normals. Features of equal distance could
 /// take turns for ever. In quick steps they are found less often, and then keep the bounds of friction too, so that only elements, and
@@ -111,7 +115,7 @@ pub struct Newton {
     /// The residual at which an equation is solved, as a share of the forces in it. One that is no more than the rounding of
     /// positions counts as 0.
     pub tolerance: f64,
-    /// Whether a step that ends above the tolerance fails – above 100 times the tolerance where something is touched. If not, it is made: every iteration has gone down the potential.
+    /// Whether a step that ends above the tolerance fails – above 100 times the tolerance where something is touched. If not, it is made: every iteration has gone down the potential, or part of that way where surfaces have turned.
     pub must_converge: bool,
 }
 
@@ -323,7 +327,7 @@ impl NewtonSolver {
         };
         self.start(&problem, guesses);
         self.finds = 0;
-        self.gaps.may_be_direct = equation.rate > 0.0 && !options.must_converge;
+        self.gaps.need_not_converge = equation.rate > 0.0 && !options.must_converge;
         self.find(&problem, touch.as_mut());
         let slack = SLACK[usize::from(!options.must_converge)];
         let mut report = StepReport {
@@ -611,7 +615,8 @@ impl NewtonSolver {
         }
     }
 
-    /// Assembles and factors the matrix at `trial`, with the contacts that are closed along the direction.
+    /// Assembles and factors the matrix at `trial`: with the contacts that are closed along the direction, in a quick step without any. Does nothing
+    /// where the matrix is kept.
     fn factorise(&mut self, problem: &Problem<'_>, tangent: Tangent) -> Result<(), NotPositive> {
         if self.keeps_matrix {
             return Ok(());
@@ -639,7 +644,7 @@ impl NewtonSolver {
 
     /// Whether contacts are among the forces of a quick step.
     fn is_quick(&self) -> bool {
-        !self.gaps.is_empty() && self.gaps.is_direct(&self.system)
+        !self.gaps.is_empty() && self.gaps.is_quick(&self.system)
     }
 
     /// No element and no mass makes the positive matrix indefinite: it is singular to rounding, or has numbers that are not finite.

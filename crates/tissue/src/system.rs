@@ -144,9 +144,9 @@ impl System {
         &self.matrix
     }
 
-    /// Whether a matrix that changes is best factored anew.
-    pub fn is_direct(&self) -> bool {
-        self.solver.is_direct()
+    /// Whether a factor of double numbers costs no more than a few solutions.
+    pub fn is_small(&self) -> bool {
+        self.solver.is_small()
     }
 
     /// Prepares solutions with the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.

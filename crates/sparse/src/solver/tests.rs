@@ -193,7 +193,7 @@ fn a_small_body_has_a_factor_of_double_numbers() {
     ] {
         let (matrix, positions, _) = held(size);
         let solver = LinearSolver::new(matrix.pattern(), &positions);
-        assert_eq!(solver.is_direct(), small, "{size:?}");
+        assert_eq!(solver.is_small(), small, "{size:?}");
     }
     let (matrix, positions, fixed) = held([4, 4, 4]);
     let mut solver = LinearSolver::new(matrix.pattern(), &positions);

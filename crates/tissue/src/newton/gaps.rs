@@ -17,10 +17,10 @@
 //!
 //! Where contacts are few all of this is done among them alone first (`reduced`), and conjugate gradients only see to what is left.
 //!
-//! In steps of time that need not converge, where a factor costs no more than a few solutions (bodies of a few hundred nodes), each inner
-//! iteration has its own, with all contacts as they are then. They are a hundred times stiffer while the direction is sought; after it
-//! the multipliers are set such that the softer ones of the potential have the same forces along it. So all forces are in balance at its
-//! end, which a light free piece in a firm grip needs: a thousandth of the grip is many times its weight.
+//! In steps of time that need not converge, of bodies of a few hundred nodes, the matrix has no contact, is positive and factored with
+//! double numbers: all contacts are settled among themselves with that (`quick`), whatever opens, closes, sticks and slides. Then the
+//! multipliers are set such that the potential has the forces found at the end of the direction. All forces are in balance there, which
+//! a light free piece in a firm grip needs: a thousandth of the grip is many times its weight.
 //!
 //! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a softer ρ
 //! and more updates.
@@ -56,14 +56,14 @@ const SWEEPS: u32 = 4;
 pub(super) struct Gaps {
     pub contacts: Vec<Contact>,
     /// Whether the equation is of a step of time that need not converge.
-    pub may_be_direct: bool,
+    pub need_not_converge: bool,
     /// Whether contacts keep bounds, multipliers and the law they have when they are set for new positions.
     pub keeps_laws: bool,
     rows: Vec<Row>,
     /// The contacts that were found before in this step, as they were told.
     told: Vec<Contact>,
     /// Contacts that may be found to have been left too far.
-    kept: Vec<Contact>,
+    checkpoint: Vec<Contact>,
     /// Whether the contacts were restored: what was found since has its pressures from those in between.
     is_restored: bool,
     edge: f64,
@@ -84,11 +84,11 @@ impl Gaps {
         let zeros = vec![Vector3::zeros(); nodes];
         Self {
             contacts: Vec::new(),
-            may_be_direct: false,
+            need_not_converge: false,
             keeps_laws: false,
             rows: Vec::new(),
             told: Vec::new(),
-            kept: Vec::new(),
+            checkpoint: Vec::new(),
             is_restored: false,
             edge,
             base: zeros.clone(),
@@ -268,7 +268,7 @@ impl Gaps {
 
     /// Adds the contacts that are closed when the nodes go `direction` to the matrix.
     pub fn stiffen(&mut self, direction: &[Vector3<f64>], system: &mut System) {
-        let quick = self.is_direct(system);
+        let quick = self.is_quick(system);
         for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
             row.factored = None;
             if row.stiffness == 0.0 || row.joint || quick {
@@ -281,9 +281,9 @@ impl Gaps {
         }
     }
 
-    /// Whether each change of contacts has a factor of its own.
-    pub fn is_direct(&self, system: &System) -> bool {
-        self.may_be_direct && system.is_direct() && !self.rows.iter().any(|row| row.joint)
+    /// Whether the contacts are settled among themselves alone.
+    pub fn is_quick(&self, system: &System) -> bool {
+        self.need_not_converge && system.is_small() && !self.rows.iter().any(|row| row.joint)
     }
 
     /// Sets `direction`, which holds the ways of the prescribed nodes and a guess for the others, to that of the iteration, for the forces `others` [N] that no contact
@@ -303,7 +303,7 @@ impl Gaps {
             multiply_others(system, &self.contacts, &self.rows, direction, product);
             left.iter_mut().zip(&*product).for_each(|(l, p)| *l -= p);
         }
-        if self.is_direct(system) {
+        if self.is_quick(system) {
             return self.set_quick_direction(fixed, system, direction);
         }
         // Where nothing else acts, as when overlaps are undone, the forces of the guess are the measure.
@@ -388,12 +388,12 @@ impl Gaps {
     /// Keeps the contacts, as they have become, for [`restore`](Self::restore).
     pub fn keep(&mut self) {
         self.tell();
-        self.kept.clone_from(&self.contacts);
+        self.checkpoint.clone_from(&self.contacts);
     }
 
     /// Makes the contacts those that were kept.
     pub fn restore(&mut self) {
-        self.contacts.clone_from(&self.kept);
+        self.contacts.clone_from(&self.checkpoint);
         self.rows.clear();
         self.is_restored = true;
     }
@@ -548,4 +548,44 @@ fn scatter(contact: &Contact, force: &Vector3<f64>, forces: &mut [Vector3<f64>])
 
 fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A source gives pressures by what it found last: after a way back that is not what is restored.
+    #[test]
+    fn restored_contacts_have_their_own_forces() {
+        let positions = [Vector3::zeros(); 2];
+        let on = |node, pressure| Contact {
+            pressure,
+            ..Contact::of_node(node, Vector3::z(), 0.0)
+        };
+        let mut gaps = Gaps::new(2, 1e-3);
+        let find = |gaps: &mut Gaps, found: &[Contact]| {
+            gaps.tell();
+            gaps.contacts = found.to_vec();
+            gaps.set(&positions, &positions, false, |_| 100.0);
+        };
+        find(&mut gaps, &[on(0, 0.1), on(1, 0.2)]);
+        gaps.keep();
+        find(&mut gaps, &[on(1, 0.1)]);
+        gaps.restore();
+        find(&mut gaps, &[on(0, 7.0), on(1, 7.0)]);
+        assert_eq!(
+            gaps.contacts.iter().map(|c| c.pressure).collect::<Vec<_>>(),
+            [0.1, 0.2]
+        );
+        assert_eq!(
+            gaps.rows
+                .iter()
+                .map(|row| row.multiplier)
+                .collect::<Vec<_>>(),
+            [0.1, 0.2]
+        );
+        // The next time it is what the source says.
+        find(&mut gaps, &[on(0, 0.3)]);
+        assert_eq!(gaps.rows[0].multiplier, 0.3);
+    }
 }

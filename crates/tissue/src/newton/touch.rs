@@ -1,8 +1,8 @@
 //! Contact in an equation: finding it, telling it its forces, undoing old overlaps.
 
 use super::{
-    Equation, FINDS, FINDS_QUICK, HALVES, LINEAR_TOLERANCES, NewtonSolver, OVERLAP, Problem, SLACK,
-    Touch,
+    Equation, FINDS, FINDS_QUICK, LINEAR_TOLERANCES, NewtonSolver, OVERLAP, Problem, RETREATS,
+    SLACK, Touch,
 };
 use crate::elements::Tangent;
 use crate::executor::Executor;
@@ -26,7 +26,7 @@ impl NewtonSolver {
             self.gaps.clear();
             return;
         }
-        let quick = self.gaps.is_direct(&self.system);
+        let quick = self.gaps.is_quick(&self.system);
         let finds = if quick { FINDS_QUICK } else { FINDS };
         self.gaps.keeps_laws = quick && self.finds >= finds;
         if self.finds < finds {
@@ -64,7 +64,7 @@ impl NewtonSolver {
             self.gaps.keep();
         }
         self.find(problem, touch.as_deref_mut());
-        for _ in 0..HALVES {
+        for _ in 0..RETREATS {
             if !quick || self.gaps.overlap() <= most {
                 break;
             }
@@ -144,6 +144,7 @@ impl NewtonSolver {
         }
         self.direction.fill(Vector3::zeros());
         self.gaps.predict(&mut self.direction);
+        // The matrix of a short last iteration will do.
         self.others.fill(Vector3::zeros());
         self.factorise(&problem, Tangent::Positive)
             .and_then(|()| {

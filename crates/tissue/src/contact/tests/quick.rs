@@ -1,4 +1,4 @@
-//! Steps of time that need not converge, of bodies so small that each change of their contacts has a factor of its own: a free block in a grip.
+//! Steps of time that need not converge, of bodies so small that contacts are settled among themselves: a free block in a grip.
 
 use super::*;
 

@@ -29,10 +29,10 @@ pub(super) struct Cone {
     /// Whether the force across is less than the bound at the end.
     pub sticks: bool,
     /// s [m], z [m/N], and their steps.
-    above: f64,
-    slid: f64,
-    above_step: f64,
-    slid_step: f64,
+    gap: f64,
+    slip: f64,
+    gap_step: f64,
+    slip_step: f64,
     /// The place of λ among the unknowns.
     at: usize,
 }
@@ -71,10 +71,10 @@ impl Cone {
             first,
             bound,
             sticks: false,
-            above: 0.0,
-            slid: 0.0,
-            above_step: 0.0,
-            slid_step: 0.0,
+            gap: 0.0,
+            slip: 0.0,
+            gap_step: 0.0,
+            slip_step: 0.0,
             at: 0,
         }
     }
@@ -164,10 +164,10 @@ impl Interior {
             let own = self.compliance[cone.at * count + cone.at].max(f64::MIN_POSITIVE);
             self.forces[cone.at] = self.forces[cone.at].max(reach / own);
             self.scale = self.scale.max(self.forces[cone.at]);
-            cone.above = reach;
+            cone.gap = reach;
             if cone.bound > 0.0 {
                 self.forces[cone.at + 1..cone.at + 3].fill(0.0);
-                cone.slid = reach / cone.bound;
+                cone.slip = reach / cone.bound;
             }
         }
     }
@@ -184,13 +184,13 @@ impl Interior {
     fn is_done(&self, cones: &[Cone]) -> bool {
         let little = TOLERANCE * self.reach;
         cones.iter().all(|cone| {
-            let mut done = (self.ways[cone.at] - cone.above).abs() <= little
-                && self.forces[cone.at] * cone.above <= little * self.scale;
+            let mut done = (self.ways[cone.at] - cone.gap).abs() <= little
+                && self.forces[cone.at] * cone.gap <= little * self.scale;
             if cone.bound > 0.0 {
                 let [a, b] = cone.across(&self.forces);
                 let [x, y] = cone.across(&self.ways);
-                let wrong = (x + cone.slid * a).abs().max((y + cone.slid * b).abs());
-                let product = cone.slid * cone.reserve(&self.forces);
+                let wrong = (x + cone.slip * a).abs().max((y + cone.slip * b).abs());
+                let product = cone.slip * cone.reserve(&self.forces);
                 done &= wrong <= little && product <= little * cone.bound;
             }
             done
@@ -213,8 +213,8 @@ impl Interior {
             return false;
         }
         for cone in cones {
-            cone.above += share * cone.above_step;
-            cone.slid += share * cone.slid_step;
+            cone.gap += share * cone.gap_step;
+            cone.slip += share * cone.slip_step;
         }
         for (force, step) in self.forces.iter_mut().zip(&self.step) {
             *force += share * step;
@@ -227,12 +227,12 @@ impl Interior {
         let (mut sum, mut count) = (0.0, 0.0);
         let after = |k: usize| self.forces[k] + share * self.step[k];
         for cone in cones {
-            sum += after(cone.at) * (cone.above + share * cone.above_step);
+            sum += after(cone.at) * (cone.gap + share * cone.gap_step);
             count += 1.0;
             if cone.bound > 0.0 {
                 let (a, b) = (after(cone.at + 1), after(cone.at + 2));
                 let reserve = 0.5 * (cone.bound * cone.bound - a * a - b * b);
-                sum += reserve * (cone.slid + share * cone.slid_step);
+                sum += reserve * (cone.slip + share * cone.slip_step);
                 count += 1.0;
             }
         }
@@ -244,13 +244,13 @@ impl Interior {
         let count = self.unknowns.len();
         self.factor.clone_from(&self.compliance);
         for cone in cones {
-            self.factor[cone.at * (count + 1)] += cone.above / self.forces[cone.at];
+            self.factor[cone.at * (count + 1)] += cone.gap / self.forces[cone.at];
             if cone.bound > 0.0 {
                 let t = cone.across(&self.forces);
-                let more = cone.slid / cone.reserve(&self.forces);
+                let more = cone.slip / cone.reserve(&self.forces);
                 for (i, a) in t.into_iter().enumerate() {
                     let row = (cone.at + 1 + i) * count + cone.at + 1;
-                    self.factor[row + i] += cone.slid;
+                    self.factor[row + i] += cone.slip;
                     for (j, b) in t.into_iter().enumerate() {
                         self.factor[row + j] += more * a * b;
                     }
@@ -273,23 +273,23 @@ impl Interior {
                 let (t, d, way) = (cone.across(forces), cone.across(step), cone.across(ways));
                 across = goal_across(cone, &t, &d, target, curved) / reserve;
                 for k in 0..2 {
-                    let bent = curved * cone.slid_step * d[k];
+                    let bent = curved * cone.slip_step * d[k];
                     step[cone.at + 1 + k] = -way[k] - t[k] * across - bent;
                 }
             }
             step[cone.at] = along / forces[cone.at] - ways[cone.at];
             // What conditions ask for, until the forces are known.
-            cone.above_step = along / forces[cone.at];
-            cone.slid_step = across;
+            cone.gap_step = along / forces[cone.at];
+            cone.slip_step = across;
         }
         substitute(&self.factor, step);
         for cone in cones {
-            let ratio = cone.above / forces[cone.at];
-            cone.above_step -= cone.above + ratio * step[cone.at];
+            let ratio = cone.gap / forces[cone.at];
+            cone.gap_step -= cone.gap + ratio * step[cone.at];
             if cone.bound > 0.0 {
                 let (t, d) = (cone.across(forces), cone.across(step));
-                let more = cone.slid / cone.reserve(forces);
-                cone.slid_step += more * (t[0] * d[0] + t[1] * d[1]) - cone.slid;
+                let more = cone.slip / cone.reserve(forces);
+                cone.slip_step += more * (t[0] * d[0] + t[1] * d[1]) - cone.slip;
             }
         }
     }
@@ -304,8 +304,8 @@ impl Interior {
         };
         for cone in cones {
             limit(self.forces[cone.at], self.step[cone.at]);
-            limit(cone.above, cone.above_step);
-            limit(cone.slid, cone.slid_step);
+            limit(cone.gap, cone.gap_step);
+            limit(cone.slip, cone.slip_step);
         }
         for cone in cones.iter().filter(|cone| cone.bound > 0.0) {
             // |t + α d|² = b².
@@ -327,14 +327,14 @@ impl Interior {
         for cone in cones {
             let own = |k: usize| self.compliance[k * count + k];
             let force = self.forces[cone.at];
-            let closed = force * own(cone.at) > cone.above;
+            let closed = force * own(cone.at) > cone.gap;
             forces[cone.first] = if closed { force } else { 0.0 };
             if cone.bound > 0.0 {
                 let [a, b] = cone.across(&self.forces);
                 let size = (a * a + b * b).sqrt();
                 let compliance = own(cone.at + 1) + own(cone.at + 2);
                 let reserve = cone.reserve(&self.forces) / (cone.bound * cone.bound);
-                cone.sticks = cone.slid < reserve * compliance;
+                cone.sticks = cone.slip < reserve * compliance;
                 let share = if cone.sticks || size == 0.0 {
                     1.0
                 } else {
@@ -349,14 +349,14 @@ impl Interior {
 
 /// What λ s is to be, but for what is of second order.
 fn goal_along(cone: &Cone, step: &[f64], target: f64, curved: f64) -> f64 {
-    target - curved * step[cone.at] * cone.above_step
+    target - curved * step[cone.at] * cone.gap_step
 }
 
 /// What z (b² − |t|²)/2 is to be for these t and the step `d` of them, but for what is of second order.
 fn goal_across(cone: &Cone, t: &[f64; 2], d: &[f64; 2], target: f64, curved: f64) -> f64 {
     let along = t[0] * d[0] + t[1] * d[1];
     let square = d[0] * d[0] + d[1] * d[1];
-    target + curved * (cone.slid_step * along + 0.5 * cone.slid * square)
+    target + curved * (cone.slip_step * along + 0.5 * cone.slip * square)
 }
 
 /// Factors a symmetric matrix in place, A = L Lᵀ with Lᵀ in the upper triangle; says whether it is positive definite.
@@ -395,3 +395,6 @@ fn substitute(factor: &[f64], x: &mut [f64]) {
         x[k] = (x[k] - known) / row[0];
     }
 }
+
+#[cfg(test)]
+mod tests;

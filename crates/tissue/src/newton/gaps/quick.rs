@@ -1,12 +1,16 @@
 //! The direction of an iteration of a quick step: one factor of everything but the contacts, and these among themselves.
 //!
-//! With the factored matrix K, which is positive definite without any contact, the ways y of the contacts are those without their
+//! With the factored matrix K of a positive tangent, which is positive definite without any contact, the ways y of the contacts are those without their
 //! forces and G p, G = J K⁻¹ Jᵀ. So the forces p follow from small dense systems ([`interior`](super::interior)), and the direction from
 //! them by one more solution: all forces are in balance to rounding at its end, which a light free piece in a firm grip needs: a
 //! thousandth of the grip is many times its weight.
 //!
-//! Contacts that had a force are taken in first; those that the direction closes then join them. Contacts between two bodies that both
-//! can move are not here: their bodies are of one matrix, but no quick step has been asked of them.
+//! Contacts that had a force are taken in first; those that the direction closes then join them, a few times. Bounds of friction are those of the
+//! forces along the normals of the solution before, twice in an iteration: Coulomb's law is met as iterations converge.
+//!
+//! # Limitations
+//! Contacts between two bodies that both can move are not here: their steps are not quick. What closes only with the last contacts that joined pushes
+//! as a spring until the next iteration.
 
 use super::interior::{Cone, Interior};
 use super::row::{Row, Told};

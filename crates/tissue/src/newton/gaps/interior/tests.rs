@@ -1,0 +1,190 @@
+//! The conditions of Signorini and Tresca, which no other solution of the convex problem has, on random contacts; and what has no solution.
+
+use super::*;
+use crate::testing::numbers;
+
+/// Of the largest way: the tolerance is one of products of force and way, so where both are next to nothing each is its root, 3e-5, times
+/// that of the ratio of the compliances, below 100.
+const WAYS: f64 = 3e-4;
+/// Compliances of contacts by themselves, as a share of the others.
+const OWN: f64 = 1e-4;
+
+/// Contacts with friction, their forces coupled by a random compliance of so many nodes; ways of about 1, downwards by `depth`.
+struct Case {
+    compliance: Vec<f64>,
+    own: Vec<f64>,
+    ways: Vec<f64>,
+    cones: Vec<Cone>,
+}
+
+fn case(next: &mut impl FnMut() -> f64, contacts: usize, freedoms: usize, depth: f64) -> Case {
+    let count = 3 * contacts;
+    let half: Vec<f64> = (0..count * freedoms).map(|_| next()).collect();
+    let mut compliance = vec![0.0; count * count];
+    for i in 0..count {
+        for j in 0..count {
+            let rows = half[i * freedoms..][..freedoms].iter();
+            let pairs = rows.zip(&half[j * freedoms..][..freedoms]);
+            compliance[i * count + j] = pairs.map(|(a, b)| a * b).sum();
+        }
+    }
+    let mut ways: Vec<f64> = (0..count).map(|_| next()).collect();
+    ways.iter_mut().step_by(3).for_each(|way| *way -= depth);
+    // Some without friction, others with a little and much of it.
+    let bounds: Vec<f64> = (0..contacts)
+        .map(|k| [0.0, 0.01, 1.0][k % 3] * (1.0 + next().abs()))
+        .collect();
+    let cones = bounds.into_iter().enumerate();
+    Case {
+        compliance,
+        own: vec![OWN; count],
+        ways,
+        cones: cones.map(|(k, bound)| Cone::new(3 * k, bound)).collect(),
+    }
+}
+
+impl Case {
+    fn solve(&mut self) -> (bool, Vec<f64>) {
+        let mut forces = vec![0.0; self.ways.len()];
+        let found = Interior::default().solve(
+            &self.compliance,
+            &self.own,
+            &self.ways,
+            &mut self.cones,
+            &mut forces,
+        );
+        (found, forces)
+    }
+
+    /// The ways with these forces.
+    fn ways_with(&self, forces: &[f64]) -> Vec<f64> {
+        let count = forces.len();
+        let row = |i: usize| {
+            let pairs = self.compliance[i * count..][..count].iter().zip(forces);
+            pairs.map(|(c, f)| c * f).sum::<f64>() + self.own[i] * forces[i] + self.ways[i]
+        };
+        (0..count).map(row).collect()
+    }
+
+    fn check(&mut self) -> [usize; 4] {
+        let (found, forces) = self.solve();
+        assert!(found);
+        let ways = self.ways_with(&forces);
+        let reach = self.ways.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        let little = WAYS * reach;
+        let mut kinds = [0; 4];
+        for cone in &self.cones {
+            let k = cone.first;
+            let [x, y] = [ways[k + 1], ways[k + 2]];
+            let [a, b] = [forces[k + 1], forces[k + 2]];
+            // Signorini: not below the floor, no force above it.
+            assert!(
+                forces[k] >= 0.0 && ways[k] >= -little,
+                "{} {}",
+                forces[k],
+                ways[k]
+            );
+            let closed = forces[k] > 0.0;
+            assert!(
+                !closed || ways[k] <= little,
+                "{} N at {} m",
+                forces[k],
+                ways[k]
+            );
+            kinds[usize::from(closed)] += 1;
+            if cone.bound == 0.0 {
+                assert_eq!([a, b], [0.0; 2]);
+                assert!(!cone.sticks);
+                continue;
+            }
+            // Tresca: what sticks does not slide, what slides does so straight against all that the bound allows.
+            let size = (a * a + b * b).sqrt();
+            assert!(size <= cone.bound * (1.0 + 1e-12));
+            let slide = (x * x + y * y).sqrt();
+            kinds[2 + usize::from(cone.sticks)] += 1;
+            if cone.sticks {
+                assert!(slide <= little, "sticks and slides by {slide}");
+            } else {
+                assert!(
+                    size >= cone.bound * (1.0 - 1e-12),
+                    "{size} of {}",
+                    cone.bound
+                );
+                assert!(
+                    (a * x + b * y) <= -size * slide + little * size,
+                    "not against it"
+                );
+            }
+        }
+        kinds
+    }
+}
+
+#[test]
+fn random_contacts_obey_signorini_and_tresca() {
+    let mut next = numbers();
+    let mut kinds = [0; 4];
+    for contacts in [1, 2, 6, 15] {
+        for _ in 0..40 {
+            let mut case = case(&mut next, contacts, 3 * contacts, 0.3);
+            let found = case.check();
+            kinds
+                .iter_mut()
+                .zip(found)
+                .for_each(|(sum, one)| *sum += one);
+        }
+    }
+    // Open, closed, sliding, sticking: each of them many times.
+    assert!(kinds.iter().all(|kind| *kind > 50), "{kinds:?}");
+}
+
+/// Fewer nodes than contacts hold: only their own compliance says which has how much.
+#[test]
+fn contacts_that_hold_the_same_nodes_share_the_force() {
+    let mut next = numbers();
+    for _ in 0..40 {
+        case(&mut next, 8, 4, 0.5).check();
+    }
+}
+
+/// The scale of forces is that of the start: there is none at the end.
+#[test]
+fn contacts_that_all_open_have_no_force() {
+    let mut next = numbers();
+    for _ in 0..40 {
+        let mut case = case(&mut next, 6, 18, -2.0);
+        case.cones.iter_mut().for_each(|cone| cone.bound = 0.0);
+        let (found, forces) = case.solve();
+        assert!(found);
+        // Weakly coupled and a gap of one to three each: no force closes any.
+        assert_eq!(forces, vec![0.0; 18]);
+        case.check();
+    }
+}
+
+/// No way, no force; and no solution where there is no number.
+#[test]
+fn nothing_to_solve_and_nothing_to_be_solved() {
+    let mut next = numbers();
+    let mut still = case(&mut next, 3, 9, 0.0);
+    still.ways.fill(0.0);
+    let (found, forces) = still.solve();
+    assert!(
+        found && forces.iter().all(|force| force.abs() < 1e-100),
+        "{forces:?}"
+    );
+    for broken in [f64::NAN, f64::INFINITY] {
+        let mut case = case(&mut next, 3, 9, 0.5);
+        case.ways[3] = broken;
+        let mut forces = vec![0.25; 9];
+        let found = Interior::default().solve(
+            &case.compliance,
+            &case.own,
+            &case.ways,
+            &mut case.cones,
+            &mut forces,
+        );
+        assert!(!found);
+        assert_eq!(forces, vec![0.25; 9], "the guess stays");
+    }
+}
