@@ -427,6 +427,18 @@ impl Gaps {
     }
 }
 
+/// The directions of a contact: its normal, and two across it.
+fn frame(contact: &Contact) -> Matrix3<f64> {
+    let n = contact.normal;
+    let across = n.cross(&Vector3::ith(n.iamin(), 1.0)).normalize();
+    Matrix3::from_columns(&[n, across, n.cross(&across)])
+}
+
+/// How its nodes have a part in the way along one of these.
+fn along(contact: &Contact, frame: &Matrix3<f64>, k: usize) -> [(u32, Vector3<f64>); 4] {
+    std::array::from_fn(|i| (contact.nodes[i], frame.column(k) * contact.weights[i]))
+}
+
 /// The share of an inner direction at which the energy is lowest: all of it, but where contacts that it closes or opens say otherwise.
 fn search(
     contacts: &[Contact],

@@ -14,7 +14,7 @@
 
 use super::interior::{Cone, Interior};
 use super::row::{Row, Told};
-use super::{Gaps, scatter};
+use super::{Gaps, along, frame, scatter};
 use crate::contact::Contact;
 use crate::system::System;
 use microsim_sparse::NotPositive;
@@ -177,23 +177,15 @@ impl Quick {
             if row.stiffness == 0.0 || known || !is_taken(contact, row) {
                 continue;
             }
-            let n = contact.normal;
-            let across = n.cross(&Vector3::ith(n.iamin(), 1.0)).normalize();
             let member = Member {
                 contact: index,
                 first: self.directions.len(),
                 count: if contact.friction > 0.0 { 3 } else { 1 },
-                frame: Matrix3::from_columns(&[n, across, n.cross(&across)]),
+                frame: frame(contact),
             };
-            for k in 0..member.count {
-                let along = |i: usize| {
-                    let vector = member.frame.column(k) * contact.weights[i];
-                    (contact.nodes[i], vector)
-                };
-                self.directions.push(std::array::from_fn(along));
-            }
             let force = contact.normal * row.told.pressure + row.told.traction;
             for k in 0..member.count {
+                self.directions.push(along(contact, &member.frame, k));
                 self.own.push(OWN[k.min(1)] / row.stiffness);
                 self.before.push(member.frame.column(k).dot(&force));
             }

@@ -12,7 +12,9 @@
 //! whose gradient is G (p − f − F η).
 
 use super::row::Row;
-use super::{Gaps, INNER, UPDATES, add_forces_along, lowest, multiply_others, scatter};
+use super::{
+    Gaps, INNER, UPDATES, add_forces_along, along, frame, lowest, multiply_others, scatter,
+};
 use crate::contact::Contact;
 use crate::system::System;
 use microsim_sparse::NotPositive;
@@ -181,10 +183,7 @@ impl Reduced {
             if row.stiffness == 0.0 || !acts || known {
                 continue;
             }
-            let n = contact.normal;
-            let least = Vector3::ith(n.iamin(), 1.0);
-            let across = n.cross(&least).normalize();
-            let frame = Matrix3::from_columns(&[n, across, n.cross(&across)]);
+            let frame = frame(contact);
             let count = if contact.friction > 0.0 { 3 } else { 1 };
             self.members.push(Member {
                 contact: index,
@@ -195,8 +194,7 @@ impl Reduced {
                 force: Vector3::zeros(),
             });
             for k in 0..count {
-                let along = |i: usize| (contact.nodes[i], frame.column(k) * contact.weights[i]);
-                self.directions.push(std::array::from_fn(along));
+                self.directions.push(along(contact, &frame, k));
             }
         }
         self.members.len() > before
