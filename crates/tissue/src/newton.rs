@@ -90,9 +90,8 @@ const MORE: u32 = 3;
 const RETREATS: u32 = 3;
 
 /// How often contacts are found for an equation; then they keep their features and normals. Features of equal distance could
-/// take turns for ever. In quick steps they are found less often, and then keep the bounds of friction too, so that only elements, and
-/// which contacts are closed or stick, are left to the other iterations. Four is what cuts need: with three they come to lie beside those
-/// of converged steps (tests/results/tune_coordination.md).
+/// take turns for ever. In quick steps they then keep the bounds of friction too, so that only elements, and which contacts are closed or
+/// stick, are left to the other iterations; cuts lie where they do with any such number (tests/results/tune_coordination.md).
 const FINDS: u32 = 5;
 const FINDS_QUICK: u32 = 4;
 
