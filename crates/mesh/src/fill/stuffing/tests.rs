@@ -105,7 +105,7 @@ fn no_piece_is_worse_than_the_stated_bounds() {
     });
     for tet in [tets[0], tets[21]] {
         let (min, max) = extreme_angles(tet, WARP_LONG, WARP_SHORT);
-        assert!(min >= MIN_DIHEDRAL && min < MIN_DIHEDRAL + 0.001, "{min}");
+        assert!((MIN_DIHEDRAL..MIN_DIHEDRAL + 0.001).contains(&min), "{min}");
         assert!(max <= MAX_DIHEDRAL && max > MAX_DIHEDRAL - 0.001, "{max}");
     }
 }
