@@ -427,6 +427,27 @@ impl Gaps {
     }
 }
 
+/// A contact among the directions in which contacts see each other.
+#[derive(Clone, Copy, Debug)]
+struct Member {
+    contact: usize,
+    /// Its first direction, and how many there are: one along the normal, two more across it where there is friction.
+    first: usize,
+    count: usize,
+    frame: Matrix3<f64>,
+}
+
+impl Member {
+    /// The vector of its numbers.
+    fn vector(&self, numbers: &[f64]) -> Vector3<f64> {
+        let mut vector = Vector3::zeros();
+        for k in 0..self.count {
+            vector += self.frame.column(k) * numbers[self.first + k];
+        }
+        vector
+    }
+}
+
 /// The directions of a contact: its normal, and two across it.
 fn frame(contact: &Contact) -> Matrix3<f64> {
     let n = contact.normal;

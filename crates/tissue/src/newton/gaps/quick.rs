@@ -14,11 +14,11 @@
 
 use super::interior::{Cone, Interior};
 use super::row::{Row, Told};
-use super::{Gaps, along, frame, scatter};
+use super::{Gaps, Member, along, frame, scatter};
 use crate::contact::Contact;
 use crate::system::System;
 use microsim_sparse::NotPositive;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// How often contacts join, and how often bounds of friction are those of the forces of last time.
 const ROUNDS: u32 = 4;
@@ -36,16 +36,6 @@ const OWN: [f64; 2] = [1e-3, 1e-2];
 
 /// The change of a bound of friction that may be left, as a share of the largest force.
 const SETTLED: f64 = 1e-3;
-
-/// A contact that may have a force.
-#[derive(Clone, Copy, Debug)]
-struct Member {
-    contact: usize,
-    /// Its first direction, and how many there are: one along the normal, two more across it where there is friction.
-    first: usize,
-    count: usize,
-    frame: Matrix3<f64>,
-}
 
 /// Working memory.
 #[derive(Clone, Debug, Default)]
@@ -98,7 +88,11 @@ impl Gaps {
             quick.balance(contacts, rows, direction);
             inner.fill(Vector3::zeros());
             for member in &quick.members {
-                scatter(&contacts[member.contact], &quick.force(member), inner);
+                scatter(
+                    &contacts[member.contact],
+                    &member.vector(&quick.forces),
+                    inner,
+                );
             }
             solve(system, fixed, inner)?;
         }
@@ -111,7 +105,7 @@ impl Gaps {
             let normal = contact.normal * quick.forces[member.first];
             let told = Told {
                 pressure: quick.forces[member.first],
-                traction: quick.force(member) - normal,
+                traction: member.vector(&quick.forces) - normal,
                 slides: !cone.sticks,
             };
             row.bound = cone.bound;
@@ -247,14 +241,5 @@ impl Quick {
             let bound = contacts[member.contact].friction * self.forces[member.first];
             rows[member.contact].keeps_bound || (bound - cone.bound).abs() <= enough
         })
-    }
-
-    /// The force of a member on the first side [N].
-    fn force(&self, member: &Member) -> Vector3<f64> {
-        let forces = self.forces[member.first..][..member.count].iter();
-        let along = forces
-            .enumerate()
-            .map(|(k, force)| member.frame.column(k) * *force);
-        along.sum()
     }
 }

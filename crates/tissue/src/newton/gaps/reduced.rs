@@ -13,7 +13,7 @@
 
 use super::row::Row;
 use super::{
-    Gaps, INNER, UPDATES, add_forces_along, along, frame, lowest, multiply_others, scatter,
+    Gaps, INNER, Member, UPDATES, add_forces_along, along, frame, lowest, multiply_others, scatter,
 };
 use crate::contact::Contact;
 use crate::system::System;
@@ -29,15 +29,10 @@ const ROUNDS: u32 = 4;
 const LEAST: f64 = 0.1;
 const SHARE: f64 = 0.25;
 
-/// A contact among the directions.
+/// A contact where a direction is sought.
 #[derive(Clone, Copy, Debug)]
-struct Member {
-    contact: usize,
-    /// Its first direction, and how many there are.
-    first: usize,
-    count: usize,
-    /// Its directions: the normal, and two across it.
-    frame: Matrix3<f64>,
+struct Start {
+    of: Member,
     /// y of the direction so far.
     base: Vector3<f64>,
     /// f(y) there.
@@ -47,7 +42,7 @@ struct Member {
 /// Working memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reduced {
-    members: Vec<Member>,
+    members: Vec<Start>,
     /// J.
     directions: Vec<[(u32, Vector3<f64>); 4]>,
     /// G [m/N].
@@ -108,8 +103,8 @@ impl Gaps {
             let enough = reduced.balance(contacts, rows, scale, goals);
             self.product.fill(Vector3::zeros());
             for member in &reduced.members {
-                let force = member.vector(&reduced.forces) - member.force;
-                scatter(&contacts[member.contact], &force, &mut self.product);
+                let force = member.of.vector(&reduced.forces) - member.force;
+                scatter(&contacts[member.of.contact], &force, &mut self.product);
             }
             solve(system, fixed, SHARE * enough, &mut self.product)?;
             for ((step, more), d) in self
@@ -156,17 +151,6 @@ pub(super) fn size(forces: &[Vector3<f64>], fixed: &[bool]) -> f64 {
     free.map(|(f, _)| f.norm_squared()).sum::<f64>().sqrt()
 }
 
-impl Member {
-    /// The vector of three numbers, or one, in its frame.
-    fn vector(&self, numbers: &[f64]) -> Vector3<f64> {
-        let mut vector = Vector3::zeros();
-        for k in 0..self.count {
-            vector += self.frame.column(k) * numbers[self.first + k];
-        }
-        vector
-    }
-}
-
 /// What of a contact is in the matrix.
 fn factored(row: &Row) -> Matrix3<f64> {
     row.factored.unwrap_or_else(Matrix3::zeros)
@@ -179,17 +163,19 @@ impl Reduced {
         for (index, (contact, row)) in contacts.iter().zip(rows).enumerate() {
             let acts =
                 row.factored.is_some() || row.multiplier > 0.0 || row.hessian != Matrix3::zeros();
-            let known = self.members[..before].iter().any(|m| m.contact == index);
+            let known = self.members[..before].iter().any(|m| m.of.contact == index);
             if row.stiffness == 0.0 || !acts || known {
                 continue;
             }
             let frame = frame(contact);
             let count = if contact.friction > 0.0 { 3 } else { 1 };
-            self.members.push(Member {
-                contact: index,
-                first: self.directions.len(),
-                count,
-                frame,
+            self.members.push(Start {
+                of: Member {
+                    contact: index,
+                    first: self.directions.len(),
+                    count,
+                    frame,
+                },
                 base: Vector3::zeros(),
                 force: Vector3::zeros(),
             });
@@ -219,15 +205,15 @@ impl Reduced {
             numbers.resize(count, 0.0);
         }
         for member in &mut self.members {
-            let contact = &contacts[member.contact];
+            let contact = &contacts[member.of.contact];
             member.base = contact.blend(direction);
-            member.force = rows[member.contact]
+            member.force = rows[member.of.contact]
                 .law(contact, &member.base)
                 .force(contact);
             let way = contact.blend(ways);
-            for k in 0..member.count {
-                self.forces[member.first + k] = member.frame.column(k).dot(&member.force);
-                self.ways[member.first + k] = member.frame.column(k).dot(&way);
+            for k in 0..member.of.count {
+                self.forces[member.of.first + k] = member.of.frame.column(k).dot(&member.force);
+                self.ways[member.of.first + k] = member.of.frame.column(k).dot(&way);
             }
         }
     }
@@ -248,16 +234,18 @@ impl Reduced {
                 self.changed.clear();
                 let mut pushed = 0.0;
                 for member in &self.members {
-                    let (contact, row) = (&contacts[member.contact], &mut rows[member.contact]);
-                    let way = member.vector(&self.ways);
+                    let (contact, row) =
+                        (&contacts[member.of.contact], &mut rows[member.of.contact]);
+                    let way = member.of.vector(&self.ways);
                     let y = member.base + way;
                     let mut force = row.law(contact, &y).force(contact);
                     pushed += force.norm_squared();
                     force += factored(row) * way;
                     row.hessian = row.curvature(contact, &y);
-                    for k in 0..member.count {
-                        let at = member.first + k;
-                        self.force_step[at] = self.forces[at] - member.frame.column(k).dot(&force);
+                    for k in 0..member.of.count {
+                        let at = member.of.first + k;
+                        self.force_step[at] =
+                            self.forces[at] - member.of.frame.column(k).dot(&force);
                         if row.hessian != factored(row) {
                             self.changed.push(at);
                         }
@@ -279,9 +267,9 @@ impl Reduced {
             }
             let (mut worst, mut changes) = (0.0f64, 0.0);
             for member in &self.members {
-                let y = member.base + member.vector(&self.ways);
+                let y = member.base + member.of.vector(&self.ways);
                 let (_, [miss, change]) =
-                    rows[member.contact].updated(&contacts[member.contact], &y);
+                    rows[member.of.contact].updated(&contacts[member.of.contact], &y);
                 worst = worst.max(miss);
                 changes += change;
             }
@@ -289,9 +277,9 @@ impl Reduced {
                 break;
             }
             for member in &self.members {
-                let y = member.base + member.vector(&self.ways);
-                let row = &mut rows[member.contact];
-                *row = row.updated(&contacts[member.contact], &y).0;
+                let y = member.base + member.of.vector(&self.ways);
+                let row = &mut rows[member.of.contact];
+                *row = row.updated(&contacts[member.of.contact], &y).0;
             }
         }
         enough
@@ -307,22 +295,22 @@ impl Reduced {
         self.matrix.resize(size * (size + 1), 0.0);
         let mut at = 0;
         for member in &self.members {
-            let row = &rows[member.contact];
+            let row = &rows[member.of.contact];
             let more = row.hessian - factored(row);
             if more == Matrix3::zeros() {
                 continue;
             }
-            let more = member.frame.tr_mul(&(more * member.frame));
-            for a in 0..member.count {
+            let more = member.of.frame.tr_mul(&(more * member.of.frame));
+            for a in 0..member.of.count {
                 let equation = &mut self.matrix[at * (size + 1)..][..size + 1];
                 equation[at] = 1.0;
-                for b in 0..member.count {
-                    let compliance = &self.compliance[(member.first + b) * count..][..count];
+                for b in 0..member.of.count {
+                    let compliance = &self.compliance[(member.of.first + b) * count..][..count];
                     for (entry, &changed) in equation.iter_mut().zip(&self.changed) {
                         *entry += more[(a, b)] * compliance[changed];
                     }
                     // Δp = −g + Δq with (1 + (H − F) G) Δq = (H − F) G g.
-                    equation[size] += more[(a, b)] * self.way_step[member.first + b];
+                    equation[size] += more[(a, b)] * self.way_step[member.of.first + b];
                 }
                 at += 1;
             }
@@ -348,10 +336,11 @@ impl Reduced {
         let slope_at = |share: f64| {
             let mut slope = 0.0;
             for member in &self.members {
-                let (contact, row) = (&contacts[member.contact], &rows[member.contact]);
-                let step = member.vector(&self.way_step);
-                let way = member.vector(&self.ways) + step * share;
-                let force = member.vector(&self.forces) + member.vector(&self.force_step) * share;
+                let (contact, row) = (&contacts[member.of.contact], &rows[member.of.contact]);
+                let step = member.of.vector(&self.way_step);
+                let way = member.of.vector(&self.ways) + step * share;
+                let force =
+                    member.of.vector(&self.forces) + member.of.vector(&self.force_step) * share;
                 let law = row.law(contact, &(member.base + way)).force(contact);
                 slope += step.dot(&(force - factored(row) * way - law));
             }
