@@ -96,7 +96,7 @@ const FINDS: u32 = 5;
 const FINDS_QUICK: u32 = 4;
 
 /// The step of an iteration, as a share of an edge, that ends a quick step, and the one after which it keeps the matrix for the next iteration.
-/// What is held slides by what is left in every step: with 1e-3 pieces got lost on the way to a tray.
+/// What is held slides by what is left in every step, so the first is far below the slack of gaps.
 const STILL: f64 = 1e-4;
 const SHORT: f64 = 2e-2;
 

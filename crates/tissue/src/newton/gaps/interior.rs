@@ -135,8 +135,10 @@ impl Interior {
             self.unknowns.extend(cone.first..cone.first + count);
         }
         let all = ways.len();
-        let of = |numbers: &[f64]| self.unknowns.iter().map(|k| numbers[*k]).collect();
-        (self.base, self.forces) = (of(ways), of(forces));
+        for (part, numbers) in [(&mut self.base, ways), (&mut self.forces, forces)] {
+            part.clear();
+            part.extend(self.unknowns.iter().map(|k| numbers[*k]));
+        }
         self.compliance.clear();
         for (row, &direction) in self.unknowns.iter().enumerate() {
             let entries = &compliance[direction * all..][..all];
