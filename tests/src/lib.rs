@@ -7,6 +7,7 @@
 //! - [`comb`]: a band that is cut a hundred times;
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
 //! - [`detected`]: contact for a solver without a scene;
+//! - [`digests`]: physics digests of shipped runs, recorded and compared;
 //! - [`in_process`]: a run in the test's own process;
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
 //! - [`live`]: a tree with a source that has a timer of its own;
@@ -19,6 +20,7 @@ pub mod alter;
 pub mod comb;
 pub mod counts;
 pub mod detected;
+pub mod digests;
 pub mod in_process;
 pub mod kill;
 pub mod live;

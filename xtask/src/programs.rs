@@ -82,6 +82,12 @@ pub const SOAKS: &[Program] = &[
         shows: "200 runs killed by `kill -9`: what of each session can be read",
     },
     Program {
+        name: "digests",
+        package: TESTS,
+        example: "soak_digests",
+        shows: "the physics digest of every shipped script and scene, against the recorded ones",
+    },
+    Program {
         name: "cuts",
         package: "microsim-cutting",
         example: "soak_cuts",

@@ -342,6 +342,7 @@ fn tell_json(
         "ticks": outcome.ticks,
         "late_ticks": outcome.late_ticks,
         "state_hash": outcome.state_hash,
+        "physics_digest": outcome.physics_digest,
         "session": session,
         "report": page,
         "pictures": outcome.pictures.as_ref().map(|p| json!({

@@ -15,6 +15,7 @@ use document::{Result as Outcome, document};
 use frames::Frames;
 use indicatif::{ProgressBar, ProgressStyle};
 use microsim_scene::{End, Executor, Serial};
+use microsim_session::Chain;
 use pictures::Pictures;
 use pool::Pool;
 use std::fs::File;
@@ -71,12 +72,15 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     };
     let bar = progress_bar();
     let mut cpu = 0.0;
+    let (mut values, mut samples) = (Chain::new(), 0);
     loop {
         // What is measured and exported is not counted.
         let before = cpu_seconds();
         let sampled = scene.runner.compute(exec);
         cpu += cpu_seconds() - before;
         let goes_on = sampled && scene.runner.observe();
+        values.add(samples, [scene.runner.scene().digest().as_slice()]);
+        samples += 1;
         bar.set_position((scene.runner.progress() * PROGRESS as f64) as u64);
         if let Some(frames) = &mut frames {
             frames.after_sample(&scene.runner)?;
@@ -97,6 +101,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         set: args.set.clone(),
         without: args.without.clone(),
         cpu_s: cpu,
+        physics_digest: values.value(),
         threads: args.threads,
     };
     if let Some(file) = &args.json {

@@ -21,6 +21,9 @@ pub type Hash = [u8; 32];
 /// Kinds that every plugin may publish without declaring them.
 const SERVICE_KINDS: [&str; 2] = ["host.log", "host.progress"];
 
+/// The ability to give a digest of a plugin's values.
+const STATE_DIGEST: &str = "state.digest";
+
 /// What comes from outside in one tick.
 #[derive(Clone, Copy, Debug)]
 pub enum Feed<'a> {
@@ -351,6 +354,21 @@ impl Engine {
         }
         self.chain
             .add(tick, digests.iter().map(|d| d.digest.as_slice()));
+        Ok(digests)
+    }
+
+    /// Digests of the values of all plugins that have any: raw numbers in a fixed order, free of names and encodings, by the ability
+    /// `state.digest`.
+    pub fn value_digests(&mut self) -> Result<Vec<Vec<u8>>, Failure> {
+        let tick = self.tick;
+        let mut digests = Vec::new();
+        for plugin in &mut self.plugins {
+            let request = RSlice::from_slice(&[]);
+            let answer = plugin.call("extension", tick, |p| {
+                p.extension(STATE_DIGEST.into(), request)
+            })?;
+            digests.extend(answer.and_then(|a| a.into_option()).map(|a| a.to_vec()));
+        }
         Ok(digests)
     }
 

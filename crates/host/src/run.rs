@@ -19,6 +19,7 @@ use microsim_message::{
     InputEnd, LevelControl, Log, LogLevel, Message, Progress, SessionRecord, TrainingResult,
     decode, encode, push,
 };
+use microsim_session::Chain;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
@@ -97,6 +98,9 @@ pub struct RunOutcome {
     pub result: Option<TrainingResult>,
     /// The state hash, hexadecimal.
     pub state_hash: String,
+    /// The physics digest, hexadecimal: a chain over the values of plugins at every state hash and at the end, then metrics and score,
+    /// all as raw numbers. Unlike the state hash it does not change with names and encodings. Empty where a plugin failed.
+    pub physics_digest: String,
     /// Ticks done.
     pub ticks: u64,
     /// The plugin that ended the run, if one failed.
@@ -288,6 +292,7 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
         engine: &mut engine,
         recorder: &mut recorder,
         pictures: &mut pictures,
+        values: Chain::new(),
     };
     let (mut outcome, stopped) = course.run(plan, options);
     outcome
@@ -319,6 +324,8 @@ struct Course<'a> {
     engine: &'a mut Engine,
     recorder: &'a mut Recorder,
     pictures: &'a mut Option<Pictures>,
+    /// The physics digest so far.
+    values: Chain,
 }
 
 impl Course<'_> {
@@ -327,6 +334,7 @@ impl Course<'_> {
         let mut outcome = RunOutcome {
             result: None,
             state_hash: String::new(),
+            physics_digest: String::new(),
             ticks: self.engine.tick_index(),
             failure: None,
             complaints: Vec::new(),
@@ -335,7 +343,11 @@ impl Course<'_> {
             checkpoint: None,
         };
         let ended = self.ticks(plan, options, &mut outcome);
-        let ended = ended.and_then(|ended| Ok((ended, self.engine.state_digests(&[])?)));
+        let ended = ended.and_then(|ended| {
+            self.add_values(outcome.result.as_ref())?;
+            outcome.physics_digest = hex(&self.values.value());
+            Ok((ended, self.engine.state_digests(&[])?))
+        });
         outcome.state_hash = hex(&self.engine.chain());
         let (ended, states) = match ended {
             Ok(ended) => ended,
@@ -439,6 +451,24 @@ impl Course<'_> {
         }
     }
 
+    /// Adds the values of plugins, and those of a result, to the physics digest.
+    fn add_values(&mut self, result: Option<&TrainingResult>) -> Result<(), Failure> {
+        let mut parts = self.engine.value_digests()?;
+        if let Some(result) = result {
+            let values = result.metrics.iter().map(|metric| metric.value);
+            let mut bytes = Vec::new();
+            for value in values.chain([Some(result.score), Some(result.duration)]) {
+                bytes.push(u8::from(value.is_some()));
+                bytes.extend_from_slice(&value.unwrap_or_default().to_le_bytes());
+            }
+            bytes.push(u8::from(result.passed));
+            parts.push(bytes);
+        }
+        let parts = parts.iter().map(Vec::as_slice);
+        self.values.add(self.engine.tick_index(), parts);
+        Ok(())
+    }
+
     /// Hands a tick to the recorder and to the pictures.
     fn keep(
         &mut self,
@@ -465,6 +495,9 @@ impl Course<'_> {
             },
         ))?;
         failed?;
+        if (tick + 1).is_multiple_of(plan.hash_every) {
+            self.add_values(None)?;
+        }
         if let Some(pictures) = self.pictures {
             pictures.hear(tick, plan.tick_ns, &output.log, || self.engine.blocks());
         }

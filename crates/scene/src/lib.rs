@@ -8,6 +8,7 @@ mod boundary;
 mod check;
 mod containment;
 mod cutting;
+mod digest;
 mod drive;
 mod error;
 mod from_settings;

@@ -313,6 +313,11 @@ impl Plugin for Physics {
         self.memory = memory;
         Ok(())
     }
+
+    fn extension(&mut self, name: &str, _request: &[u8]) -> Result<Option<Vec<u8>>, Fault> {
+        let scene = self.scene.as_ref().filter(|_| name == "state.digest");
+        Ok(scene.map(|scene| scene.digest().to_vec()))
+    }
 }
 
 export_plugin!(Physics, "../plugin.toml");

@@ -20,6 +20,8 @@ pub struct Result {
     pub without: Vec<String>,
     /// CPU time of all threads from the first step to the last [s].
     pub cpu_s: f64,
+    /// A chain over the physics digests of all samples.
+    pub physics_digest: [u8; 32],
     /// Threads.
     pub threads: u16,
 }
@@ -74,6 +76,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
             "tool": scene.tool_name(*tool),
         })).collect::<Vec<_>>(),
         "warnings": warnings,
+        "physics_digest": hex(&result.physics_digest),
         "state_hash": hex(&digest([scene.save().as_slice()])),
         "bodies": bodies.collect::<Vec<_>>(),
         "series": series_of(runner),
