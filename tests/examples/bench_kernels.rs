@@ -31,7 +31,7 @@ const CACHE_ROUNDS: usize = 15;
 const M: [usize; 3] = [35, 7, 7];
 const LARGE: [usize; 3] = [110, 22, 22];
 
-/// Most that an explicit step may cost [ns] per tetrahedron.
+/// Most that an explicit step may cost \[ns\] per tetrahedron.
 const GOAL: f64 = 30.0;
 
 /// The system's allocator, with a count of the bytes in use.
@@ -66,7 +66,7 @@ impl Executor for Pool {
     }
 }
 
-/// Times of one thing in all rounds [s].
+/// Times of one thing in all rounds \[s\].
 #[derive(Default)]
 struct Times(Vec<f64>);
 
@@ -189,7 +189,7 @@ impl Body {
         }
     }
 
-    /// Times of the forces and of a whole step [s].
+    /// Times of the forces and of a whole step \[s\].
     fn time(&mut self, exec: &dyn Executor) -> [f64; 2] {
         let control = Control::default();
         let start = Instant::now();

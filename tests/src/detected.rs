@@ -26,7 +26,7 @@ pub struct Detected {
 }
 
 impl Detected {
-    /// For these bodies, pairs and tools. Points are found from `reach` on, a share of the mean edge length `edge` [m].
+    /// For these bodies, pairs and tools. Points are found from `reach` on, a share of the mean edge length `edge` \[m\].
     pub fn new(
         bodies: &[&TetMesh],
         pairs: Vec<Touch>,
@@ -62,7 +62,7 @@ impl Detected {
         self.points.clear();
     }
 
-    /// A step begins at `start` [m].
+    /// A step begins at `start` \[m\].
     pub fn begin(&mut self, start: &[V3]) {
         self.start.clear();
         self.start.extend_from_slice(start);
@@ -79,7 +79,7 @@ impl Detected {
         self.sides.remember(&self.points);
     }
 
-    /// The points at `positions` [m], when the step began there too.
+    /// The points at `positions` \[m\], when the step began there too.
     pub fn points(&mut self, positions: &[V3]) -> usize {
         let frame = Frame {
             start: positions,

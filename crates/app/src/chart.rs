@@ -153,7 +153,7 @@ pub fn load(folder: &Path, file: &str, set: &[String]) -> Result<LoadedScene, St
     Ok(LoadedScene { settings, spec })
 }
 
-/// CPU time of this thread [s].
+/// CPU time of this thread \[s\].
 pub fn thread_seconds() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9

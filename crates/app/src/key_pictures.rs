@@ -11,7 +11,7 @@ use microsim_report::{Pictures, Report};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Width and height [pixels].
+/// Width and height \[pixels\].
 const SIZE: u32 = 480;
 
 /// No pictures, as nobody asked for them.

@@ -23,7 +23,7 @@ fn main() {
     sheets();
 }
 
-/// CPU time of this process [s].
+/// CPU time of this process \[s\].
 fn cpu() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
@@ -35,7 +35,7 @@ struct Case {
     rest: Vec<V3>,
     tools: Vec<Option<Vec<CapsuleMotion>>>,
     reach: f64,
-    /// A step that changes no list, and one that changes all [m].
+    /// A step that changes no list, and one that changes all \[m\].
     steps: [f64; 2],
 }
 

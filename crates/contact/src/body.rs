@@ -48,7 +48,7 @@ impl Body {
         self.outward.clear(&self.skin);
     }
 
-    /// How far a node goes in the step [m], at most.
+    /// How far a node goes in the step \[m\], at most.
     pub fn travel(&self, frame: &Frame<'_>) -> f64 {
         let nodes = self.skin.range();
         let moves = frame.start[nodes.clone()].iter().zip(&frame.now[nodes]);

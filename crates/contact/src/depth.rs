@@ -26,7 +26,7 @@ const FAILED: u32 = u32::MAX - 1;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Deep {
     pub node: u32,
-    /// How deep along `out` [m], ≥ 0.
+    /// How deep along `out` \[m\], ≥ 0.
     pub depth: f64,
     /// Unit vector of the way out.
     pub out: Vector3<f64>,

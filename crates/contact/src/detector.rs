@@ -56,15 +56,15 @@ pub struct VesselEnd {
 /// Where everything is.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// Positions of the group's nodes before the step [m].
+    /// Positions of the group's nodes before the step \[m\].
     pub start: &'a [Vector3<f64>],
-    /// Positions at which points are wanted [m].
+    /// Positions at which points are wanted \[m\].
     pub now: &'a [Vector3<f64>],
     /// The capsules of each tool over the step; `None` of a tool that is away.
     pub tools: &'a [Option<Vec<CapsuleMotion>>],
     /// How much of the tools' motion belongs to `now`, 0..1.
     pub way: f64,
-    /// Points with a gap below this are found [m], ≥ 0.
+    /// Points with a gap below this are found \[m\], ≥ 0.
     pub reach: f64,
     /// The normals that the step before ended with.
     pub sides: &'a Sides,

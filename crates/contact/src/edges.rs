@@ -316,7 +316,7 @@ impl Body {
     }
 }
 
-/// How far apart the edges of points of two surfaces can be [m].
+/// How far apart the edges of points of two surfaces can be \[m\].
 pub(crate) fn farthest(first: &Body, second: &Body, reach: f64) -> f64 {
     reach.max(DEEPEST * first.skin.mean_edge.min(second.skin.mean_edge))
 }

@@ -296,12 +296,12 @@ fn is_beyond(p: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3], limit: f64) -> boo
     })
 }
 
-/// Within which distance from a body something is looked for [m].
+/// Within which distance from a body something is looked for \[m\].
 pub(crate) fn reach(second: &Body, frame: &Frame<'_>) -> f64 {
     frame.reach + BAND * second.skin.mean_edge
 }
 
-/// By how much the sides moved against one another since the start of the step [m].
+/// By how much the sides moved against one another since the start of the step \[m\].
 pub(crate) fn moved(frame: &Frame<'_>, nodes: &[u32; 4], weights: &[f64; 4]) -> Vector3<f64> {
     let mut sum = Vector3::zeros();
     for (&node, &weight) in nodes.iter().zip(weights) {

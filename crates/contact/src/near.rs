@@ -24,14 +24,14 @@ pub(crate) struct Near {
     listed: Vec<u32>,
 }
 
-/// Whether anything of two bodies can be closer than `reach` [m] during the step.
+/// Whether anything of two bodies can be closer than `reach` \[m\] during the step.
 pub(crate) fn may_meet(first: &Body, second: &Body, reach: f64) -> bool {
     let bounds = second.tree.bounds.inflated(reach);
     first.tree.bounds.overlaps(&bounds)
 }
 
 impl Near {
-    /// Makes sure that the lists hold all pairs closer than `reach` [m] during the step.
+    /// Makes sure that the lists hold all pairs closer than `reach` \[m\] during the step.
     pub fn update(&mut self, first: &Body, second: &Body, reach: f64) {
         let versions = [first.tree.version, second.tree.version];
         if self.versions == versions && self.reach >= reach {

@@ -17,7 +17,7 @@ const FLAT: f64 = 0.999;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face {
     stamp: u32,
-    /// The product of two of its edges, and of their largest coordinates [m²].
+    /// The product of two of its edges, and of their largest coordinates \[m²\].
     cross: Vector3<f64>,
     size: f64,
     /// The unit normal; zero of one without area.

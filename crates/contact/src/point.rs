@@ -53,13 +53,13 @@ pub struct Point {
     pub first: u8,
     /// Unit normal, from the other side to the first.
     pub normal: Vector3<f64>,
-    /// Distance between the sides along the normal at the positions it was found for [m]; below 0 inside.
+    /// Distance between the sides along the normal at the positions it was found for \[m\]; below 0 inside.
     pub gap: f64,
-    /// The same before the step, for the same nodes, weights and normal [m].
+    /// The same before the step, for the same nodes, weights and normal \[m\].
     pub start_gap: f64,
-    /// How far the point of a rigid other side moves from the start of the step to where it was found for [m].
+    /// How far the point of a rigid other side moves from the start of the step to where it was found for \[m\].
     pub drift: Vector3<f64>,
-    /// Where it is on the first side [m].
+    /// Where it is on the first side \[m\].
     pub place: Vector3<f64>,
 }
 

@@ -10,16 +10,16 @@ pub enum RigidShape {
     HalfSpace,
     /// A box around the origin.
     Cuboid {
-        /// Half of its size along x, y and z [m], > 0, the rounding included.
+        /// Half of its size along x, y and z \[m\], > 0, the rounding included.
         half_size: [f64; 3],
-        /// Radius of its edges and corners [m], from 0 to the smallest half size.
+        /// Radius of its edges and corners \[m\], from 0 to the smallest half size.
         rounding: f64,
     },
     /// A solid cylinder around the z axis, its middle at the origin.
     Cylinder {
-        /// Radius [m], > 0.
+        /// Radius \[m\], > 0.
         radius: f64,
-        /// Half of its length [m], > 0.
+        /// Half of its length \[m\], > 0.
         half_length: f64,
     },
 }
@@ -34,7 +34,7 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// The signed distance of `p` [m], below 0 inside, and the unit vector along which it grows: the outward normal at the
+    /// The signed distance of `p` \[m\], below 0 inside, and the unit vector along which it grows: the outward normal at the
     /// surface point that is nearest to `p`.
     pub fn distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let inverse = self.pose.orientation.inverse();
@@ -53,7 +53,7 @@ impl Rigid {
         (distance, self.pose.orientation * normal)
     }
 
-    /// How far it reaches along the unit vector `direction`: the largest coordinate of its points along it [m].
+    /// How far it reaches along the unit vector `direction`: the largest coordinate of its points along it \[m\].
     pub(crate) fn support(&self, direction: &Vector3<f64>) -> f64 {
         let local = self.pose.orientation.inverse() * direction;
         let reach = match self.shape {
@@ -76,7 +76,7 @@ impl Rigid {
         reach + self.pose.position.dot(direction)
     }
 
-    /// The smallest half of its thickness [m].
+    /// The smallest half of its thickness \[m\].
     pub(crate) fn half_thickness(&self) -> f64 {
         match self.shape {
             RigidShape::HalfSpace => f64::INFINITY,

@@ -33,7 +33,7 @@ pub struct Skin {
     /// The nodes that share an edge of the mesh with each node, ascending, by their numbers in the body; none where nothing is known of the
     /// body's inside.
     pub(crate) neighbours: Vec<Vec<u32>>,
-    /// Mean length of the edges at rest [m].
+    /// Mean length of the edges at rest \[m\].
     pub(crate) mean_edge: f64,
 }
 
@@ -43,7 +43,7 @@ impl Skin {
         Self::of_surface(mesh, &mesh.surface(), mesh.mean_edge_length(), offset, true)
     }
 
-    /// [`new`](Self::new) of a mesh whose surface and characteristic length [m] are known. Without `inside` nothing is looked up that lies
+    /// [`new`](Self::new) of a mesh whose surface and characteristic length \[m\] are known. Without `inside` nothing is looked up that lies
     /// inside the body: for one that touches tools and rigid things alone, in a time that goes with its surface.
     pub fn of_surface(
         mesh: &TetMesh,

@@ -41,7 +41,7 @@ struct Passage {
     partner: Partner,
     start: Capsule,
     end: Capsule,
-    /// How far its axis goes [m], at most.
+    /// How far its axis goes \[m\], at most.
     travel: f64,
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct Inside {
     touch: Touching,
     /// Unit normal of the feature.
     outward: Vector3<f64>,
-    /// Of the feature from the axis before the step [m].
+    /// Of the feature from the axis before the step \[m\].
     distance: f64,
 }
 
@@ -141,14 +141,14 @@ struct Search<'a> {
 /// Where a node or an edge is to an axis.
 struct Places<'a> {
     nodes: &'a [u32],
-    /// From the axis to the feature, before the step and now [m].
+    /// From the axis to the feature, before the step and now \[m\].
     start: Vector3<f64>,
     now: Vector3<f64>,
     /// Where on the axis now.
     t: f64,
     /// Shares of the nodes now.
     weights: [f64; 2],
-    /// How far the nodes go [m], at most.
+    /// How far the nodes go \[m\], at most.
     travel: f64,
 }
 

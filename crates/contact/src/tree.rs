@@ -13,7 +13,7 @@ const MARGIN: f64 = 0.1;
 pub(crate) struct Tree {
     /// Grows with every change of the boxes.
     pub version: u64,
-    /// What boxes are larger than what they hold [m].
+    /// What boxes are larger than what they hold \[m\].
     pub margin: f64,
     /// Positions before the step and now, for which the boxes were made.
     start: Vec<Vector3<f64>>,

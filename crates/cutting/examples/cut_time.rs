@@ -17,7 +17,7 @@ use rustix::time::{ClockId, clock_gettime};
 
 type V3 = Vector3<f64>;
 
-/// CPU time of this thread [s].
+/// CPU time of this thread \[s\].
 fn cpu() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9

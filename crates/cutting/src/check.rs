@@ -13,7 +13,7 @@ pub enum Flaw {
     Volume {
         /// The element.
         element: u32,
-        /// Its volume [m³].
+        /// Its volume \[m³\].
         volume: f64,
     },
     /// A face of more than two elements, or of two on the same side of it.
@@ -45,13 +45,13 @@ pub enum Flaw {
 /// What can be compared before and after a cut.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// Rest volume [m³].
+    /// Rest volume \[m³\].
     pub volume: f64,
-    /// Smallest rest volume of an element [m³].
+    /// Smallest rest volume of an element \[m³\].
     pub least_volume: f64,
-    /// Area at rest of the surface that was there from the start [m²].
+    /// Area at rest of the surface that was there from the start \[m²\].
     pub outer_area: f64,
-    /// For each sheet, from 1: area of all that it laid open, both sides [m²], and what is left of the sum of area vectors [m²].
+    /// For each sheet, from 1: area of all that it laid open, both sides \[m²\], and what is left of the sum of area vectors \[m²\].
     pub sheets: Vec<(f64, f64)>,
     /// Number of parts that hang together by faces.
     pub parts: usize,

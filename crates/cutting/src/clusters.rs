@@ -33,7 +33,7 @@ pub(crate) struct Clusters {
     clusters: Vec<Cluster>,
     /// Group of each element.
     of: Vec<u32>,
-    /// Where nodes were when the boxes were made [m].
+    /// Where nodes were when the boxes were made \[m\].
     places: Vec<Vector3<f64>>,
 }
 
@@ -88,7 +88,7 @@ impl Clusters {
         }
     }
 
-    /// How much larger than their boxes groups may be with nodes at these places [m]. Boxes are made anew when that is more than `most`.
+    /// How much larger than their boxes groups may be with nodes at these places \[m\]. Boxes are made anew when that is more than `most`.
     fn slack(&mut self, positions: [&[Vector3<f64>]; 2], most: f64) -> f64 {
         let farthest = |places: &[Vector3<f64>]| {
             // Written without a way out of the loop; what is not a number makes the sum so.
@@ -126,7 +126,7 @@ impl Clusters {
     }
 
     /// Calls `found` for the elements whose corners' way from the first to the second positions comes into `bounds`, or is not
-    /// finite. `edge` [m] is how long edges are, more or less.
+    /// finite. `edge` \[m\] is how long edges are, more or less.
     pub(crate) fn near(
         &mut self,
         bounds: &Aabb,

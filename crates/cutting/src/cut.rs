@@ -53,16 +53,16 @@ pub enum Blade<'a> {
     Sheet {
         /// The sheet.
         sheet: &'a Sheet,
-        /// Where the nodes are [m].
+        /// Where the nodes are \[m\].
         positions: &'a [Vector3<f64>],
     },
     /// A blade that moves, through nodes that move.
     Sweep {
         /// Its parts: of one instrument, on one sheet.
         sweeps: &'a [Sweep],
-        /// Where the nodes were before the step [m].
+        /// Where the nodes were before the step \[m\].
         before: &'a [Vector3<f64>],
-        /// Where they are after it [m].
+        /// Where they are after it \[m\].
         now: &'a [Vector3<f64>],
     },
 }
@@ -231,7 +231,7 @@ impl Topology {
         clear
     }
 
-    /// Calls `found` with every element, and its nodes, whose way from the first to the second positions comes into `bounds` [m]. What it costs goes
+    /// Calls `found` with every element, and its nodes, whose way from the first to the second positions comes into `bounds` \[m\]. What it costs goes
     /// with what is there, but for a nanosecond per node.
     pub fn elements_near(
         &mut self,

@@ -23,7 +23,7 @@ pub(crate) struct Editor<'a> {
     mesh: &'a TetMesh,
     current: &'a [Vector3<f64>],
     nodes: Vec<NewNode>,
-    /// Rest and current positions of the new nodes [m].
+    /// Rest and current positions of the new nodes \[m\].
     new_places: Vec<[Vector3<f64>; 2]>,
     /// Parent of each appended element.
     parents: Vec<u32>,
@@ -33,7 +33,7 @@ pub(crate) struct Editor<'a> {
 }
 
 impl<'a> Editor<'a> {
-    /// An editor for `topology`, which is that of `mesh`; nodes are now at `current` [m].
+    /// An editor for `topology`, which is that of `mesh`; nodes are now at `current` \[m\].
     pub(crate) fn new(
         topology: &'a mut Topology,
         mesh: &'a TetMesh,
@@ -56,7 +56,7 @@ impl<'a> Editor<'a> {
         (self.mesh.positions.len() + self.nodes.len()) as u32
     }
 
-    /// Where a node is, at rest and now [m].
+    /// Where a node is, at rest and now \[m\].
     pub(crate) fn place(&self, node: u32) -> [Vector3<f64>; 2] {
         let old = self.mesh.positions.len();
         match (node as usize).checked_sub(old) {
@@ -194,7 +194,7 @@ impl<'a> Editor<'a> {
             || (piece.len() < 64 && longest() < least_edge * self.topology.mean_edge)
     }
 
-    /// Area of a face at rest [m²].
+    /// Area of a face at rest \[m²\].
     pub(crate) fn face_area(&self, element: u32, corner: usize) -> f64 {
         let [a, b, c] = self
             .topology
@@ -203,7 +203,7 @@ impl<'a> Editor<'a> {
         0.5 * (b - a).cross(&(c - a)).norm()
     }
 
-    /// Rest volume of an element [m³].
+    /// Rest volume of an element \[m³\].
     pub(crate) fn rest_volume(&self, element: u32) -> f64 {
         let [a, b, c, d] = self.topology.tets[element as usize].map(|n| self.place(n)[0]);
         microsim_geometry::signed_volume(&a, &b, &c, &d)

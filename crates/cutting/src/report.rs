@@ -7,9 +7,9 @@ use nalgebra::Vector3;
 /// What was laid open, in one space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Opened {
-    /// Area of one side [m²].
+    /// Area of one side \[m²\].
     pub area: f64,
-    /// Centroid [m]; zero where nothing was opened.
+    /// Centroid \[m\]; zero where nothing was opened.
     pub centroid: Vector3<f64>,
     /// Mean unit normal, from the negative to the positive side; zero where nothing was opened.
     pub normal: Vector3<f64>,
@@ -38,7 +38,7 @@ pub struct Cut {
     /// Parts that came off the rest: elements of the new generation, ascending. The largest part is not listed. Crumbs that the edit
     /// takes away are not listed.
     pub pieces: Vec<Vec<u32>>,
-    /// Rest volume of the crumbs that were taken away [m³].
+    /// Rest volume of the crumbs that were taken away \[m³\].
     pub lost_volume: f64,
     /// Crossed edges.
     pub crossed: usize,

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// the corners run counter-clockwise; neighbours have the same.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sheet {
-    /// Its points [m].
+    /// Its points \[m\].
     pub points: Vec<Vector3<f64>>,
     /// Three points per triangle.
     pub triangles: Vec<[u32; 3]>,
@@ -64,7 +64,7 @@ impl Sheet {
         sheet
     }
 
-    /// The sheet as it is tested against a mesh with this mean edge [m].
+    /// The sheet as it is tested against a mesh with this mean edge \[m\].
     pub(crate) fn displaced(&self, mean_edge: f64) -> Self {
         let by = displacement(mean_edge);
         Self {

@@ -21,7 +21,7 @@ pub struct Stroke {
     pub sides: BTreeMap<u32, [i8; 4]>,
     /// The side to which elements with all corners on the path were given.
     pub given: BTreeMap<u32, i8>,
-    /// Towards the positive side, where the blade was last [-]; zero before the first crossing.
+    /// Towards the positive side, where the blade was last \[-\]; zero before the first crossing.
     pub normal: Vector3<f64>,
 }
 

@@ -31,14 +31,14 @@ pub(crate) fn displacement(mean_edge: f64) -> Vector3<f64> {
 /// A segment that moves on straight lines during a step: the line of no return of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// Its ends before the step [m].
+    /// Its ends before the step \[m\].
     pub before: [Vector3<f64>; 2],
-    /// Its ends after it [m].
+    /// Its ends after it \[m\].
     pub now: [Vector3<f64>; 2],
 }
 
 impl Sweep {
-    /// The blade as it is tested against a mesh with this mean edge [m].
+    /// The blade as it is tested against a mesh with this mean edge \[m\].
     pub(crate) fn displaced(&self, mean_edge: f64) -> Self {
         let by = displacement(mean_edge);
         Self {

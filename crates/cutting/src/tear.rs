@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 impl Topology {
     /// Opens inner faces, each given by an element and the corner opposite to the face; which ones is for the strain in them to
     /// say. `None` when nothing comes apart: a face whose nodes all hold together around it stays closed, and counts as
-    /// torn as soon as others let them go. Nothing is divided. Nodes are now at `current` [m].
+    /// torn as soon as others let them go. Nothing is divided. Nodes are now at `current` \[m\].
     ///
     /// The topology is then that of the next generation, as after [`Topology::cut`].
     pub fn tear(

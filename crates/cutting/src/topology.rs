@@ -33,9 +33,9 @@ pub struct Topology {
     pub(crate) front: BTreeSet<u32>,
     /// Of these the ones that have been doubled, though not all around them may be cut.
     pub(crate) parted: BTreeSet<u32>,
-    /// Mean rest volume of an element of the mesh as it was whole [m³].
+    /// Mean rest volume of an element of the mesh as it was whole \[m³\].
     pub(crate) mean_volume: f64,
-    /// Mean rest length of an edge of the mesh as it was whole [m].
+    /// Mean rest length of an edge of the mesh as it was whole \[m\].
     pub(crate) mean_edge: f64,
     /// Number of sheets so far.
     pub(crate) sheets: u32,
@@ -50,9 +50,9 @@ pub struct TopologyState {
     pub front: Vec<u32>,
     /// Of these the ones that have been doubled.
     pub parted: Vec<u32>,
-    /// Mean rest volume of an element of the mesh as it was whole [m³].
+    /// Mean rest volume of an element of the mesh as it was whole \[m³\].
     pub mean_volume: f64,
-    /// Mean rest length of an edge of the mesh as it was whole [m].
+    /// Mean rest length of an edge of the mesh as it was whole \[m\].
     pub mean_edge: f64,
     /// Number of sheets so far.
     pub sheets: u32,
@@ -160,12 +160,12 @@ impl Topology {
         self.generation
     }
 
-    /// Mean rest volume of an element of the mesh as it was whole [m³].
+    /// Mean rest volume of an element of the mesh as it was whole \[m³\].
     pub fn mean_volume(&self) -> f64 {
         self.mean_volume
     }
 
-    /// Mean rest length of an edge of the mesh as it was whole [m].
+    /// Mean rest length of an edge of the mesh as it was whole \[m\].
     pub fn mean_edge(&self) -> f64 {
         self.mean_edge
     }

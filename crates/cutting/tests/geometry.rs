@@ -22,7 +22,7 @@ fn block() -> TetMesh {
     block.mesh().expect("a block")
 }
 
-/// The vessel of the scene cut-oblique [mm].
+/// The vessel of the scene cut-oblique \[mm\].
 fn vessel() -> TetMesh {
     let tube = Tube {
         center: [0.0; 3],

@@ -133,13 +133,13 @@ fn row(name: &str, build: f64, query: f64) {
     );
 }
 
-/// CPU time of this thread [µs].
+/// CPU time of this thread \[µs\].
 fn now() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 * 1e6 + time.tv_nsec as f64 * 1e-3
 }
 
-/// The fastest of at least three runs and 100 ms [µs].
+/// The fastest of at least three runs and 100 ms \[µs\].
 fn fastest(mut work: impl FnMut()) -> f64 {
     let start = now();
     let (mut best, mut runs) = (f64::INFINITY, 0);

@@ -98,7 +98,7 @@ fn time<T>(name: &str, pairs: &[T], test: impl Fn(&T) -> bool) {
     println!("{name:<42}{each:>9.0} ns{share:>7.1} % of pairs");
 }
 
-/// CPU time of this thread [ns].
+/// CPU time of this thread \[ns\].
 fn now() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 * 1e9 + time.tv_nsec as f64

@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 
-/// An axis-aligned box [m]; empty until it holds a point.
+/// An axis-aligned box \[m\]; empty until it holds a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Smallest coordinates [m].
+    /// Smallest coordinates \[m\].
     pub min: Vector3<f64>,
-    /// Largest coordinates [m].
+    /// Largest coordinates \[m\].
     pub max: Vector3<f64>,
 }
 
@@ -20,7 +20,7 @@ impl Aabb {
         }
     }
 
-    /// The smallest box around `points` [m].
+    /// The smallest box around `points` \[m\].
     pub fn of<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>>) -> Self {
         let mut result = Self::empty();
         for point in points {
@@ -29,7 +29,7 @@ impl Aabb {
         result
     }
 
-    /// Grows the box to hold `point` [m].
+    /// Grows the box to hold `point` \[m\].
     #[inline]
     pub fn include(&mut self, point: &Vector3<f64>) {
         self.min = self.min.inf(point);
@@ -50,7 +50,7 @@ impl Aabb {
         }
     }
 
-    /// The box grown by `margin` [m] on each side.
+    /// The box grown by `margin` \[m\] on each side.
     pub fn inflated(&self, margin: f64) -> Self {
         let margin = Vector3::repeat(margin);
         Self {

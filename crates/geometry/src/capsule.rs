@@ -8,11 +8,11 @@ use nalgebra::Vector3;
 /// A capsule; with both ends in one place it is a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
-    /// First end of the axis [m].
+    /// First end of the axis \[m\].
     pub a: Vector3<f64>,
-    /// Second end of the axis [m].
+    /// Second end of the axis \[m\].
     pub b: Vector3<f64>,
-    /// Radius [m], > 0.
+    /// Radius \[m\], > 0.
     pub radius: f64,
 }
 
@@ -23,7 +23,7 @@ impl Capsule {
         closest_on_segment(p, &self.a, &self.b)
     }
 
-    /// Signed distance of `p` from the capsule's surface [m]; negative inside.
+    /// Signed distance of `p` from the capsule's surface \[m\]; negative inside.
     #[inline]
     pub fn signed_distance(&self, p: &Vector3<f64>) -> f64 {
         (p - self.axis_point(p).point).norm() - self.radius

@@ -36,9 +36,9 @@ const STEPS: usize = 1_000;
 /// Corners that move on straight lines during a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<const N: usize> {
-    /// The corners before the step [m].
+    /// The corners before the step \[m\].
     pub start: [Vector3<f64>; N],
-    /// The corners after the step [m].
+    /// The corners after the step \[m\].
     pub end: [Vector3<f64>; N],
 }
 
@@ -48,7 +48,7 @@ pub struct FirstContact<const A: usize, const B: usize> {
     /// When, as a share of the step, 0..1. Up to here the features are further apart than the distance that was asked for; here
     /// they are closer than that plus the tolerance ([`CONTACT_TOLERANCE`]), or the search came to its end (see `gap`).
     pub time: f64,
-    /// Distance of the features at that time [m]. It is larger than the distance that was asked for plus the tolerance only when the
+    /// Distance of the features at that time \[m\]. It is larger than the distance that was asked for plus the tolerance only when the
     /// search took all its steps, or (up to 2e-5 of the extent) when rounding hides which parts are closest: then
     /// there may be a contact later, and none was before.
     pub gap: f64,
@@ -61,7 +61,7 @@ pub struct FirstContact<const A: usize, const B: usize> {
     pub normal: Option<Vector3<f64>>,
 }
 
-/// The first time at which a moving point is within `distance` [m] of a moving triangle; `None` when that is never in the step.
+/// The first time at which a moving point is within `distance` \[m\] of a moving triangle; `None` when that is never in the step.
 ///
 /// Features within the distance at the start are in contact at time 0, whichever way they go. Coordinates that are no numbers
 /// count as contact.
@@ -95,7 +95,7 @@ pub fn first_contact_segment_triangle(
 struct Closest<const A: usize, const B: usize> {
     first: [f64; A],
     second: [f64; B],
-    /// From the second to the first [m].
+    /// From the second to the first \[m\].
     apart: Vector3<f64>,
 }
 

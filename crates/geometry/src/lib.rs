@@ -1,7 +1,7 @@
 //! Pure geometry: closest points between points, segments and triangles, capsules, boxes, poses; what contact asks of it, from
 //! pairs of boxes that overlap ([`BroadPhase`]) over the features of these pairs to the first contact of moving ones.
 //!
-//! What is here: free functions and small value types on `f64` coordinates [m]. What is not: meshes, time, physics,
+//! What is here: free functions and small value types on `f64` coordinates \[m\]. What is not: meshes, time, physics,
 //! files. Nothing here can fail: degenerate input (a segment of length zero, a triangle without area) gives the closest
 //! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input. What is decided (which
 //! side, through or not) is decided without rounding ([`orientation`]); what is measured is rounded in its last digits. Of the two broad phases
@@ -46,7 +46,7 @@ pub use triangle::{
 
 use nalgebra::Vector3;
 
-/// Signed volume of the tetrahedron `(a, b, c, d)` [m³]; positive when it is right-handed (NUMERICS, notation).
+/// Signed volume of the tetrahedron `(a, b, c, d)` \[m³\]; positive when it is right-handed (NUMERICS, notation).
 #[inline]
 pub fn signed_volume(
     a: &Vector3<f64>,

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
 
-/// Six times the signed volume of the tetrahedron `(a, b, c, d)` [m³], with the exact sign: positive when `d` lies on the side
+/// Six times the signed volume of the tetrahedron `(a, b, c, d)` \[m³\], with the exact sign: positive when `d` lies on the side
 /// of `a`, `b`, `c` from which they run counter-clockwise, 0 when and only when the four points lie in one plane (Shewchuk 1997).
 ///
 /// The value itself is rounded: near 0 it has the sign and hardly a digit more.

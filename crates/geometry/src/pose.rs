@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 /// A rigid pose: `world_from_frame`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Origin of the frame in the world [m].
+    /// Origin of the frame in the world \[m\].
     pub position: Vector3<f64>,
     /// Rotation that takes vectors of the frame into the world.
     pub orientation: UnitQuaternion<f64>,
@@ -20,7 +20,7 @@ impl Pose {
         }
     }
 
-    /// From a position [m] and a quaternion x, y, z, w that is not zero, as messages hold them.
+    /// From a position \[m\] and a quaternion x, y, z, w that is not zero, as messages hold them.
     pub fn from_arrays(position: [f64; 3], [x, y, z, w]: [f64; 4]) -> Self {
         Self {
             position: Vector3::from(position),
@@ -28,7 +28,7 @@ impl Pose {
         }
     }
 
-    /// A point of the frame [m] in the world [m].
+    /// A point of the frame \[m\] in the world \[m\].
     #[inline]
     pub fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.position + self.orientation * point
@@ -42,7 +42,7 @@ impl Pose {
             .all(|c| c.is_finite())
     }
 
-    /// Angle between the two orientations [rad], in 0..π.
+    /// Angle between the two orientations \[rad\], in 0..π.
     pub fn angle_to(&self, other: &Self) -> f64 {
         2.0 * libm::acos(
             self.orientation

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// A point on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentPoint {
-    /// The point [m].
+    /// The point \[m\].
     pub point: Vector3<f64>,
     /// Its place: 0 at the first end, 1 at the second.
     pub t: f64,
@@ -21,7 +21,7 @@ pub struct SegmentsClosest {
 }
 
 impl SegmentsClosest {
-    /// Squared distance of the two points [m²].
+    /// Squared distance of the two points \[m²\].
     pub fn distance_squared(&self) -> f64 {
         (self.second.point - self.first.point).norm_squared()
     }

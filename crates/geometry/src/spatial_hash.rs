@@ -97,7 +97,7 @@ impl SpatialHash {
         Self::default()
     }
 
-    /// Replaces the set by `boxes`, with cells of `cell_size` [m]. The paper's choice is the mean edge length of the mesh, which is
+    /// Replaces the set by `boxes`, with cells of `cell_size` \[m\]. The paper's choice is the mean edge length of the mesh, which is
     /// the fastest for nodes against tetrahedra; for boxes of surface triangles twice that is (example `broad_phase`). A
     /// size that is not positive and finite puts everything into one cell: slow, and right.
     pub fn rebuild(&mut self, cell_size: f64, boxes: &[Aabb]) {

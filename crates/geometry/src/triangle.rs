@@ -14,7 +14,7 @@ const THIN_SIN_SQUARED: f64 = 1e-2;
 /// A point on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrianglePoint {
-    /// The point [m].
+    /// The point \[m\].
     pub point: Vector3<f64>,
     /// Its barycentric coordinates: not negative, sum 1.
     pub barycentric: [f64; 3],
@@ -56,7 +56,7 @@ pub struct SegmentTriangle {
 }
 
 impl SegmentTriangle {
-    /// Distance of the two points [m]; 0 when the segment pierces the triangle.
+    /// Distance of the two points \[m\]; 0 when the segment pierces the triangle.
     pub fn distance(&self) -> f64 {
         self.distance_squared().sqrt()
     }

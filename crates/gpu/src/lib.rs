@@ -75,7 +75,7 @@ impl Gpu {
         self.software
     }
 
-    /// The largest width and height of a picture [pixels].
+    /// The largest width and height of a picture \[pixels\].
     pub fn max_picture_side(&self) -> u32 {
         self.device.limits().max_texture_dimension_2d
     }

@@ -9,9 +9,9 @@ const MAX_CELLS: usize = 1 << 26;
 /// A block of equal cells, parallel to the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
-    /// Centre of the block [m].
+    /// Centre of the block \[m\].
     pub center: [f64; 3],
-    /// Edge lengths [m], each > 0.
+    /// Edge lengths \[m\], each > 0.
     pub size: [f64; 3],
     /// Number of cells along each axis, each ≥ 1.
     pub cells: [usize; 3],
@@ -24,7 +24,7 @@ pub struct Block {
 pub enum BlockError {
     /// The centre is not finite, or a size is not finite and positive.
     Size {
-        /// The size that was asked for [m].
+        /// The size that was asked for \[m\].
         size: [f64; 3],
     },
     /// No cell along an axis, or more cells in all than can be numbered.

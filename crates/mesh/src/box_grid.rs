@@ -9,7 +9,7 @@ const MAX_CELLS_ALONG: usize = 256;
 /// Boxes sorted into the cells of a grid. Everything found is a number of a box in the order in which they came.
 pub(crate) struct BoxGrid {
     bounds: Aabb,
-    /// Edge of a cell along each axis [m].
+    /// Edge of a cell along each axis \[m\].
     cell: Vector3<f64>,
     cells: [usize; 3],
     /// Where the list of each cell begins; one more for the end of the last.
@@ -93,7 +93,7 @@ impl BoxGrid {
         found
     }
 
-    /// Calls `distance` [m] with things near `point` and on to those farther away until none that is left can be closer
+    /// Calls `distance` \[m\] with things near `point` and on to those farther away until none that is left can be closer
     /// than the smallest distance returned so far; a thing may come more than once. `distance` is never smaller than the
     /// distance to the thing's box.
     pub(crate) fn search_nearest(

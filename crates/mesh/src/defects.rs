@@ -67,7 +67,7 @@ pub enum Defect {
     Inverted {
         /// The element.
         element: Named,
-        /// Its volume [m³].
+        /// Its volume \[m³\].
         volume: f64,
     },
     /// An element has no volume to speak of: see [`FLAT`].
@@ -116,7 +116,7 @@ pub enum Defect {
     CoincidingNodes {
         /// The nodes.
         nodes: [Named; 2],
-        /// Their distance [m].
+        /// Their distance \[m\].
         distance: f64,
     },
     /// The mesh falls into parts that share no node.
@@ -405,7 +405,7 @@ fn coinciding(mesh: &TetMesh, sound: &[bool], finite: &[bool], found: &mut Vec<D
     }));
 }
 
-/// The pairs of finite points at most `reach` [m] apart, with their distance [m], in ascending order.
+/// The pairs of finite points at most `reach` \[m\] apart, with their distance \[m\], in ascending order.
 pub(crate) fn close_pairs(
     points: &[Vector3<f64>],
     finite: &[bool],

@@ -33,10 +33,10 @@ use lattice::Lattice;
 use microsim_geometry::{Aabb, closest_on_triangle};
 use nalgebra::Vector3;
 
-/// No dihedral angle of a filled surface is smaller [rad]: 9.2°.
+/// No dihedral angle of a filled surface is smaller \[rad\]: 9.2°.
 pub const MIN_DIHEDRAL: f64 = 0.1605;
 
-/// No dihedral angle of a filled surface is larger [rad]: 161.65°.
+/// No dihedral angle of a filled surface is larger \[rad\]: 161.65°.
 pub const MAX_DIHEDRAL: f64 = 2.8214;
 
 /// Largest number of cells over the bounding box.
@@ -53,21 +53,21 @@ pub enum FillError {
         winding: i32,
         /// A triangle between the point and the outside.
         triangle: u32,
-        /// The point [m].
+        /// The point \[m\].
         point: [f64; 3],
     },
     /// The cell size is not finite and positive, or the bounding box would need too many cells.
     CellSize {
-        /// What was asked for [m].
+        /// What was asked for \[m\].
         cell_size: f64,
-        /// The smallest size that would do [m].
+        /// The smallest size that would do \[m\].
         least: f64,
     },
     /// Cells too large for the body: nothing is left of it, or parts of the result touch in an edge or node only.
     Coarse {
-        /// What was asked for [m].
+        /// What was asked for \[m\].
         cell_size: f64,
-        /// Where [m].
+        /// Where \[m\].
         point: [f64; 3],
     },
 }
@@ -110,7 +110,7 @@ impl std::fmt::Display for FillError {
 
 impl std::error::Error for FillError {}
 
-/// Fills the closed `surface` with tetrahedra of about `cell_size` [m], the edge of a cubic cell and the longest edge of
+/// Fills the closed `surface` with tetrahedra of about `cell_size` \[m\], the edge of a cubic cell and the longest edge of
 /// an inner element; a cell holds twelve. All in region 0. A surface that faces inward as a whole is taken as turned.
 pub fn fill(surface: &TriangleSurface, cell_size: f64) -> Result<TetMesh, FillError> {
     let mut errors = surface.defects();

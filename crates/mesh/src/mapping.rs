@@ -57,7 +57,7 @@ impl<'a> Locator<'a> {
         }
     }
 
-    /// The element that holds `point` [m]; of several (on a face, edge or node) the one with the lowest index. `None`
+    /// The element that holds `point` \[m\]; of several (on a face, edge or node) the one with the lowest index. `None`
     /// outside the mesh.
     pub fn locate(&self, point: &Vector3<f64>) -> Option<Location> {
         self.elements.at(point).iter().find_map(|&element| {
@@ -109,7 +109,7 @@ impl<'a> Locator<'a> {
     }
 }
 
-/// Barycentric coordinates of `point` in the tetrahedron with `corners` [m], which has a volume. Products with edges of
+/// Barycentric coordinates of `point` in the tetrahedron with `corners` \[m\], which has a volume. Products with edges of
 /// the element only, so that a point far away loses no digits.
 fn barycentric([a, b, c, d]: &[Vector3<f64>; 4], point: &Vector3<f64>) -> [f64; 4] {
     let (b, c, d, p) = (b - a, c - a, d - a, point - a);
@@ -137,7 +137,7 @@ pub struct Mapping {
 pub struct MappingError {
     /// Index of the point.
     pub point: usize,
-    /// Where it is [m].
+    /// Where it is \[m\].
     pub position: [f64; 3],
 }
 
@@ -154,7 +154,7 @@ impl std::fmt::Display for MappingError {
 impl std::error::Error for MappingError {}
 
 impl Mapping {
-    /// The mapping of `points` [m] onto `mesh` at rest.
+    /// The mapping of `points` \[m\] onto `mesh` at rest.
     pub fn new(mesh: &TetMesh, points: &[Vector3<f64>]) -> Result<Self, MappingError> {
         let locator = Locator::new(mesh);
         let mut mapping = Self::default();
@@ -180,7 +180,7 @@ impl Mapping {
         self.elements.is_empty()
     }
 
-    /// Places of the points [m] when the nodes of the mesh are at `positions` [m]; `out` is as long as the mapping.
+    /// Places of the points \[m\] when the nodes of the mesh are at `positions` \[m\]; `out` is as long as the mapping.
     pub fn apply(&self, positions: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
         for ((place, nodes), weights) in out.iter_mut().zip(&self.nodes).zip(&self.weights) {
             let [a, b, c, d] = nodes.map(|n| positions[n as usize]);
@@ -216,7 +216,7 @@ mod tests {
         .unwrap()
     }
 
-    /// Distance to an element [m]: 0 inside, else to the closest of its faces.
+    /// Distance to an element \[m\]: 0 inside, else to the closest of its faces.
     fn distance(mesh: &TetMesh, element: usize, point: &Vector3<f64>) -> f64 {
         let corners = mesh.corners(element);
         if barycentric(&corners, point).iter().all(|&w| w >= 0.0) {

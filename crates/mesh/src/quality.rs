@@ -18,16 +18,16 @@ pub struct ElementQuality {
     /// Three times the radius of the inscribed sphere over that of the circumscribed one: 1 for the regular
     /// tetrahedron, 0 for a flat one; below 0 when the element is inverted.
     pub radius_ratio: f64,
-    /// Smallest of the six angles between the faces, inside [rad]; arccos(1/3) for the regular tetrahedron.
+    /// Smallest of the six angles between the faces, inside \[rad\]; arccos(1/3) for the regular tetrahedron.
     pub dihedral_min: f64,
-    /// Largest of the six angles between the faces, inside [rad].
+    /// Largest of the six angles between the faces, inside \[rad\].
     pub dihedral_max: f64,
     /// Longest edge over shortest; 1 for the regular tetrahedron.
     pub edge_ratio: f64,
 }
 
 impl ElementQuality {
-    /// The quality of the tetrahedron with `corners` [m]. The angles do not tell its orientation.
+    /// The quality of the tetrahedron with `corners` \[m\]. The angles do not tell its orientation.
     pub fn of(corners: &[Vector3<f64>; 4]) -> Self {
         let [a, b, c, d] = corners;
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0f64);
@@ -122,9 +122,9 @@ pub struct RankedElement {
 pub struct QualityReport {
     /// Radius ratio; histogram from 0 to 1.
     pub radius_ratio: Distribution,
-    /// Smallest dihedral angle of each element [rad]; histogram from 0 to π/2.
+    /// Smallest dihedral angle of each element \[rad\]; histogram from 0 to π/2.
     pub dihedral_min: Distribution,
-    /// Largest dihedral angle of each element [rad]; histogram from 0 to π.
+    /// Largest dihedral angle of each element \[rad\]; histogram from 0 to π.
     pub dihedral_max: Distribution,
     /// Edge ratio; histogram from 1 to 11.
     pub edge_ratio: Distribution,

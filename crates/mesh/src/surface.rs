@@ -20,8 +20,8 @@ impl Surface {
         Self { triangles, nodes }
     }
 
-    /// The triangles whose centroid [m] and outward unit normal satisfy `predicate`, in their order. The normal of a
-    /// triangle without area is zero. `positions` [m] are those of the mesh's nodes.
+    /// The triangles whose centroid \[m\] and outward unit normal satisfy `predicate`, in their order. The normal of a
+    /// triangle without area is zero. `positions` \[m\] are those of the mesh's nodes.
     pub fn select(
         &self,
         positions: &[Vector3<f64>],
@@ -44,7 +44,7 @@ impl Surface {
         Self::new(chosen.copied().collect())
     }
 
-    /// Outward normal of each triangle, as long as its area [m²].
+    /// Outward normal of each triangle, as long as its area \[m²\].
     pub fn area_vectors(&self, positions: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         self.triangles
             .iter()
@@ -55,7 +55,7 @@ impl Surface {
             .collect()
     }
 
-    /// A third of the area of the triangles at each of `nodes` [m²], in the order of `nodes`.
+    /// A third of the area of the triangles at each of `nodes` \[m²\], in the order of `nodes`.
     pub fn node_areas(&self, positions: &[Vector3<f64>]) -> Vec<f64> {
         let mut areas = vec![0.0; self.nodes.len()];
         for (triangle, area) in self.triangles.iter().zip(self.area_vectors(positions)) {

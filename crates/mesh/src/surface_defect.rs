@@ -79,7 +79,7 @@ pub enum SurfaceDefect {
     CoincidingVertices {
         /// The vertices.
         vertices: [u32; 2],
-        /// Their distance [m].
+        /// Their distance \[m\].
         distance: f64,
     },
     /// The surface falls into parts that share no vertex.

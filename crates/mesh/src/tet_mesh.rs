@@ -16,7 +16,7 @@ pub(crate) const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 
 /// every renumbering, so that a reader of an older generation can still say what it meant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TetMesh {
-    /// Rest positions [m].
+    /// Rest positions \[m\].
     pub positions: Vec<Vector3<f64>>,
     /// Four node indices per element, positively oriented.
     pub tets: Vec<[u32; 4]>,
@@ -52,7 +52,7 @@ impl TetMesh {
         }
     }
 
-    /// The corners of element `element` [m].
+    /// The corners of element `element` \[m\].
     pub fn corners(&self, element: usize) -> [Vector3<f64>; 4] {
         self.tets[element].map(|node| self.positions[node as usize])
     }
@@ -73,7 +73,7 @@ impl TetMesh {
         edges
     }
 
-    /// Mean length of the edges [m]: the characteristic length of the mesh.
+    /// Mean length of the edges \[m\]: the characteristic length of the mesh.
     pub fn mean_edge_length(&self) -> f64 {
         let edges = self.edges();
         let sum: f64 = edges
@@ -148,7 +148,7 @@ impl TetMesh {
         self.generation += 1;
     }
 
-    /// Volume of each element [m³].
+    /// Volume of each element \[m³\].
     pub fn volumes(&self) -> Vec<f64> {
         (0..self.tets.len())
             .map(|element| {
@@ -158,12 +158,12 @@ impl TetMesh {
             .collect()
     }
 
-    /// Lumped node masses [kg] of a body with one `density` [kg/m³].
+    /// Lumped node masses \[kg\] of a body with one `density` \[kg/m³\].
     pub fn lumped_masses(&self, density: f64) -> Vec<f64> {
         self.node_masses(&vec![density; self.tets.len()])
     }
 
-    /// Lumped node masses [kg] for the density of each element [kg/m³]: a quarter of the mass of each element at the node.
+    /// Lumped node masses \[kg\] for the density of each element \[kg/m³\]: a quarter of the mass of each element at the node.
     pub fn node_masses(&self, densities: &[f64]) -> Vec<f64> {
         let mut masses = vec![0.0; self.positions.len()];
         for ((tet, density), volume) in self.tets.iter().zip(densities).zip(self.volumes()) {

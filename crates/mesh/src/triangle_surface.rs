@@ -13,19 +13,19 @@ use std::collections::BTreeMap;
 /// [`TriangleSurface::defects`] tells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleSurface {
-    /// Positions of the vertices [m].
+    /// Positions of the vertices \[m\].
     pub positions: Vec<Vector3<f64>>,
     /// Three vertex indices per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl TriangleSurface {
-    /// The corners of triangle `triangle` [m].
+    /// The corners of triangle `triangle` \[m\].
     pub fn corners(&self, triangle: usize) -> [Vector3<f64>; 3] {
         self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
     }
 
-    /// The volume it encloses [m³], negative when it faces inward. Meaningful only when it is closed.
+    /// The volume it encloses \[m³\], negative when it faces inward. Meaningful only when it is closed.
     pub fn volume(&self) -> f64 {
         // About a vertex of the surface, so that a surface far from the origin does not lose digits.
         let origin = self.positions.first().copied().unwrap_or_default();

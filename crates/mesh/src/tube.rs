@@ -13,7 +13,7 @@ const MAX_CELLS: usize = 1 << 26;
 /// A layer of the wall of a tube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
-    /// Thickness [m], > 0.
+    /// Thickness \[m\], > 0.
     pub thickness: f64,
     /// Number of cells through the layer, ≥ 1.
     pub cells: usize,
@@ -28,9 +28,9 @@ pub enum Arc {
     Full,
     /// A sector: the tube is open along its length.
     Sector {
-        /// Where it begins [rad], from the first direction of [`Tube::frame`].
+        /// Where it begins \[rad\], from the first direction of [`Tube::frame`].
         start: f64,
-        /// How far it goes [rad], above 0 and below 2π.
+        /// How far it goes \[rad\], above 0 and below 2π.
         angle: f64,
     },
 }
@@ -38,15 +38,15 @@ pub enum Arc {
 /// A straight tube of one or several layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tube {
-    /// Middle of the axis [m].
+    /// Middle of the axis \[m\].
     pub center: [f64; 3],
     /// Direction of the axis; its length does not matter.
     pub axis: [f64; 3],
-    /// Radius of the inner wall [m], > 0.
+    /// Radius of the inner wall \[m\], > 0.
     pub inner_radius: f64,
     /// The layers from the inside to the outside, at least one.
     pub layers: Vec<Layer>,
-    /// Length along the axis [m], > 0.
+    /// Length along the axis \[m\], > 0.
     pub length: f64,
     /// Number of cells around: at least 3 in a full turn, and less than half a turn each in a sector.
     pub around: usize,
@@ -76,7 +76,7 @@ pub enum TubeSide {
 pub enum TubeError {
     /// A centre that is not finite, or an axis without direction.
     Place {
-        /// The centre that was asked for [m].
+        /// The centre that was asked for \[m\].
         center: [f64; 3],
         /// The axis that was asked for.
         axis: [f64; 3],
@@ -85,7 +85,7 @@ pub enum TubeError {
     Size {
         /// Which one: `inner_radius` or `length`.
         field: &'static str,
-        /// Its value [m].
+        /// Its value \[m\].
         value: f64,
     },
     /// No layer, or one without thickness or cells.
@@ -95,7 +95,7 @@ pub enum TubeError {
     },
     /// A sector that is not above 0 and below a full turn.
     Sector {
-        /// The angle that was asked for [rad].
+        /// The angle that was asked for \[rad\].
         angle: f64,
     },
     /// Too few cells around or along, or more than can be numbered.
@@ -239,7 +239,7 @@ impl Tube {
         }
     }
 
-    /// Radii of the nodes through the wall [m].
+    /// Radii of the nodes through the wall \[m\].
     fn radii(&self) -> Vec<f64> {
         let mut inner = self.inner_radius;
         let mut radii = vec![inner];

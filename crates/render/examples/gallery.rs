@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 const STEEL: [f32; 3] = [0.80, 0.82, 0.85];
-/// Height of the mat [m]; the plane of focus is at zero.
+/// Height of the mat \[m\]; the plane of focus is at zero.
 const MAT: f64 = -2.0e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {

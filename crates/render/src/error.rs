@@ -7,11 +7,11 @@ use std::fmt;
 pub enum RenderError {
     /// A side is zero or larger than the adapter can draw.
     Size {
-        /// Width that was asked for [pixels].
+        /// Width that was asked for \[pixels\].
         width: u32,
-        /// Height that was asked for [pixels].
+        /// Height that was asked for \[pixels\].
         height: u32,
-        /// Largest side of this adapter [pixels].
+        /// Largest side of this adapter \[pixels\].
         max: u32,
     },
     /// The view has impossible numbers.

@@ -4,20 +4,20 @@
 //! oblique key light that alone casts shadows. Their strengths add up to one for a matte surface that faces the microscope, so
 //! that such a surface shows exactly the colour it was given, and [`SHADOW_LEVEL`] of it (in linear light) in full shadow.
 
-/// Angle between the key light and the view axis [rad]: 35°. A height h over a surface moves its shadow by h·tan 35° = 0.70 h.
+/// Angle between the key light and the view axis \[rad\]: 35°. A height h over a surface moves its shadow by h·tan 35° = 0.70 h.
 pub const KEY_LIGHT_ZENITH: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
-/// Direction in the picture from which the key light comes [rad], counted from the right towards the top: 100°, that is from
+/// Direction in the picture from which the key light comes \[rad\], counted from the right towards the top: 100°, that is from
 /// above. Instruments enter from the lower left and the lower right, so that no shadow hides beneath its own shaft.
 pub const KEY_LIGHT_AZIMUTH: f64 = 100.0 * std::f64::consts::PI / 180.0;
 
-/// What is left of the light of a matte surface that faces the microscope when the key light does not reach it [1].
+/// What is left of the light of a matte surface that faces the microscope when the key light does not reach it \[1\].
 pub const SHADOW_LEVEL: f64 = AMBIENT + COAXIAL;
 
-/// Ambient light on a surface that faces the microscope [1].
+/// Ambient light on a surface that faces the microscope \[1\].
 pub(crate) const AMBIENT: f64 = 0.20;
 
-/// Coaxial light on a surface that faces the microscope [1].
+/// Coaxial light on a surface that faces the microscope \[1\].
 pub(crate) const COAXIAL: f64 = 0.16;
 
 /// Unit vector towards the key light in the view frame (x right, y up in the picture, z towards the eye).
@@ -30,7 +30,7 @@ pub fn key_light_direction() -> [f64; 3] {
     ]
 }
 
-/// Strength of the key light head-on [1]: the rest up to one, divided by the cosine at which it meets a surface that faces the
+/// Strength of the key light head-on \[1\]: the rest up to one, divided by the cosine at which it meets a surface that faces the
 /// microscope.
 pub(crate) fn key_strength() -> f64 {
     (1.0 - SHADOW_LEVEL) / libm::cos(KEY_LIGHT_ZENITH)

@@ -5,9 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 /// One picture: size, view, items.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Width [pixels], at least 1.
+    /// Width \[pixels\], at least 1.
     pub width: u32,
-    /// Height [pixels], at least 1.
+    /// Height \[pixels\], at least 1.
     pub height: u32,
     /// Where the microscope looks.
     pub view: View,
@@ -22,13 +22,13 @@ pub struct Picture {
 /// The round field touches the nearer pair of the picture's edges; outside it the picture is black.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Focus point: what appears in the middle, field frame [m].
+    /// Focus point: what appears in the middle, field frame \[m\].
     pub centre: [f64; 3],
-    /// Diameter of the round field in the plane of focus [m]; surgical microscopes: 17 to 38 mm.
+    /// Diameter of the round field in the plane of focus \[m\]; surgical microscopes: 17 to 38 mm.
     pub field_diameter: f64,
-    /// From the main lens to the focus point [m]; surgical microscopes: 0.2 to 0.45 m. At least one field diameter.
+    /// From the main lens to the focus point \[m\]; surgical microscopes: 0.2 to 0.45 m. At least one field diameter.
     pub working_distance: f64,
-    /// Angle by which the eye leans from +z towards −y, that is towards the operator [rad], within ±π/2.
+    /// Angle by which the eye leans from +z towards −y, that is towards the operator \[rad\], within ±π/2.
     pub tilt: f64,
 }
 
@@ -37,7 +37,7 @@ pub struct View {
 pub struct Item {
     /// Its form, in the item's own frame.
     pub shape: Shape,
-    /// Origin of the item's frame in the field frame [m].
+    /// Origin of the item's frame in the field frame \[m\].
     pub position: [f64; 3],
     /// Rotation from the item's frame to the field frame: quaternion x, y, z, w; normalised on use.
     pub orientation: [f64; 4],
@@ -50,7 +50,7 @@ pub struct Item {
 }
 
 impl Item {
-    /// A solid item of `shape` at `position` [m], unrotated.
+    /// A solid item of `shape` at `position` \[m\], unrotated.
     pub fn new(shape: Shape, position: [f64; 3], colour: [f32; 3], finish: Finish) -> Self {
         Self {
             shape,
@@ -115,67 +115,67 @@ pub enum Finish {
 pub enum Shape {
     /// Ball around the origin.
     Sphere {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f64,
     },
     /// Every point within `radius` of the segment from `a` to `b`.
     Capsule {
-        /// One end of the segment [m].
+        /// One end of the segment \[m\].
         a: [f64; 3],
-        /// The other end [m].
+        /// The other end \[m\].
         b: [f64; 3],
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f64,
     },
     /// Two balls and the tangent cone between them: a capsule whose radius changes evenly, such as the jaw of a forceps.
     Taper {
-        /// Centre of the one ball [m].
+        /// Centre of the one ball \[m\].
         a: [f64; 3],
-        /// Centre of the other ball [m].
+        /// Centre of the other ball \[m\].
         b: [f64; 3],
-        /// Radius of the ball at `a` [m].
+        /// Radius of the ball at `a` \[m\].
         radius_a: f64,
-        /// Radius of the ball at `b` [m].
+        /// Radius of the ball at `b` \[m\].
         radius_b: f64,
     },
     /// Cuboid around the origin, edges along the axes.
     Box {
-        /// Half of each edge [m].
+        /// Half of each edge \[m\].
         half: [f64; 3],
     },
     /// Closed cylinder, from the origin along +z.
     Cylinder {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f64,
-        /// Length along z [m].
+        /// Length along z \[m\].
         height: f64,
     },
     /// Closed cone: base disc around the origin in the xy plane, apex on +z.
     Cone {
-        /// Radius of the base [m].
+        /// Radius of the base \[m\].
         radius: f64,
-        /// Height of the apex [m].
+        /// Height of the apex \[m\].
         height: f64,
     },
     /// Arrow from the origin along +z: a shaft, and over the last third a head three times as thick.
     Arrow {
-        /// Radius of the shaft [m].
+        /// Radius of the shaft \[m\].
         radius: f64,
-        /// Length including the head [m].
+        /// Length including the head \[m\].
         length: f64,
     },
     /// Torus around z in the xy plane, or the first part of one: seen from +z it begins at +y and runs like the hand of a clock.
     Ring {
-        /// From the axis to the middle of the tube [m].
+        /// From the axis to the middle of the tube \[m\].
         radius: f64,
-        /// Radius of the tube [m].
+        /// Radius of the tube \[m\].
         tube: f64,
         /// The part that is drawn, 0..1; 1 is the whole ring.
         fraction: f64,
     },
     /// Any triangulated surface, shaded smoothly over its edges.
     Mesh {
-        /// Corners [m].
+        /// Corners \[m\].
         positions: Vec<[f32; 3]>,
         /// Three indices into `positions` each.
         triangles: Vec<[u32; 3]>,

@@ -11,12 +11,12 @@ use crate::pipelines::Pipelines;
 use crate::surface::Surfaces;
 use crate::targets::{DEPTH, Targets, texture};
 
-/// Side of the shadow map [texels].
+/// Side of the shadow map \[texels\].
 const SHADOW_SIDE: u32 = 1024;
-/// Half the side of the square across the key light that the shadow map covers [field radii]: the field, seen at 35°, and what
+/// Half the side of the square across the key light that the shadow map covers \[field radii\]: the field, seen at 35°, and what
 /// stands up to one radius high in it.
 const SHADOW_REACH: f64 = 1.5;
-/// Depth range of the shadow map along the key light [field radii], with the focus point at zero: instruments reach up, nothing
+/// Depth range of the shadow map along the key light \[field radii\], with the focus point at zero: instruments reach up, nothing
 /// below is seen for long.
 const SHADOW_DEPTHS: [f64; 2] = [-3.0, 9.0];
 /// Nearest plane that is drawn, in parts of the working distance. Shafts that reach higher have left the field.

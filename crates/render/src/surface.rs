@@ -10,7 +10,7 @@ use crate::tessellate::Tessellator;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Vertex {
-    /// View frame [field radii].
+    /// View frame \[field radii\].
     pub position: [f32; 3],
     /// Unit length, view frame, outwards.
     pub normal: [f32; 3],

@@ -10,7 +10,7 @@ use crate::light::linear_from_srgb;
 use crate::picture::{Finish, Item, Shape, View};
 use crate::surface::{Surfaces, Vertex, view_from_field};
 
-/// A chord may leave the circle that it stands for by this much [pixels]: a quarter is below what the eye sees.
+/// A chord may leave the circle that it stands for by this much \[pixels\]: a quarter is below what the eye sees.
 const CHORD_ERROR: f64 = 0.25;
 
 /// Point of a profile: distance from the axis, place on the axis, and the normal in these two directions.
@@ -24,7 +24,7 @@ struct ProfilePoint {
 /// Places the triangles of one item.
 pub(crate) struct Tessellator<'a> {
     rotation: Matrix3<f64>,
-    /// Item's origin in the view frame [field radii].
+    /// Item's origin in the view frame \[field radii\].
     origin: Vector3<f64>,
     /// Field radii per metre.
     scale: f64,
@@ -100,7 +100,7 @@ impl<'a> Tessellator<'a> {
         }
     }
 
-    /// Adds a corner given in the item's frame [m] and returns its index.
+    /// Adds a corner given in the item's frame \[m\] and returns its index.
     fn corner(&mut self, point: Vector3<f64>, normal: Vector3<f64>) -> u32 {
         let position = self.origin + self.rotation * point * self.scale;
         let normal = self.rotation * normal;
@@ -114,7 +114,7 @@ impl<'a> Tessellator<'a> {
         index
     }
 
-    /// Even number of straight steps for a full circle of `radius` [m].
+    /// Even number of straight steps for a full circle of `radius` \[m\].
     ///
     /// A chord over the angle 2π/n leaves its circle by r(1 − cos(π/n)).
     fn circle_steps(&self, radius: f64) -> usize {
@@ -182,7 +182,7 @@ impl<'a> Tessellator<'a> {
         self.lathe(start, frame_along(axis), &profile);
     }
 
-    /// Appends the circle of `radius` around `z` on the axis, over latitudes `from`..`to` [rad].
+    /// Appends the circle of `radius` around `z` on the axis, over latitudes `from`..`to` \[rad\].
     fn arc(&self, profile: &mut Vec<ProfilePoint>, z: f64, radius: f64, from: f64, to: f64) {
         let steps = ((to - from) / TAU * self.circle_steps(radius) as f64)
             .ceil()

@@ -13,7 +13,7 @@ const SIDE: u32 = 400;
 /// Pixels per metre in the plane of focus.
 const PIXELS: f64 = 20.0e3;
 const DISTANCE: f64 = 0.2;
-/// One texel of the shadow map [pixels]: 1024 of them cover 1.5 field radii to each side.
+/// One texel of the shadow map \[pixels\]: 1024 of them cover 1.5 field radii to each side.
 const TEXEL: f64 = 3.0 * 200.0 / 1024.0;
 
 fn renderer() -> Option<Renderer> {

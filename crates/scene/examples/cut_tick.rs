@@ -42,7 +42,7 @@ enum Touches {
     Table,
 }
 
-/// Length of the blade, and how far it goes in a tick [cells]: it then divides 60 elements in a tick at most, whatever the size of the body.
+/// Length of the blade, and how far it goes in a tick \[cells\]: it then divides 60 elements in a tick at most, whatever the size of the body.
 const WIDTH: f64 = 8.0;
 const WAY: f64 = 0.25;
 
@@ -56,10 +56,10 @@ const REST: usize = 5;
 /// a hundred of a single run, the middle one of all runs.
 const RUNS: usize = 3;
 
-/// A tick [s].
+/// A tick \[s\].
 const TICK: f64 = 5e-6;
 
-/// CPU time of this process [s].
+/// CPU time of this process \[s\].
 fn cpu() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
@@ -191,7 +191,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
     );
 }
 
-/// Times [ms], ascending: of ticks without a cut, what a cut costs beyond those, and ticks with it.
+/// Times \[ms\], ascending: of ticks without a cut, what a cut costs beyond those, and ticks with it.
 struct Times {
     rest: Vec<f64>,
     cut: Vec<f64>,
@@ -226,11 +226,11 @@ struct Tick {
     cuts: bool,
     /// Elements divided, whether anything was opened or not.
     divided: u64,
-    /// CPU time [ms].
+    /// CPU time \[ms\].
     time: f64,
 }
 
-/// All ticks of a body with cells of this edge and so high [m].
+/// All ticks of a body with cells of this edge and so high \[m\].
 fn run(spec: &SceneSpec, edge: f64, height: f64, touches: Touches) -> Vec<Tick> {
     let mut scene = Scene::new(spec).expect("a scene");
     let way = WAY * edge;

@@ -80,7 +80,7 @@ fn triangles_at(topology: &Topology, node: u32) -> impl Iterator<Item = SurfaceT
     all.filter(move |triangle| triangle.nodes.contains(&node))
 }
 
-/// A third of the area at rest of the triangles at a node [m²], summed as [`Surface::node_areas`] does.
+/// A third of the area at rest of the triangles at a node \[m²\], summed as [`Surface::node_areas`] does.
 fn node_area(topology: &Topology, mesh: &TetMesh, node: u32) -> f64 {
     let mut sum = 0.0;
     for triangle in triangles_at(topology, node) {
@@ -167,7 +167,7 @@ impl Body {
     }
 }
 
-/// Area at rest of the surface at each node [m²]; 0 inside.
+/// Area at rest of the surface at each node \[m²\]; 0 inside.
 pub(crate) fn node_areas(surface: &Surface, mesh: &TetMesh) -> Vec<f64> {
     let mut all = vec![0.0; mesh.positions.len()];
     let areas = surface.node_areas(&mesh.positions);

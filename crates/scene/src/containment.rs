@@ -55,7 +55,7 @@ pub struct Diverged {
     pub body_name: String,
     /// The step of the last try at which it was found; one beyond the last when at the end of the tick.
     pub step: u32,
-    /// Simulated time of it [s].
+    /// Simulated time of it \[s\].
     pub time: f64,
     /// How.
     pub what: Divergence,
@@ -90,9 +90,9 @@ impl std::error::Error for Diverged {}
 /// What is watched of one body during a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch {
-    /// Energy at the start [J].
+    /// Energy at the start \[J\].
     start_energy: f64,
-    /// Work of contact, each step and point counted positive [J].
+    /// Work of contact, each step and point counted positive \[J\].
     work: f64,
     /// Whether an old overlap was undone: it changes the energy by an amount that is not followed.
     overlap_undone: bool,
@@ -103,7 +103,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Begins to watch a body in the tick of `tick_s` [s] that begins at `time` [s].
+    /// Begins to watch a body in the tick of `tick_s` \[s\] that begins at `time` \[s\].
     pub fn new(body: &Body, state: &State, time: f64, tick_s: f64) -> Self {
         Self {
             start_energy: state.energies(&body.model).total(),
@@ -121,7 +121,7 @@ impl Watch {
         self.overlap_undone |= work.overlap_undone;
     }
 
-    /// Looks at a body at the end of a tick, at `time` [s].
+    /// Looks at a body at the end of a tick, at `time` \[s\].
     pub fn judge(
         &self,
         body: &Body,

@@ -31,14 +31,14 @@ struct ClampedNode {
     node: u32,
     /// Among the model's clamped nodes.
     place: usize,
-    /// [m]
+    /// \[m\]
     rest: Vector3<f64>,
 }
 
 #[derive(Clone, Debug)]
 struct Grip {
     motion: Option<Motion>,
-    /// Nodes with their rest positions [m].
+    /// Nodes with their rest positions \[m\].
     nodes: Vec<(u32, Vector3<f64>)>,
     release: f64,
 }
@@ -54,7 +54,7 @@ struct Motion {
 struct Load {
     triangles: Arc<[[u32; 3]]>,
     kind: LoadKind,
-    /// Area at rest that belongs to each node [m²], for tractions.
+    /// Area at rest that belongs to each node \[m²\], for tractions.
     areas: Vec<(u32, f64)>,
     /// Its nodes, ascending.
     nodes: Vec<u32>,
@@ -167,7 +167,7 @@ impl Drive {
         self.clamps.iter().any(|clamp| clamp.motion.is_some())
     }
 
-    /// Whether anything that holds the body moves, closes or lets go between two times [s].
+    /// Whether anything that holds the body moves, closes or lets go between two times \[s\].
     pub fn moves(&self, from: f64, to: f64) -> bool {
         let still = |motion: &Option<Motion>| {
             let last = motion.as_ref().and_then(|motion| motion.keys.last());
@@ -180,7 +180,7 @@ impl Drive {
         !self.clamps.iter().all(|clamp| still(&clamp.motion)) || !self.grips.iter().all(stays)
     }
 
-    /// What drives the body in the step that ends at `time` [s].
+    /// What drives the body in the step that ends at `time` \[s\].
     pub fn control(&self, gravity: &Vector3<f64>, time: f64) -> Control {
         let mut control = Control {
             gravity: *gravity,
@@ -218,7 +218,7 @@ impl Drive {
         control
     }
 
-    /// The targets of gripped nodes at the end of the step that ends at `time` [s]: of a node in two grips the first.
+    /// The targets of gripped nodes at the end of the step that ends at `time` \[s\]: of a node in two grips the first.
     pub fn contacts(&self, time: f64) -> Contacts {
         let mut targets: Vec<NodeTarget> = Vec::new();
         // A grip holds through the step in which it lets go; a tolerance of rounding on times that are sums of steps.
@@ -236,7 +236,7 @@ impl Drive {
     }
 }
 
-/// Area at rest of the triangles at each node [m²].
+/// Area at rest of the triangles at each node \[m²\].
 fn areas(surface: &Surface, mesh: &TetMesh) -> Vec<(u32, f64)> {
     let areas = surface.node_areas(&mesh.positions);
     surface.nodes.iter().copied().zip(areas).collect()

@@ -127,16 +127,16 @@ pub enum SceneError {
     Gravity,
     /// The tick is not a positive time.
     Tick {
-        /// The tick [s].
+        /// The tick \[s\].
         tick_s: f64,
     },
     /// The solver's step is beyond what a body allows.
     StepTooLong {
         /// The body that needs the shortest step.
         body: String,
-        /// The step that was asked for [s].
+        /// The step that was asked for \[s\].
         step_s: f64,
-        /// The longest stable step with its safety factor [s].
+        /// The longest stable step with its safety factor \[s\].
         stable_step_s: f64,
         /// Steps per tick that are enough.
         required_steps: u32,

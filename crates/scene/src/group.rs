@@ -219,7 +219,7 @@ impl Group {
         self.members.partition_point(|m| m.first_node <= node) - 1
     }
 
-    /// What drives its bodies in the step that ends at `time` [s].
+    /// What drives its bodies in the step that ends at `time` \[s\].
     pub fn control(&self, bodies: &[Body], gravity: &Vector3<f64>, time: f64) -> Control {
         let alone = self.union.is_none();
         let mut all = Control {
@@ -260,7 +260,7 @@ impl Group {
         all
     }
 
-    /// The targets of gripped nodes at the end of the step that ends at `time` [s].
+    /// The targets of gripped nodes at the end of the step that ends at `time` \[s\].
     pub fn led(&self, bodies: &[Body], time: f64) -> Contacts {
         let mut all = Contacts::default();
         for member in &self.members {

@@ -183,13 +183,13 @@ impl Couple<'_> {
         self.0.map(|line| line.a.lerp(&line.b, along))
     }
 
-    /// Between the capsules at a place along them [m].
+    /// Between the capsules at a place along them \[m\].
     fn gap(&self, along: f64) -> f64 {
         let [left, right] = self.points(along);
         (left - right).norm() - self[0].radius - self[1].radius
     }
 
-    /// The part along which the gap is below `reach` [m]; `None` if it is nowhere. The distance of two points that move linearly is convex,
+    /// The part along which the gap is below `reach` \[m\]; `None` if it is nowhere. The distance of two points that move linearly is convex,
     /// so it is one part.
     fn closed_part(&self, reach: f64) -> Option<[f64; 2]> {
         let [left, right] = [self.points(0.0), self.points(1.0)];

@@ -28,7 +28,7 @@ const REOPENED: f64 = 1.5;
 /// How a tool cuts a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ability {
-    /// Force per length from which on a single edge cuts [N/m]; infinite for never.
+    /// Force per length from which on a single edge cuts \[N/m\]; infinite for never.
     pub line_force: f64,
     /// Gap between jaws, as a share of the sum of their radii, below which they cut.
     pub pinch: f64,
@@ -115,9 +115,9 @@ pub(crate) struct EdgeLoads(Vec<EdgeLoad>);
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct EdgeLoad {
     at: Touched,
-    /// On the sharp side [N·s].
+    /// On the sharp side \[N·s\].
     impulse: f64,
-    /// Range of the points along the axis [m].
+    /// Range of the points along the axis \[m\].
     range: [f64; 2],
 }
 
@@ -132,7 +132,7 @@ pub(crate) struct Touched {
 }
 
 impl EdgeLoads {
-    /// Adds the contacts that a step of `h` [s] of a group ended with. `edges` are the single edges: tool and line.
+    /// Adds the contacts that a step of `h` \[s\] of a group ended with. `edges` are the single edges: tool and line.
     pub fn add(
         &mut self,
         group: usize,
@@ -180,7 +180,7 @@ impl EdgeLoads {
         }
     }
 
-    /// Mean force per length of an edge over a time [N/m]; the length is at least `least` [m].
+    /// Mean force per length of an edge over a time \[N/m\]; the length is at least `least` \[m\].
     fn per_length(&self, at: Touched, time: f64, least: f64) -> f64 {
         let load = self.0.iter().find(|load| load.at == at);
         load.map_or(0.0, |load| {
@@ -197,9 +197,9 @@ pub(crate) struct Case<'a> {
     /// The group and, by its place in it, the body.
     pub at: (usize, u32),
     pub ability: Ability,
-    /// Mean edge of the body [m].
+    /// Mean edge of the body \[m\].
     pub edge: f64,
-    /// [s]
+    /// \[s\]
     pub tick: f64,
     pub loads: &'a EdgeLoads,
     /// Capsules of the tool that still reach into the tissue.

@@ -15,7 +15,7 @@ const INSIDE: f64 = 1e-3;
 pub struct Overlap {
     /// How many are deeper than a thousandth of the body's mean edge length.
     pub nodes: usize,
-    /// Depth of the deepest [m], however small.
+    /// Depth of the deepest \[m\], however small.
     pub depth: f64,
 }
 
@@ -69,7 +69,7 @@ impl Scene {
         capsules.unwrap_or_default()
     }
 
-    /// Deepens `depths` by how far the nodes of a body are inside another one [m].
+    /// Deepens `depths` by how far the nodes of a body are inside another one \[m\].
     fn depths_in(&self, body: usize, other: usize, depths: &mut [f64]) {
         let (nodes, within) = (self.positions(body), self.positions(other));
         let Some(common) = common_box(nodes, within) else {

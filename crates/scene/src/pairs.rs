@@ -12,7 +12,7 @@ pub(crate) struct Pair {
     pub with: PairPartner,
     /// μ.
     pub friction: f64,
-    /// [N].
+    /// \[N\].
     pub force_limit: f64,
     pub end_planes: bool,
 }

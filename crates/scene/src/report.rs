@@ -49,31 +49,31 @@ pub struct ContactReport {
     pub body: usize,
     /// What it touched.
     pub with: ContactPartner,
-    /// Force on the body, mean over the tick, in the world [N]; zero of a body that touches itself, of which peak and impulse are sums
+    /// Force on the body, mean over the tick, in the world \[N\]; zero of a body that touches itself, of which peak and impulse are sums
     /// of sizes.
     pub force_on_tissue: [f64; 3],
-    /// Largest size of the force in a solver's step [N]. A landing acts over one step: its peak grows as steps get shorter.
+    /// Largest size of the force in a solver's step \[N\]. A landing acts over one step: its peak grows as steps get shorter.
     pub peak_force_n: f64,
-    /// Integral of the size of the force over the tick [N·s].
+    /// Integral of the size of the force over the tick \[N·s\].
     pub impulse_ns: f64,
-    /// Where the force acts, in the world: mean of the touched nodes' positions, weighted by their forces [m].
+    /// Where the force acts, in the world: mean of the touched nodes' positions, weighted by their forces \[m\].
     pub point: [f64; 3],
-    /// Depth of the deepest point that was still inside after a step [m].
+    /// Depth of the deepest point that was still inside after a step \[m\].
     pub max_depth_m: f64,
-    /// Largest displacement of a touched node from its rest position along the mean force, at the end of the tick [m].
+    /// Largest displacement of a touched node from its rest position along the mean force, at the end of the tick \[m\].
     pub indentation_m: f64,
     /// Number of different nodes that were touched.
     pub nodes: usize,
     /// The pieces of the body that were touched, by their numbers, ascending.
     pub pieces: Vec<u32>,
-    /// How long the force was above the limit of the pair [s].
+    /// How long the force was above the limit of the pair \[s\].
     pub over_limit_s: f64,
     /// Share of the normal force that acted where nothing slid, 0 (all slides, or there is no friction) to 1 (all sticks).
     pub stick_share: f64,
-    /// Force with which both jaws of a tool squeezed the body between them, mean over the tick [N]: the smaller of what each pushed
+    /// Force with which both jaws of a tool squeezed the body between them, mean over the tick \[N\]: the smaller of what each pushed
     /// it towards the other one, without friction; 0 where they pushed the same way.
     pub grip_n: f64,
-    /// Larger mean pressure of the two jaws over the surface that each touched [Pa], by the areas at rest; 0 of a tool without jaws.
+    /// Larger mean pressure of the two jaws over the surface that each touched \[Pa\], by the areas at rest; 0 of a tool without jaws.
     pub jaw_pressure_pa: f64,
 }
 
@@ -87,17 +87,17 @@ pub struct CutReport {
     /// Elements that were divided in this tick. A tick that divides and lays nothing open is not reported: of all that were divided tells
     /// [`Scene::cut_tally`](crate::Scene::cut_tally).
     pub divided: usize,
-    /// Area that was opened, of one side, at rest [m²].
+    /// Area that was opened, of one side, at rest \[m²\].
     pub area: f64,
-    /// Its centroid at rest, in the world [m].
+    /// Its centroid at rest, in the world \[m\].
     pub rest_centroid: [f64; 3],
     /// Its mean normal at rest, of length 1.
     pub rest_normal: [f64; 3],
-    /// Its centroid now [m].
+    /// Its centroid now \[m\].
     pub centroid: [f64; 3],
     /// Its mean normal now, of length 1.
     pub normal: [f64; 3],
-    /// Size of the mean force of the tool on the body in the tick [N]; 0 where the two do not touch.
+    /// Size of the mean force of the tool on the body in the tick \[N\]; 0 where the two do not touch.
     pub force_n: f64,
     /// Numbers of the pieces that came off.
     pub pieces: Vec<u32>,

@@ -23,17 +23,17 @@ const ROUNDING: f64 = 1e-9;
 /// What was sampled: lists of equal length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: Vec<f64>,
-    /// Kinetic energy of all bodies [J].
+    /// Kinetic energy of all bodies \[J\].
     pub kinetic: Vec<f64>,
-    /// Elastic energy of all bodies [J].
+    /// Elastic energy of all bodies \[J\].
     pub elastic: Vec<f64>,
-    /// Momentum of all bodies [kg m/s].
+    /// Momentum of all bodies \[kg m/s\].
     pub momentum: Vec<[f64; 3]>,
     /// Share of all nodes that are inside what their bodies touch ([`Overlap`](crate::Overlap)); empty without contact.
     pub inside_share: Vec<f64>,
-    /// Depth of the deepest of them [m]; empty without contact.
+    /// Depth of the deepest of them \[m\]; empty without contact.
     pub max_depth: Vec<f64>,
     /// The forces between two that touch, in the order of the settings.
     pub contacts: Vec<ContactSeries>,
@@ -44,17 +44,17 @@ pub struct Series {
 /// What was sampled of two that touch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactSeries {
-    /// Force on the body, mean over the sample before [N].
+    /// Force on the body, mean over the sample before \[N\].
     pub force: Vec<[f64; 3]>,
-    /// Largest size of the force in a step of it [N].
+    /// Largest size of the force in a step of it \[N\].
     pub peak: Vec<f64>,
-    /// Time with a force above the limit in it [s].
+    /// Time with a force above the limit in it \[s\].
     pub over_limit: Vec<f64>,
     /// Share of the normal force that acted where nothing slid.
     pub stick_share: Vec<f64>,
-    /// Force with which both jaws squeezed the body between them, mean over the sample before [N].
+    /// Force with which both jaws squeezed the body between them, mean over the sample before \[N\].
     pub grip: Vec<f64>,
-    /// Largest mean pressure of a jaw [Pa].
+    /// Largest mean pressure of a jaw \[Pa\].
     pub grip_pressure: Vec<f64>,
 }
 
@@ -86,14 +86,14 @@ pub struct Verdict {
 #[derive(Clone, Debug)]
 pub struct Runner {
     scene: Scene,
-    /// Time between two samples [s].
+    /// Time between two samples \[s\].
     sample: f64,
     /// Solver's steps between two samples.
     steps: u32,
     /// Samples after the one at the start.
     samples: u64,
     taken: u64,
-    /// Speed of rest [m/s], if the scene ends at rest, and the time before which it does not [s].
+    /// Speed of rest \[m/s\], if the scene ends at rest, and the time before which it does not \[s\].
     rest: Option<(f64, f64)>,
     probes: Vec<Probe>,
     expect: Vec<settings::Expect>,
@@ -111,13 +111,13 @@ pub struct Runner {
 /// What contact did to a pair since the last sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Contact {
-    /// [N·s].
+    /// \[N·s\].
     pub impulse: Vector3<f64>,
     peak: f64,
     over_limit: f64,
     stick: f64,
     weight: f64,
-    /// Of the jaws [N·s].
+    /// Of the jaws \[N·s\].
     pub grip: f64,
     pressure: f64,
 }
@@ -127,9 +127,9 @@ pub(crate) struct Contact {
 pub struct Remarks {
     /// Largest number of sub-steps that a fast tool took.
     pub most_substeps: u32,
-    /// Tools that jumped, with the time at the end of the tick [s].
+    /// Tools that jumped, with the time at the end of the tick \[s\].
     pub jumps: Vec<(f64, usize)>,
-    /// What was cut, with the time at the end of the tick [s].
+    /// What was cut, with the time at the end of the tick \[s\].
     pub cuts: Vec<(f64, CutReport)>,
     /// What could not be cut.
     pub rejected: Vec<(f64, RejectedCut)>,
@@ -177,12 +177,12 @@ impl Runner {
         &self.scene
     }
 
-    /// Length of a solver's step [s].
+    /// Length of a solver's step \[s\].
     pub fn step(&self) -> f64 {
         self.sample / f64::from(self.steps)
     }
 
-    /// Time between two samples [s].
+    /// Time between two samples \[s\].
     pub fn sample(&self) -> f64 {
         self.sample
     }
@@ -207,7 +207,7 @@ impl Runner {
         &self.series
     }
 
-    /// The samples that were computed again because a body diverged, with the time at their end [s].
+    /// The samples that were computed again because a body diverged, with the time at their end \[s\].
     pub fn recoveries(&self) -> &[(f64, Recovery)] {
         &self.recoveries
     }
@@ -263,7 +263,7 @@ impl Runner {
         true
     }
 
-    /// The parts of the sample that begins at `from` [s]: their starts and lengths [s]. It is divided where tools turn.
+    /// The parts of the sample that begins at `from` \[s\]: their starts and lengths \[s\]. It is divided where tools turn.
     fn parts(&self, from: f64) -> Vec<(f64, f64)> {
         let least = ROUNDING * self.sample;
         let keys = self.scene.tools.iter().flat_map(|tool| &tool.motion);
@@ -433,7 +433,7 @@ impl Runner {
     }
 }
 
-/// When the last thing happens that disturbs a rest [s]: a load has grown, a clamp or tool has moved, a clamp lets go.
+/// When the last thing happens that disturbs a rest \[s\]: a load has grown, a clamp or tool has moved, a clamp lets go.
 fn last_event(settings: &settings::Scene) -> f64 {
     let bodies = settings.body.iter();
     let times = bodies.flat_map(|body| {

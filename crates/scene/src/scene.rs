@@ -34,15 +34,15 @@ pub(crate) struct Body {
     pub drive: Drive,
     /// Where it is at the start.
     pub start: State,
-    /// Origin of the body's frame in the world [m].
+    /// Origin of the body's frame in the world \[m\].
     pub origin: Vector3<f64>,
-    /// Longest step with safety factor [s]; infinite for a method without a limit.
+    /// Longest step with safety factor \[s\]; infinite for a method without a limit.
     pub stable_step: f64,
-    /// Energy below which growth is not worth a look [J]: that of the whole body stretched by 1 %.
+    /// Energy below which growth is not worth a look \[J\]: that of the whole body stretched by 1 %.
     pub energy_scale: f64,
-    /// Young's modulus times the square of an edge [N].
+    /// Young's modulus times the square of an edge \[N\].
     pub force_scale: f64,
-    /// A third of the area of the surface's triangles at each node, at rest [m²].
+    /// A third of the area of the surface's triangles at each node, at rest \[m²\].
     pub node_areas: Vec<f64>,
     /// The faces at the open ends of a vessel.
     pub ends: Vec<Vec<[u32; 3]>>,
@@ -68,7 +68,7 @@ pub struct CutTally {
     pub divided: u64,
     /// Cuts that could not be made.
     pub rejected: u64,
-    /// Rest volume of the crumbs that were taken away [m³].
+    /// Rest volume of the crumbs that were taken away \[m³\].
     pub lost_volume: f64,
 }
 
@@ -79,11 +79,11 @@ pub(crate) struct SceneState {
     pub bodies: Vec<State>,
     /// One per group of bodies.
     pub memories: Vec<ContactMemory>,
-    /// Longest step of each body as it is now [s]: plastic flow makes it shorter.
+    /// Longest step of each body as it is now \[s\]: plastic flow makes it shorter.
     pub stable_steps: Vec<f64>,
     /// One per cut.
     pub blades: Vec<BladeMemory>,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: f64,
 }
 
@@ -185,7 +185,7 @@ impl Scene {
         self.state.time = 0.0;
     }
 
-    /// Whether `steps` solver's steps per tick of `tick_s` [s] are enough for every body; the error holds the number that is.
+    /// Whether `steps` solver's steps per tick of `tick_s` \[s\] are enough for every body; the error holds the number that is.
     pub fn check_step(&self, tick_s: f64, steps: u32) -> Result<(), SceneError> {
         if !tick_s.is_finite() || tick_s <= 0.0 {
             return Err(SceneError::Tick { tick_s });
@@ -210,7 +210,7 @@ impl Scene {
         }
     }
 
-    /// The smallest number of solver's steps per tick of `tick_s` [s] that every body allows; at least 1.
+    /// The smallest number of solver's steps per tick of `tick_s` \[s\] that every body allows; at least 1.
     pub fn required_steps(&self, tick_s: f64) -> u32 {
         let stable_steps = self.state.stable_steps.iter().copied();
         let stable_step = stable_steps.fold(f64::INFINITY, f64::min);
@@ -218,7 +218,7 @@ impl Scene {
         (tick_s / stable_step).ceil().max(1.0) as u32
     }
 
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub fn time(&self) -> f64 {
         self.state.time
     }
@@ -258,7 +258,7 @@ impl Scene {
         self.groups.len()
     }
 
-    /// The motions of the tools that have one of their own, from one time to another [s].
+    /// The motions of the tools that have one of their own, from one time to another \[s\].
     pub fn own_motions(&self, from: f64, to: f64) -> Vec<ToolMotion> {
         let tools = self.tools.iter().enumerate();
         let motions = tools.filter_map(|(index, tool)| {
@@ -275,7 +275,7 @@ impl Scene {
         motions.collect()
     }
 
-    /// Momentum of a body [kg m/s]; nodes that are clamped have none.
+    /// Momentum of a body \[kg m/s\]; nodes that are clamped have none.
     pub fn momentum(&self, body: usize) -> Vector3<f64> {
         let model = &self.bodies[body].model;
         let nodes = self.velocities(body).iter().enumerate();
@@ -317,22 +317,22 @@ impl Scene {
         }
     }
 
-    /// Node positions of a body in the world [m].
+    /// Node positions of a body in the world \[m\].
     pub fn positions(&self, body: usize) -> &[Vector3<f64>] {
         &self.state.bodies[body].positions
     }
 
-    /// Node positions of a body at the start [m]; of a node that a cut has made those of where it would have been.
+    /// Node positions of a body at the start \[m\]; of a node that a cut has made those of where it would have been.
     pub fn start_positions(&self, body: usize) -> &[Vector3<f64>] {
         &self.bodies[body].start.positions
     }
 
-    /// Node positions of a body at rest [m].
+    /// Node positions of a body at rest \[m\].
     pub fn rest_positions(&self, body: usize) -> &[Vector3<f64>] {
         self.bodies[body].model.rest_positions()
     }
 
-    /// Node velocities of a body [m/s]: at the end of its last step, with Störmer–Verlet in its middle.
+    /// Node velocities of a body \[m/s\]: at the end of its last step, with Störmer–Verlet in its middle.
     pub fn velocities(&self, body: usize) -> &[Vector3<f64>] {
         &self.state.bodies[body].velocities
     }
@@ -382,7 +382,7 @@ impl Scene {
         self.bodies[body].tally
     }
 
-    /// Rest volume [m³] and mass [kg] of a body before any cut.
+    /// Rest volume \[m³\] and mass \[kg\] of a body before any cut.
     pub fn uncut(&self, body: usize) -> (f64, f64) {
         let uncut = self.uncut.as_deref().map(|(bodies, _)| &bodies[body]);
         let model = &uncut.unwrap_or(&self.bodies[body]).model;
@@ -397,7 +397,7 @@ impl Scene {
         self.bodies[body].mesh.generation
     }
 
-    /// Node masses of a body [kg].
+    /// Node masses of a body \[kg\].
     pub fn masses(&self, body: usize) -> &[f64] {
         self.bodies[body].model.masses()
     }
@@ -415,7 +415,7 @@ impl Scene {
         self.bodies[body].mesh.tets.len()
     }
 
-    /// Volume of a body [m³].
+    /// Volume of a body \[m³\].
     pub fn volume(&self, body: usize) -> f64 {
         let positions = self.positions(body);
         self.tets(body)
@@ -427,12 +427,12 @@ impl Scene {
             .sum()
     }
 
-    /// Energy of a body by kind [J].
+    /// Energy of a body by kind \[J\].
     pub fn energies(&self, body: usize) -> Energies {
         self.state.bodies[body].energies(&self.bodies[body].model)
     }
 
-    /// Elastic and viscous force, weight and loads at each node of a body [N]; at a clamped node it is what the clamp holds.
+    /// Elastic and viscous force, weight and loads at each node of a body \[N\]; at a clamped node it is what the clamp holds.
     pub fn forces(&self, body: usize) -> Vec<Vector3<f64>> {
         let of = &self.bodies[body];
         let control = of.drive.control(&self.gravity, self.state.time);
@@ -448,12 +448,12 @@ impl Scene {
         select::nodes(&of.mesh, &of.origin, selection)
     }
 
-    /// Origin of a body's frame in the world [m]; its axes are the world's.
+    /// Origin of a body's frame in the world \[m\]; its axes are the world's.
     pub fn origin(&self, body: usize) -> Vector3<f64> {
         self.bodies[body].origin
     }
 
-    /// Acceleration of gravity [m/s²].
+    /// Acceleration of gravity \[m/s²\].
     pub fn gravity(&self) -> Vector3<f64> {
         self.gravity
     }
@@ -484,12 +484,12 @@ impl Scene {
         &self.method
     }
 
-    /// Mean edge length of a body at rest [m]: its characteristic length.
+    /// Mean edge length of a body at rest \[m\]: its characteristic length.
     pub fn mean_edge_length(&self, body: usize) -> f64 {
         self.bodies[body].model.mean_edge_length()
     }
 
-    /// Longest step [s] that a body allows, safety factor included; infinite for a method without a limit.
+    /// Longest step \[s\] that a body allows, safety factor included; infinite for a method without a limit.
     pub fn stable_step(&self, body: usize) -> f64 {
         self.state.stable_steps[body]
     }
@@ -604,7 +604,7 @@ impl Body {
     }
 }
 
-/// The longest step [s] with safety factor of a method on a body with the internal variables of `state`, its nodes at rest;
+/// The longest step \[s\] with safety factor of a method on a body with the internal variables of `state`, its nodes at rest;
 /// infinite for a method without a limit, 0 for one that is never stable.
 fn stable_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
     if !method.is_explicit() {
@@ -620,7 +620,7 @@ fn stable_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
     step.min(stability::SAFETY * stability::limit(method, lambda, model.drag()))
 }
 
-/// Energy of a body stretched by 1 % along x [J], and the modulus that it has by that times the square of an edge [N].
+/// Energy of a body stretched by 1 % along x \[J\], and the modulus that it has by that times the square of an edge \[N\].
 fn scales(model: &TissueModel) -> (f64, f64) {
     const STRAIN: f64 = 0.01;
     let mut state = State::at_rest(model);

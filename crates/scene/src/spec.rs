@@ -18,7 +18,7 @@ pub struct SceneSpec {
     pub contacts: Vec<ContactSpec>,
     /// What cuts what. Nothing else is ever cut.
     pub cuts: Vec<CutSpec>,
-    /// Acceleration of gravity in the world [m/s²].
+    /// Acceleration of gravity in the world \[m/s²\].
     pub gravity: [f64; 3],
     /// How the bodies are advanced.
     pub method: Method,
@@ -34,13 +34,13 @@ pub struct BodySpec {
     pub name: String,
     /// Its mesh in the world at rest.
     pub mesh: TetMesh,
-    /// Origin of the body's frame in the world [m]; its axes are the world's.
+    /// Origin of the body's frame in the world \[m\]; its axes are the world's.
     pub origin: [f64; 3],
     /// What each region of the mesh is made of.
     pub materials: Vec<(u32, Material)>,
-    /// Drag per mass c of dv/dt = −c v [1/s], ≥ 0.
+    /// Drag per mass c of dv/dt = −c v \[1/s\], ≥ 0.
     pub drag: f64,
-    /// Force per length of a perfectly sharp edge that cuts it [N/m]; infinite for tissue that no single edge cuts.
+    /// Force per length of a perfectly sharp edge that cuts it \[N/m\]; infinite for tissue that no single edge cuts.
     pub toughness: f64,
     /// From 0 to 1: how early jaws pinch it off.
     pub brittleness: f64,
@@ -67,14 +67,14 @@ pub enum Selection {
     Box(BoxSpec),
     /// Those whose distance from an axis is in a range.
     Shell {
-        /// A point of the axis [m].
+        /// A point of the axis \[m\].
         point: [f64; 3],
         /// Direction of the axis, not zero.
         axis: [f64; 3],
-        /// Smallest and largest distance [m].
+        /// Smallest and largest distance \[m\].
         radius: [f64; 2],
     },
-    /// The one that is nearest to a point [m]; of several the first.
+    /// The one that is nearest to a point \[m\]; of several the first.
     Nearest([f64; 3]),
 }
 
@@ -85,14 +85,14 @@ pub struct ClampSpec {
     pub nodes: Selection,
     /// How they are moved; `None` for a clamp that stands.
     pub motion: Option<MotionSpec>,
-    /// When it lets go [s]; `None` for never.
+    /// When it lets go \[s\]; `None` for never.
     pub release: Option<f64>,
 }
 
 /// A rigid motion given by its values at some times; between them it is interpolated linearly, after the last it stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionSpec {
-    /// A point of the axis of rotation at rest, in the body's frame [m].
+    /// A point of the axis of rotation at rest, in the body's frame \[m\].
     pub pivot: [f64; 3],
     /// Axis of rotation; not zero.
     pub axis: [f64; 3],
@@ -103,31 +103,31 @@ pub struct MotionSpec {
 /// A value of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionKey {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
-    /// Translation [m].
+    /// Translation \[m\].
     pub shift: [f64; 3],
-    /// Right-handed angle about the axis [rad].
+    /// Right-handed angle about the axis \[rad\].
     pub angle: f64,
 }
 
-/// A load on part of the surface of a body. It grows linearly from 0 to its full value during `ramp` [s].
+/// A load on part of the surface of a body. It grows linearly from 0 to its full value during `ramp` \[s\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadSpec {
     /// The surface: all triangles of which every node is selected.
     pub surface: Selection,
     /// What acts on it.
     pub kind: LoadKind,
-    /// Time to the full value [s]; 0 for a load that is there from the start.
+    /// Time to the full value \[s\]; 0 for a load that is there from the start.
     pub ramp: f64,
 }
 
 /// What acts on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadKind {
-    /// A pressure against the outward normal of the deformed surface [Pa].
+    /// A pressure against the outward normal of the deformed surface \[Pa\].
     Pressure(f64),
-    /// A force per area at rest that keeps its direction [Pa].
+    /// A force per area at rest that keeps its direction \[Pa\].
     Traction([f64; 3]),
 }
 
@@ -138,9 +138,9 @@ pub struct CouplingSpec {
     pub from: u32,
     /// Region to whose surface they are coupled.
     pub to: u32,
-    /// Stiffness per area [N/m³], > 0.
+    /// Stiffness per area \[N/m³\], > 0.
     pub stiffness: f64,
-    /// Distance at which a node tears off [m]; infinite for never.
+    /// Distance at which a node tears off \[m\]; infinite for never.
     pub break_distance: f64,
 }
 
@@ -151,20 +151,20 @@ pub struct StartSpec {
     pub nodes: Selection,
     /// Rows of the matrix.
     pub matrix: [[f64; 3]; 3],
-    /// Fixed point of the matrix, in the body's frame [m].
+    /// Fixed point of the matrix, in the body's frame \[m\].
     pub pivot: [f64; 3],
-    /// Translation [m].
+    /// Translation \[m\].
     pub shift: [f64; 3],
-    /// Velocity [m/s].
+    /// Velocity \[m/s\].
     pub velocity: [f64; 3],
 }
 
 /// A box parallel to the axes; its boundary belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxSpec {
-    /// Smallest coordinates [m].
+    /// Smallest coordinates \[m\].
     pub min: [f64; 3],
-    /// Largest coordinates [m], none smaller than in `min`.
+    /// Largest coordinates \[m\], none smaller than in `min`.
     pub max: [f64; 3],
 }
 
@@ -185,7 +185,7 @@ pub struct ToolSpec {
 /// turn; before the first and after the last key it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolKeySpec {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
     /// `world_from_tool`.
     pub pose: Pose,
@@ -196,11 +196,11 @@ pub struct ToolKeySpec {
 /// A part of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapsuleSpec {
-    /// First end of the axis in the tool's frame, tool closed [m].
+    /// First end of the axis in the tool's frame, tool closed \[m\].
     pub a: [f64; 3],
-    /// Second end of the axis in the tool's frame, tool closed [m].
+    /// Second end of the axis in the tool's frame, tool closed \[m\].
     pub b: [f64; 3],
-    /// Radius [m], > 0.
+    /// Radius \[m\], > 0.
     pub radius: f64,
     /// How the part moves when the tool opens; `None` for a rigid part.
     pub hinge: Option<HingeSpec>,
@@ -239,7 +239,7 @@ pub struct ContactSpec {
     pub with: PartnerSpec,
     /// Coefficient of Coulomb friction, ≥ 0.
     pub friction: f64,
-    /// Size of the force from which on time is counted [N]; infinite for never.
+    /// Size of the force from which on time is counted \[N\]; infinite for never.
     pub force_limit: f64,
 }
 
@@ -285,10 +285,10 @@ impl PartnerSpec {
 /// The hinge of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HingeSpec {
-    /// A point of the hinge's axis in the tool's frame [m].
+    /// A point of the hinge's axis in the tool's frame \[m\].
     pub pivot: [f64; 3],
     /// Direction of the axis in the tool's frame; not zero.
     pub axis: [f64; 3],
-    /// Right-handed angle about the axis per unit of opening [rad].
+    /// Right-handed angle about the axis per unit of opening \[rad\].
     pub angle: f64,
 }

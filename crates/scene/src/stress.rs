@@ -5,7 +5,7 @@ use microsim_mesh::TetMesh;
 use microsim_tissue::{Behaviour, ContinuumConstants};
 use nalgebra::{Matrix3, Vector3};
 
-/// Von Mises stress of each element of `mesh`, that of the body as it is now, with its nodes at `positions` [m], in pascals: √(3/2 s:s) of the elastic Cauchy stress
+/// Von Mises stress of each element of `mesh`, that of the body as it is now, with its nodes at `positions` \[m\], in pascals: √(3/2 s:s) of the elastic Cauchy stress
 /// σ = P Fᵀ/J with deviator s. 0 in regions that are no continuum and in elements without
 /// volume or inverted; `None` for a body without any.
 ///

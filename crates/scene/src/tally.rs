@@ -15,9 +15,9 @@ const OLD_OVERLAP: f64 = 1e-2;
 /// What one pair sums up over a tick. Forces are those on the pair's body.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
-    /// Σ F h [N·s].
+    /// Σ F h \[N·s\].
     impulse: Vector3<f64>,
-    /// Σ |F| h [N·s].
+    /// Σ |F| h \[N·s\].
     impulse_size: f64,
     peak: f64,
     /// Σ |F_i| h p_i and Σ |F_i| h over the contacts.
@@ -26,9 +26,9 @@ pub(crate) struct Tally {
     last_point: Vector3<f64>,
     max_depth: f64,
     nodes: BTreeSet<u32>,
-    /// Time with a force above the limit [s].
+    /// Time with a force above the limit \[s\].
     over_limit: f64,
-    /// Σ λ h over all contacts, and over those that stick [N·s].
+    /// Σ λ h over all contacts, and over those that stick \[N·s\].
     normal_impulse: f64,
     stick_impulse: f64,
     jaws: [JawTally; 2],
@@ -42,11 +42,11 @@ pub(crate) struct Tally {
 /// What one jaw sums up over a tick.
 #[derive(Clone, Copy, Debug, Default)]
 struct JawTally {
-    /// Σ λ h [N·s].
+    /// Σ λ h \[N·s\].
     impulse: f64,
-    /// Σ λ n h: how it pushes the tissue, without friction [N·s].
+    /// Σ λ n h: how it pushes the tissue, without friction \[N·s\].
     push: Vector3<f64>,
-    /// Σ A h [m²·s].
+    /// Σ A h \[m²·s\].
     area: f64,
 }
 
@@ -59,15 +59,15 @@ fn squeeze([left, right]: [Vector3<f64>; 2], axis: Vector3<f64>) -> f64 {
 /// What contact did to the bodies of a group in a step, for containment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Work {
-    /// Of tools and other bodies, each contact counted positive [J].
+    /// Of tools and other bodies, each contact counted positive \[J\].
     pub work: f64,
     /// Whether an old overlap was undone.
     pub overlap_undone: bool,
-    /// The largest force at a point of contact [N].
+    /// The largest force at a point of contact \[N\].
     pub pressure: f64,
 }
 
-/// Sums up the contacts that a step of `h` [s] of a group ended with; `end` are the positions after it [m]. `works` has an entry
+/// Sums up the contacts that a step of `h` \[s\] of a group ended with; `end` are the positions after it \[m\]. `works` has an entry
 /// per member of the group.
 #[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
 pub(crate) fn sum_up(
@@ -193,7 +193,7 @@ impl Tally {
         self.areas.clear();
     }
 
-    /// The report of a tick of `tick_s` [s]; `None` of a pair that did not touch.
+    /// The report of a tick of `tick_s` \[s\]; `None` of a pair that did not touch.
     fn report(
         &self,
         index: usize,
@@ -254,7 +254,7 @@ impl Tally {
 }
 
 impl Scene {
-    /// The reports of the pairs that touched in a tick of `tick_s` [s], in which the tools moved so.
+    /// The reports of the pairs that touched in a tick of `tick_s` \[s\], in which the tools moved so.
     pub(crate) fn contact_reports(
         &self,
         tallies: &[Tally],

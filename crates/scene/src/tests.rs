@@ -86,7 +86,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
     }
 }
 
-/// The probe's axis end at `depth` [m] of its lowest point below the top of the strip at rest, a little off any symmetry.
+/// The probe's axis end at `depth` \[m\] of its lowest point below the top of the strip at rest, a little off any symmetry.
 fn pose(depth: f64) -> Pose {
     Pose {
         position: Vector3::new(0.13e-3, 0.07e-3, TOP + RADIUS - depth),

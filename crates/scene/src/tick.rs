@@ -27,7 +27,7 @@ const MAX_SUBSTEPS: u32 = 256;
 const TRIES: [u32; 4] = [1, 2, 4, 8];
 
 impl Scene {
-    /// Advances by one tick of `tick_s` [s] in `steps` solver's steps, divided further where a tool is fast.
+    /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
     /// diverges the tick is repeated from its start with shorter steps, and the report says so; when that does not help the

@@ -58,7 +58,7 @@ pub(crate) struct Line {
     pub capsule: u32,
     pub a: Vector3<f64>,
     pub b: Vector3<f64>,
-    /// Of the capsule [m].
+    /// Of the capsule \[m\].
     pub radius: f64,
     /// Where a single blade is sharp, of length 1.
     pub edge: Option<Vector3<f64>>,
@@ -146,7 +146,7 @@ impl Tool {
         self.parts.get(capsule as usize).and_then(|part| part.jaw)
     }
 
-    /// Its own pose and opening at `time` [s].
+    /// Its own pose and opening at `time` \[s\].
     pub fn own_place(&self, time: f64) -> Option<(Pose, f64)> {
         let next = self.motion.partition_point(|key| key.time <= time);
         let before = next.checked_sub(1).map(|index| &self.motion[index]);
@@ -206,7 +206,7 @@ impl Tool {
             .collect()
     }
 
-    /// An upper bound of the way of any axis point during a motion [m]: translation, rotation about the tool's origin,
+    /// An upper bound of the way of any axis point during a motion \[m\]: translation, rotation about the tool's origin,
     /// and hinges.
     pub fn travel(&self, motion: &ToolMotion) -> f64 {
         let translation = (motion.to.position - motion.from.position).norm();
@@ -228,7 +228,7 @@ impl Tool {
         travel
     }
 
-    /// The thinnest part's radius [m].
+    /// The thinnest part's radius \[m\].
     pub fn smallest_radius(&self) -> f64 {
         self.parts
             .iter()
@@ -274,7 +274,7 @@ impl Part {
         }
     }
 
-    /// Distance of the further end of the axis from `point` [m].
+    /// Distance of the further end of the axis from `point` \[m\].
     fn reach(&self, point: &Vector3<f64>) -> f64 {
         (self.capsule.a - point)
             .norm()

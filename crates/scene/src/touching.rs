@@ -33,9 +33,9 @@ pub(crate) struct ContactMemory {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Remembered {
     pub key: Key,
-    /// Along the normal [N].
+    /// Along the normal \[N\].
     pub pressure: f64,
-    /// Across it [N].
+    /// Across it \[N\].
     pub traction: Vector3<f64>,
 }
 
@@ -124,7 +124,7 @@ pub(crate) struct GroupTouching {
     tools_only: bool,
     reach: f64,
     overlap_per_step: f64,
-    /// Positions before the step [m].
+    /// Positions before the step \[m\].
     pub start: Vec<Vector3<f64>>,
     /// The points of the last search.
     pub points: Vec<Point>,
@@ -292,7 +292,7 @@ impl GroupTouching {
         self.pair_of.get(&(key.body, whole(key.partner))).copied()
     }
 
-    /// The source of contacts for a step that begins at `start` [m].
+    /// The source of contacts for a step that begins at `start` \[m\].
     pub fn source<'a>(
         &'a mut self,
         start: &[Vector3<f64>],

@@ -54,7 +54,7 @@ impl Tray {
         (0..2).all(|k| inner[k].abs() <= self.half_size[k]) && inner.z >= -self.half_size[2]
     }
 
-    /// A point of the field in its own frame [m].
+    /// A point of the field in its own frame \[m\].
     fn inner(&self, point: [f64; 3]) -> Vector3<f64> {
         self.pose.orientation.inverse() * (Vector3::from(point) - self.pose.position)
     }

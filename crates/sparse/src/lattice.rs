@@ -23,7 +23,7 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// A lattice through `positions` [m] with cells of about `spacing` [m], a whole number of them along each side of the box.
+    /// A lattice through `positions` \[m\] with cells of about `spacing` \[m\], a whole number of them along each side of the box.
     ///
     /// # Panics
     /// When `spacing` is not positive: meshes are validated before they get here.
@@ -80,7 +80,7 @@ impl Lattice {
         self.count
     }
 
-    /// Where the points are [m].
+    /// Where the points are \[m\].
     pub fn positions(&self) -> &[Vector3<f64>] {
         &self.positions
     }

@@ -69,7 +69,7 @@ pub struct LinearSolver {
 }
 
 impl LinearSolver {
-    /// Analyses the pattern; `positions` [m] are those of its nodes.
+    /// Analyses the pattern; `positions` \[m\] are those of its nodes.
     pub fn new(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Self {
         let symbolic = analyse(pattern, positions);
         let origin = first_way(&symbolic, pattern);
@@ -403,7 +403,7 @@ fn two_level(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> TwoLevel {
     TwoLevel::new(pattern, Lattice::new(positions, spacing))
 }
 
-/// The mean distance of nodes [m]: the edge of the cubes that fill as much as the nodes do, were they the corners of cells of six
+/// The mean distance of nodes \[m\]: the edge of the cubes that fill as much as the nodes do, were they the corners of cells of six
 /// tetrahedra. Distances of coupled nodes are those of 3 edges, 3 diagonals of faces and 1 of the cube.
 fn distance(pattern: &Pattern, positions: &[Vector3<f64>]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);

@@ -53,7 +53,7 @@ pub enum Extent {
 }
 
 impl Atlas {
-    /// Measures everything. `clock` tells CPU time [s]; `progress` is told what is being done.
+    /// Measures everything. `clock` tells CPU time \[s\]; `progress` is told what is being done.
     pub fn make(extent: Extent, clock: &dyn Fn() -> f64, progress: &mut dyn FnMut(&str)) -> Self {
         let mut atlas = Self::default();
         let (substances, variations) = match extent {

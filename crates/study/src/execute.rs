@@ -10,7 +10,7 @@ use microsim_scene::{End, Executor, Runner, Scene, SceneSpec};
 use microsim_settings::{self as settings, Chart, ChartScene, ExactKind};
 use microsim_tissue::stability;
 
-/// Runs shorter than this are repeated, and the fastest counts [s].
+/// Runs shorter than this are repeated, and the fastest counts \[s\].
 const SHORT: f64 = 0.05;
 /// How often a short run is made.
 const REPETITIONS: usize = 3;
@@ -37,11 +37,11 @@ pub struct Context<'a> {
     pub chart: &'a Chart,
     /// Loads scenes.
     pub load: &'a LoadScene<'a>,
-    /// CPU time of this thread [s].
+    /// CPU time of this thread \[s\].
     pub clock: &'a dyn Fn() -> f64,
-    /// CPU time allowed for a run [s].
+    /// CPU time allowed for a run \[s\].
     pub budget: f64,
-    /// Time that is left for everything [s]; infinite without a limit.
+    /// Time that is left for everything \[s\]; infinite without a limit.
     pub remaining: &'a dyn Fn() -> f64,
     /// Runs parallel loops.
     pub exec: &'a dyn Executor,
@@ -274,7 +274,7 @@ pub(crate) fn ready(
     })
 }
 
-/// The estimated stability limit of a scene [s], without a safety factor; infinite for a method without one.
+/// The estimated stability limit of a scene \[s\], without a safety factor; infinite for a method without one.
 pub(crate) fn stability_limit(scene: &Scene) -> f64 {
     let steps = (0..scene.body_count()).map(|body| scene.stable_step(body));
     steps.fold(f64::INFINITY, f64::min) / stability::SAFETY
@@ -325,7 +325,7 @@ pub(crate) struct Outcome {
     pub iterations: Option<f64>,
 }
 
-/// Runs to the end or to the end of the budget [s].
+/// Runs to the end or to the end of the budget \[s\].
 pub(crate) fn advance(context: &Context<'_>, prepared: Prepared, budget: f64) -> Outcome {
     let budget = budget.min((context.remaining)());
     let mut best: Option<Outcome> = None;

@@ -30,7 +30,7 @@ pub struct RunKey {
 /// The step of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlannedStep {
-    /// [s]
+    /// \[s\]
     Seconds(f64),
     /// Share of the estimated stability limit.
     Share(f64),

@@ -21,16 +21,16 @@ impl Against {
 pub enum Status {
     /// It came to its end.
     Ok,
-    /// It diverged at this simulated time [s].
+    /// It diverged at this simulated time \[s\].
     Diverged {
-        /// Simulated time [s].
+        /// Simulated time \[s\].
         time: f64,
         /// How.
         reason: String,
     },
-    /// It was cut off at this simulated time [s].
+    /// It was cut off at this simulated time \[s\].
     OverBudget {
-        /// Simulated time [s].
+        /// Simulated time \[s\].
         time: f64,
     },
     /// The method or the material cannot be used here.
@@ -85,7 +85,7 @@ impl Measured {
 pub struct Row {
     /// What was run.
     pub key: RunKey,
-    /// Step of the solver [s]; NaN if the scene could not be built.
+    /// Step of the solver \[s\]; NaN if the scene could not be built.
     pub step: f64,
     /// Largest number of iterations in a step, where the plan sets it.
     pub iteration_limit: Option<u32>,
@@ -97,9 +97,9 @@ pub struct Row {
     pub measures: Vec<Measured>,
     /// Energy gained over the run as a share of the largest kinetic energy, where the energy should stay.
     pub energy_drift: Option<f64>,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub simulated: f64,
-    /// CPU time [s].
+    /// CPU time \[s\].
     pub cpu: f64,
     /// Mean number of iterations in a step.
     pub iterations: Option<f64>,

@@ -22,7 +22,7 @@ use std::fmt::Write;
 const FACTORS: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 8.0];
 /// Methods without a stability limit must work at this multiple of the step.
 const IMPLICIT_FACTOR: f64 = 2.0;
-/// CPU time per tetrahedron that an explicit step takes at least: half of the least in `tests/results/bench_kernels.md` [s].
+/// CPU time per tetrahedron that an explicit step takes at least: half of the least in `tests/results/bench_kernels.md` \[s\].
 const LEAST: f64 = 5e-9;
 /// A new run must be cheaper than the best one by this share: less is noise.
 const NOISE: f64 = 0.05;
@@ -51,7 +51,7 @@ pub struct Trial {
     pub overrides: Vec<String>,
     /// Name of the method in files.
     pub method: String,
-    /// Step [s].
+    /// Step \[s\].
     pub step: f64,
     /// Number of tetrahedra.
     pub elements: usize,

@@ -1,7 +1,7 @@
 //! What it takes a model to follow a cut of about 60 elements, against the size of the body, part by part; and what it takes an implicit
 //! method to begin anew, stage by stage.
 //!
-//! `cargo run --release -p microsim-tissue --example edit_time [MATERIAL]` prints two tables of CPU times of one core [µs].
+//! `cargo run --release -p microsim-tissue --example edit_time [MATERIAL]` prints two tables of CPU times of one core \[µs\].
 
 use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology};
 use microsim_mesh::{Block, CellSplit, TetMesh};
@@ -277,7 +277,7 @@ fn fastest(mut work: impl FnMut()) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// CPU time of this thread in a piece of work [µs].
+/// CPU time of this thread in a piece of work \[µs\].
 fn micros(work: impl FnOnce()) -> f64 {
     let now = || {
         let time = clock_gettime(ClockId::ThreadCPUTime);

@@ -19,20 +19,20 @@ pub struct Contact {
     pub first: u8,
     /// Unit normal, from the other side to the first.
     pub normal: Vector3<f64>,
-    /// o [m].
+    /// o \[m\].
     pub offset: f64,
-    /// The gap to be kept [m]: 0, or below it where an old overlap is only to be undone in part in this step.
+    /// The gap to be kept \[m\]: 0, or below it where an old overlap is only to be undone in part in this step.
     pub floor: f64,
-    /// The gap at the start of the step [m], for the same nodes, weights and normal; below 0 for an old overlap, whose undoing leaves
+    /// The gap at the start of the step \[m\], for the same nodes, weights and normal; below 0 for an old overlap, whose undoing leaves
     /// no velocity and counts in no force.
     pub start_gap: f64,
     /// μ, ≥ 0.
     pub friction: f64,
-    /// How far a rigid other side moves at the point from the start of the step to the time the contact was found for [m].
+    /// How far a rigid other side moves at the point from the start of the step to the time the contact was found for \[m\].
     pub drift: Vector3<f64>,
-    /// λ [N], ≥ 0: on entry a guess (that of the last step), on exit what the solver found.
+    /// λ \[N\], ≥ 0: on entry a guess (that of the last step), on exit what the solver found.
     pub pressure: f64,
-    /// t on the first side [N], across the normal: on entry that of the end of the last step, on exit what the solver found.
+    /// t on the first side \[N\], across the normal: on entry that of the end of the last step, on exit what the solver found.
     pub traction: Vector3<f64>,
     /// Whether the sides slide, as the solver found: t is all that friction holds, which it may have bounded with a λ from before its last
     /// iterations. Where nothing holds they do.
@@ -59,7 +59,7 @@ impl Contact {
         }
     }
 
-    /// The gap at `positions` [m].
+    /// The gap at `positions` \[m\].
     pub fn gap(&self, positions: &[Vector3<f64>]) -> f64 {
         self.normal.dot(&self.blend(positions)) - self.offset
     }
@@ -80,7 +80,7 @@ impl Contact {
         others.find(|(_, w)| **w != 0.0).map(|(node, _)| *node)
     }
 
-    /// The force on the first side [N].
+    /// The force on the first side \[N\].
     pub fn force(&self) -> Vector3<f64> {
         self.normal * self.pressure + self.traction
     }
@@ -88,7 +88,7 @@ impl Contact {
 
 /// Where contacts come from.
 pub trait ContactSource {
-    /// Finds the contacts near `positions` [m], linearised there, with what is rigid at the share `way` (0..1] of the step.
+    /// Finds the contacts near `positions` \[m\], linearised there, with what is rigid at the share `way` (0..1] of the step.
     ///
     /// On entry `contacts` holds those found before in this step, with what the solver made of them; on exit the new ones, in an
     /// order that depends on the geometry alone, with the last [`pressure`](Contact::pressure) of each and its

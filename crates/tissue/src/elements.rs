@@ -41,9 +41,9 @@ use std::sync::Arc;
 /// Where a body is, as its elements see it.
 #[derive(Clone, Copy, Debug)]
 pub struct Configuration<'a> {
-    /// Node positions [m].
+    /// Node positions \[m\].
     pub positions: &'a [Vector3<f64>],
-    /// Node velocities [m/s].
+    /// Node velocities \[m/s\].
     pub velocities: &'a [Vector3<f64>],
     /// The internal variables of this set (plasticity); empty for a set without any.
     pub internal: &'a [f64],
@@ -89,13 +89,13 @@ pub trait Elements: Any + Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Energy of all elements [J], summed in ascending order.
+    /// Energy of all elements \[J\], summed in ascending order.
     fn energy(&self, at: &Configuration<'_>) -> f64;
 
-    /// Adds elastic and viscous forces −∂E/∂x − D v of the elements in `range` to `forces` [N].
+    /// Adds elastic and viscous forces −∂E/∂x − D v of the elements in `range` to `forces` \[N\].
     fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>);
 
-    /// Sets `out` to the second derivative of an element's energy by its nodes [N/m].
+    /// Sets `out` to the second derivative of an element's energy by its nodes \[N/m\].
     fn stiffness(
         &self,
         element: usize,
@@ -104,7 +104,7 @@ pub trait Elements: Any + Debug + Send + Sync {
         out: &mut ElementMatrix,
     );
 
-    /// Adds K + b·D of all elements to a matrix, in ascending order: [`stiffness`](Self::stiffness) and `damping` b [1/s] times
+    /// Adds K + b·D of all elements to a matrix, in ascending order: [`stiffness`](Self::stiffness) and `damping` b \[1/s\] times
     /// [`damping`](Self::damping).
     fn add_tangent(
         &self,
@@ -128,14 +128,14 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// Whether any element resists speed: [`damping`](Self::damping) is zero otherwise.
     fn is_viscous(&self) -> bool;
 
-    /// Sets `out` to minus the derivative of an element's viscous force by the velocities of its nodes [N·s/m]; symmetric,
+    /// Sets `out` to minus the derivative of an element's viscous force by the velocities of its nodes \[N·s/m\]; symmetric,
     /// no negative eigenvalue.
     fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix);
 
-    /// The time by which an element's damping at rest is its stiffness at rest [s].
+    /// The time by which an element's damping at rest is its stiffness at rest \[s\].
     fn relaxation_time(&self, element: usize) -> f64;
 
-    /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row [N/m].
+    /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row \[N/m\].
     fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         let matrix = rest_stiffness(self, element, rest_positions);
         let blocks = (0..matrix.nodes()).flat_map(|i| (0..matrix.nodes()).map(move |j| (i, j)));
@@ -143,7 +143,7 @@ pub trait Elements: Any + Debug + Send + Sync {
         out.extend(blocks.map(|(i, j)| matrix.block(i, j).norm()));
     }
 
-    /// Sets `out` to the traces of the blocks on the diagonal of an element's stiffness at rest, one for each node [N/m].
+    /// Sets `out` to the traces of the blocks on the diagonal of an element's stiffness at rest, one for each node \[N/m\].
     fn rest_traces(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         let matrix = rest_stiffness(self, element, rest_positions);
         out.clear();
@@ -167,7 +167,7 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// The same set with all its nodes so many further on: for a model of several bodies.
     fn shifted(&self, nodes: u32) -> Arc<dyn Elements>;
 
-    /// Lets internal variables flow for a time `h` [s]; returns whether a stiffness has grown, which may shorten the stable
+    /// Lets internal variables flow for a time `h` \[s\]; returns whether a stiffness has grown, which may shorten the stable
     /// step.
     fn flow(&self, _positions: &[Vector3<f64>], _internal: &mut [f64], _h: f64) -> bool {
         false
@@ -197,7 +197,7 @@ pub trait Elements: Any + Debug + Send + Sync {
     }
 }
 
-/// The stiffness of an element at rest [N/m].
+/// The stiffness of an element at rest \[N/m\].
 fn rest_stiffness<E: Elements + ?Sized>(
     set: &E,
     element: usize,
@@ -218,7 +218,7 @@ pub trait Constraints {
     /// Number of multipliers per element.
     fn multipliers(&self) -> usize;
 
-    /// Projects one element: moves its nodes, and updates its multipliers, for a step of `h` [s].
+    /// Projects one element: moves its nodes, and updates its multipliers, for a step of `h` \[s\].
     ///
     /// `previous` are the positions at the start of the step, for damping.
     #[expect(clippy::too_many_arguments, reason = "the parts of a state stay apart")]

@@ -3,7 +3,7 @@
 use crate::model::TissueModel;
 use crate::state::State;
 
-/// Lets the internal variables of all elements flow for `h` [s] at the state's positions; returns whether a stiffness has
+/// Lets the internal variables of all elements flow for `h` \[s\] at the state's positions; returns whether a stiffness has
 /// grown. Then the step must be checked again with [`stable_step_at`](crate::stability::stable_step_at).
 ///
 /// Solvers integrate motion alone. Whoever drives them calls this after each step, once the step is kept.

@@ -47,7 +47,7 @@ impl Forces {
         self.total.resize(model.node_count(), Vector3::zeros());
     }
 
-    /// The force on each node [N] at positions and velocities of `state`: elastic, viscous, weight and loads. Drag is not in
+    /// The force on each node \[N\] at positions and velocities of `state`: elastic, viscous, weight and loads. Drag is not in
     /// it: integrators treat it exactly. On a clamped node it is what the clamp holds.
     pub fn compute(
         &mut self,
@@ -64,7 +64,7 @@ impl Forces {
         &self.total
     }
 
-    /// The forces of the last [`compute`](Self::compute) [N].
+    /// The forces of the last [`compute`](Self::compute) \[N\].
     pub fn last(&self) -> &[Vector3<f64>] {
         &self.total
     }

@@ -30,12 +30,12 @@ const DIRECTIONS: [[f64; 3]; 13] = [
 /// A stiffness tensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectiveStiffness {
-    /// C [Pa] over strains written as 11, 22, 33, √2·23, √2·13, √2·12, in which lengths and angles of tensors are those of
+    /// C \[Pa\] over strains written as 11, 22, 33, √2·23, √2·13, √2·12, in which lengths and angles of tensors are those of
     /// vectors.
     pub tensor: SMatrix<f64, 6, 6>,
 }
 
-/// The stiffness of the elements of `sets`, which fill `volume` [m³], at these rest positions.
+/// The stiffness of the elements of `sets`, which fill `volume` \[m³\], at these rest positions.
 pub fn homogenise(
     positions: &[Vector3<f64>],
     sets: &[Arc<dyn Elements>],
@@ -98,7 +98,7 @@ fn dyad(direction: &Vector3<f64>) -> Vector6 {
 }
 
 impl EffectiveStiffness {
-    /// Bulk and shear modulus of the mean over all directions [Pa].
+    /// Bulk and shear modulus of the mean over all directions \[Pa\].
     fn bulk_and_shear(&self) -> (f64, f64) {
         let nine_bulk = self.tensor.fixed_view::<3, 3>(0, 0).sum();
         (
@@ -107,7 +107,7 @@ impl EffectiveStiffness {
         )
     }
 
-    /// Young's modulus [Pa] and Poisson's ratio of the mean over all directions.
+    /// Young's modulus \[Pa\] and Poisson's ratio of the mean over all directions.
     pub fn isotropic(&self) -> (f64, f64) {
         let (bulk, shear) = self.bulk_and_shear();
         let sum = 3.0 * bulk + shear;
@@ -127,7 +127,7 @@ impl EffectiveStiffness {
         rest.norm() / self.tensor.norm()
     }
 
-    /// Young's modulus for stretch along `direction` [Pa], and Poisson's ratio for the contraction along `across`; both 0 for a
+    /// Young's modulus for stretch along `direction` \[Pa\], and Poisson's ratio for the contraction along `across`; both 0 for a
     /// body that does not resist every strain.
     pub fn along(&self, direction: &Vector3<f64>, across: &Vector3<f64>) -> (f64, f64) {
         let along = dyad(direction);
@@ -141,7 +141,7 @@ impl EffectiveStiffness {
         }
     }
 
-    /// The largest |E(n)/E − 1| over 13 directions n, E = `young` [Pa].
+    /// The largest |E(n)/E − 1| over 13 directions n, E = `young` \[Pa\].
     pub fn error(&self, young: f64) -> f64 {
         let error = |n: [f64; 3]| {
             let n = Vector3::from(n);

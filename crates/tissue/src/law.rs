@@ -35,14 +35,14 @@ pub type Matrix9 = SMatrix<f64, 9, 9>;
 /// Lamé's constants of linear elasticity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lame {
-    /// Shear modulus μ [Pa].
+    /// Shear modulus μ \[Pa\].
     pub mu: f64,
-    /// λ [Pa].
+    /// λ \[Pa\].
     pub lambda: f64,
 }
 
 impl Lame {
-    /// From Young's modulus [Pa] and Poisson's ratio, both already checked.
+    /// From Young's modulus \[Pa\] and Poisson's ratio, both already checked.
     pub fn from_young_poisson(young: f64, poisson: f64) -> Self {
         Self {
             mu: young / (2.0 * (1.0 + poisson)),
@@ -60,30 +60,30 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// as two constraints with compliance.
     const IS_SUM_OF_SQUARES: bool = false;
 
-    /// Energy density Ψ(F) [J/m³], Ψ(1) = 0.
+    /// Energy density Ψ(F) \[J/m³\], Ψ(1) = 0.
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64;
 
-    /// First Piola–Kirchhoff stress P = ∂Ψ/∂F [Pa].
+    /// First Piola–Kirchhoff stress P = ∂Ψ/∂F \[Pa\].
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64>;
 
-    /// b' [Pa] of four F at once from det F, for a law of the form Ψ = μ/2 tr FᵀF + b(det F) whose forces are to be computed by areas:
+    /// b' \[Pa\] of four F at once from det F, for a law of the form Ψ = μ/2 tr FᵀF + b(det F) whose forces are to be computed by areas:
     /// half the arithmetic, other roundings.
     #[inline(always)]
     fn slope_of_four(_j: Lanes, _lame: &Lame) -> Option<Lanes> {
         None
     }
 
-    /// ∂P/∂F [Pa].
+    /// ∂P/∂F \[Pa\].
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9;
 
-    /// The nearest ∂P/∂F without negative eigenvalues [Pa] at a decomposed F.
+    /// The nearest ∂P/∂F without negative eigenvalues \[Pa\] at a decomposed F.
     fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
         Self::principal_tangent(&f.stretches, lame)
             .positive()
             .rotated(f)
     }
 
-    /// ∂P/∂F [Pa] at F = diag(`stretches`).
+    /// ∂P/∂F \[Pa\] at F = diag(`stretches`).
     fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
         PrincipalTangent::from_tangent(&Self::tangent(&Matrix3::from_diagonal(stretches), lame))
     }

@@ -21,10 +21,10 @@ use std::sync::Arc;
 /// A material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Density [kg/m³], > 0.
+    /// Density \[kg/m³\], > 0.
     pub density: f64,
-    /// Time τ of Kelvin–Voigt damping [s], ≥ 0: the stress of a strain rate ε̇ is that of the strain τ ε̇. For a viscosity η
-    /// [Pa·s] in uniaxial stretch τ = η/E.
+    /// Time τ of Kelvin–Voigt damping \[s\], ≥ 0: the stress of a strain rate ε̇ is that of the strain τ ε̇. For a viscosity η
+    /// \[Pa·s\] in uniaxial stretch τ = η/E.
     pub relaxation_time: f64,
     /// How it resists deformation.
     pub behaviour: Behaviour,
@@ -124,7 +124,7 @@ impl Material {
     }
 }
 
-/// The model of a body: each region of `mesh` made of its material, `clamped[i]` fixes node `i`, `drag` per mass [1/s].
+/// The model of a body: each region of `mesh` made of its material, `clamped[i]` fixes node `i`, `drag` per mass \[1/s\].
 /// `more` are sets of elements that no region holds, such as couplings.
 pub fn build_model(
     mesh: &TetMesh,

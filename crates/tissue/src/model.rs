@@ -31,7 +31,7 @@ pub struct TissueModel {
     /// What makes the first sets; the others are made of no material.
     pub(crate) made_of: Vec<material::Part>,
     pub(crate) internal: Vec<Range<usize>>,
-    /// Drag per mass [1/s] of runs of nodes, in order.
+    /// Drag per mass \[1/s\] of runs of nodes, in order.
     pub(crate) drags: Vec<(Range<usize>, f64)>,
     pub(crate) mean_edge_length: f64,
     pub(crate) parts: Vec<Part>,
@@ -39,13 +39,13 @@ pub struct TissueModel {
     pub(crate) index: IndexCell,
     rate_bound: OnceLock<f64>,
     pub(crate) components: OnceLock<Arc<Components>>,
-    /// S_i of stiffness [N/m] and damping [N·s/m] at rest (NUMERICS 3.2); edits keep them up to date.
+    /// S_i of stiffness \[N/m\] and damping \[N·s/m\] at rest (NUMERICS 3.2); edits keep them up to date.
     pub(crate) row_sums: OnceLock<Vec<RowSums>>,
 }
 
 impl TissueModel {
-    /// The model of `mesh` held together by `sets`. `densities` [kg/m³] are those of the elements, `clamped[i]` fixes node `i`
-    /// in space, `drag` [1/s] is the drag per mass.
+    /// The model of `mesh` held together by `sets`. `densities` \[kg/m³\] are those of the elements, `clamped[i]` fixes node `i`
+    /// in space, `drag` \[1/s\] is the drag per mass.
     pub fn new(
         mesh: &TetMesh,
         densities: &[f64],
@@ -227,7 +227,7 @@ impl TissueModel {
         &self.made_of
     }
 
-    /// Density of a region [kg/m³], if a material fills it.
+    /// Density of a region \[kg/m³\], if a material fills it.
     pub(crate) fn density(&self, region: u32) -> Option<f64> {
         let part = self.made_of.iter().find(|part| part.region == region);
         part.map(|part| part.material.density)
@@ -239,7 +239,7 @@ impl TissueModel {
         follow(&mut self.parts, tets, nodes, &self.sets, placed);
     }
 
-    /// The same body with this inertia at each node [kg], ≥ 0, beyond that of its mass: that of
+    /// The same body with this inertia at each node \[kg\], ≥ 0, beyond that of its mass: that of
     /// [`stability::mass_floor`](crate::stability::mass_floor). It has no weight.
     pub fn with_added_inertia(mut self, added: Vec<f64>) -> Self {
         self.added_inertia = added;
@@ -250,7 +250,7 @@ impl TissueModel {
         self
     }
 
-    /// Makes the inertia of a node beyond that of its mass this [kg].
+    /// Makes the inertia of a node beyond that of its mass this \[kg\].
     pub(crate) fn add_inertia(&mut self, node: usize, added: f64) {
         self.added_inertia[node] = added;
         self.update_inverse_mass(node);
@@ -286,28 +286,28 @@ impl TissueModel {
         self.rest_positions.len()
     }
 
-    /// Rest positions [m].
+    /// Rest positions \[m\].
     pub fn rest_positions(&self) -> &[Vector3<f64>] {
         &self.rest_positions
     }
 
-    /// Node masses [kg], those of clamped nodes included.
+    /// Node masses \[kg\], those of clamped nodes included.
     pub fn masses(&self) -> &[f64] {
         &self.masses
     }
 
-    /// Inertia that a node has beyond that of its mass [kg]: without weight, and no part of [`masses`](Self::masses).
+    /// Inertia that a node has beyond that of its mass \[kg\]: without weight, and no part of [`masses`](Self::masses).
     pub fn added_inertia(&self) -> &[f64] {
         &self.added_inertia
     }
 
-    /// What resists acceleration at a node [kg]: its mass, and what was added.
+    /// What resists acceleration at a node \[kg\]: its mass, and what was added.
     #[inline]
     pub fn inertia(&self, node: usize) -> f64 {
         self.masses[node] + self.added_inertia[node]
     }
 
-    /// Inverse inertias as the solver sees them [1/kg]; 0 for a clamped node.
+    /// Inverse inertias as the solver sees them \[1/kg\]; 0 for a clamped node.
     pub fn inverse_masses(&self) -> &[f64] {
         &self.inverse_masses
     }
@@ -327,7 +327,7 @@ impl TissueModel {
         &self.tets
     }
 
-    /// Volume of each tetrahedron at rest [m³].
+    /// Volume of each tetrahedron at rest \[m³\].
     pub fn rest_volumes(&self) -> &[f64] {
         &self.rest_volumes
     }
@@ -342,24 +342,24 @@ impl TissueModel {
         self.internal[set].clone()
     }
 
-    /// Drag per mass [1/s]; the largest where bodies differ.
+    /// Drag per mass \[1/s\]; the largest where bodies differ.
     pub fn drag(&self) -> f64 {
         self.drags
             .iter()
             .fold(0.0, |most, (_, drag)| drag.max(most))
     }
 
-    /// Drag per mass [1/s] of runs of nodes, which are all nodes in order: one run per body.
+    /// Drag per mass \[1/s\] of runs of nodes, which are all nodes in order: one run per body.
     pub fn drags(&self) -> &[(Range<usize>, f64)] {
         &self.drags
     }
 
-    /// Mean rest length of the edges [m]: the characteristic length of the body. Edits leave it what it was at the start.
+    /// Mean rest length of the edges \[m\]: the characteristic length of the body. Edits leave it what it was at the start.
     pub fn mean_edge_length(&self) -> f64 {
         self.mean_edge_length
     }
 
-    /// A bound of λ_max at rest [1/s²], that of Gershgorin: how fast the body answers. Edits leave it what it was at the start, as the
+    /// A bound of λ_max at rest \[1/s²\], that of Gershgorin: how fast the body answers. Edits leave it what it was at the start, as the
     /// characteristic length.
     pub(crate) fn rate_bound(&self) -> f64 {
         *self

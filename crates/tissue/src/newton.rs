@@ -131,15 +131,15 @@ impl Default for Newton {
 /// One equation.
 #[derive(Clone, Debug)]
 pub(crate) struct Equation {
-    /// 1/η [1/s]; 0 in statics.
+    /// 1/η \[1/s\]; 0 in statics.
     pub rate: f64,
-    /// x̃ [m].
+    /// x̃ \[m\].
     pub base: Vec<Vector3<f64>>,
-    /// ṽ [m/s].
+    /// ṽ \[m/s\].
     pub base_velocities: Vec<Vector3<f64>>,
-    /// A force that does not depend on anything [N], for the steps of a static load; empty for none.
+    /// A force that does not depend on anything \[N\], for the steps of a static load; empty for none.
     pub extra: Vec<Vector3<f64>>,
-    /// Springs from each node to its x̃ [N/m], in statics; empty for none.
+    /// Springs from each node to its x̃ \[N/m\], in statics; empty for none.
     pub hold: Vec<f64>,
 }
 
@@ -155,7 +155,7 @@ pub(crate) struct Touch<'a> {
 /// A time in a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Since<'a> {
-    /// Positions then [m].
+    /// Positions then \[m\].
     pub positions: &'a [Vector3<f64>],
     /// The share of the way of rigid things up to the equation that comes after it.
     pub drift: f64,
@@ -177,18 +177,18 @@ pub(crate) struct NewtonSolver {
     system: System,
     forces: KnownForces,
     viscous: bool,
-    /// Drag per mass of each node [1/s].
+    /// Drag per mass of each node \[1/s\].
     drags: Vec<f64>,
     /// Where the equation is being evaluated; its positions are the solution in the end.
     pub trial: State,
-    /// Sum of all forces at `trial` minus the left side [N].
+    /// Sum of all forces at `trial` minus the left side \[N\].
     residual: Vec<Vector3<f64>>,
     direction: Vec<Vector3<f64>>,
-    /// c of the way x + s d + s² c [m].
+    /// c of the way x + s d + s² c \[m\].
     bend: Vec<Vector3<f64>>,
     /// Positions at the start of an iteration.
     from: Vec<Vector3<f64>>,
-    /// n: the forces without energy at the start of an iteration [N].
+    /// n: the forces without energy at the start of an iteration \[N\].
     loads: Vec<Vector3<f64>>,
     scratch: Vec<Vector3<f64>>,
     gaps: Gaps,
@@ -197,15 +197,15 @@ pub(crate) struct NewtonSolver {
     balanced: bool,
     /// How often contacts were found for this equation.
     finds: u32,
-    /// Bound of the highest frequency [1/s].
+    /// Bound of the highest frequency \[1/s\].
     frequency: f64,
-    /// The residual without the forces of contacts [N].
+    /// The residual without the forces of contacts \[N\].
     others: Vec<Vector3<f64>>,
-    /// The stiffness of each node by itself at rest [N/m].
+    /// The stiffness of each node by itself at rest \[N/m\].
     stiffness: Vec<f64>,
     /// Whether the matrix of the last iteration is good for the next one.
     keeps_matrix: bool,
-    /// The residual at the start of an iteration, while others are computed [N].
+    /// The residual at the start of an iteration, while others are computed \[N\].
     kept: Vec<Vector3<f64>>,
 }
 
@@ -284,12 +284,12 @@ impl NewtonSolver {
         &mut self.gaps.contacts
     }
 
-    /// The stiffness of each node by itself at rest [N/m].
+    /// The stiffness of each node by itself at rest \[N/m\].
     pub fn stiffness(&self) -> &[f64] {
         &self.stiffness
     }
 
-    /// All forces on the nodes at `positions` without speed [N].
+    /// All forces on the nodes at `positions` without speed \[N\].
     pub fn static_forces(
         &mut self,
         model: &TissueModel,
@@ -506,7 +506,7 @@ impl NewtonSolver {
         }
     }
 
-    /// The left side of the equation at a node of `trial` [N].
+    /// The left side of the equation at a node of `trial` \[N\].
     #[inline]
     fn inertia(&self, problem: &Problem<'_>, node: usize) -> Vector3<f64> {
         let Equation {
@@ -570,7 +570,7 @@ impl NewtonSolver {
         }
     }
 
-    /// The size of a residual that is only rounding: what the last digits of positions are worth in the last matrix [N].
+    /// The size of a residual that is only rounding: what the last digits of positions are worth in the last matrix \[N\].
     fn noise(&self, fixed: &[bool]) -> f64 {
         let reach = self
             .trial
@@ -755,7 +755,7 @@ impl NewtonSolver {
     }
 }
 
-/// The stiffness of each node by itself at rest [N/m]: the mean of its directions.
+/// The stiffness of each node by itself at rest \[N/m\]: the mean of its directions.
 fn rest_stiffness(model: &TissueModel) -> Vec<f64> {
     let mut stiffness = vec![0.0; model.node_count()];
     let mut traces = Vec::new();

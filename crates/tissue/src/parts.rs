@@ -20,13 +20,13 @@ struct Part {
     mass: f64,
     held: bool,
     way: Vector3<f64>,
-    /// What is left of its forces [N], and what that is per length [N/m].
+    /// What is left of its forces \[N\], and what that is per length \[N/m\].
     left: Vector3<f64>,
     inertia: f64,
 }
 
 impl Part {
-    /// 1/m [1/kg]; 0 for one that is held.
+    /// 1/m \[1/kg\]; 0 for one that is held.
     fn mobility(&self) -> f64 {
         if self.held { 0.0 } else { 1.0 / self.mass }
     }
@@ -79,7 +79,7 @@ impl Parts {
 
     /// Moves free parts, each by its share of mass, until all gaps are at their floors; nothing where that cannot be. `held` says of a
     /// node whether it is prescribed. Parts that are pressed on stay: they would lose what they are strained. `h` is the length of
-    /// the step [s].
+    /// the step \[s\].
     pub fn separate(
         &mut self,
         contacts: &[Contact],
@@ -140,7 +140,7 @@ impl Parts {
         }
     }
 
-    /// Moves free parts by what is left of their forces [N], over the sum of what a way of a node takes [N/m].
+    /// Moves free parts by what is left of their forces \[N\], over the sum of what a way of a node takes \[N/m\].
     pub fn balance(
         &mut self,
         fixed: &[bool],

@@ -9,9 +9,9 @@ use nalgebra::Vector3;
 pub(crate) struct Prescribed {
     /// Which nodes.
     pub fixed: Vec<bool>,
-    /// Where they are at the end of the step [m]; start positions for all others.
+    /// Where they are at the end of the step \[m\]; start positions for all others.
     pub ends: Vec<Vector3<f64>>,
-    /// The part of their way that leaves no velocity [m].
+    /// The part of their way that leaves no velocity \[m\].
     overlaps: Vec<(u32, Vector3<f64>)>,
 }
 
@@ -57,7 +57,7 @@ impl Prescribed {
         }
     }
 
-    /// Gives prescribed nodes the velocity of their way from `start` in a step of `h` [s].
+    /// Gives prescribed nodes the velocity of their way from `start` in a step of `h` \[s\].
     pub fn set_velocities(&self, start: &[Vector3<f64>], h: f64, velocities: &mut [Vector3<f64>]) {
         for (node, fixed) in self.fixed.iter().enumerate() {
             if *fixed {

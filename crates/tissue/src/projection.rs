@@ -39,9 +39,9 @@ const MOST_UNDONE: f64 = 0.2;
 /// A contact with the mobilities of its nodes.
 #[derive(Clone, Copy, Debug)]
 struct Row {
-    /// Weight times mobility of each node [m/N].
+    /// Weight times mobility of each node \[m/N\].
     response: [f64; 4],
-    /// How far the sides part for a force [m/N].
+    /// How far the sides part for a force \[m/N\].
     compliance: f64,
 }
 
@@ -49,7 +49,7 @@ struct Row {
 #[derive(Clone, Debug)]
 pub(crate) struct Projection {
     edge: f64,
-    /// Bound of the highest frequency [1/s].
+    /// Bound of the highest frequency \[1/s\].
     frequency: f64,
     rows: Vec<Row>,
     parts: Parts,
@@ -65,7 +65,7 @@ pub(crate) struct Projection {
 pub(crate) enum Kept<'a> {
     /// Gaps of positions after a step from these.
     Gaps(&'a [Vector3<f64>]),
-    /// Speeds of gaps that are closed, after a step of this length [s].
+    /// Speeds of gaps that are closed, after a step of this length \[s\].
     Speeds(f64),
 }
 
@@ -120,13 +120,13 @@ impl Projection {
         true
     }
 
-    /// How far the forces of the last [`touch`](Self::touch) have moved each node [m].
+    /// How far the forces of the last [`touch`](Self::touch) have moved each node \[m\].
     pub fn ways(&self) -> &[Vector3<f64>] {
         &self.before
     }
 
     /// Gives the contacts that were closed in the last [`touch`](Self::touch) the speeds with which they stay so, in a step of `h`
-    /// [s]; afterwards [`ways`](Self::ways) holds the changes of the velocities. `inverse_mass` is 0 for a prescribed node.
+    /// \[s\]; afterwards [`ways`](Self::ways) holds the changes of the velocities. `inverse_mass` is 0 for a prescribed node.
     pub fn settle(
         &mut self,
         contacts: &[Contact],
@@ -146,7 +146,7 @@ impl Projection {
         }
     }
 
-    /// Takes over the contacts of a step, and how far a force moves each node [m/N]; 0 for a prescribed one.
+    /// Takes over the contacts of a step, and how far a force moves each node \[m/N\]; 0 for a prescribed one.
     pub fn begin(&mut self, contacts: &mut [Contact], mobility: impl Fn(usize) -> f64) {
         self.rows.clear();
         for contact in contacts {
@@ -196,7 +196,7 @@ impl Projection {
         }
     }
 
-    /// Undoes old overlaps in a step of `h` [s]: moves `positions` where gaps are below their floors. `held` says of a node whether
+    /// Undoes old overlaps in a step of `h` \[s\]: moves `positions` where gaps are below their floors. `held` says of a node whether
     /// it is prescribed.
     pub fn undo(
         &mut self,
@@ -237,7 +237,7 @@ impl Projection {
     }
 }
 
-/// How far an old overlap is undone in a step of `h` [s], as a share of an edge; `frequency` is that of the fastest mode [1/s].
+/// How far an old overlap is undone in a step of `h` \[s\], as a share of an edge; `frequency` is that of the fastest mode \[1/s\].
 pub(crate) fn undone(frequency: f64, h: f64) -> f64 {
     (0.5 * h * frequency * UNDONE).clamp(0.0, MOST_UNDONE)
 }

@@ -11,7 +11,7 @@ use std::fmt::Debug;
 /// A solver holds working memory for one model and nothing that evolves: from equal states come equal bits, whatever was
 /// computed before.
 pub trait Solver: Debug + Send {
-    /// Advances `state` by `h` [s] with the nodes of `contacts` led and the gaps of `touching` kept. After a failure the state is
+    /// Advances `state` by `h` \[s\] with the nodes of `contacts` led and the gaps of `touching` kept. After a failure the state is
     /// as it was.
     #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn advance(
@@ -25,7 +25,7 @@ pub trait Solver: Debug + Send {
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure>;
 
-    /// Advances `state` by `h` [s] where nothing is touched. After a failure the state is as it was.
+    /// Advances `state` by `h` \[s\] where nothing is touched. After a failure the state is as it was.
     fn step(
         &mut self,
         model: &TissueModel,

@@ -57,7 +57,7 @@ pub enum Scheme {
 pub struct SolverExplicit {
     scheme: Scheme,
     forces: Forces,
-    /// State after the step [m, m/s, m/s²]; with velocity Verlet the accelerations are those before it.
+    /// State after the step \[m, m/s, m/s²\]; with velocity Verlet the accelerations are those before it.
     positions: Vec<Vector3<f64>>,
     velocities: Vec<Vector3<f64>>,
     accelerations: Vec<Vector3<f64>>,
@@ -156,7 +156,7 @@ impl SolverExplicit {
         }
     }
 
-    /// Keeps gaps. A force moves a node by h (E² `before` + `after`) times its acceleration, with `times` = [h, before, after] [s]; of
+    /// Keeps gaps. A force moves a node by h (E² `before` + `after`) times its acceleration, with `times` = [h, before, after] \[s\]; of
     /// that way `velocity_share` goes on as velocity and `acceleration_share` as acceleration, as in [`lead`](Self::lead).
     fn touch(
         &mut self,

@@ -86,11 +86,11 @@ pub struct SolverImplicit {
     solver: NewtonSolver,
     equation: Equation,
     prescribed: Prescribed,
-    /// Where the prescribed nodes are at the end of a stage [m].
+    /// Where the prescribed nodes are at the end of a stage \[m\].
     ends: Vec<Vector3<f64>>,
-    /// x̃ + ηṽ [m].
+    /// x̃ + ηṽ \[m\].
     ballistic: Vec<Vector3<f64>>,
-    /// End of the first of two stages [m].
+    /// End of the first of two stages \[m\].
     first_positions: Vec<Vector3<f64>>,
     /// Contacts of the first of two stages.
     first: Vec<Contact>,
@@ -131,8 +131,8 @@ impl SolverImplicit {
         }
     }
 
-    /// Solves a stage with the span η [s] and the base already set; prescribed nodes have gone the share `way` of their way
-    /// from `start` [m]. `near` is a guess of the solution.
+    /// Solves a stage with the span η \[s\] and the base already set; prescribed nodes have gone the share `way` of their way
+    /// from `start` \[m\]. `near` is a guess of the solution.
     #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
     fn stage(
         &mut self,

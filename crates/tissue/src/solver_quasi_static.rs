@@ -38,11 +38,11 @@ pub struct SolverQuasiStatic {
     components: Arc<Components>,
     /// Of each connected part.
     held: Vec<bool>,
-    /// f_0 [N].
+    /// f_0 \[N\].
     start_forces: Vec<Vector3<f64>>,
-    /// Where the prescribed nodes are after the share of the step [m].
+    /// Where the prescribed nodes are after the share of the step \[m\].
     ends: Vec<Vector3<f64>>,
-    /// The last solution [m].
+    /// The last solution \[m\].
     solved: Vec<Vector3<f64>>,
 }
 
@@ -114,7 +114,7 @@ impl SolverQuasiStatic {
         }
     }
 
-    /// Sets the equation at the share `s` of the step that starts at `start` [m].
+    /// Sets the equation at the share `s` of the step that starts at `start` \[m\].
     fn set_share(&mut self, start: &[Vector3<f64>], s: f64) {
         self.equation.extra.clear();
         if s == 1.0 {

@@ -41,13 +41,13 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub struct SolverVerlet {
     forces: Forces,
-    /// p̃ [m].
+    /// p̃ \[m\].
     predicted: Vec<Vector3<f64>>,
-    /// u' without contact [m/s].
+    /// u' without contact \[m/s\].
     predicted_velocities: Vec<Vector3<f64>>,
-    /// h of the prediction [s].
+    /// h of the prediction \[s\].
     step: f64,
-    /// γ of the prediction, of each node [s].
+    /// γ of the prediction, of each node \[s\].
     kicks: Vec<f64>,
     projection: Projection,
     led: Vec<bool>,
@@ -68,7 +68,7 @@ impl SolverVerlet {
         }
     }
 
-    /// First half of a step of length `h` [s]: where each node would be after it without contact [m]. Contact is
+    /// First half of a step of length `h` \[s\]: where each node would be after it without contact \[m\]. Contact is
     /// sought there, so that a node is stopped at a surface before it is inside.
     fn predict(
         &mut self,
@@ -167,7 +167,7 @@ impl SolverVerlet {
         Ok(())
     }
 
-    /// The force F̂ [N] that moves a node by `correction` [m] from where the step begun by [`predict`](Self::predict) would
+    /// The force F̂ \[N\] that moves a node by `correction` \[m\] from where the step begun by [`predict`](Self::predict) would
     /// bring it. Zero for a clamped node.
     fn contact_force(
         &self,
@@ -183,7 +183,7 @@ impl SolverVerlet {
         }
     }
 
-    /// The force on each node [N] at the state's positions, as in [`Forces::compute`].
+    /// The force on each node \[N\] at the state's positions, as in [`Forces::compute`].
     pub fn forces(
         &mut self,
         model: &TissueModel,

@@ -73,7 +73,7 @@ impl SolverXpbd {
         })
     }
 
-    /// Moves nodes as if nothing held them together; prescribed ones to the share `way` of their way from `start` [m].
+    /// Moves nodes as if nothing held them together; prescribed ones to the share `way` of their way from `start` \[m\].
     fn fly(
         &mut self,
         model: &TissueModel,
@@ -110,7 +110,7 @@ impl SolverXpbd {
         }
     }
 
-    /// Finds the contacts where the nodes have flown, as they are for a sub-step of `h` [s]: rigid things move evenly. Those of the step
+    /// Finds the contacts where the nodes have flown, as they are for a sub-step of `h` \[s\]: rigid things move evenly. Those of the step
     /// are told the forces of its last sub-step.
     fn find(
         &mut self,

@@ -40,7 +40,7 @@ pub enum Part {
     Damping,
 }
 
-/// Upper bound of the largest eigenvalue of M⁻¹K [1/s²] or M⁻¹D [1/s] at rest: the largest over the free nodes of S_i/m_i,
+/// Upper bound of the largest eigenvalue of M⁻¹K \[1/s²\] or M⁻¹D \[1/s\] at rest: the largest over the free nodes of S_i/m_i,
 /// S_i = Σ_e Σ_j ‖K^e_ij‖ (Frobenius). For an element ½ k C² the terms are k |g_i| |g_j|: this is (G) of NUMERICS 3.2.
 /// Clamped nodes do not move: they have no row and no column.
 pub fn gershgorin_bound(model: &TissueModel, part: Part) -> f64 {
@@ -54,7 +54,7 @@ pub fn gershgorin_bound_at(model: &TissueModel, state: &State, part: Part) -> f6
     bounds.fold(0.0, f64::max)
 }
 
-/// Largest eigenvalue of M⁻¹K [1/s²] or M⁻¹D [1/s] at rest by `steps` steps of power iteration, from below.
+/// Largest eigenvalue of M⁻¹K \[1/s²\] or M⁻¹D \[1/s\] at rest by `steps` steps of power iteration, from below.
 pub fn power_iteration(model: &TissueModel, part: Part, steps: usize) -> f64 {
     power_iteration_at(model, &State::at_rest(model), part, steps)
 }
@@ -65,7 +65,7 @@ pub fn power_iteration_at(model: &TissueModel, state: &State, part: Part, steps:
     BlockMatrix::new(model, state, part).largest_eigenvalue(model.inverse_masses(), steps)
 }
 
-/// The longest step [s] at the share `safety` of the stability limit of explicit methods that take viscous forces from a known
+/// The longest step \[s\] at the share `safety` of the stability limit of explicit methods that take viscous forces from a known
 /// velocity: h²λ + 2hΛ = 4·safety² (NUMERICS 3.1, q < 4 − 2δ), λ and Λ of stiffness and damping the smaller of the Gershgorin
 /// bound and the estimate by power iteration with its margin. Infinite for a body without stiffness or without a free node.
 /// It does not hold for explicit Euler ([`limit`]). Up to `safety` = √½ it does for the lagged Verlet, and for velocity Verlet with
@@ -88,7 +88,7 @@ pub fn stable_step_at(model: &TissueModel, state: &State, safety: f64) -> f64 {
     room / (damping + (damping * damping + room * stiffness).sqrt())
 }
 
-/// S_i of every node [N/m or N·s/m].
+/// S_i of every node \[N/m or N·s/m\].
 fn row_sums(model: &TissueModel, state: &State, part: Part) -> Vec<f64> {
     let w = model.inverse_masses();
     let mut sums = vec![0.0; model.node_count()];

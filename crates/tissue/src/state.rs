@@ -8,14 +8,14 @@ use std::sync::Arc;
 /// The evolving part of a body. Its bytes are all that is needed to continue exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Node positions p_n [m].
+    /// Node positions p_n \[m\].
     pub positions: Vec<Vector3<f64>>,
-    /// Node velocities [m/s]: at the end of the last step, for Störmer–Verlet in its middle, (p_n − p_{n−1}) / (length of
+    /// Node velocities \[m/s\]: at the end of the last step, for Störmer–Verlet in its middle, (p_n − p_{n−1}) / (length of
     /// that step). With `step` this is the Δ of NUMERICS 2.2, in a form that survives a change of step.
     pub velocities: Vec<Vector3<f64>>,
-    /// Length of the last step [s]; 0 before the first one, when `velocities` are those at the start.
+    /// Length of the last step \[s\]; 0 before the first one, when `velocities` are those at the start.
     pub step: f64,
-    /// Accelerations that a method carries from step to step [m/s²]; empty for a method without.
+    /// Accelerations that a method carries from step to step \[m/s²\]; empty for a method without.
     pub accelerations: Vec<Vector3<f64>>,
     /// Internal variables of the elements (plasticity), set after set.
     pub internal: Vec<f64>,
@@ -46,7 +46,7 @@ impl State {
         }
     }
 
-    /// Energy by kind [J]. The elastic kinds are those of the positions, the kinetic energy that of `velocities`; with
+    /// Energy by kind \[J\]. The elastic kinds are those of the positions, the kinetic energy that of `velocities`; with
     /// Störmer–Verlet their sum oscillates by up to h·ω/2 of the energy in a mode of frequency ω. Clamped nodes have no
     /// kinetic energy.
     pub fn energies(&self, model: &TissueModel) -> Energies {
@@ -84,11 +84,11 @@ impl State {
 /// has the loads of both ends.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Control {
-    /// Acceleration of gravity [m/s²].
+    /// Acceleration of gravity \[m/s²\].
     pub gravity: Vector3<f64>,
-    /// Where each of the model's clamped nodes is at the end of the step [m]; empty while they stay where they are.
+    /// Where each of the model's clamped nodes is at the end of the step \[m\]; empty while they stay where they are.
     pub clamped_positions: Vec<Vector3<f64>>,
-    /// Forces on single nodes that do not depend on the shape [N].
+    /// Forces on single nodes that do not depend on the shape \[N\].
     pub forces: Vec<(u32, Vector3<f64>)>,
     /// Pressures on surfaces.
     pub pressures: Vec<Pressure>,
@@ -99,12 +99,12 @@ pub struct Control {
 pub struct Pressure {
     /// Outward triangles.
     pub triangles: Arc<[[u32; 3]]>,
-    /// Pressure against the outward normal [Pa].
+    /// Pressure against the outward normal \[Pa\].
     pub pressure: f64,
 }
 
 impl Control {
-    /// Adds the forces of loads at these positions to the nodes [N].
+    /// Adds the forces of loads at these positions to the nodes \[N\].
     pub fn add_loads(&self, positions: &[Vector3<f64>], forces: &mut [Vector3<f64>]) {
         for (node, force) in &self.forces {
             forces[*node as usize] += force;
@@ -127,9 +127,9 @@ impl Control {
 pub struct NodeTarget {
     /// The node.
     pub node: u32,
-    /// Its target position p* [m].
+    /// Its target position p* \[m\].
     pub target: Vector3<f64>,
-    /// The share of the way to the target that only undoes an overlap from before the step [m]. It moves the node but
+    /// The share of the way to the target that only undoes an overlap from before the step \[m\]. It moves the node but
     /// leaves no velocity behind (restitution 0), and counts in no force.
     pub overlap: Vector3<f64>,
 }
@@ -144,27 +144,27 @@ pub struct Contacts {
 /// Energy of a body by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
-    /// Kinetic energy [J].
+    /// Kinetic energy \[J\].
     pub kinetic: f64,
-    /// Energy of springs (4.1) [J].
+    /// Energy of springs (4.1) \[J\].
     pub length: f64,
-    /// Energy of triangles [J].
+    /// Energy of triangles \[J\].
     pub area: f64,
-    /// Energy of volumes (4.2) [J].
+    /// Energy of volumes (4.2) \[J\].
     pub volume: f64,
-    /// Strain energy of continua [J].
+    /// Strain energy of continua \[J\].
     pub strain: f64,
-    /// Energy of couplings [J].
+    /// Energy of couplings \[J\].
     pub coupling: f64,
 }
 
 impl Energies {
-    /// Sum of all kinds [J].
+    /// Sum of all kinds \[J\].
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic()
     }
 
-    /// Sum of all kinds but the kinetic one [J].
+    /// Sum of all kinds but the kinetic one \[J\].
     pub fn elastic(&self) -> f64 {
         self.length + self.area + self.volume + self.strain + self.coupling
     }

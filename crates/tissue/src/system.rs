@@ -14,9 +14,9 @@ use std::sync::Arc;
 /// The shares of a matrix K + b·D + r (r + c) M, c the drag per mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shares {
-    /// b [1/s].
+    /// b \[1/s\].
     pub damping: f64,
-    /// r [1/s].
+    /// r \[1/s\].
     pub rate: f64,
 }
 
@@ -105,7 +105,7 @@ impl System {
         }
     }
 
-    /// Adds this much to the diagonal of a node [N/m].
+    /// Adds this much to the diagonal of a node \[N/m\].
     pub fn add_diagonal(&mut self, node: usize, stiffness: f64) {
         let block = Matrix3::from_diagonal_element(stiffness);
         self.matrix.add_diagonal(node, &block);

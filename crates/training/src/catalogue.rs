@@ -7,31 +7,31 @@ use crate::text::Text;
 
 /// Ids of the motion metrics.
 pub mod id {
-    /// Running time of the level [s].
+    /// Running time of the level \[s\].
     pub const TIME: &str = "time";
-    /// Path of the tips [m].
+    /// Path of the tips \[m\].
     pub const PATH_LENGTH: &str = "path-length";
-    /// Shortest sensible path over path [1].
+    /// Shortest sensible path over path \[1\].
     pub const ECONOMY: &str = "economy";
-    /// Sum of all turns of the tools [rad].
+    /// Sum of all turns of the tools \[rad\].
     pub const ANGULAR_PATH: &str = "angular-path";
-    /// Box around the tip positions [m³].
+    /// Box around the tip positions \[m³\].
     pub const WORKING_VOLUME: &str = "working-volume";
-    /// Share of time at rest [1].
+    /// Share of time at rest \[1\].
     pub const IDLE_SHARE: &str = "idle-share";
-    /// Number of movements [1].
+    /// Number of movements \[1\].
     pub const MOVEMENTS: &str = "movements";
-    /// Spectral arc length [1].
+    /// Spectral arc length \[1\].
     pub const SPARC: &str = "sparc";
-    /// Log dimensionless jerk [1].
+    /// Log dimensionless jerk \[1\].
     pub const LDLJ: &str = "ldlj";
-    /// RMS in the tremor band [m].
+    /// RMS in the tremor band \[m\].
     pub const TREMOR: &str = "tremor";
-    /// Share of time in which both tools move [1].
+    /// Share of time in which both tools move \[1\].
     pub const BIMANUAL_SHARE: &str = "bimanual-share";
-    /// Correlation of both tools' speeds [1].
+    /// Correlation of both tools' speeds \[1\].
     pub const SPEED_CORRELATION: &str = "speed-correlation";
-    /// Difference of both tools' paths over their sum [1].
+    /// Difference of both tools' paths over their sum \[1\].
     pub const PATH_ASYMMETRY: &str = "path-asymmetry";
 }
 

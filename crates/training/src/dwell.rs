@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Watches one condition. Plain data: saved and restored as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Dwell {
-    /// How long the condition must hold [s].
+    /// How long the condition must hold \[s\].
     required_s: f64,
-    /// Since when it holds, and when that was last seen [s].
+    /// Since when it holds, and when that was last seen \[s\].
     held: Option<(f64, f64)>,
 }
 
@@ -18,11 +18,11 @@ pub struct Dwell {
 pub enum DwellState {
     /// The condition does not hold.
     Idle,
-    /// It holds, for so long so far [s].
+    /// It holds, for so long so far \[s\].
     Holding(f64),
     /// It has held for the time required, and still does.
     Complete,
-    /// It held until the last update, for so long [s], which was not long enough. Said once; the watch starts anew.
+    /// It held until the last update, for so long \[s\], which was not long enough. Said once; the watch starts anew.
     Lost(f64),
 }
 
@@ -39,7 +39,7 @@ impl fmt::Display for DwellError {
 impl std::error::Error for DwellError {}
 
 impl Dwell {
-    /// Watches for `required_s` [s], 0 or more; with 0 the condition is complete as soon as it holds.
+    /// Watches for `required_s` \[s\], 0 or more; with 0 the condition is complete as soon as it holds.
     pub fn new(required_s: f64) -> Result<Self, DwellError> {
         if !required_s.is_finite() || required_s < 0.0 {
             return Err(DwellError(required_s));
@@ -50,7 +50,7 @@ impl Dwell {
         })
     }
 
-    /// Tells whether the condition holds at time `now` [s]; times do not decrease. Time counts from the first update that
+    /// Tells whether the condition holds at time `now` \[s\]; times do not decrease. Time counts from the first update that
     /// finds it holding.
     pub fn update(&mut self, now: f64, holds: bool) -> DwellState {
         if holds {

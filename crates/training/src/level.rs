@@ -50,7 +50,7 @@ impl LevelPhase {
 pub struct Target {
     /// Unique name within the level.
     pub id: String,
-    /// Running time [s] at which it was achieved, if it was.
+    /// Running time \[s\] at which it was achieved, if it was.
     pub done_at_s: Option<f64>,
 }
 
@@ -61,11 +61,11 @@ pub struct LevelState {
     pub phase: LevelPhase,
     /// The targets, in the order in which the level names them.
     pub targets: Vec<Target>,
-    /// Running time [s] before the present stretch of running.
+    /// Running time \[s\] before the present stretch of running.
     pub elapsed_s: f64,
-    /// Begin [s] of the present stretch of running; `None` unless running.
+    /// Begin \[s\] of the present stretch of running; `None` unless running.
     pub running_since_s: Option<f64>,
-    /// Time [s] of the last event; `None` in the introduction.
+    /// Time \[s\] of the last event; `None` in the introduction.
     pub last_event_s: Option<f64>,
 }
 
@@ -100,9 +100,9 @@ pub enum LevelError {
     TimeNotFinite,
     /// The event is earlier than the last one.
     TimeBackwards {
-        /// Time of the last event [s].
+        /// Time of the last event \[s\].
         last: f64,
-        /// Time of the refused one [s].
+        /// Time of the refused one \[s\].
         now: f64,
     },
     /// The level has no target of this id.
@@ -204,7 +204,7 @@ impl LevelMachine {
         self.targets_done() == self.state.targets.len()
     }
 
-    /// Running time [s] up to `now`; after the end that of the whole level.
+    /// Running time \[s\] up to `now`; after the end that of the whole level.
     pub fn running_time(&self, now: f64) -> f64 {
         let present = self
             .state

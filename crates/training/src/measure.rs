@@ -36,8 +36,8 @@ pub struct Measurement {
 /// one was tracked.
 ///
 /// `logs`: name and motion of each tool; times of all tools come from one clock. A log without samples belongs to a tool that
-/// never came into view and counts as no hand. `duration_s`: running time of the level [s]. `shortest_path_m`: the shortest
-/// sensible path of all tools together [m]; economy exceeds 1 when a run stops early.
+/// never came into view and counts as no hand. `duration_s`: running time of the level \[s\]. `shortest_path_m`: the shortest
+/// sensible path of all tools together \[m\]; economy exceeds 1 when a run stops early.
 pub fn motion_metrics(
     logs: &[(&str, &MotionLog)],
     duration_s: f64,
@@ -124,7 +124,7 @@ struct Pool {
 }
 
 impl Pool {
-    /// Takes the outcome of a segment of that duration [s].
+    /// Takes the outcome of a segment of that duration \[s\].
     fn add(&mut self, outcome: Outcome, duration: f64) {
         match outcome {
             Ok(value) => {
@@ -307,7 +307,7 @@ fn spectral_segment(
     Ok(())
 }
 
-/// Volume [m³] of the axis-parallel box around all samples.
+/// Volume \[m³\] of the axis-parallel box around all samples.
 fn box_volume(segments: &[&[Sample]]) -> f64 {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];

@@ -8,9 +8,9 @@ use std::fmt;
 /// One measured pose of a tool, tip in the field frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Device time [s].
+    /// Device time \[s\].
     pub time: f64,
-    /// Tip position in the field frame [m].
+    /// Tip position in the field frame \[m\].
     pub position: [f64; 3],
     /// Orientation, field from tool, quaternion x y z w; need not be of unit length, must not be zero.
     pub orientation: [f64; 4],
@@ -25,9 +25,9 @@ pub enum MotionError {
     NotFinite(&'static str),
     /// The sample is not later than the last one.
     TimeNotIncreasing {
-        /// Time of the last sample [s].
+        /// Time of the last sample \[s\].
         last: f64,
-        /// Time of the refused sample [s].
+        /// Time of the refused sample \[s\].
         next: f64,
     },
     /// The quaternion has no direction (zero, or so long that its square overflows).
@@ -150,7 +150,7 @@ impl MotionLog {
         &self.samples
     }
 
-    /// The contiguous stretches: split wherever two samples lie more than `gap` [s] apart, and at every marked gap.
+    /// The contiguous stretches: split wherever two samples lie more than `gap` \[s\] apart, and at every marked gap.
     pub fn segments(&self, gap: f64) -> Vec<&[Sample]> {
         let mut segments = Vec::new();
         let mut breaks = self.breaks.iter().copied().peekable();
@@ -267,7 +267,7 @@ impl MotionLog {
     }
 }
 
-/// Length of a contiguous stretch of samples [m]: Σ|p_{k+1} − p_k| (DOMAIN 2).
+/// Length of a contiguous stretch of samples \[m\]: Σ|p_{k+1} − p_k| (DOMAIN 2).
 pub fn path_length(segment: &[Sample]) -> f64 {
     segment
         .windows(2)
@@ -275,7 +275,7 @@ pub fn path_length(segment: &[Sample]) -> f64 {
         .sum()
 }
 
-/// Angle [rad], 0..π, of the rotation between two orientations: 2·acos|a·b| of the unit quaternions.
+/// Angle \[rad\], 0..π, of the rotation between two orientations: 2·acos|a·b| of the unit quaternions.
 ///
 /// Computed as 4·atan2(|a ∓ b|, |a ± b|), the same angle without the cancellation of acos near 1: with quaternions
 /// rounded to 10⁻⁶, as recordings have them, acos would turn every sample of a tool at rest into up to 10⁻³ rad.

@@ -10,25 +10,25 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MetricParameters {
-    /// Samples further apart than this lie in different segments [s], 0.001..10. Default 0.1: six lost samples at 60 Hz.
+    /// Samples further apart than this lie in different segments \[s\], 0.001..10. Default 0.1: six lost samples at 60 Hz.
     pub gap_s: f64,
-    /// Rate to which segments are resampled [Hz], 25..1000. Default 60: trackers deliver at least this, and interpolating
+    /// Rate to which segments are resampled \[Hz\], 25..1000. Default 60: trackers deliver at least this, and interpolating
     /// to a higher rate than the tracker's would add kinks (LDLJ sees them), not information.
     pub resample_hz: f64,
-    /// Segments with fewer samples a second, (n − 1)/duration, get no SPARC, LDLJ and tremor [Hz], 20..1000. Default 60:
+    /// Segments with fewer samples a second, (n − 1)/duration, get no SPARC, LDLJ and tremor \[Hz\], 20..1000. Default 60:
     /// five samples per period of the tremor's upper end. SPARC's 10 Hz alone would do with 20, but a profile drawn through
     /// so few points is smooth by interpolation; one rule for all three is also easier to tell a trainee.
     pub sample_rate_min_hz: f64,
-    /// Shorter segments get no SPARC, LDLJ, tremor and speed correlation [s], 0.25..60. Default 1: the window of the tremor
+    /// Shorter segments get no SPARC, LDLJ, tremor and speed correlation \[s\], 0.25..60. Default 1: the window of the tremor
     /// analysis then blurs the band's edges by its half width, 2 Hz.
     pub segment_min_s: f64,
-    /// v0: slower is idle [m/s], 10⁻⁶..1. Default 0.1 mm/s, the lower end of fine work.
+    /// v0: slower is idle \[m/s\], 10⁻⁶..1. Default 0.1 mm/s, the lower end of fine work.
     pub idle_speed_m_s: f64,
-    /// v_th: a movement begins above it and ends below half of it [m/s], 10⁻⁶..1. Default 1 mm/s: half of it is the upper
+    /// v_th: a movement begins above it and ends below half of it \[m/s\], 10⁻⁶..1. Default 1 mm/s: half of it is the upper
     /// end of fine work, so that movements are those from place to place.
     pub movement_speed_m_s: f64,
     /// Standard deviation of the Gaussian that smooths positions before the speed for idle time, movements and bimanual
-    /// metrics is formed [s], 0..1. Default 0.05: 30 % less at 2.65 Hz, where deliberate motion ends; 4 % left of a tremor
+    /// metrics is formed \[s\], 0..1. Default 0.05: 30 % less at 2.65 Hz, where deliberate motion ends; 4 % left of a tremor
     /// at 8 Hz. Unsmoothed, a tremor of 50 µm alone moves the tip at some mm/s, and nobody would ever be idle.
     pub smoothing_s: f64,
 }

@@ -12,7 +12,7 @@ const COUNT_SLACK: f64 = 1e-6;
 /// Half width of the smoothing window in standard deviations; 0.3 % of the Gaussian lies outside.
 const SMOOTHING_REACH: f64 = 3.0;
 
-/// Positions [m] at `start`, `start` + 1/`rate`, … up to `end` [s], interpolated linearly.
+/// Positions \[m\] at `start`, `start` + 1/`rate`, … up to `end` \[s\], interpolated linearly.
 ///
 /// `segment` is contiguous and covers `start` ..= `end`; an empty one gives nothing.
 pub fn resample(segment: &[Sample], start: f64, end: f64, rate: f64) -> Vec<[f64; 3]> {
@@ -41,7 +41,7 @@ pub fn resample(segment: &[Sample], start: f64, end: f64, rate: f64) -> Vec<[f64
         .collect()
 }
 
-/// Speed [m/s] by forward differences, |p_{k+1} − p_k|·rate: one value per interval, their sum over rate is the path.
+/// Speed \[m/s\] by forward differences, |p_{k+1} − p_k|·rate: one value per interval, their sum over rate is the path.
 pub fn speed(positions: &[[f64; 3]], rate: f64) -> Vec<f64> {
     positions
         .windows(2)
@@ -49,7 +49,7 @@ pub fn speed(positions: &[[f64; 3]], rate: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Positions smoothed with a Gaussian of standard deviation `sigma` [s], without delay; 0 leaves them as they are.
+/// Positions smoothed with a Gaussian of standard deviation `sigma` \[s\], without delay; 0 leaves them as they are.
 ///
 /// A vibration of frequency f is damped by exp(−2π²σ²f²); a straight even motion is not changed, at the ends neither,
 /// where the motion is continued by reflection in the end point (2·p_0 − p_k).

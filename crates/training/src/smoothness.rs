@@ -8,7 +8,7 @@
 
 use crate::fft;
 
-/// Highest frequency that SPARC looks at [Hz].
+/// Highest frequency that SPARC looks at \[Hz\].
 pub const SPARC_FREQUENCY_MAX_HZ: f64 = 10.0;
 
 /// Share of the strongest component below which SPARC cuts the spectrum's ends off.
@@ -17,7 +17,7 @@ pub const SPARC_AMPLITUDE_MIN: f64 = 0.05;
 /// Zero padding of SPARC, as a power of two.
 const SPARC_PADDING: u32 = 4;
 
-/// Spectral arc length of a speed profile sampled at `rate` [Hz]; negative, nearer to 0 is smoother.
+/// Spectral arc length of a speed profile sampled at `rate` \[Hz\]; negative, nearer to 0 is smoother.
 ///
 /// V(f) = |FFT(v, nfft)|, nfft = 2^(⌈log2 N⌉+4), over its maximum; of f ≤ 10 Hz the bins from the first to the last with
 /// V ≥ 0.05; −Σ sqrt((Δf/(f_last − f_first))² + (ΔV)²).
@@ -56,7 +56,7 @@ pub fn sparc(speed: &[f64], rate: f64) -> Option<f64> {
     (bins.len() > 1).then_some(-length)
 }
 
-/// Log dimensionless jerk of a speed profile sampled at `rate` [Hz]; larger (less negative) is smoother.
+/// Log dimensionless jerk of a speed profile sampled at `rate` \[Hz\]; larger (less negative) is smoother.
 ///
 /// −ln[(T³/v_peak²)·Σ(d²v/dt²)²·dt] with T = N·dt and second differences. `None` for fewer than three values, for a
 /// profile that is zero or not finite, and for one without any jerk (even or evenly accelerated), whose logarithm has no

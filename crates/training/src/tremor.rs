@@ -7,13 +7,13 @@ use std::f64::consts::PI;
 
 use crate::fft;
 
-/// Lower end of the band [Hz].
+/// Lower end of the band \[Hz\].
 pub const TREMOR_LOW_HZ: f64 = 8.0;
 
-/// Upper end of the band [Hz].
+/// Upper end of the band \[Hz\].
 pub const TREMOR_HIGH_HZ: f64 = 12.0;
 
-/// Root mean square [m] of the motion between 8 and 12 Hz of positions sampled at `rate` [Hz], all axes together.
+/// Root mean square \[m\] of the motion between 8 and 12 Hz of positions sampled at `rate` \[Hz\], all axes together.
 ///
 /// One-sided density P_k = 2·|X_k|²/(rate·Σw²), w the Hann window: a vibration A·sin along one axis gives A/√2, however
 /// long the segment. `None` for fewer than three positions, or a rate that holds no 12 Hz (up to 24 Hz).

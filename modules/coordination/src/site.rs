@@ -222,7 +222,7 @@ fn in_order(marks: &[Mark], [left, right]: [[f64; 3]; 2]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The place nearest to `place` on the line between two others [m].
+/// The place nearest to `place` on the line between two others \[m\].
 fn between([a, b]: [[f64; 3]; 2], place: [f64; 3]) -> [f64; 3] {
     let line = [0, 1, 2].map(|k| b[k] - a[k]);
     let along: f64 = (0..3).map(|k| (place[k] - a[k]) * line[k]).sum();

@@ -10,7 +10,7 @@ use std::time::Instant;
 /// Runs; of each picture the fastest counts, as others on the machine only make one slower.
 const RUNS: usize = 7;
 
-/// The time of each picture [ms]: without tools, or with them.
+/// The time of each picture \[ms\]: without tools, or with them.
 fn pictures(tools: bool) -> Result<Vec<f64>, String> {
     let path = repository().join("config/scenes/vessel-two-tools.toml");
     let loaded = load_scene(&path, &[]).map_err(|error| error.to_string())?;

@@ -18,21 +18,21 @@ use std::fmt::Write as _;
 
 type V3 = Vector3<f64>;
 
-/// Length of an edge along the layers [m].
+/// Length of an edge along the layers \[m\].
 const EDGE: f64 = 1e-3;
 /// The implicit method is asked up to this many triangles: larger factors take longer than the whole of the rest.
 const IMPLICIT: usize = 12_000;
-/// CPU time that a step is repeated for [s], and how often at least.
+/// CPU time that a step is repeated for \[s\], and how often at least.
 const SPAN: f64 = 0.15;
 const LEAST: usize = 3;
 
-/// CPU time of this thread [s].
+/// CPU time of this thread \[s\].
 fn cpu() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// The least CPU time of something that gives its own time [s].
+/// The least CPU time of something that gives its own time \[s\].
 fn least(mut once: impl FnMut() -> f64) -> f64 {
     let (start, mut best, mut count) = (cpu(), f64::INFINITY, 0);
     while count < LEAST || cpu() - start < SPAN {
@@ -153,7 +153,7 @@ impl Meeting {
         }
     }
 
-    /// Time of finding points while lists hold, and when they have to be made anew [s].
+    /// Time of finding points while lists hold, and when they have to be made anew \[s\].
     fn detection(&mut self) -> [f64; 2] {
         let mut places = [self.start.positions.clone(), self.start.positions.clone()];
         let mut times = [0.0; 2];
@@ -173,7 +173,7 @@ impl Meeting {
         times
     }
 
-    /// Time of a step [s], of which that of finding points, and how many press; without contact the last two are 0.
+    /// Time of a step \[s\], of which that of finding points, and how many press; without contact the last two are 0.
     fn step(&mut self, method: Method, touches: bool) -> Step {
         let mut solver = method.solver(&self.model).expect("a method for it");
         let mut state = self.start.clone();
@@ -242,7 +242,7 @@ impl ContactSource for Timed<'_> {
     }
 }
 
-/// A row: triangles, then times [s], of which 0 is none.
+/// A row: triangles, then times \[s\], of which 0 is none.
 struct Row {
     triangles: usize,
     pressing: usize,

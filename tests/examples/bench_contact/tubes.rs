@@ -5,7 +5,7 @@ use microsim_tests::simulated::{probe, series, simulate, vectors};
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// Momentum of one tube at the start [kg·m/s] is its mass times this speed [m/s].
+/// Momentum of one tube at the start \[kg·m/s\] is its mass times this speed \[m/s\].
 const SPEED: f64 = 0.25;
 
 /// A method with its step.
@@ -13,7 +13,7 @@ struct Case {
     scene: &'static str,
     name: &'static str,
     method: &'static str,
-    /// [µs]
+    /// \[µs\]
     step: u32,
     /// Whether it is drawn, and run again with an eighth of the step.
     shown: bool,
@@ -70,9 +70,9 @@ fn cases() -> Vec<Case> {
 /// What a run shows.
 struct Found {
     cpu: f64,
-    /// [m]
+    /// \[m\]
     deepest: f64,
-    /// [s]
+    /// \[s\]
     longest: f64,
     gap: f64,
     crossings: f64,

@@ -4,15 +4,15 @@ use microsim_tests::simulated::{simulate, vectors};
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// Radius of the probe [m], where its lowest point ends, and the height of its axis' lower end above that [m].
+/// Radius of the probe \[m\], where its lowest point ends, and the height of its axis' lower end above that \[m\].
 const RADIUS: f64 = 0.5e-3;
 const END: f64 = -2.0e-3;
 
-/// [m/s], and [ms].
+/// \[m/s\], and \[ms\].
 const SPEEDS: [f64; 6] = [0.01, 0.05, 0.2, 0.5, 1.0, 2.0];
 const TICKS: [u32; 5] = [1, 2, 4, 8, 16];
 
-/// Way of the probe [m].
+/// Way of the probe \[m\].
 const WAY: f64 = 3.05e-3;
 
 const METHODS: [(&str, &str); 4] = [
@@ -58,7 +58,7 @@ fn wrong(document: &Value) -> (usize, bool) {
     (nodes.iter().filter(is_wrong).count(), pierced)
 }
 
-/// The height at which the axis of the probe, x = y = 0, passes through a triangle [m].
+/// The height at which the axis of the probe, x = y = 0, passes through a triangle \[m\].
 fn on_axis(corners: &[[f64; 3]; 3]) -> Option<f64> {
     let cross = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[1] - a[1] * b[0];
     let [a, b, c] = corners;

@@ -17,7 +17,7 @@ pub const MESHES: [&str; 3] = ["S", "M", "L"];
 /// Their tetrahedra.
 pub const TETRAHEDRA: [usize; 3] = [810, 10_290, 51_840];
 
-/// Length, height and depth [m].
+/// Length, height and depth \[m\].
 const SIZE: [f64; 3] = [0.1, 0.02, 0.02];
 
 /// A mesh by its name: S and M from the files of the reference, L as described there.
@@ -92,7 +92,7 @@ impl Beam {
         }
     }
 
-    /// Mean of the −z displacements of the nodes of the free end [m].
+    /// Mean of the −z displacements of the nodes of the free end \[m\].
     pub fn sag(&self, state: &State) -> f64 {
         let drop = |&node: &usize| self.model.rest_positions()[node].z - state.positions[node].z;
         self.end.iter().map(drop).sum::<f64>() / self.end.len() as f64

@@ -1,22 +1,22 @@
 //! The two measures, on readings of the sag alone; `tests/peers/beam.py` takes the same of the other engines.
 
-/// The peak is the largest sag before the curve has fallen for this time [s]; given up after the second one.
+/// The peak is the largest sag before the curve has fallen for this time \[s\]; given up after the second one.
 const FALLEN: f64 = 0.05;
 const NO_PEAK: f64 = 0.6;
-/// At rest: within this share of the exact sag, for this time [s] and number of steps.
+/// At rest: within this share of the exact sag, for this time \[s\] and number of steps.
 const BAND: f64 = 0.01;
 const STAYS: (f64, usize) = (0.5, 5);
 
 /// Readings of the sag until the first peak is over.
 pub struct FirstPeak {
-    /// Time between readings [s].
+    /// Time between readings \[s\].
     interval: f64,
     sags: Vec<f64>,
     best: usize,
 }
 
 impl FirstPeak {
-    /// A body just released, read every `interval` [s].
+    /// A body just released, read every `interval` \[s\].
     pub fn new(interval: f64) -> Self {
         Self {
             interval,
@@ -25,7 +25,7 @@ impl FirstPeak {
         }
     }
 
-    /// Takes the next reading [m]; whether the peak is over.
+    /// Takes the next reading \[m\]; whether the peak is over.
     pub fn read(&mut self, sag: f64) -> Result<bool, String> {
         let last = self.sags.len();
         self.sags.push(sag);
@@ -46,12 +46,12 @@ impl FirstPeak {
         Ok(false)
     }
 
-    /// Time since release [s].
+    /// Time since release \[s\].
     pub fn duration(&self) -> f64 {
         (self.sags.len() - 1) as f64 * self.interval
     }
 
-    /// Height [m] and time [s] of the parabola through the three highest readings, once the peak is over.
+    /// Height \[m\] and time \[s\] of the parabola through the three highest readings, once the peak is over.
     pub fn top(&self) -> [f64; 2] {
         let [before, top, after] = [-1, 0, 1].map(|k| self.sags[self.best.wrapping_add_signed(k)]);
         let bend = before - 2.0 * top + after;
@@ -73,7 +73,7 @@ pub struct Resting {
 }
 
 impl Resting {
-    /// A body just released, read every `step` [s], with its exact sag at rest [m].
+    /// A body just released, read every `step` \[s\], with its exact sag at rest \[m\].
     pub fn new(step: f64, exact: f64) -> Self {
         Self {
             step,
@@ -83,12 +83,12 @@ impl Resting {
         }
     }
 
-    /// The error of a reading [m], as a share of the exact sag.
+    /// The error of a reading \[m\], as a share of the exact sag.
     pub fn error(&self, sag: f64) -> f64 {
         sag / self.exact - 1.0
     }
 
-    /// Takes the next reading [m] and what the steps have cost so far; the cost when the sag came to stay in the band.
+    /// Takes the next reading \[m\] and what the steps have cost so far; the cost when the sag came to stay in the band.
     pub fn read(&mut self, sag: f64, cost: f64) -> Option<f64> {
         if self.error(sag).abs() > BAND {
             (self.inside, self.entered) = (0, None);

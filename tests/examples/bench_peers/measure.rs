@@ -5,7 +5,7 @@ use crate::curve::{FirstPeak, Resting};
 use microsim_tissue::{Contacts, Method, Serial, Solver, State};
 use rustix::time::{ClockId, clock_gettime};
 
-/// Exact values [m], [s].
+/// Exact values \[m\], \[s\].
 #[derive(Clone, Copy, Debug)]
 pub struct Exact {
     pub rest: f64,
@@ -13,7 +13,7 @@ pub struct Exact {
     pub time: f64,
 }
 
-/// A first peak: height [m], time [s], and CPU time per simulated time until it was over.
+/// A first peak: height \[m\], time \[s\], and CPU time per simulated time until it was over.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak {
     pub height: f64,
@@ -21,8 +21,8 @@ pub struct Peak {
     pub cpu_s_per_s: f64,
 }
 
-/// Coming to rest: CPU time [s] until the sag stays in the band, the sag's error in the end, and the CPU time of making the
-/// solver, which contains the analysis of the mesh [s].
+/// Coming to rest: CPU time \[s\] until the sag stays in the band, the sag's error in the end, and the CPU time of making the
+/// solver, which contains the analysis of the mesh \[s\].
 #[derive(Clone, Copy, Debug)]
 pub struct Rest {
     pub cpu_s: Option<f64>,
@@ -30,13 +30,13 @@ pub struct Rest {
     pub analysis_s: f64,
 }
 
-/// A sag [m] that no solution comes near.
+/// A sag \[m\] that no solution comes near.
 const LOST: f64 = 0.2;
-/// Between readings of the sag [s], for methods with shorter steps.
+/// Between readings of the sag \[s\], for methods with shorter steps.
 const SAMPLE: f64 = 0.5e-3;
-/// A body that is not at rest by then is given up [s].
+/// A body that is not at rest by then is given up \[s\].
 const NO_REST: f64 = 20.0;
-/// A run is repeated until it has taken this CPU time [s], at most so often; the fastest counts.
+/// A run is repeated until it has taken this CPU time \[s\], at most so often; the fastest counts.
 const REPEAT: (f64, usize) = (1.0, 7);
 
 /// A body under way.
@@ -46,7 +46,7 @@ struct Run<'a> {
     state: State,
     step: f64,
     analysis: f64,
-    /// CPU time of the steps so far [s].
+    /// CPU time of the steps so far \[s\].
     cpu: f64,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// CPU time of this process [s].
+/// CPU time of this process \[s\].
 fn cpu_seconds() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9

@@ -121,7 +121,7 @@ const fn xpbd(iterations: u32) -> Method {
     }
 }
 
-/// CPU time [s] after which a run that does not come to rest is given up, by default and if everything is asked for.
+/// CPU time \[s\] after which a run that does not come to rest is given up, by default and if everything is asked for.
 const CAPS: [f64; 2] = [60.0, 600.0];
 
 /// Measures all methods.

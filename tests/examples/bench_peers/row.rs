@@ -13,7 +13,7 @@ pub struct Row {
     pub method: String,
     /// S, M, L, or `own` where an engine does not use the tetrahedra.
     pub mesh: String,
-    /// [s]
+    /// \[s\]
     pub step: f64,
     /// Whether the first peak was asked for, and coming to rest.
     pub asks: [bool; 2],
@@ -23,7 +23,7 @@ pub struct Row {
     pub peak_error: Option<f64>,
     /// The same of its time.
     pub peak_time_error: Option<f64>,
-    /// CPU time from release until the sag is at rest [s].
+    /// CPU time from release until the sag is at rest \[s\].
     pub cpu_s_to_rest: Option<f64>,
     /// The sag in the end against the exact one, as a share of it.
     pub rest_error: Option<f64>,

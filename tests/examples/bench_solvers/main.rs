@@ -34,11 +34,11 @@ const LARGER: [[usize; 3]; 5] = [
     [95, 19, 19],
 ];
 
-/// First peak of the sag on S, M and L [mm] (`data/reference`), and its time [ms]: on M and L of Störmer–Verlet at 50 and 30 µs,
+/// First peak of the sag on S, M and L \[mm\] (`data/reference`), and its time \[ms\]: on M and L of Störmer–Verlet at 50 and 30 µs,
 /// whose heights are those of the reference.
 const PEAKS: [[f64; 2]; 3] = [[47.916, 128.4], [59.398, 144.3], [61.700, 147.8]];
 
-/// Steps of the dynamic runs [s].
+/// Steps of the dynamic runs \[s\].
 const STEPS: [f64; 3] = [0.01, 0.02, 0.022];
 
 /// Newton's method with one iteration.
@@ -97,7 +97,7 @@ fn weight() -> Control {
     }
 }
 
-/// The fastest of `repetitions` runs [s].
+/// The fastest of `repetitions` runs \[s\].
 fn fastest(repetitions: usize, mut run: impl FnMut()) -> f64 {
     let timed = |_| {
         let start = Instant::now();
@@ -147,7 +147,7 @@ fn phases(text: &mut String, csv: &mut String) {
     }
 }
 
-/// The way of a model, its phases [s], and bytes per tetrahedron.
+/// The way of a model, its phases \[s\], and bytes per tetrahedron.
 fn phases_of(model: &TissueModel, large: bool) -> (&'static str, [f64; 8], f64) {
     let repetitions = if large { 5 } else { 20 };
     let state = bent(model);
@@ -203,7 +203,7 @@ fn bent(model: &TissueModel) -> State {
     state
 }
 
-/// Sag and its rate at the free end [m, m/s].
+/// Sag and its rate at the free end \[m, m/s\].
 fn sag(model: &TissueModel, state: &State) -> [f64; 2] {
     let mut sums = [0.0; 3];
     for (node, rest) in model.rest_positions().iter().enumerate() {
@@ -216,7 +216,7 @@ fn sag(model: &TissueModel, state: &State) -> [f64; 2] {
     [sums[0] / sums[2], sums[1] / sums[2]]
 }
 
-/// Height [m] and time [s] of the first peak of steps of `h`: that of the cubic through sags and rates.
+/// Height \[m\] and time \[s\] of the first peak of steps of `h`: that of the cubic through sags and rates.
 fn first_peak(curve: &[[f64; 2]], h: f64) -> [f64; 2] {
     let mut best = [f64::NEG_INFINITY, 0.0];
     for (k, ends) in curve.windows(2).enumerate() {
@@ -239,7 +239,7 @@ fn first_peak(curve: &[[f64; 2]], h: f64) -> [f64; 2] {
     best
 }
 
-/// The first peak and the time of a run of `duration` [s].
+/// The first peak and the time of a run of `duration` \[s\].
 fn released(model: &TissueModel, method: Method, h: f64, duration: f64) -> ([f64; 2], f64) {
     let control = weight();
     let mut peak = [0.0; 2];
@@ -349,7 +349,7 @@ fn rests(text: &mut String, csv: &mut String) {
     }
 }
 
-/// The sag in equilibrium [m], to 1e-9 of the forces.
+/// The sag in equilibrium \[m\], to 1e-9 of the forces.
 fn settled(model: &TissueModel) -> f64 {
     let newton = Newton {
         iterations: 200,

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// Length of a picture [s], of the pull, the hold and the rest after it [pictures], and its way [m]. The tool lets go between pictures:
+/// Length of a picture \[s\], of the pull, the hold and the rest after it \[pictures\], and its way \[m\]. The tool lets go between pictures:
 /// it is read once in each.
 const PICTURE: f64 = 0.016;
 const PULL: usize = 19;
@@ -74,7 +74,7 @@ fn gripped(model: &TissueModel) -> Vec<u32> {
         .collect()
 }
 
-/// Positions at the end of each picture, and its time [s]; `parts` steps in each.
+/// Positions at the end of each picture, and its time \[s\]; `parts` steps in each.
 fn run(model: &TissueModel, method: Method, parts: usize) -> Vec<(Positions, f64)> {
     let grip = gripped(model);
     let control = weight();
@@ -127,7 +127,7 @@ fn worst(
         .fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a })
 }
 
-/// The time of pictures from..to, each the fastest of all runs: mean and largest [s].
+/// The time of pictures from..to, each the fastest of all runs: mean and largest \[s\].
 fn times(runs: &[Vec<(Positions, f64)>; RUNS], pictures: std::ops::Range<usize>) -> [f64; 2] {
     let fastest: Vec<f64> = pictures
         .map(|index| {

@@ -17,14 +17,14 @@ use microsim_tissue::{
 };
 use nalgebra::Vector3;
 
-/// Young's modulus [Pa] and Poisson's ratio.
+/// Young's modulus \[Pa\] and Poisson's ratio.
 const YOUNG: f64 = 1e5;
 const POISSON: f64 = 0.3;
 
-/// Radius of the sphere [m]. The contact is a fiftieth of it at most: strains below one per cent, where every law is that of Hooke.
+/// Radius of the sphere \[m\]. The contact is a fiftieth of it at most: strains below one per cent, where every law is that of Hooke.
 const RADIUS: f64 = 0.02;
 
-/// The largest contact radius a [m]; the indentation is a²/R.
+/// The largest contact radius a \[m\]; the indentation is a²/R.
 const CONTACT_RADIUS: f64 = 0.4e-3;
 
 /// Half the width of the block, and its height, in contact radii: at six the closed form may be asked for, and is 15 % off.
@@ -136,7 +136,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
     }
 }
 
-/// The force at which a sphere stands `depth` [m] deep in the block [N], by the scene.
+/// The force at which a sphere stands `depth` \[m\] deep in the block \[N\], by the scene.
 fn by_contact(scene: &mut Scene, depth: f64) -> f64 {
     scene.reset();
     let at = |z: f64| Pose {
@@ -167,7 +167,7 @@ fn by_contact(scene: &mut Scene, depth: f64) -> f64 {
 
 /// The same from the linear compliance of the surface nodes near the contact and complementarity, by projected Gauss–Seidel.
 struct Compliance {
-    /// Places at rest of the nodes that may touch [m].
+    /// Places at rest of the nodes that may touch \[m\].
     places: Vec<Vector3<f64>>,
     /// Displacements of all of them by a unit force along the normal at each.
     normals: Vec<Vector3<f64>>,
@@ -214,7 +214,7 @@ impl Compliance {
         }
     }
 
-    /// The vertical force [N] and the number of touching nodes.
+    /// The vertical force \[N\] and the number of touching nodes.
     fn force(&self, depth: f64) -> (f64, usize) {
         let n = self.places.len();
         let centre = Vector3::new(0.0, 0.0, RADIUS - depth);

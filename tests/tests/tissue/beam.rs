@@ -11,10 +11,10 @@ use microsim_tissue::{
 use nalgebra::Vector3;
 use serde_json::Value;
 
-/// Length [m].
+/// Length \[m\].
 pub const LENGTH: f64 = 0.1;
 
-/// Gravity [m/s²].
+/// Gravity \[m/s²\].
 pub const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 /// The reference values, whole.
@@ -24,7 +24,7 @@ pub fn reference() -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// A value of the reference [m], by its path.
+/// A value of the reference \[m\], by its path.
 pub fn expected(path: &str) -> f64 {
     let found = reference().pointer(path).and_then(Value::as_f64);
     found.unwrap_or_else(|| panic!("no value at {path}"))
@@ -76,7 +76,7 @@ pub fn beam(
     .expect("a model")
 }
 
-/// Mean of −z displacements of the nodes of the free end [m].
+/// Mean of −z displacements of the nodes of the free end \[m\].
 pub fn sag(model: &TissueModel, state: &State) -> f64 {
     let ends: Vec<usize> = (0..model.node_count())
         .filter(|&node| model.rest_positions()[node].x > LENGTH * (1.0 - 1e-6))
@@ -88,7 +88,7 @@ pub fn sag(model: &TissueModel, state: &State) -> f64 {
     sum / ends.len() as f64
 }
 
-/// The sag at rest under gravity [m], solved to 1e-9 of the forces.
+/// The sag at rest under gravity \[m\], solved to 1e-9 of the forces.
 pub fn static_sag(model: &TissueModel) -> f64 {
     let method = Method::QuasiStatic(Newton {
         iterations: 60,

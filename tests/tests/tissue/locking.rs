@@ -4,7 +4,7 @@ use crate::beam::{beam, expected, mesh, static_sag};
 use microsim_tissue::Discretisation;
 use microsim_tissue::law::LawName;
 
-/// Sag of the exact beam [m]: quadratic hexahedra, the finest of the reference. At ν = 0.49 they still rise towards about
+/// Sag of the exact beam \[m\]: quadratic hexahedra, the finest of the reference. At ν = 0.49 they still rise towards about
 /// 33.7 mm, so the comparison is with the limit that the reference gives in words.
 fn exact(poisson: f64) -> f64 {
     match poisson {

@@ -8,7 +8,7 @@ use microsim_tissue::{
 /// Share of the stability limit: the error of the step is then some (hω)²/24 of the slow modes that make the peak, 1e-5.
 const SHARE: f64 = 0.3;
 
-/// First peak of the sag [m] and its time [s]: the largest value before the curve has fallen for 50 ms.
+/// First peak of the sag \[m\] and its time \[s\]: the largest value before the curve has fallen for 50 ms.
 fn first_peak(model: &TissueModel) -> (f64, f64) {
     let mut state = State::at_rest(model);
     let control = Control {

@@ -18,7 +18,7 @@ pub struct Result {
     pub set: Vec<Override>,
     /// What was left out.
     pub without: Vec<String>,
-    /// CPU time of all threads from the first step to the last [s].
+    /// CPU time of all threads from the first step to the last \[s\].
     pub cpu_s: f64,
     /// A chain over the physics digests of all samples.
     pub physics_digest: [u8; 32],

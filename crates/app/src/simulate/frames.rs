@@ -12,7 +12,7 @@ pub struct Frames {
     folder: PathBuf,
     scene: String,
     bodies: Vec<BodySpec>,
-    /// Time between two frames [s], and the time of the next one.
+    /// Time between two frames \[s\], and the time of the next one.
     interval: f64,
     next: f64,
     written: Vec<(f64, u32, String)>,

@@ -7,11 +7,11 @@ use microsim_scene::{RigidSpec, Runner, Scene};
 use microsim_settings as settings;
 use std::path::{Path, PathBuf};
 
-/// Width and height [pixels].
+/// Width and height \[pixels\].
 const SIZE: u32 = 960;
-/// From the main lens to the focus [m]: a usual focal length of surgical microscopes.
+/// From the main lens to the focus \[m\]: a usual focal length of surgical microscopes.
 const WORKING_DISTANCE: f64 = 0.25;
-/// The field and the tilt [rad] of a scene that does not say them: the field is so many times as wide as its bodies are long.
+/// The field and the tilt \[rad\] of a scene that does not say them: the field is so many times as wide as its bodies are long.
 const FIELD: f64 = 1.3;
 const TILT: f64 = 0.9;
 /// What shows where nothing lies.
@@ -28,7 +28,7 @@ pub struct Pictures {
     view: View,
     bodies: Vec<([f32; 3], Finish)>,
     rigid: Vec<Item>,
-    /// Time between two pictures [s], and the time of the next one.
+    /// Time between two pictures \[s\], and the time of the next one.
     interval: f64,
     next: f64,
     count: usize,

@@ -15,7 +15,7 @@ const PULL: f64 = 0.03;
 #[derive(Clone, Debug)]
 pub struct Level {
     file: DocumentMut,
-    /// Between two ticks [s].
+    /// Between two ticks \[s\].
     pub tick: f64,
     /// Steps in a tick.
     steps: i64,

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// four short edges (√3/2 of a cell) between them.
 pub(super) struct Lattice {
     pub(super) origin: Vector3<f64>,
-    /// Edge of a cell [m].
+    /// Edge of a cell \[m\].
     pub(super) cell: f64,
     /// Number of cells along each axis.
     pub(super) cells: [usize; 3],
@@ -56,12 +56,12 @@ impl Lattice {
         index as usize >= self.corners()
     }
 
-    /// The coordinate [m] along `axis` of the points with the doubled coordinate `p`.
+    /// The coordinate \[m\] along `axis` of the points with the doubled coordinate `p`.
     pub(super) fn coordinate(&self, axis: usize, p: i64) -> f64 {
         self.origin[axis] + self.cell * (0.5 * p as f64)
     }
 
-    /// The place of a point [m].
+    /// The place of a point \[m\].
     pub(super) fn position(&self, index: u32) -> Vector3<f64> {
         let p = self.coordinates(index);
         Vector3::from_fn(|axis, _| self.coordinate(axis, p[axis]))

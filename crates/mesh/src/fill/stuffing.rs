@@ -29,7 +29,7 @@ enum Corner {
     Crossing(u32, u32),
 }
 
-/// The inside of a surface on `lattice`: node positions [m] and positive tetrahedra. `crossing(i, o)` is the place where
+/// The inside of a surface on `lattice`: node positions \[m\] and positive tetrahedra. `crossing(i, o)` is the place where
 /// the surface crosses the edge from the inside point `i` to the outside point `o`, as a share of the edge from `i`.
 pub(super) fn stuff(
     lattice: &Lattice,
@@ -71,7 +71,7 @@ fn crossings(
 }
 
 /// Moves every point with a crossing too close to it onto the closest of those crossings; the crossings of its edges are
-/// then gone. Returns the moved points with their new places [m].
+/// then gone. Returns the moved points with their new places \[m\].
 fn warp(
     lattice: &Lattice,
     crossings: &mut BTreeMap<(u32, u32), f64>,

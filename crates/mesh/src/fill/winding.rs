@@ -23,7 +23,7 @@ pub(super) struct Overlap {
     pub(super) winding: i32,
     /// The triangle crossed last on the way there.
     pub(super) triangle: u32,
-    /// The point [m].
+    /// The point \[m\].
     pub(super) point: Vector3<f64>,
 }
 
@@ -123,7 +123,7 @@ fn passes(surface: &TriangleSurface, [from, to]: [u32; 2], y: f64, z: f64) -> i3
     if rises == (from < to) { 1 } else { -1 }
 }
 
-/// The x at which the plane of the triangle is met [m], within the triangle's own.
+/// The x at which the plane of the triangle is met \[m\], within the triangle's own.
 fn height([a, b, c]: &[Vector3<f64>; 3], y: f64, z: f64) -> f64 {
     let (low, high) = (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
     let normal = (b - a).cross(&(c - a));

@@ -5,7 +5,7 @@ use std::fmt::Write;
 /// One file of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PvdEntry<'a> {
-    /// Time that the file shows [s].
+    /// Time that the file shows \[s\].
     pub time: f64,
     /// Number of the body, where several are shown at once.
     pub part: u32,

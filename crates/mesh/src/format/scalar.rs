@@ -43,7 +43,7 @@ pub(super) enum Numbers {
 }
 
 impl Scalar {
-    /// Size [bytes].
+    /// Size \[bytes\].
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,

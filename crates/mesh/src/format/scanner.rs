@@ -4,7 +4,7 @@ use super::error::{FormatError, Place};
 use super::scalar::{Encoding, Numbers, Scalar};
 use std::str::FromStr;
 
-/// Longest piece of a file that an error quotes [characters].
+/// Longest piece of a file that an error quotes \[characters\].
 const QUOTED: usize = 40;
 
 /// Reads a file from front to back.

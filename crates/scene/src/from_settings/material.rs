@@ -31,7 +31,7 @@ pub(super) fn material(
     })
 }
 
-/// How it resists deformation, and its stiffness in uniaxial stretch [Pa], where that is known.
+/// How it resists deformation, and its stiffness in uniaxial stretch \[Pa\], where that is known.
 fn behaviour(
     material: &settings::Material,
     key: &KeyPath,
@@ -74,7 +74,7 @@ fn behaviour(
     Ok((Behaviour::Continuum(constants), Some(young)))
 }
 
-/// The constants of springs, and their modulus [Pa], where they have one.
+/// The constants of springs, and their modulus \[Pa\], where they have one.
 fn springs(
     material: &settings::Material,
     value: &dyn Fn(&'static str, Option<f64>) -> Result<f64, FromSettingsError>,

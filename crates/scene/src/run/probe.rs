@@ -17,14 +17,14 @@ pub(super) struct Probe {
     nodes: Vec<u32>,
     quantity: Quantity,
     direction: Vector3<f64>,
-    /// A point of the axis in the world [m], and its direction.
+    /// A point of the axis in the world \[m\], and its direction.
     point: Vector3<f64>,
     axis: Vector3<f64>,
     /// The other body of a gap or of crossings.
     other: usize,
     /// The pair of a contact force, and the sign of the force on the body.
     pair: (usize, f64),
-    /// Mean distance of the nodes from the axis at rest [m], for a radius; volume of the body at rest [m³], for a volume.
+    /// Mean distance of the nodes from the axis at rest \[m\], for a radius; volume of the body at rest \[m³\], for a volume.
     reference: f64,
 }
 
@@ -122,7 +122,7 @@ impl Probe {
         Ok(probe)
     }
 
-    /// The value now, in SI; `forces` are those of the pairs and of the jaws since the last sample [N].
+    /// The value now, in SI; `forces` are those of the pairs and of the jaws since the last sample \[N\].
     pub fn value(&self, scene: &Scene, forces: &[(Vector3<f64>, f64)]) -> f64 {
         let (now, rest) = (scene.positions(self.body), scene.rest_positions(self.body));
         let moved = |node: &u32| now[*node as usize] - rest[*node as usize];

@@ -70,7 +70,7 @@ fn line(radius: f64, edge: Option<[f64; 3]>) -> CapsuleSpec {
     }
 }
 
-/// A jaw along y up to `end` [m], on one `side` of the middle, about a hinge at y = 8 mm.
+/// A jaw along y up to `end` \[m\], on one `side` of the middle, about a hinge at y = 8 mm.
 fn jaw(end: f64, side: f64, jaw: Jaw) -> CapsuleSpec {
     CapsuleSpec {
         a: [0.0, -2e-3, 1.2e-4 * side],
@@ -120,7 +120,7 @@ fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneS
     }
 }
 
-/// From one height to another [m] at a place x [m], with the opening of jaws.
+/// From one height to another \[m\] at a place x \[m\], with the opening of jaws.
 fn down(x: f64, heights: [f64; 2], openings: [f64; 2]) -> ToolMotion {
     let pose = |z| Pose {
         position: Vector3::new(x, 0.0, z),

@@ -147,7 +147,7 @@ struct Went {
 }
 
 /// Advances by `ticks`; a tick that fails is one that containment has rolled back and reported. Nothing may be further from its
-/// rest than `reach` [m], at any time. Returns how many ticks failed.
+/// rest than `reach` \[m\], at any time. Returns how many ticks failed.
 fn survive(
     scene: &mut Scene,
     ticks: usize,

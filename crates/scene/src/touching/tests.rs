@@ -6,7 +6,7 @@ use microsim_mesh::{Block, CellSplit};
 use microsim_tissue::law::LawName;
 use microsim_tissue::{Behaviour, ContinuumConstants, Discretisation, Material};
 
-/// A block from −1 to 1 mm along x about `x` [m], with its faces there as ends.
+/// A block from −1 to 1 mm along x about `x` \[m\], with its faces there as ends.
 fn vessel(name: &str, x: f64) -> BodySpec {
     let block = Block {
         center: [x, 0.0, 0.0],

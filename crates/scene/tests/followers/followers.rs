@@ -56,7 +56,7 @@ struct Follower {
     model: TissueModel,
     state: State,
     solver: Box<dyn Solver>,
-    /// Of the uncut body [s].
+    /// Of the uncut body \[s\].
     step: f64,
     mesh: TetMesh,
     triangles: Vec<SurfaceTriangle>,

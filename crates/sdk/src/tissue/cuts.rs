@@ -49,7 +49,7 @@ impl MarkLine {
         across > along && length([x, y, 0.0]) > PEELED
     }
 
-    /// How far a place is from the line [m].
+    /// How far a place is from the line \[m\].
     fn away(&self, place: [f64; 3]) -> f64 {
         let offset = [0, 1, 2].map(|k| place[k] - self.middle[k]);
         let along = dot(offset, self.along);
@@ -60,20 +60,20 @@ impl MarkLine {
 /// What was cut in a tick, as seen from a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Cut {
-    /// [m²]
+    /// \[m²\]
     area: f64,
-    /// Its centroid, from the mark's middle [m].
+    /// Its centroid, from the mark's middle \[m\].
     place: [f64; 3],
     /// Normal of its plane, of length 1, on the same side of the mark for all.
     normal: [f64; 3],
-    /// Distance of its centroid from the plane that the mark asks for [m].
+    /// Distance of its centroid from the plane that the mark asks for \[m\].
     beside: f64,
     /// Sine of the angle between its plane and the one that the mark asks for.
     sine: f64,
 }
 
 impl Cut {
-    /// Distance of its plane from the mark's middle [m].
+    /// Distance of its plane from the mark's middle \[m\].
     fn distance(&self) -> f64 {
         dot(self.place, self.normal).abs()
     }
@@ -274,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Nothing is stray, and the distance of the cut is this one [m]; tolerance: rounding.
+    /// Nothing is stray, and the distance of the cut is this one \[m\]; tolerance: rounding.
     #[track_caller]
     fn assert_cut(found: CutFindings, distance: f64) {
         let measured = found.distance.expect("a cut");

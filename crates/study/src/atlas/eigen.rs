@@ -4,7 +4,7 @@ use microsim_tissue::elements::{ElementMatrix, Tangent};
 use microsim_tissue::{State, TissueModel};
 use nalgebra::DMatrix;
 
-/// All eigenvalues of M⁻¹K of the free nodes in a state [1/s²], ascending, from M^−½ K M^−½ as a dense matrix. For small bodies:
+/// All eigenvalues of M⁻¹K of the free nodes in a state \[1/s²\], ascending, from M^−½ K M^−½ as a dense matrix. For small bodies:
 /// time grows with the third power of the nodes.
 pub fn eigenvalues(model: &TissueModel, state: &State) -> Vec<f64> {
     let mut free = vec![None; model.node_count()];

@@ -8,7 +8,7 @@ use super::{Atlas, method_name};
 use crate::number::{percent, significant, time};
 use microsim_tissue::Method;
 
-/// Size of a field with a number [px].
+/// Size of a field with a number \[px\].
 const NUMBER: (f64, f64) = (47.0, 24.0);
 
 impl Atlas {

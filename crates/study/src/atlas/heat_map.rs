@@ -30,17 +30,17 @@ pub struct HeatMap {
     pub rows: Vec<String>,
     /// The fields, row after row; `None` where there is nothing.
     pub fields: Vec<Vec<Option<Field>>>,
-    /// Width and height of a field [px].
+    /// Width and height of a field \[px\].
     pub size: (f64, f64),
 }
 
-/// Width of a letter of a label [px], about.
+/// Width of a letter of a label \[px\], about.
 const LETTER: f64 = 6.3;
-/// Height of the two lines of column labels [px].
+/// Height of the two lines of column labels \[px\].
 const HEAD: f64 = 46.0;
-/// Height of the title of a drawing that stands alone [px].
+/// Height of the title of a drawing that stands alone \[px\].
 const TITLE: f64 = 28.0;
-/// Gap between groups of columns [px].
+/// Gap between groups of columns \[px\].
 const GAP: f64 = 6.0;
 
 impl HeatMap {
@@ -81,13 +81,13 @@ impl HeatMap {
         document(self.width().max(title), bottom, &self.title, &out, alone)
     }
 
-    /// Width without the title [px].
+    /// Width without the title \[px\].
     pub fn width(&self) -> f64 {
         let left = self.left();
         self.places(left).last().map_or(left, |x| x + self.size.0) + 4.0
     }
 
-    /// Width of the labels of the rows [px].
+    /// Width of the labels of the rows \[px\].
     fn left(&self) -> f64 {
         let longest = self
             .rows
@@ -98,7 +98,7 @@ impl HeatMap {
         12.0 + LETTER * longest as f64
     }
 
-    /// Left ends of the columns [px].
+    /// Left ends of the columns \[px\].
     fn places(&self, left: f64) -> Vec<f64> {
         let mut x = left;
         let mut places = Vec::new();

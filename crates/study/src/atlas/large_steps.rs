@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Steps per period of the first mode.
 const PER_PERIOD: [u32; 5] = [200, 50, 20, 5, 2];
-/// Weight that bends the block for the first mode [m/s²]: it sags by some 10⁻⁴ of its length.
+/// Weight that bends the block for the first mode \[m/s²\]: it sags by some 10⁻⁴ of its length.
 const WEIGHT: f64 = 0.01;
 /// Random offsets, as a share of a cell.
 const OFFSET: f64 = 0.2;
@@ -55,7 +55,7 @@ pub struct LargeStep {
     pub start: Start,
     /// Steps per period of the first mode.
     pub per_period: u32,
-    /// Length of a step [s].
+    /// Length of a step \[s\].
     pub step: f64,
     /// The step over the limit of Störmer–Verlet.
     pub over_limit: f64,
@@ -137,7 +137,7 @@ pub fn large_steps(substance: Substance, subject: &Subject, starts: &[Start]) ->
     runs
 }
 
-/// The block bent by its weight, and the frequency of that shape by Rayleigh's quotient ω² = 2E/Σ m u² [1/s].
+/// The block bent by its weight, and the frequency of that shape by Rayleigh's quotient ω² = 2E/Σ m u² \[1/s\].
 fn first_mode(model: &TissueModel) -> Option<(State, f64)> {
     let newton = Newton {
         iterations: 50,

@@ -38,14 +38,14 @@ const POWER_STEPS: usize = 20;
 /// A limit as it was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measured {
-    /// Stable up to this step [s].
+    /// Stable up to this step \[s\].
     Step(f64),
-    /// Unstable at every step that was tried, down to this one [s].
+    /// Unstable at every step that was tried, down to this one \[s\].
     Never(f64),
 }
 
 impl Measured {
-    /// The step [s]; `None` where none is stable.
+    /// The step \[s\]; `None` where none is stable.
     pub fn step(&self) -> Option<f64> {
         match self {
             Self::Step(step) => Some(*step),
@@ -65,13 +65,13 @@ pub struct Limit {
     pub variation: Variation,
     /// What was measured.
     pub measured: Measured,
-    /// From the exact largest eigenvalue [s]; 0 for a method that is never stable.
+    /// From the exact largest eigenvalue \[s\]; 0 for a method that is never stable.
     pub exact: f64,
-    /// From the Gershgorin bound (G) of NUMERICS 3.2 [s].
+    /// From the Gershgorin bound (G) of NUMERICS 3.2 \[s\].
     pub gershgorin: f64,
-    /// From 20 steps of power iteration without margin [s].
+    /// From 20 steps of power iteration without margin \[s\].
     pub power: f64,
-    /// From k_c of 3.21: the step at which the stiffest spring for its masses has that stiffness [s]; `None` without springs.
+    /// From k_c of 3.21: the step at which the stiffest spring for its masses has that stiffness \[s\]; `None` without springs.
     pub delingette: Option<f64>,
 }
 
@@ -134,8 +134,8 @@ impl Limit {
     }
 }
 
-/// The step [s] at which `method` becomes unstable for a mode of eigenvalue `lambda` [1/s²] with `drag` [1/s] and viscous forces
-/// of the rate `viscous` [1/s] (NUMERICS 3.1; at most one of the two above zero).
+/// The step \[s\] at which `method` becomes unstable for a mode of eigenvalue `lambda` \[1/s²\] with `drag` \[1/s\] and viscous forces
+/// of the rate `viscous` \[1/s\] (NUMERICS 3.1; at most one of the two above zero).
 ///
 /// Viscous forces come from a known velocity in every explicit method, without the exact factor that drag enjoys. For
 /// Störmer–Verlet it is (p_n − p_{n−1})/h, as in symplectic Euler. Velocity Verlet takes them at v_n + h a_n, with a_n carried over
@@ -155,7 +155,7 @@ pub fn predicted(method: &Method, lambda: f64, drag: f64, viscous: f64) -> f64 {
     }
 }
 
-/// The step [s] at which the first spring reaches k_c = m/(π² h²), m the smaller mass of its free ends.
+/// The step \[s\] at which the first spring reaches k_c = m/(π² h²), m the smaller mass of its free ends.
 fn delingette_step(model: &TissueModel) -> Option<f64> {
     let state = State::at_rest(model);
     let mut shortest: Option<f64> = None;
@@ -183,7 +183,7 @@ fn delingette_step(model: &TissueModel) -> Option<f64> {
     shortest
 }
 
-/// Bisection; `exact` is the prediction [s].
+/// Bisection; `exact` is the prediction \[s\].
 fn measure(method: &Method, variation: Variation, subject: &Subject, exact: f64) -> Measured {
     let finite = match variation {
         Variation::Amplitude(share) => Some(share),

@@ -12,21 +12,21 @@ use microsim_tissue::{
 };
 use nalgebra::Vector3;
 
-/// Length of the beam [m].
+/// Length of the beam \[m\].
 const LENGTH: f64 = 0.1;
-/// Height and width [m].
+/// Height and width \[m\].
 const HEIGHT: f64 = 0.02;
 /// Cells.
 const CELLS: [usize; 3] = [15, 3, 3];
-/// Gravity [m/s²].
+/// Gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
 /// Largest distance from the resting place, as a share of the length.
 const NEAR: f64 = 0.03;
-/// Simulated time [s].
+/// Simulated time \[s\].
 pub const SIMULATED: f64 = 1.2;
-/// How often a run is looked at [s].
+/// How often a run is looked at \[s\].
 const LOOK: f64 = 5e-3;
-/// CPU time after which a run is cut off [s].
+/// CPU time after which a run is cut off \[s\].
 const CPU_LIMIT: f64 = 12.0;
 
 /// What has happened to the beam.
@@ -59,7 +59,7 @@ impl Damage {
         }
     }
 
-    /// Where the clamp puts a point of the rest shape afterwards [m].
+    /// Where the clamp puts a point of the rest shape afterwards \[m\].
     fn clamp(self, rest: &Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Jump => rest + Vector3::y() * LENGTH,
@@ -68,7 +68,7 @@ impl Damage {
         }
     }
 
-    /// Where the free nodes start [m].
+    /// Where the free nodes start \[m\].
     fn apply(self, model: &TissueModel, positions: &mut [Vector3<f64>]) {
         let free = |node: &usize| !model.is_clamped(*node);
         match self {
@@ -109,16 +109,16 @@ pub struct Way {
     pub substance: Substance,
     /// How long a step is.
     pub step: StepLength,
-    /// Drag per mass [1/s].
+    /// Drag per mass \[1/s\].
     pub drag: f64,
-    /// Time of Kelvin–Voigt damping [s].
+    /// Time of Kelvin–Voigt damping \[s\].
     pub relaxation_time: f64,
 }
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// Recovered at this simulated time [s].
+    /// Recovered at this simulated time \[s\].
     Recovered(f64),
     /// It came to the end of the time elsewhere.
     Elsewhere {
@@ -129,14 +129,14 @@ pub enum Outcome {
         /// Whether it has come to rest there: no node is faster than a length per 10 s.
         still: bool,
     },
-    /// The solver gave up at this simulated time [s].
+    /// The solver gave up at this simulated time \[s\].
     Failed {
-        /// Simulated time [s].
+        /// Simulated time \[s\].
         time: f64,
         /// Why.
         reason: String,
     },
-    /// It was cut off at this simulated time [s]: too much CPU time.
+    /// It was cut off at this simulated time \[s\]: too much CPU time.
     TooSlow(f64),
     /// The method cannot treat the material, or the body has no resting place.
     NotApplicable(String),
@@ -149,11 +149,11 @@ pub struct Recovery {
     pub damage: Damage,
     /// How it was computed.
     pub way: Way,
-    /// Length of a step [s].
+    /// Length of a step \[s\].
     pub step: f64,
     /// How it ended.
     pub outcome: Outcome,
-    /// CPU time of the whole simulated time [s], of which there may be less than planned where it failed.
+    /// CPU time of the whole simulated time \[s\], of which there may be less than planned where it failed.
     pub cpu: f64,
 }
 
@@ -200,7 +200,7 @@ impl Beam {
         }
     }
 
-    /// Static equilibrium under gravity, sought from the undeformed shape [m].
+    /// Static equilibrium under gravity, sought from the undeformed shape \[m\].
     fn resting_place(&self, damage: Damage) -> Result<Vec<Vector3<f64>>, String> {
         let mut state = State::at_rest(&self.model);
         for position in &mut state.positions {
@@ -251,7 +251,7 @@ fn mesh() -> TetMesh {
     block.mesh().expect("a block of positive size")
 }
 
-/// Computes a way on each of `damages`; `clock` tells CPU time [s].
+/// Computes a way on each of `damages`; `clock` tells CPU time \[s\].
 pub fn recover(way: &Way, damages: &[Damage], clock: &dyn Fn() -> f64) -> Vec<Recovery> {
     let beam = Beam::new(way);
     let each = damages.iter().map(|&damage| {

@@ -54,7 +54,7 @@ pub struct Remedied {
     pub variation: Variation,
     /// What was done.
     pub remedy: Remedy,
-    /// The step [s].
+    /// The step \[s\].
     pub step: f64,
     /// h·√λ_max over 2: unstable from 1 on.
     pub over_limit: f64,
@@ -117,13 +117,13 @@ pub fn remedies(substance: Substance, variation: Variation) -> Vec<Remedied> {
     each.collect()
 }
 
-/// The lowest eigenvalue at rest [1/s²].
+/// The lowest eigenvalue at rest \[1/s²\].
 fn lowest(model: &TissueModel) -> f64 {
     let values = eigenvalues(model, &State::at_rest(model));
     values.first().copied().unwrap_or(0.0)
 }
 
-/// The largest eigenvalue at rest [1/s²].
+/// The largest eigenvalue at rest \[1/s²\].
 fn largest(model: &TissueModel) -> f64 {
     let values = eigenvalues(model, &State::at_rest(model));
     values.last().copied().unwrap_or(0.0)

@@ -9,13 +9,13 @@ use microsim_tissue::{
 };
 use nalgebra::Vector3;
 
-/// Edge of a cell of the block [m].
+/// Edge of a cell of the block \[m\].
 pub(super) const CELL: f64 = 0.01;
 /// Cells of the block.
 const CELLS: [usize; 3] = [4, 2, 2];
 /// The node in the middle of the block; it is inside.
 const MIDDLE: [usize; 3] = [2, 1, 1];
-/// Young's modulus [Pa], Poisson's ratio, density [kg/m³] of all bodies, where nothing else is said.
+/// Young's modulus \[Pa\], Poisson's ratio, density \[kg/m³\] of all bodies, where nothing else is said.
 const YOUNG: f64 = 1e5;
 const POISSON: f64 = 0.3;
 const DENSITY: f64 = 1000.0;
@@ -96,13 +96,13 @@ impl Substance {
 /// Constants of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants {
-    /// Young's modulus [Pa]; of springs their modulus.
+    /// Young's modulus \[Pa\]; of springs their modulus.
     pub young: f64,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Density [kg/m³].
+    /// Density \[kg/m³\].
     pub density: f64,
-    /// Time of Kelvin–Voigt damping [s].
+    /// Time of Kelvin–Voigt damping \[s\].
     pub relaxation_time: f64,
 }
 
@@ -220,11 +220,11 @@ impl Variation {
 pub struct Subject {
     /// The body.
     pub model: TissueModel,
-    /// Eigenvalues of M⁻¹K at rest without damping [1/s²], ascending.
+    /// Eigenvalues of M⁻¹K at rest without damping \[1/s²\], ascending.
     pub eigenvalues: Vec<f64>,
-    /// Drag per mass [1/s].
+    /// Drag per mass \[1/s\].
     pub drag: f64,
-    /// Time of Kelvin–Voigt damping [s].
+    /// Time of Kelvin–Voigt damping \[s\].
     pub relaxation_time: f64,
 }
 
@@ -253,7 +253,7 @@ impl Subject {
         })
     }
 
-    /// The largest eigenvalue [1/s²].
+    /// The largest eigenvalue \[1/s²\].
     pub fn lambda(&self) -> f64 {
         self.eigenvalues.iter().copied().fold(0.0, f64::max)
     }
@@ -305,7 +305,7 @@ pub fn body(mesh: &TetMesh, material: &Material, drag: f64) -> Result<TissueMode
     build_model(mesh, &[(0, *material)], &clamped, drag, Vec::new())
 }
 
-/// At rest but for random offsets of the free nodes, each component up to `size` [m].
+/// At rest but for random offsets of the free nodes, each component up to `size` \[m\].
 pub fn disturbed(model: &TissueModel, size: f64) -> State {
     let mut state = State::at_rest(model);
     let mut next = random();

@@ -29,7 +29,7 @@ fn subject(substance: Substance, variation: Variation) -> Subject {
     Subject::new(substance, variation).unwrap()
 }
 
-/// The limit 2/ω_max [s].
+/// The limit 2/ω_max \[s\].
 fn limit(subject: &Subject) -> f64 {
     2.0 / subject.lambda().sqrt()
 }

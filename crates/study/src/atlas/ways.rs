@@ -6,7 +6,7 @@ use super::subject::Substance;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{Discretisation, Method, Newton};
 
-/// Drag of all ways [1/s]: half of the critical damping of the first bending mode, which takes some 0.28 s.
+/// Drag of all ways \[1/s\]: half of the critical damping of the first bending mode, which takes some 0.28 s.
 const DRAG: f64 = 20.0;
 
 impl Way {

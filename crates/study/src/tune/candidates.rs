@@ -50,7 +50,7 @@ pub struct Candidates {
 /// What a level demands beyond its scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AsLevel {
-    /// A step is a whole part of it [s].
+    /// A step is a whole part of it \[s\].
     pub tick: f64,
     /// Whether tools touch its bodies.
     pub contact: bool,

@@ -24,12 +24,12 @@ type Memory = BTreeMap<[u32; 2], (f64, Vector3<f64>)>;
 pub struct Plane {
     pub normal: Vector3<f64>,
     pub height: f64,
-    /// During the step [m].
+    /// During the step \[m\].
     pub motion: Vector3<f64>,
     pub friction: f64,
     /// Which nodes it sees.
     pub sees: fn(&Vector3<f64>) -> bool,
-    /// How much higher it is for a node with this rest position [m].
+    /// How much higher it is for a node with this rest position \[m\].
     pub bump: fn(&Vector3<f64>) -> f64,
 }
 
@@ -54,7 +54,7 @@ pub struct World {
     pub planes: Vec<Plane>,
     /// Pairs of nodes that must not pass one another along x; the first stays on the side of larger x.
     pub pairs: Vec<[u32; 2]>,
-    /// Gaps smaller than this are given [m].
+    /// Gaps smaller than this are given \[m\].
     pub reach: f64,
     pub memory: Memory,
     pub contacts: Vec<Contact>,
@@ -193,7 +193,7 @@ impl World {
         result
     }
 
-    /// Sum of the forces on first sides [N].
+    /// Sum of the forces on first sides \[N\].
     pub fn force(&self) -> Vector3<f64> {
         self.contacts.iter().map(Contact::force).sum()
     }
@@ -202,7 +202,7 @@ impl World {
         self.model.masses().iter().sum()
     }
 
-    /// Mean velocity of all mass [m/s].
+    /// Mean velocity of all mass \[m/s\].
     pub fn velocity(&self) -> Vector3<f64> {
         let sum: Vector3<f64> = self
             .state
@@ -214,7 +214,7 @@ impl World {
         sum / self.mass()
     }
 
-    /// The deepest gap [m] below 0 of all planes and pairs.
+    /// The deepest gap \[m\] below 0 of all planes and pairs.
     pub fn deepest(&self) -> f64 {
         let mut deepest = 0.0f64;
         for plane in &self.planes {
@@ -248,7 +248,7 @@ pub fn gravity() -> Control {
     }
 }
 
-/// The methods that keep gaps, with a step [s] that suits blocks of soft tissue with edges of 1 mm.
+/// The methods that keep gaps, with a step \[s\] that suits blocks of soft tissue with edges of 1 mm.
 pub fn explicit() -> [(Method, f64); 4] {
     [
         Method::StoermerVerlet,

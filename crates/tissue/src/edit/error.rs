@@ -37,7 +37,7 @@ pub enum EditError {
     Volume {
         /// Its number in the mesh.
         element: u32,
-        /// Its volume [m³].
+        /// Its volume \[m³\].
         volume: f64,
     },
     /// An element of the mesh is of a region that the body does not have.

@@ -27,11 +27,11 @@ pub type Volumes = ConstraintSet<Volume, 4>;
 pub struct Constraint<const N: usize> {
     /// Its nodes.
     pub nodes: [u32; N],
-    /// q0 [m, m² or m³].
+    /// q0 \[m, m² or m³\].
     pub rest: f64,
-    /// Plain k [N/m, N/m³ or N/m⁵].
+    /// Plain k \[N/m, N/m³ or N/m⁵\].
     pub stiffness: f64,
-    /// Plain k_d [N·s/m, N·s/m³ or N·s/m⁵].
+    /// Plain k_d \[N·s/m, N·s/m³ or N·s/m⁵\].
     pub damping: f64,
 }
 

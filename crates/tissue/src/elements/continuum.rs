@@ -46,7 +46,7 @@ pub struct ContinuumSet<L, D> {
 }
 
 impl<L: Law, D: Domains> ContinuumSet<L, D> {
-    /// These domains with Lamé's constants `lame` and the relaxation time τ [s] of Kelvin–Voigt viscosity.
+    /// These domains with Lamé's constants `lame` and the relaxation time τ \[s\] of Kelvin–Voigt viscosity.
     pub fn new(domains: D, lame: Lame, relaxation_time: f64) -> Self {
         Self {
             domains,

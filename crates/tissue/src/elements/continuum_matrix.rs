@@ -6,7 +6,7 @@ use crate::elements::ElementMatrix;
 use crate::law::Matrix9;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Sets `out`, which is zero, to the matrix of the tangent `tangent` [Pa] over a domain of `volume` [m³] with these gradients.
+/// Sets `out`, which is zero, to the matrix of the tangent `tangent` \[Pa\] over a domain of `volume` \[m³\] with these gradients.
 pub(super) fn set_tangent(
     tangent: &Matrix9,
     volume: f64,
@@ -55,11 +55,11 @@ fn complete(out: &mut ElementMatrix) {
     *out.block_mut(0, 0) = (corner + corner.transpose()) * 0.5;
 }
 
-/// V T of a domain, in the order in which it meets the gradients: `[j][9 l + 3 k + i]` is V T_ijkl [N·m].
+/// V T of a domain, in the order in which it meets the gradients: `[j][9 l + 3 k + i]` is V T_ijkl \[N·m\].
 pub(super) struct DomainTangent([[f64; 27]; 3]);
 
 impl DomainTangent {
-    /// That of the tangent `tangent` [Pa] over `volume` [m³].
+    /// That of the tangent `tangent` \[Pa\] over `volume` \[m³\].
     #[inline(always)]
     pub fn new(tangent: &Matrix9, volume: f64) -> Self {
         let mut ordered = [[0.0; 27]; 3];
@@ -86,7 +86,7 @@ impl DomainTangent {
 #[derive(Clone, Copy)]
 pub(super) struct CornerTangent {
     b: Vector3<f64>,
-    /// `[9 l + 3 k + i]` is V Σ_j T_ijkl b_j [N].
+    /// `[9 l + 3 k + i]` is V Σ_j T_ijkl b_j \[N\].
     change: [f64; 27],
 }
 

@@ -11,7 +11,7 @@ const DELTA: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-8;
 /// Sums of some hundred terms of size one.
 const ROUNDING: f64 = 1e-13;
-/// A share of the damping [1/s].
+/// A share of the damping \[1/s\].
 const DAMPING: f64 = 30.0;
 
 /// Checks that factors of the elements of `set` scale energy, forces and matrices.

@@ -28,9 +28,9 @@ use std::sync::Arc;
 /// Constants of a coupling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CouplingConstants {
-    /// Stiffness per area of the interface [N/m³], > 0.
+    /// Stiffness per area of the interface \[N/m³\], > 0.
     pub stiffness_per_area: f64,
-    /// Distance at which a tie breaks [m], ≥ 0; infinite for one that holds.
+    /// Distance at which a tie breaks \[m\], ≥ 0; infinite for one that holds.
     pub break_distance: f64,
 }
 
@@ -63,7 +63,7 @@ pub struct Tie {
     pub support: Support,
     /// Element of the mesh that owns the point.
     pub element: u32,
-    /// k [N/m].
+    /// k \[N/m\].
     pub stiffness: f64,
 }
 
@@ -123,7 +123,7 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// The coupling by these ties; `break_distance` [m] may be infinite.
+    /// The coupling by these ties; `break_distance` \[m\] may be infinite.
     pub fn new(ties: &[Tie], break_distance: f64) -> Self {
         Self {
             stencils: ties.iter().map(Stencil::of).collect(),

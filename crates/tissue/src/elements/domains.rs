@@ -18,7 +18,7 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// Nodes of a domain, each once.
     fn nodes(&self, domain: usize) -> &[u32];
 
-    /// Volume at rest [m³].
+    /// Volume at rest \[m³\].
     fn volume(&self, domain: usize) -> f64;
 
     /// Takes a volume times a factor; all that a domain does is in proportion to its volume.
@@ -36,13 +36,13 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// As [`Elements::make_room`](super::Elements::make_room).
     fn make_room(&mut self);
 
-    /// b_i [1/m] of the i-th node of a domain.
+    /// b_i \[1/m\] of the i-th node of a domain.
     fn gradient(&self, domain: usize, i: usize) -> Vector3<f64>;
 
-    /// F of positions [m], or Ḟ of velocities [m/s].
+    /// F of positions \[m\], or Ḟ of velocities \[m/s\].
     fn deformation(&self, domain: usize, positions: &[Vector3<f64>]) -> Matrix3<f64>;
 
-    /// Adds the forces −V P b_i of a stress P [Pa] to the nodes.
+    /// Adds the forces −V P b_i of a stress P \[Pa\] to the nodes.
     fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>);
 
     /// Adds the forces of a law in the domains of `range`, in ascending order.
@@ -84,9 +84,9 @@ struct Element {
 /// What forces by areas need of four elements.
 #[derive(Clone, Copy, Debug)]
 struct FourShapes {
-    /// V g_i·g_j of the last three corners [m]: 11, 22, 33, 23, 31, 12.
+    /// V g_i·g_j of the last three corners \[m\]: 11, 22, 33, 23, 31, 12.
     metric: [Lanes; 6],
-    /// Reciprocal of six volumes, before any factor [1/m³].
+    /// Reciprocal of six volumes, before any factor \[1/m³\].
     per_volume: Lanes,
     /// A sixth of the factor.
     sixth: Lanes,
@@ -319,7 +319,7 @@ pub(super) fn product(m: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(row(0), row(1), row(2))
 }
 
-/// Gradients of the shape functions of the last three corners [1/m], and the volume [m³].
+/// Gradients of the shape functions of the last three corners \[1/m\], and the volume \[m³\].
 pub(super) fn shape([a, b, c, d]: &[Vector3<f64>; 4]) -> ([Vector3<f64>; 3], f64) {
     let (e1, e2, e3) = (b - a, c - a, d - a);
     let normals = [e2.cross(&e3), e3.cross(&e1), e1.cross(&e2)];

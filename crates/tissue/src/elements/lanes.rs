@@ -133,7 +133,7 @@ impl Neg for Lanes {
 /// Three components of four vectors.
 pub type FourVectors = [Lanes; 3];
 
-/// Σ_k columns[k] v[k], written out so that it is inlined.
+/// `Σ_k columns[k] v[k]`, written out so that it is inlined.
 #[inline(always)]
 pub fn product_of_four(columns: &[FourVectors; 3], v: &FourVectors) -> FourVectors {
     let [a, b, c] = columns;

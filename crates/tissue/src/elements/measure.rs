@@ -3,7 +3,7 @@
 use crate::elements::{ElementMatrix, EnergyKind, Tangent};
 use nalgebra::{Matrix3, Vector3};
 
-/// At this size [m or m²] and below, the square of a length or of an area vector leaves the range of numbers: there is no
+/// At this size \[m or m²\] and below, the square of a length or of an area vector leaves the range of numbers: there is no
 /// direction, and no force. Anything larger has one, however small the body.
 const COLLAPSED: f64 = 1e-150;
 
@@ -109,7 +109,7 @@ impl Measure<3> for Area {
         (0.5 * size, g)
     }
 
-    /// With n the double area vector, N_i = ∂n/∂p_i = [e_i]× and the unit n̂:
+    /// With n the double area vector, N_i = ∂n/∂p_i = \[e_i\]× and the unit n̂:
     /// ½ (N_iᵀ (1 − n̂ n̂ᵀ) N_j / |n| + ∂²(n̂·n)/∂p_i∂p_j at fixed n̂).
     fn add_curvature(
         p: [&Vector3<f64>; 3],

@@ -15,7 +15,7 @@ use crate::material::{MaterialError, not_negative};
 pub struct Plasticity {
     /// Strain e_y from which on the rest size flows, ≥ 0.
     pub yield_strain: f64,
-    /// Rate r of the flow [1/s], ≥ 0.
+    /// Rate r of the flow \[1/s\], ≥ 0.
     pub creep_rate: f64,
     /// Largest plastic strain e_max, ≥ 0.
     pub max_strain: f64,
@@ -55,7 +55,7 @@ impl Plasticity {
         })
     }
 
-    /// The flow over `h` [s] of rest values that scale with the power `exponent` of a length.
+    /// The flow over `h` \[s\] of rest values that scale with the power `exponent` of a length.
     pub(crate) fn over(&self, exponent: u32, h: f64) -> Flow {
         let yield_stretch = 1.0 + self.yield_strain;
         Flow {

@@ -3,7 +3,7 @@
 use super::{Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
-/// Derivatives of a and b at some F [Pa].
+/// Derivatives of a and b at some F \[Pa\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct InvariantDerivatives {
     /// a'.

@@ -17,7 +17,7 @@ fn strain(f: &Matrix3<f64>) -> Matrix3<f64> {
     (f.tr_mul(f) - Matrix3::identity()) * 0.5
 }
 
-/// Second Piola–Kirchhoff stress of a strain of Green's kind, 2μ E + λ tr E [Pa].
+/// Second Piola–Kirchhoff stress of a strain of Green's kind, 2μ E + λ tr E \[Pa\].
 #[inline]
 pub(super) fn second_piola(strain: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
     let mut stress = strain * (2.0 * lame.mu);

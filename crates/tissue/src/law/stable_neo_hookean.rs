@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StableNeoHookean;
 
-/// μ' and λ' [Pa].
+/// μ' and λ' \[Pa\].
 #[inline]
 fn own_constants(lame: &Lame) -> (f64, f64) {
     (4.0 / 3.0 * lame.mu, lame.lambda + 5.0 / 6.0 * lame.mu)

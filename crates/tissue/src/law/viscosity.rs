@@ -7,7 +7,7 @@ use super::st_venant_kirchhoff::{material_tangent, second_piola};
 use super::{Lame, Matrix9};
 use nalgebra::Matrix3;
 
-/// First Piola–Kirchhoff stress F S [Pa] of the rate `rate` = Ḟ [1/s]; `relaxation_time` τ [s].
+/// First Piola–Kirchhoff stress F S \[Pa\] of the rate `rate` = Ḟ \[1/s\]; `relaxation_time` τ \[s\].
 #[inline]
 pub fn stress(
     f: &Matrix3<f64>,
@@ -20,7 +20,7 @@ pub fn stress(
     f * second_piola(&strain_rate, lame)
 }
 
-/// Its derivative by Ḟ [Pa·s]; symmetric, no negative eigenvalue for μ ≥ 0, λ ≥ 0.
+/// Its derivative by Ḟ \[Pa·s\]; symmetric, no negative eigenvalue for μ ≥ 0, λ ≥ 0.
 #[inline(always)]
 pub fn tangent(f: &Matrix3<f64>, lame: &Lame, relaxation_time: f64) -> Matrix9 {
     let Lame { mu, lambda } = *lame;

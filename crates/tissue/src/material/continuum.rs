@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct ContinuumConstants {
     /// The material law.
     pub law: LawName,
-    /// Young's modulus E [Pa], > 0.
+    /// Young's modulus E \[Pa\], > 0.
     pub young: f64,
     /// Poisson's ratio ν, > −1 and < 0.5.
     pub poisson: f64,
@@ -123,7 +123,7 @@ impl ContinuumConstants {
         })
     }
 
-    /// The elastic Cauchy stress P Fᵀ/det F [Pa] at the deformation gradient `f`. Where the volume is gone to rounding, or
+    /// The elastic Cauchy stress P Fᵀ/det F \[Pa\] at the deformation gradient `f`. Where the volume is gone to rounding, or
     /// inverted, there is no such stress and it is zero.
     pub fn cauchy_stress(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
         let (volume, size) = (f.determinant(), f.norm());

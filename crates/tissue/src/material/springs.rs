@@ -51,7 +51,7 @@ pub enum SpringForm {
     Scaled(SpringModuli),
     /// Fitted to a continuum.
     Fitted {
-        /// Young's modulus [Pa], > 0.
+        /// Young's modulus \[Pa\], > 0.
         young: f64,
         /// Poisson's ratio, 0 to below 0.5; below ¼ the springs keep ¼.
         poisson: f64,
@@ -81,16 +81,16 @@ pub struct Coefficients {
 /// Moduli that do not depend on the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpringModuli {
-    /// E of the springs [Pa], ≥ 0.
+    /// E of the springs \[Pa\], ≥ 0.
     pub stretch: f64,
-    /// α of the triangles [Pa], ≥ 0.
+    /// α of the triangles \[Pa\], ≥ 0.
     pub area: f64,
-    /// κ of the volumes [Pa], ≥ 0.
+    /// κ of the volumes \[Pa\], ≥ 0.
     pub volume: f64,
 }
 
 impl SpringConstants {
-    /// Springs and volumes by moduli [Pa], without triangles and flow.
+    /// Springs and volumes by moduli \[Pa\], without triangles and flow.
     pub fn scaled(stretch: f64, volume: f64) -> Self {
         let area = 0.0;
         Self {
@@ -103,7 +103,7 @@ impl SpringConstants {
         }
     }
 
-    /// Fitted to Young's modulus [Pa] and Poisson's ratio, without flow.
+    /// Fitted to Young's modulus \[Pa\] and Poisson's ratio, without flow.
     pub fn fitted(young: f64, poisson: f64) -> Self {
         Self {
             form: SpringForm::Fitted { young, poisson },

@@ -7,7 +7,7 @@ pub enum ModelError {
     Empty,
     /// Drag is not finite or below zero.
     Drag {
-        /// The drag [1/s].
+        /// The drag \[1/s\].
         drag: f64,
     },
     /// One clamp flag per node is needed.
@@ -28,7 +28,7 @@ pub enum ModelError {
     Volume {
         /// Its index.
         element: usize,
-        /// Its volume [m³].
+        /// Its volume \[m³\].
         volume: f64,
     },
     /// A node belongs to no element and so has no mass.

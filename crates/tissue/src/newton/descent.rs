@@ -14,7 +14,7 @@ const SHORTEST: f64 = 1e-8;
 /// Shares of the common move that are tried when prescribed nodes jump.
 const LIFTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0];
 
-/// Φ [J] and the sum of the sizes of its terms.
+/// Φ \[J\] and the sum of the sizes of its terms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Potential {
     pub value: f64,

@@ -67,11 +67,11 @@ pub(super) struct Gaps {
     /// Whether the contacts were restored: what was found since has its pressures from those in between.
     is_restored: bool,
     edge: f64,
-    /// Positions that the contacts were found for [m].
+    /// Positions that the contacts were found for \[m\].
     base: Vec<Vector3<f64>>,
-    /// What is left along the direction of the forces that no contact has [N].
+    /// What is left along the direction of the forces that no contact has \[N\].
     others: Vec<Vector3<f64>>,
-    /// What is left of all forces [N], then an inner direction [m].
+    /// What is left of all forces \[N\], then an inner direction \[m\].
     inner: Vec<Vector3<f64>>,
     product: Vec<Vector3<f64>>,
     reduced: Reduced,
@@ -79,7 +79,7 @@ pub(super) struct Gaps {
 }
 
 impl Gaps {
-    /// Working memory for so many nodes, with the characteristic length `edge` [m].
+    /// Working memory for so many nodes, with the characteristic length `edge` \[m\].
     pub fn new(nodes: usize, edge: f64) -> Self {
         let zeros = vec![Vector3::zeros(); nodes];
         Self {
@@ -112,7 +112,7 @@ impl Gaps {
         self.told.clear();
     }
 
-    /// Takes over the contacts that were found at `positions` in a step from `start`; `stiffness` is that of a node by itself [N/m], 0
+    /// Takes over the contacts that were found at `positions` in a step from `start`; `stiffness` is that of a node by itself \[N/m\], 0
     /// for a prescribed one. In statics old overlaps are pushed out by force, else they are only kept from going deeper.
     pub fn set(
         &mut self,
@@ -210,7 +210,7 @@ impl Gaps {
         all.filter(|(_, row)| row.stiffness > 0.0)
     }
 
-    /// Their energy at `positions` [J].
+    /// Their energy at `positions` \[J\].
     pub fn energy(&self, positions: &[Vector3<f64>]) -> f64 {
         let energy = |(contact, row): (&Contact, &Row)| {
             let y = contact.blend(positions) - contact.blend(&self.base);
@@ -219,7 +219,7 @@ impl Gaps {
         self.active().map(energy).sum()
     }
 
-    /// Adds their forces at `positions` to those of the nodes [N].
+    /// Adds their forces at `positions` to those of the nodes \[N\].
     pub fn add_forces(&self, positions: &[Vector3<f64>], forces: &mut [Vector3<f64>]) {
         for (contact, row) in self.active() {
             let y = contact.blend(positions) - contact.blend(&self.base);
@@ -286,7 +286,7 @@ impl Gaps {
         self.need_not_converge && system.is_small() && !self.rows.iter().any(|row| row.joint)
     }
 
-    /// Sets `direction`, which holds the ways of the prescribed nodes and a guess for the others, to that of the iteration, for the forces `others` [N] that no contact
+    /// Sets `direction`, which holds the ways of the prescribed nodes and a guess for the others, to that of the iteration, for the forces `others` \[N\] that no contact
     /// has. `tolerance` is the share of all forces that may be left, and `rough` where contacts have opened, closed or begun to slide; `slack`
     /// is the miss of multipliers that may be left, as a share of an edge.
     pub fn set_direction(
@@ -551,8 +551,8 @@ fn subtract(
     }
 }
 
-/// Adds the forces of contacts, where the nodes go `direction`, to those of the nodes [N], and sets their second derivatives; returns
-/// their size [N].
+/// Adds the forces of contacts, where the nodes go `direction`, to those of the nodes \[N\], and sets their second derivatives; returns
+/// their size \[N\].
 fn add_forces_along(
     contacts: &[Contact],
     rows: &mut [Row],

@@ -28,7 +28,7 @@ impl KnownForces {
         }
     }
 
-    /// The force on each node [N], as [`Forces::compute`].
+    /// The force on each node \[N\], as [`Forces::compute`].
     pub fn compute(
         &mut self,
         model: &TissueModel,
@@ -50,7 +50,7 @@ impl KnownForces {
         self.forces.compute(model, state, control, exec)
     }
 
-    /// The forces of the last [`compute`](Self::compute) [N].
+    /// The forces of the last [`compute`](Self::compute) \[N\].
     pub fn last(&self) -> &[Vector3<f64>] {
         self.forces.last()
     }

@@ -21,7 +21,7 @@ const TIGHT: Newton = Newton {
     must_converge: true,
 };
 
-/// A block of soft tissue clamped on one side, bent by `bend` [1/m].
+/// A block of soft tissue clamped on one side, bent by `bend` \[1/m\].
 fn block(clamp: bool, bend: f64) -> (TissueModel, State) {
     let model = build(&soft_block([2, 2, 1]), |p| clamp && p.x < -0.9e-3);
     let mut state = State::at_rest(&model);

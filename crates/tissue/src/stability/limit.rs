@@ -2,8 +2,8 @@
 
 use crate::method::Method;
 
-/// The step [s] at which `method` becomes unstable for one mode of eigenvalue `lambda` > 0 [1/s²] with the drag `drag` ≥ 0 per
-/// mass [1/s]; infinite for a method without a limit.
+/// The step \[s\] at which `method` becomes unstable for one mode of eigenvalue `lambda` > 0 \[1/s²\] with the drag `drag` ≥ 0 per
+/// mass \[1/s\]; infinite for a method without a limit.
 ///
 /// With q = h²λ and δ = hc, stable is (Jury conditions on the update matrix):
 ///
@@ -37,7 +37,7 @@ pub fn limit(method: &Method, lambda: f64, drag: f64) -> f64 {
 }
 
 /// What a mode may take up in a step of an explicit method: stable is h²λ + `viscosity` hΛ + `drag` hc < `room`, Λ the eigenvalue of
-/// viscous forces [1/s] and c the drag per mass [1/s], both taken from a known velocity.
+/// viscous forces \[1/s\] and c the drag per mass \[1/s\], both taken from a known velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Budget {
     pub room: f64,
@@ -69,8 +69,8 @@ pub(super) fn budget(method: &Method, damped: bool) -> Option<Budget> {
     }
 }
 
-/// Delingette's estimate k_c = m/(π² h²) of the largest stiffness of a spring [N/m] between nodes of `mass` [kg] at the step
-/// `h` [s] (3.21).
+/// Delingette's estimate k_c = m/(π² h²) of the largest stiffness of a spring \[N/m\] between nodes of `mass` \[kg\] at the step
+/// `h` \[s\] (3.21).
 ///
 /// It means h·ω ≤ 1/π for one oscillator, and is 2.8 to 3.7 times below the limit in a block of tetrahedra (NUMERICS 3.3). It
 /// knows nothing of volume forces and of unequal masses: a sanity check, not a bound.

@@ -10,11 +10,11 @@ use crate::model::TissueModel;
 pub struct Remedied {
     /// How many nodes had more than the step allows.
     pub nodes: usize,
-    /// Inertia that was added [kg].
+    /// Inertia that was added \[kg\].
     pub added: f64,
 }
 
-/// Gives these nodes, ascending, the inertia with which the step `h` [s] of `method` is stable at the share `safety` of the limit: of the
+/// Gives these nodes, ascending, the inertia with which the step `h` \[s\] of `method` is stable at the share `safety` of the limit: of the
 /// inertia that is beyond their mass what is needed, max(0, (S_i h² + a D_i h)/(s² r − b c h) − m_i) by Gershgorin at rest. S_i and
 /// D_i are the sums of the rows of stiffness and damping, c the drag per mass, and stable is h²λ + a hΛ + b hc < r (NUMERICS 3.1):
 ///

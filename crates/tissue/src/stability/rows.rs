@@ -5,9 +5,9 @@ use crate::model::TissueModel;
 /// The sums of the row of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RowSums {
-    /// Of the stiffness, S_i [N/m].
+    /// Of the stiffness, S_i \[N/m\].
     pub stiffness: f64,
-    /// Of the damping, D_i [N·s/m].
+    /// Of the damping, D_i \[N·s/m\].
     pub damping: f64,
 }
 

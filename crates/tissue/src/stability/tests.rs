@@ -262,7 +262,7 @@ fn mass_floor_and_stiffness_cap_make_a_given_step_stable() {
 }
 
 /// The largest way from rest, over that at the start, of a mass that a floor at this share of the limit has made heavier, in 2,000 steps; it hangs
-/// on a spring so stiff that it needs one, with these damping [N·s/m] and drag [1/s]. Of one oscillator Gershgorin's bound is exact.
+/// on a spring so stiff that it needs one, with these damping \[N·s/m\] and drag \[1/s\]. Of one oscillator Gershgorin's bound is exact.
 fn growth(method: &Method, damping: f64, drag: f64, safety: f64) -> f64 {
     let (h, start) = (2.0, 1e-9);
     let mut model = pair([true, false], damping);

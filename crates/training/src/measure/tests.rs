@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 const UPRIGHT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
-/// A log at `rate` [Hz] from `begin` over `seconds`, both ends included.
+/// A log at `rate` \[Hz\] from `begin` over `seconds`, both ends included.
 fn log(begin: f64, seconds: f64, rate: f64, position: impl Fn(f64) -> [f64; 3]) -> MotionLog {
     let mut log = MotionLog::new();
     extend(&mut log, begin, seconds, rate, position);

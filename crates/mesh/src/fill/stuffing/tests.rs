@@ -1,7 +1,7 @@
 use super::*;
 use crate::{ElementQuality, MAX_DIHEDRAL, MIN_DIHEDRAL, TetMesh};
 
-/// Smallest and largest dihedral angle [rad] over all pieces that one tetrahedron of the lattice can be cut into, with
+/// Smallest and largest dihedral angle \[rad\] over all pieces that one tetrahedron of the lattice can be cut into, with
 /// these limits of warping: each of its points inside, outside or moved along any of its edges by 0, half or all of the
 /// limit, and each crossing as near to either end as the limits leave it, or in the middle.
 fn extreme_angles(tet: [u32; 4], long: f64, short: f64) -> (f64, f64) {

@@ -16,7 +16,7 @@ pub enum VtuEncoding {
 /// A named quantity on the nodes or on the elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a> {
-    /// Name that ParaView shows, with the unit: "displacement [m]".
+    /// Name that ParaView shows, with the unit: "displacement \[m\]".
     pub name: &'a str,
     /// One value per node or per element.
     pub values: FieldValues<'a>,
@@ -43,7 +43,7 @@ impl FieldValues<'_> {
     }
 }
 
-/// `mesh` with its nodes at `positions` [m] (the rest positions, or where they are now) and the given fields. Regions and
+/// `mesh` with its nodes at `positions` \[m\] (the rest positions, or where they are now) and the given fields. Regions and
 /// ids are always written, as the cell arrays "region" and "element_id" and the point array "node_id".
 ///
 /// # Panics

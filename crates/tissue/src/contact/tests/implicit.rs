@@ -200,7 +200,7 @@ fn forces_are_those_of_the_complementarity_problem() {
     }
 }
 
-/// Forces [N] along z that keep `nodes` of a linear body at rest above `heights` [m].
+/// Forces \[N\] along z that keep `nodes` of a linear body at rest above `heights` \[m\].
 fn complementarity(
     model: &TissueModel,
     nodes: &[usize],

@@ -5,9 +5,9 @@ use super::*;
 /// A friction that holds the piece, and one that does not: twice the grip of 19 mN, times friction, is 150 and 0.6 times the weight.
 const FRICTION: f64 = 0.5;
 const WEAK: f64 = 0.002;
-/// Of time [s].
+/// Of time \[s\].
 const STEPS: [f64; 2] = [1e-3, 8e-3];
-/// When the grip is closed, and the end [s].
+/// When the grip is closed, and the end \[s\].
 const CLOSED: f64 = 0.04;
 const END: f64 = 0.104;
 
@@ -24,7 +24,7 @@ fn quick() -> Newton {
     }
 }
 
-/// How far each jaw has closed, and both have risen, at a time [m]: they close by 0.2 mm each, then rise with up to 20 mm/s, which they
+/// How far each jaw has closed, and both have risen, at a time \[m\]: they close by 0.2 mm each, then rise with up to 20 mm/s, which they
 /// reach in 20 ms.
 fn place(time: f64) -> [f64; 2] {
     let closed = 2e-4 * (time / CLOSED).min(1.0);
@@ -56,7 +56,7 @@ fn grip(newton: Newton, friction: f64, h: f64, mut each: impl FnMut(&Vector3<f64
     }
 }
 
-/// The force with which both jaws press against each other [N].
+/// The force with which both jaws press against each other \[N\].
 fn squeeze(world: &World) -> f64 {
     let push = |side: f64| -> f64 {
         let of_jaw = world.contacts.iter().filter(|c| c.normal.x == side);

@@ -4,7 +4,7 @@ use super::*;
 use crate::method::Method;
 use crate::stability::{Part, floor_nodes, gershgorin_bound, mass_floor};
 
-/// Largest eigenvalue of M⁻¹K at rest [1/s²].
+/// Largest eigenvalue of M⁻¹K at rest \[1/s²\].
 fn largest(model: &TissueModel) -> f64 {
     let internal: Vec<f64> = model
         .sets()

@@ -39,7 +39,7 @@ fn sets(mesh: &TetMesh, relaxation_time: f64) -> Vec<Arc<dyn Elements>> {
     sets
 }
 
-/// Unequal masses [kg] of the size of a cell's.
+/// Unequal masses \[kg\] of the size of a cell's.
 fn masses(mesh: &TetMesh) -> Vec<f64> {
     let mut next = numbers();
     mesh.positions
@@ -213,12 +213,12 @@ fn regular_tetrahedron() -> TetMesh {
     TetMesh::new(positions.to_vec(), vec![[0, 1, 2, 3]], vec![0])
 }
 
-/// Σ m |X|² [kg·m²].
+/// Σ m |X|² \[kg·m²\].
 fn inertia(mesh: &TetMesh, mass: f64) -> f64 {
     mesh.positions.iter().map(|p| mass * p.norm_squared()).sum()
 }
 
-/// Second derivative of the energy density by a for F = (1 + a) 1 [Pa].
+/// Second derivative of the energy density by a for F = (1 + a) 1 \[Pa\].
 const EXPANSION: f64 = 6.0 * LAME.mu + 9.0 * LAME.lambda;
 
 /// A regular tetrahedron that expands uniformly, x = (1 + a) X, is an oscillator with one degree of freedom: V·(6μ + 9λ) a²/2

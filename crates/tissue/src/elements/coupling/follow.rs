@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 pub(crate) struct Followed<'a> {
     /// The mesh after the edit.
     pub mesh: &'a TetMesh,
-    /// Rest positions before it [m].
+    /// Rest positions before it \[m\].
     pub rest_positions: &'a [Vector3<f64>],
     /// The nodes that a node before the edit is now: itself, its copies; none if it is gone.
     pub copies: &'a dyn Fn(u32) -> Vec<u32>,

@@ -21,11 +21,11 @@ use nalgebra::Vector3;
 /// What a fit gives, and what it leaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Young's modulus E_s of the springs alone [Pa].
+    /// Young's modulus E_s of the springs alone \[Pa\].
     pub stretch_modulus: f64,
-    /// κ of the volumes [Pa].
+    /// κ of the volumes \[Pa\].
     pub volume_modulus: f64,
-    /// Young's modulus of the mean over all directions [Pa].
+    /// Young's modulus of the mean over all directions \[Pa\].
     pub achieved_young: f64,
     /// Poisson's ratio of the mean over all directions.
     pub achieved_poisson: f64,
@@ -37,7 +37,7 @@ pub struct Fit {
     pub effective: EffectiveStiffness,
 }
 
-/// Fits the elements of `mesh` with the indices `elements` to Young's modulus `young` [Pa] and Poisson's ratio `poisson`, in
+/// Fits the elements of `mesh` with the indices `elements` to Young's modulus `young` \[Pa\] and Poisson's ratio `poisson`, in
 /// the range of [`SpringConstants::check`].
 pub fn fit(mesh: &TetMesh, elements: &[u32], young: f64, poisson: f64) -> Fit {
     let sets = SpringConstants::fitted(young, poisson).build(mesh, elements, 0.0);
@@ -60,7 +60,7 @@ pub fn fit(mesh: &TetMesh, elements: &[u32], young: f64, poisson: f64) -> Fit {
     }
 }
 
-/// E_s and κ [Pa].
+/// E_s and κ \[Pa\].
 pub(super) fn fitted_moduli(young: f64, poisson: f64) -> (f64, f64) {
     let Lame { mu, lambda } = Lame::from_young_poisson(young, poisson);
     if lambda > mu {
@@ -70,7 +70,7 @@ pub(super) fn fitted_moduli(young: f64, poisson: f64) -> (f64, f64) {
     }
 }
 
-/// The one k of the six springs of a tetrahedron [N/m].
+/// The one k of the six springs of a tetrahedron \[N/m\].
 pub(super) fn spring_stiffness(corners: &[Vector3<f64>; 4], stretch_modulus: f64) -> f64 {
     let squares: f64 = edges(corners).map(|e| e.norm_squared()).sum();
     let [a, b, c, d] = corners;

@@ -24,11 +24,11 @@
 pub(super) struct Cone {
     /// The place of λ among the forces; that of t is behind it where there is friction.
     pub first: usize,
-    /// b [N]; 0 for none.
+    /// b \[N\]; 0 for none.
     pub bound: f64,
     /// Whether the force across is less than the bound at the end.
     pub sticks: bool,
-    /// s [m], z [m/N], and their steps.
+    /// s \[m\], z \[m/N\], and their steps.
     gap: f64,
     slip: f64,
     gap_step: f64,
@@ -59,13 +59,13 @@ pub(super) struct Interior {
     forces: Vec<f64>,
     ways: Vec<f64>,
     step: Vec<f64>,
-    /// The largest way without forces [m], and the largest force at the start [N].
+    /// The largest way without forces \[m\], and the largest force at the start \[N\].
     reach: f64,
     scale: f64,
 }
 
 impl Cone {
-    /// With this bound [N].
+    /// With this bound \[N\].
     pub fn new(first: usize, bound: f64) -> Self {
         Self {
             first,
@@ -79,7 +79,7 @@ impl Cone {
         }
     }
 
-    /// (b² − |t|²)/2 [N²] for these forces.
+    /// (b² − |t|²)/2 \[N²\] for these forces.
     fn reserve(&self, forces: &[f64]) -> f64 {
         let [a, b] = self.across(forces);
         0.5 * (self.bound * self.bound - a * a - b * b)
@@ -92,8 +92,8 @@ impl Cone {
 }
 
 impl Interior {
-    /// Sets `forces` [N], which holds a guess of them, for the compliance `compliance` [m/N], row after row, with `own` [m/N] that each
-    /// contact has by itself, and the ways `ways` [m] without forces: along a normal the gap above its floor. A cone tells what became
+    /// Sets `forces` \[N\], which holds a guess of them, for the compliance `compliance` \[m/N\], row after row, with `own` \[m/N\] that each
+    /// contact has by itself, and the ways `ways` \[m\] without forces: along a normal the gap above its floor. A cone tells what became
     /// of it. Says whether the forces are found; if not, as where numbers are not finite, they stay the guess.
     pub fn solve(
         &mut self,

@@ -44,12 +44,12 @@ pub(super) struct Quick {
     cones: Vec<Cone>,
     /// J.
     directions: Vec<[(u32, Vector3<f64>); 4]>,
-    /// G, and what each has of its own [m/N].
+    /// G, and what each has of its own \[m/N\].
     compliance: Vec<f64>,
     own: Vec<f64>,
-    /// The forces before [N].
+    /// The forces before \[N\].
     before: Vec<f64>,
-    /// The ways without forces [m], less what forces as they were before have of their own, and the forces [N].
+    /// The ways without forces \[m\], less what forces as they were before have of their own, and the forces \[N\].
     ways: Vec<f64>,
     forces: Vec<f64>,
     interior: Interior,

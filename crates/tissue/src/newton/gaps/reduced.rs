@@ -45,9 +45,9 @@ pub(super) struct Reduced {
     members: Vec<Start>,
     /// J.
     directions: Vec<[(u32, Vector3<f64>); 4]>,
-    /// G [m/N].
+    /// G \[m/N\].
     compliance: Vec<f64>,
-    /// η [m] and p [N].
+    /// η \[m\] and p \[N\].
     ways: Vec<f64>,
     forces: Vec<f64>,
     /// p − f − F η, then its change; and that of the ways.
@@ -61,7 +61,7 @@ pub(super) struct Reduced {
 impl Gaps {
     /// Adds to `direction` what is missing of it, and sets the multipliers, if there are few contacts enough, none between two bodies that
     /// can move, and the system has a factor;
-    /// returns what may be left of all forces then [N], else none. There may be more, if the factor has too few digits.
+    /// returns what may be left of all forces then \[N\], else none. There may be more, if the factor has too few digits.
     pub(super) fn settle(
         &mut self,
         fixed: &[bool],
@@ -125,7 +125,7 @@ impl Gaps {
     }
 }
 
-/// Solves with the factored matrix until no more than `allowed` [N] is left; 0 at the nodes that are fixed.
+/// Solves with the factored matrix until no more than `allowed` \[N\] is left; 0 at the nodes that are fixed.
 fn solve(
     system: &mut System,
     fixed: &[bool],
@@ -145,7 +145,7 @@ fn solve(
     system.solve(x, (allowed / missing).clamp(1e-9, 0.1))
 }
 
-/// The size of the forces at the nodes that are not fixed [N].
+/// The size of the forces at the nodes that are not fixed \[N\].
 pub(super) fn size(forces: &[Vector3<f64>], fixed: &[bool]) -> f64 {
     let free = forces.iter().zip(fixed).filter(|(_, fixed)| !**fixed);
     free.map(|(f, _)| f.norm_squared()).sum::<f64>().sqrt()
@@ -219,8 +219,8 @@ impl Reduced {
     }
 
     /// Finds the p that the laws of the contacts say, and the multipliers: until what p is wrong by, and what these change, is small
-    /// against all forces, of which all others have the size `scale` [N], and the miss of gaps too [m]. Returns what may be left in the
-    /// end [N], no more than `most`.
+    /// against all forces, of which all others have the size `scale` \[N\], and the miss of gaps too \[m\]. Returns what may be left in the
+    /// end \[N\], no more than `most`.
     fn balance(
         &mut self,
         contacts: &[Contact],

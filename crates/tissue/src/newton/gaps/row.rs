@@ -9,13 +9,13 @@ const TANGENTIAL: f64 = 0.1;
 /// A contact as an iteration sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// ρ [N/m]; 0 for a contact that can move nothing.
+    /// ρ \[N/m\]; 0 for a contact that can move nothing.
     pub stiffness: f64,
-    /// λ [N].
+    /// λ \[N\].
     pub multiplier: f64,
-    /// t [N].
+    /// t \[N\].
     pub traction: Vector3<f64>,
-    /// μ λ [N].
+    /// μ λ \[N\].
     pub bound: f64,
     /// Whether that stays.
     pub keeps_bound: bool,
@@ -24,11 +24,11 @@ pub(super) struct Row {
     pub floor: f64,
     /// What contacts are told.
     pub told: Told,
-    /// g₀ [m].
+    /// g₀ \[m\].
     pub gap: f64,
-    /// u₀ [m].
+    /// u₀ \[m\].
     pub slide: Vector3<f64>,
-    /// How far each of its nodes goes for a force, all others at rest [m/N], and the gap with them.
+    /// How far each of its nodes goes for a force, all others at rest \[m/N\], and the gap with them.
     pub responses: [f64; 4],
     pub compliance: f64,
     /// What of its second derivative is in the factored matrix.
@@ -40,9 +40,9 @@ pub(super) struct Row {
 /// Force of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Told {
-    /// λ [N].
+    /// λ \[N\].
     pub pressure: f64,
-    /// t [N].
+    /// t \[N\].
     pub traction: Vector3<f64>,
     /// Whether t is all that the bound allows.
     pub slides: bool,
@@ -124,7 +124,7 @@ impl Row {
     }
 
     /// With the multipliers and the bound updated after the sides have come closer by `y`; how far the sides are from where they
-    /// should be [m], and the square of the change of the forces [N²].
+    /// should be \[m\], and the square of the change of the forces \[N²\].
     pub fn updated(&self, contact: &Contact, y: &Vector3<f64>) -> (Self, [f64; 2]) {
         let told = self.law(contact, y).told;
         let bound = match self.keeps_bound {
@@ -163,7 +163,7 @@ impl Row {
 }
 
 impl Law {
-    /// On the first side [N].
+    /// On the first side \[N\].
     pub fn force(&self, contact: &Contact) -> Vector3<f64> {
         contact.normal * self.told.pressure + self.told.traction
     }
