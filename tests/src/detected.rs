@@ -73,8 +73,8 @@ impl Detected {
     pub fn end(&mut self, contacts: &[Contact]) {
         self.forces.clear();
         let both = self.points.iter().zip(contacts);
-        let acting = both.filter(|(_, contact)| contact.pressure > 0.0);
-        let force = |(point, c): (&Point, &Contact)| (point.key, c.pressure, c.traction);
+        let acting = both.filter(|(_, contact)| contact.normal_force > 0.0);
+        let force = |(point, c): (&Point, &Contact)| (point.key, c.normal_force, c.friction_force);
         self.forces.extend(acting.map(force));
         self.sides.remember(&self.points);
     }
@@ -95,16 +95,16 @@ impl Detected {
 }
 
 impl ContactSource for Detected {
-    fn find(&mut self, way: f64, positions: &[V3], contacts: &mut Vec<Contact>) {
+    fn find(&mut self, step_fraction: f64, positions: &[V3], contacts: &mut Vec<Contact>) {
         self.guesses.clear();
         let known = self.points.iter().zip(contacts.iter());
-        let guesses = known.map(|(point, contact)| (point.key, contact.pressure));
+        let guesses = known.map(|(point, contact)| (point.key, contact.normal_force));
         self.guesses.extend(guesses);
         let frame = Frame {
             start: &self.start,
             now: positions,
             tools: &self.tools,
-            way,
+            way: step_fraction,
             reach: self.reach,
             sides: &self.sides,
         };
@@ -114,7 +114,7 @@ impl ContactSource for Detected {
             let last = self.forces.binary_search_by_key(&point.key, |f| f.0);
             let last = last.map(|place| self.forces[place]);
             let guess = self.guesses.binary_search_by_key(&point.key, |g| g.0);
-            let (_, pressure, traction) = last.unwrap_or((point.key, 0.0, V3::zeros()));
+            let (_, normal_force, friction_force) = last.unwrap_or((point.key, 0.0, V3::zeros()));
             let normal = point.normal;
             let mut contact = Contact {
                 nodes: point.nodes,
@@ -126,9 +126,9 @@ impl ContactSource for Detected {
                 start_gap: point.start_gap,
                 friction: self.friction,
                 drift: point.drift,
-                pressure: guess.map_or(pressure, |place| self.guesses[place].1),
-                traction: traction - normal * normal.dot(&traction),
-                slides: false,
+                normal_force: guess.map_or(normal_force, |place| self.guesses[place].1),
+                friction_force: friction_force - normal * normal.dot(&friction_force),
+                is_sliding: false,
             };
             contact.offset = contact.gap(positions) - point.gap;
             contacts.push(contact);

@@ -117,7 +117,7 @@ impl Watch {
     /// Adds what contact did in a step.
     pub fn add(&mut self, work: &Work, body: &Body) {
         self.work += work.work;
-        self.overpressed |= work.pressure > OVERPRESSED * body.force_scale;
+        self.overpressed |= work.normal_force > OVERPRESSED * body.force_scale;
         self.overlap_undone |= work.overlap_undone;
     }
 

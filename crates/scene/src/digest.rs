@@ -77,8 +77,8 @@ impl Scene {
                 digest.u32s(partner.into_iter());
                 digest.u32s(force.key.first.into_iter());
                 digest.u32s(force.key.second.into_iter());
-                digest.f64(force.pressure);
-                digest.vector(&force.traction);
+                digest.f64(force.normal_force);
+                digest.vector(&force.friction_force);
             }
         }
         digest.0.finalize().into()

@@ -3,7 +3,7 @@
 use crate::cutting::{follow_nodes, follow_nodes_by, renumbering};
 use crate::spec::{ClampSpec, LoadKind, LoadSpec, MotionSpec};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
-use microsim_tissue::{Contacts, Control, NodeTarget, Pressure};
+use microsim_tissue::{Control, NodeTarget, Pressure};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
@@ -219,7 +219,7 @@ impl Drive {
     }
 
     /// The targets of gripped nodes at the end of the step that ends at `time` \[s\]: of a node in two grips the first.
-    pub fn contacts(&self, time: f64) -> Contacts {
+    pub fn targets(&self, time: f64) -> Vec<NodeTarget> {
         let mut targets: Vec<NodeTarget> = Vec::new();
         // A grip holds through the step in which it lets go; a tolerance of rounding on times that are sums of steps.
         let closed = |grip: &&Grip| time <= grip.release * (1.0 + 1e-12);
@@ -232,7 +232,7 @@ impl Drive {
         }
         targets.sort_by_key(|target| target.node);
         targets.dedup_by_key(|target| target.node);
-        Contacts { targets }
+        targets
     }
 }
 

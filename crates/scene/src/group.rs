@@ -8,7 +8,7 @@ use crate::scene::Body;
 use crate::touching::GroupTouching;
 use microsim_contact::Rigid;
 use microsim_tissue::{
-    Contacts, Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
+    Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
 };
 use nalgebra::Vector3;
 
@@ -261,15 +261,14 @@ impl Group {
     }
 
     /// The targets of gripped nodes at the end of the step that ends at `time` \[s\].
-    pub fn led(&self, bodies: &[Body], time: f64) -> Contacts {
-        let mut all = Contacts::default();
+    pub fn targets(&self, bodies: &[Body], time: f64) -> Vec<NodeTarget> {
+        let mut all = Vec::new();
         for member in &self.members {
-            let targets = bodies[member.body].drive.contacts(time).targets;
-            all.targets
-                .extend(targets.into_iter().map(|target| NodeTarget {
-                    node: target.node + member.first_node as u32,
-                    ..target
-                }));
+            let targets = bodies[member.body].drive.targets(time);
+            all.extend(targets.into_iter().map(|target| NodeTarget {
+                node: target.node + member.first_node as u32,
+                ..target
+            }));
         }
         all
     }

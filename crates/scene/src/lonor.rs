@@ -154,7 +154,7 @@ impl EdgeLoads {
                 continue;
             };
             let share = contact.normal.dot(&edge);
-            if contact.pressure <= 0.0 || share < SHARP_SIDE {
+            if contact.normal_force <= 0.0 || share < SHARP_SIDE {
                 continue;
             }
             let axis = motion.end.b - motion.end.a;
@@ -165,7 +165,7 @@ impl EdgeLoads {
                 tool,
                 capsule,
             };
-            let impulse = contact.pressure * share * h;
+            let impulse = contact.normal_force * share * h;
             match self.0.iter_mut().find(|load| load.at == at) {
                 Some(load) => {
                     load.impulse += impulse;

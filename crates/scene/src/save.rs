@@ -109,8 +109,8 @@ impl Scene {
                 put_partner(&mut bytes, &force.key.partner);
                 let nodes = force.key.first.iter().chain(&force.key.second);
                 nodes.for_each(|&node| put_u32(&mut bytes, node));
-                put_f64(&mut bytes, force.pressure);
-                put_vector(&mut bytes, &force.traction);
+                put_f64(&mut bytes, force.normal_force);
+                put_vector(&mut bytes, &force.friction_force);
             }
         }
         bytes
@@ -331,8 +331,8 @@ impl<'a> Reader<'a> {
                 first,
                 second,
             },
-            pressure: self.f64()?,
-            traction: self.vector()?,
+            normal_force: self.f64()?,
+            friction_force: self.vector()?,
         })
     }
 

@@ -64,7 +64,7 @@ pub(crate) struct Work {
     /// Whether an old overlap was undone.
     pub overlap_undone: bool,
     /// The largest force at a point of contact \[N\].
-    pub pressure: f64,
+    pub normal_force: f64,
 }
 
 /// Sums up the contacts that a step of `h` \[s\] of a group ended with; `end` are the positions after it \[m\]. `works` has an entry
@@ -88,7 +88,7 @@ pub(crate) fn sum_up(
             continue;
         };
         let gap = contact.gap(end);
-        if contact.pressure <= 0.0 && gap > 0.0 {
+        if contact.normal_force <= 0.0 && gap > 0.0 {
             continue;
         }
         let tally = &mut tallies[index];
@@ -118,9 +118,9 @@ pub(crate) fn sum_up(
         tally.weighted_point += place * (size * h);
         tally.weight += size * h;
         tally.last_point = place;
-        tally.normal_impulse += contact.pressure * h;
-        if !contact.slides {
-            tally.stick_impulse += contact.pressure * h;
+        tally.normal_impulse += contact.normal_force * h;
+        if !contact.is_sliding {
+            tally.stick_impulse += contact.normal_force * h;
         }
         let jaw = match point.key.partner {
             Partner::Tool { tool, capsule } => tools[tool as usize].jaw(capsule),
@@ -136,14 +136,14 @@ pub(crate) fn sum_up(
             let member = group.members[group.member_of(node)];
             let local = node - member.first_node as u32;
             tally.nodes.insert(local);
-            if let Some(jaw) = jaw.filter(|_| contact.pressure > 0.0) {
+            if let Some(jaw) = jaw.filter(|_| contact.normal_force > 0.0) {
                 tally.areas.push((jaw as usize, local, weight.abs()));
             }
         }
         if let Some(jaw) = jaw {
             let sum = &mut tally.jaws[jaw as usize];
-            let push = contact.normal * (contact.pressure * h);
-            sum.impulse += contact.pressure * h;
+            let push = contact.normal * (contact.normal_force * h);
+            sum.impulse += contact.normal_force * h;
             sum.push += if own { push } else { -push };
         }
         // What stands, and a body itself, bring no energy.
@@ -163,7 +163,7 @@ pub(crate) fn sum_up(
             if brings {
                 works[member].work += force.dot(way).abs();
             }
-            works[member].pressure = works[member].pressure.max(contact.pressure);
+            works[member].normal_force = works[member].normal_force.max(contact.normal_force);
             works[member].overlap_undone |= old && gap > contact.start_gap;
         }
     }

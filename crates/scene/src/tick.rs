@@ -11,7 +11,7 @@ use crate::tool::ToolMotion;
 use crate::touching::ContactMemory;
 use microsim_contact::CapsuleMotion;
 use microsim_geometry::Aabb;
-use microsim_tissue::{Executor, State, StepFailure, Touching, flow};
+use microsim_tissue::{ContactStep, Executor, State, StepFailure, flow};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
@@ -294,24 +294,32 @@ fn step_group(
     exec: &dyn Executor,
 ) -> Result<bool, StepFailure> {
     let control = group.control(bodies, gravity, end);
-    let led = group.led(bodies, end);
+    let targets = group.targets(bodies, end);
     let (model, solver, touching) = group.parts(bodies);
     let report = match touching {
-        None => solver.step(model, state, &control, &led, h, exec),
+        None => solver.step(model, state, &control, &targets, h, exec),
         Some(of) if !of.is_active(tools) => {
             of.clear();
             memory.clear();
-            solver.step(model, state, &control, &led, h, exec)
+            solver.step(model, state, &control, &targets, h, exec)
         }
         Some(of) => {
             let contacts = std::mem::take(&mut of.contacts);
             let mut source = of.source(&state.positions, tools, memory);
-            let mut touching = Touching {
+            let mut contact = ContactStep {
                 source: &mut source,
                 contacts,
             };
-            let report = solver.advance(model, state, &control, &led, Some(&mut touching), h, exec);
-            let contacts = touching.contacts;
+            let report = solver.advance(
+                model,
+                state,
+                &control,
+                &targets,
+                Some(&mut contact),
+                h,
+                exec,
+            );
+            let contacts = contact.contacts;
             if report.is_ok() {
                 of.finish(contacts, memory);
             }

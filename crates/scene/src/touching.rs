@@ -34,9 +34,9 @@ pub(crate) struct ContactMemory {
 pub(crate) struct Remembered {
     pub key: Key,
     /// Along the normal \[N\].
-    pub pressure: f64,
+    pub normal_force: f64,
     /// Across it \[N\].
-    pub traction: Vector3<f64>,
+    pub friction_force: Vector3<f64>,
 }
 
 impl ContactMemory {
@@ -53,15 +53,15 @@ impl ContactMemory {
 
     /// Remembers what a step ended with.
     fn remember(&mut self, points: &[Point], contacts: &[Contact]) {
-        let touched = |contact: &Contact| contact.pressure > 0.0;
+        let touched = |contact: &Contact| contact.normal_force > 0.0;
         self.forces.clear();
         let both = || points.iter().zip(contacts);
         let acting = both().filter(|(_, contact)| touched(contact));
         self.forces
             .extend(acting.map(|(point, contact)| Remembered {
                 key: point.key,
-                pressure: contact.pressure,
-                traction: contact.traction,
+                normal_force: contact.normal_force,
+                friction_force: contact.friction_force,
             }));
         // A point that is still apart has told its side as well.
         self.sides.remember(points);
@@ -369,7 +369,12 @@ pub(crate) struct Source<'a> {
 }
 
 impl ContactSource for Source<'_> {
-    fn find(&mut self, way: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>) {
+    fn find(
+        &mut self,
+        step_fraction: f64,
+        positions: &[Vector3<f64>],
+        contacts: &mut Vec<Contact>,
+    ) {
         let GroupTouching {
             detector,
             pair_of,
@@ -384,28 +389,33 @@ impl ContactSource for Source<'_> {
         } = &mut *self.of;
         guesses.clear();
         let known = points.iter().zip(contacts.iter());
-        guesses.extend(known.map(|(point, contact)| (point.key, contact.pressure)));
+        guesses.extend(known.map(|(point, contact)| (point.key, contact.normal_force)));
         let frame = Frame {
             start,
             now: positions,
             tools: self.tools,
-            way,
+            way: step_fraction,
             reach: *reach,
             sides: &self.memory.sides,
         };
         detector.find(&frame, points);
         if !passed.is_empty() {
-            points.retain(|point| !passed.iter().any(|part| part.has(point, self.tools, way)));
+            points.retain(|point| {
+                !passed
+                    .iter()
+                    .any(|part| part.has(point, self.tools, step_fraction))
+            });
         }
         contacts.clear();
         contacts.extend(points.iter().map(|point| {
             let remembered = self.memory.find(&point.key);
             let guess = guesses.binary_search_by_key(&point.key, |(key, _)| *key);
-            let pressure = match guess {
+            let normal_force = match guess {
                 Ok(place) => guesses[place].1,
-                Err(_) => remembered.map_or(0.0, |force| force.pressure),
+                Err(_) => remembered.map_or(0.0, |force| force.normal_force),
             };
-            let traction = remembered.map_or_else(Vector3::zeros, |force| force.traction);
+            let friction_force =
+                remembered.map_or_else(Vector3::zeros, |force| force.friction_force);
             let normal = point.normal;
             let pair = pair_of.get(&(point.key.body, whole(point.key.partner)));
             let mut contact = Contact {
@@ -418,10 +428,10 @@ impl ContactSource for Source<'_> {
                 start_gap: point.start_gap,
                 friction: pair.map_or(0.0, |&(pair, _)| friction[pair]),
                 drift: point.drift,
-                pressure,
+                normal_force,
                 // The surface has turned since.
-                traction: traction - normal * normal.dot(&traction),
-                slides: false,
+                friction_force: friction_force - normal * normal.dot(&friction_force),
+                is_sliding: false,
             };
             contact.offset = contact.gap(positions) - point.gap;
             contact

@@ -8,8 +8,8 @@ use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{Part, SAFETY, floor_nodes, power_iteration, stable_step};
 use microsim_tissue::{
-    Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Material, Method, ModelEdit,
-    Serial, SpringConstants, State, TissueModel, build_model,
+    Behaviour, ContinuumConstants, Control, Discretisation, Material, Method, ModelEdit, Serial,
+    SpringConstants, State, TissueModel, build_model,
 };
 use nalgebra::Vector3;
 
@@ -132,11 +132,11 @@ fn swing(model: &TissueModel, h: f64, steps: usize) -> String {
     let mut solver = Method::StoermerVerlet
         .solver(model)
         .expect("any model has it");
-    let (control, contacts) = (Control::default(), Contacts::default());
+    let control = Control::default();
     let window = (steps / 100).max(1).next_multiple_of(SAMPLE);
     let (mut start, mut drift, mut sum) = (None, 0.0f64, 0.0);
     for step in 1..=steps {
-        let made = solver.step(model, &mut state, &control, &contacts, h, &Serial);
+        let made = solver.step(model, &mut state, &control, &[], h, &Serial);
         if made.is_err() {
             return format!("not finite after {step} steps");
         }

@@ -31,12 +31,12 @@ pub struct Contact {
     /// How far a rigid other side moves at the point from the start of the step to the time the contact was found for \[m\].
     pub drift: Vector3<f64>,
     /// λ \[N\], ≥ 0: on entry a guess (that of the last step), on exit what the solver found.
-    pub pressure: f64,
+    pub normal_force: f64,
     /// t on the first side \[N\], across the normal: on entry that of the end of the last step, on exit what the solver found.
-    pub traction: Vector3<f64>,
+    pub friction_force: Vector3<f64>,
     /// Whether the sides slide, as the solver found: t is all that friction holds, which it may have bounded with a λ from before its last
     /// iterations. Where nothing holds they do.
-    pub slides: bool,
+    pub is_sliding: bool,
 }
 
 impl Contact {
@@ -53,19 +53,19 @@ impl Contact {
             start_gap: 0.0,
             friction: 0.0,
             drift: Vector3::zeros(),
-            pressure: 0.0,
-            traction: Vector3::zeros(),
-            slides: false,
+            normal_force: 0.0,
+            friction_force: Vector3::zeros(),
+            is_sliding: false,
         }
     }
 
     /// The gap at `positions` \[m\].
     pub fn gap(&self, positions: &[Vector3<f64>]) -> f64 {
-        self.normal.dot(&self.blend(positions)) - self.offset
+        self.normal.dot(&self.interpolate(positions)) - self.offset
     }
 
     /// Σ w_i x_i.
-    pub fn blend(&self, values: &[Vector3<f64>]) -> Vector3<f64> {
+    pub fn interpolate(&self, values: &[Vector3<f64>]) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for (&node, &weight) in self.nodes.iter().zip(&self.weights) {
             sum += values[node as usize] * weight;
@@ -82,22 +82,22 @@ impl Contact {
 
     /// The force on the first side \[N\].
     pub fn force(&self) -> Vector3<f64> {
-        self.normal * self.pressure + self.traction
+        self.normal * self.normal_force + self.friction_force
     }
 }
 
 /// Where contacts come from.
 pub trait ContactSource {
-    /// Finds the contacts near `positions` \[m\], linearised there, with what is rigid at the share `way` (0..1] of the step.
+    /// Finds the contacts near `positions` \[m\], linearised there, with what is rigid at the fraction `step_fraction` of the step, in (0, 1].
     ///
     /// On entry `contacts` holds those found before in this step, with what the solver made of them; on exit the new ones, in an
-    /// order that depends on the geometry alone, with the last [`pressure`](Contact::pressure) of each and its
-    /// [`traction`](Contact::traction) at the start of the step.
-    fn find(&mut self, way: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>);
+    /// order that depends on the geometry alone, with the last [`normal_force`](Contact::normal_force) of each and its
+    /// [`friction_force`](Contact::friction_force) at the start of the step.
+    fn find(&mut self, step_fraction: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>);
 }
 
 /// Contact in a step: where it comes from, and what became of it.
-pub struct Touching<'a> {
+pub struct ContactStep<'a> {
     /// Where contacts come from.
     pub source: &'a mut dyn ContactSource,
     /// After the step: its contacts, with their forces.

@@ -1,7 +1,7 @@
 //! Deformable tissue: elements, material laws, models, solvers.
 //!
 //! Four things are kept apart: the constant [`TissueModel`], the evolving [`State`], the [`Control`] and the
-//! [`Contacts`] of a step; a [`Solver`] is `step(model, state, control, contacts, h)`, or `advance` with what is [touched](Touching). A model is held together by sets of
+//! [node targets](NodeTarget) of a step; a [`Solver`] is `step(model, state, control, targets, h)`, or `advance` with a [`ContactStep`]. A model is held together by sets of
 //! [`elements`](Elements): springs, triangles, volumes, continua of a material [`law`], couplings. What is not here: finding contacts (crate
 //! `contact`), coupling of bodies (crate `scene`), linear algebra of large systems (crate `sparse`), files, clocks, threads of
 //! its own – parallel loops run on an [`Executor`] that the caller brings, and give the same bits on any. SI units, world
@@ -33,7 +33,7 @@ pub mod stability;
 mod state;
 mod system;
 
-pub use contact::{Contact, ContactSource, Touching};
+pub use contact::{Contact, ContactSource, ContactStep};
 pub use edit::{EditError, ModelChange, ModelEdit};
 pub use elements::Elements;
 pub use executor::{Executor, Serial};
@@ -52,7 +52,7 @@ pub use solver_implicit::{ImplicitScheme, SolverImplicit};
 pub use solver_quasi_static::SolverQuasiStatic;
 pub use solver_verlet::SolverVerlet;
 pub use solver_xpbd::SolverXpbd;
-pub use state::{Contacts, Control, Energies, NodeTarget, Pressure, State};
+pub use state::{Control, Energies, NodeTarget, Pressure, State};
 
 #[cfg(test)]
 mod testing;

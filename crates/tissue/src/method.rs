@@ -94,7 +94,7 @@ impl Method {
         }
     }
 
-    /// Whether a node can be led to a target within one step ([`Contacts`](crate::Contacts)).
+    /// Whether a node can be led to a target within one step ([`NodeTarget`](crate::NodeTarget)).
     pub fn leads_nodes(&self) -> bool {
         match self {
             Self::StoermerVerlet
@@ -112,7 +112,7 @@ impl Method {
         }
     }
 
-    /// Whether gaps are kept by it ([`Touching`](crate::Touching)); where not, a step with contact fails and says so.
+    /// Whether gaps are kept by it ([`ContactStep`](crate::ContactStep)); where not, a step with contact fails and says so.
     pub fn keeps_gaps(&self) -> bool {
         // As with nodes that are led: a force of explicit Euler moves a node one step later only.
         !matches!(self, Self::ExplicitEuler)

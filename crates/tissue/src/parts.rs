@@ -92,7 +92,7 @@ impl Parts {
             let sides = [Some(contact.nodes[0]), contact.other_side()];
             for node in sides.into_iter().flatten() {
                 let part = &mut self.parts[self.components.of_node[node as usize] as usize];
-                part.held |= contact.pressure * h * h > PRESSED * part.mass * self.edge;
+                part.held |= contact.normal_force * h * h > PRESSED * part.mass * self.edge;
             }
         }
         let Self {

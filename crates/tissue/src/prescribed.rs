@@ -1,7 +1,7 @@
 //! Nodes whose motion in a step is given: clamps, and targets of contact.
 
 use crate::model::TissueModel;
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use nalgebra::Vector3;
 
 /// Nodes whose motion is given.
@@ -37,14 +37,14 @@ impl Prescribed {
         model: &TissueModel,
         state: &State,
         control: &Control,
-        contacts: &Contacts,
+        targets: &[NodeTarget],
     ) {
         self.ends.copy_from_slice(&state.positions);
         self.overlaps.clear();
         for (fixed, w) in self.fixed.iter_mut().zip(model.inverse_masses()) {
             *fixed = *w == 0.0;
         }
-        for target in &contacts.targets {
+        for target in targets {
             let node = target.node as usize;
             if !model.is_clamped(node) {
                 self.fixed[node] = true;

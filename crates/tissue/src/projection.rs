@@ -21,7 +21,7 @@
 //! Gaps are linear here; what a turn of the normal leaves of an overlap is undone in the next step. Many contacts on top of one another
 //! through light nodes converge slowly: after [`SWEEPS`] what is left is left.
 
-use crate::contact::{Contact, Touching};
+use crate::contact::{Contact, ContactStep};
 use crate::model::TissueModel;
 use crate::parts::Parts;
 use nalgebra::Vector3;
@@ -94,7 +94,7 @@ impl Projection {
     /// there is any contact; where there is none nothing is moved.
     pub fn touch(
         &mut self,
-        touching: &mut Touching<'_>,
+        touching: &mut ContactStep<'_>,
         start: &[Vector3<f64>],
         mobility: impl Fn(usize) -> f64,
         h: f64,
@@ -137,7 +137,7 @@ impl Projection {
         self.before.copy_from_slice(velocities);
         let mut closed = std::mem::take(&mut self.closed);
         closed.clear();
-        closed.extend(contacts.iter().filter(|contact| contact.pressure > 0.0));
+        closed.extend(contacts.iter().filter(|contact| contact.normal_force > 0.0));
         self.begin(&mut closed, inverse_mass);
         self.keep(Kept::Speeds(h), SWEEPS, &mut closed, velocities);
         self.closed = closed;
@@ -150,9 +150,9 @@ impl Projection {
     pub fn begin(&mut self, contacts: &mut [Contact], mobility: impl Fn(usize) -> f64) {
         self.rows.clear();
         for contact in contacts {
-            contact.pressure = 0.0;
-            contact.traction = Vector3::zeros();
-            contact.slides = true;
+            contact.normal_force = 0.0;
+            contact.friction_force = Vector3::zeros();
+            contact.is_sliding = true;
             let mut row = Row {
                 response: [0.0; 4],
                 compliance: 0.0,
@@ -248,27 +248,27 @@ fn relax(kept: Kept<'_>, contact: &mut Contact, row: &Row, values: &mut [Vector3
         Kept::Gaps(_) => contact.floor.min(contact.start_gap) - contact.gap(values),
         Kept::Speeds(h) => contact
             .normal
-            .dot(&(contact.drift / h - contact.blend(values))),
+            .dot(&(contact.drift / h - contact.interpolate(values))),
     };
-    let pressure = (contact.pressure + missing / row.compliance).max(0.0);
-    let change = pressure - contact.pressure;
-    contact.pressure = pressure;
+    let normal_force = (contact.normal_force + missing / row.compliance).max(0.0);
+    let change = normal_force - contact.normal_force;
+    contact.normal_force = normal_force;
     shift(contact, row, &(contact.normal * change), values);
     let mut largest = (change * row.compliance).abs();
     if contact.friction > 0.0 {
-        let slide = contact.blend(values)
+        let slide = contact.interpolate(values)
             - match kept {
-                Kept::Gaps(start) => contact.blend(start) + contact.drift,
+                Kept::Gaps(start) => contact.interpolate(start) + contact.drift,
                 Kept::Speeds(h) => contact.drift / h,
             };
         let slide = slide - contact.normal * contact.normal.dot(&slide);
-        let traction = contact.traction - slide / row.compliance;
-        let most = contact.friction * contact.pressure;
-        let share = most / traction.norm().max(f64::MIN_POSITIVE);
-        contact.slides = share < 1.0;
-        let traction = traction * share.min(1.0);
-        let change = traction - contact.traction;
-        contact.traction = traction;
+        let friction_force = contact.friction_force - slide / row.compliance;
+        let most = contact.friction * contact.normal_force;
+        let share = most / friction_force.norm().max(f64::MIN_POSITIVE);
+        contact.is_sliding = share < 1.0;
+        let friction_force = friction_force * share.min(1.0);
+        let change = friction_force - contact.friction_force;
+        contact.friction_force = friction_force;
         shift(contact, row, &change, values);
         largest = largest.max(change.norm() * row.compliance);
     }

@@ -1,9 +1,9 @@
 //! What every solver is: one step, and what it says of it.
 
-use crate::contact::Touching;
+use crate::contact::ContactStep;
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use std::fmt::Debug;
 
 /// Advances a body by one step.
@@ -19,8 +19,8 @@ pub trait Solver: Debug + Send {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure>;
@@ -31,11 +31,11 @@ pub trait Solver: Debug + Send {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
+        targets: &[NodeTarget],
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
-        self.advance(model, state, control, contacts, None, h, exec)
+        self.advance(model, state, control, targets, None, h, exec)
     }
 
     /// Follows an edit of its model: from then on it does what a solver made for the model as it is now does, to the bit. Working

@@ -23,20 +23,20 @@
 //! # Limitations
 //! All: the step is bounded ([`stability::limit`](crate::stability::limit)). Internal forces conserve momentum to rounding.
 //! Explicit Euler gains the share h²ω² of the energy of a mode in each step: without drag it is never stable; first order;
-//! nodes cannot be led, [`Contacts`] are ignored and contact is refused. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
+//! nodes cannot be prescribed, [`NodeTarget`]s are ignored and contact is refused. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
 //! mode: energy oscillates and does not drift; first order; its drag lowers the limit. Velocity Verlet: energy oscillates and
 //! does not drift; second order; what is led or touched has the velocity of what holds it, and the accelerations that the state carries
 //! are then those with which the next step goes on in the joint form (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
 //! the state are one step old. Loads and clamps are taken as given for the end of the step: a load that changes is followed to
 //! first order only, but for velocity Verlet without internal variables, which has those of both ends. A step that changes from call to call is not symplectic in any of them.
 
-use crate::contact::{Contact, Touching};
+use crate::contact::{Contact, ContactStep};
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
 use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use nalgebra::Vector3;
 
 /// Which rule.
@@ -138,12 +138,12 @@ impl SolverExplicit {
     fn lead(
         &mut self,
         model: &TissueModel,
-        contacts: &Contacts,
+        targets: &[NodeTarget],
         velocity_share: f64,
         acceleration_share: f64,
     ) {
         self.led.fill(false);
-        for target in &contacts.targets {
+        for target in targets {
             let node = target.node as usize;
             if model.is_clamped(node) {
                 continue;
@@ -162,7 +162,7 @@ impl SolverExplicit {
         &mut self,
         model: &TissueModel,
         state: &State,
-        touching: &mut Touching<'_>,
+        touching: &mut ContactStep<'_>,
         [h, before, after]: [f64; 3],
         [velocity_share, acceleration_share]: [f64; 2],
     ) -> Result<(), StepFailure> {
@@ -192,8 +192,8 @@ impl SolverExplicit {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
@@ -220,7 +220,7 @@ impl SolverExplicit {
             }
         }
         self.clamp(model, state, control, h);
-        self.lead(model, contacts, 1.0 / h, 0.0);
+        self.lead(model, targets, 1.0 / h, 0.0);
         if !is_finite(&self.positions) {
             return Err(StepFailure::NotFinite);
         }
@@ -258,7 +258,7 @@ impl SolverExplicit {
             std::mem::swap(&mut state.velocities, &mut self.velocities);
             return Err(StepFailure::NotFinite);
         }
-        self.settle(model, state, contacts, touched, h);
+        self.settle(model, state, targets, touched, h);
         Ok(())
     }
 
@@ -268,14 +268,14 @@ impl SolverExplicit {
         &mut self,
         model: &TissueModel,
         state: &mut State,
-        contacts: &Contacts,
+        targets: &[NodeTarget],
         touched: &[Contact],
         h: f64,
     ) {
         if !state.internal.is_empty() {
             self.accelerations.fill(Vector3::zeros());
         }
-        for target in &contacts.targets {
+        for target in targets {
             let node = target.node as usize;
             if !model.is_clamped(node) {
                 let way = target.target - target.overlap - self.positions[node];
@@ -284,7 +284,7 @@ impl SolverExplicit {
                 self.accelerations[node] -= change * (2.0 * self.factors[node] / h);
             }
         }
-        if touched.iter().any(|contact| contact.pressure > 0.0) {
+        if touched.iter().any(|contact| contact.normal_force > 0.0) {
             let (led, w) = (&self.led, model.inverse_masses());
             let inverse_mass = |node: usize| if led[node] { 0.0 } else { w[node] };
             self.projection
@@ -307,8 +307,8 @@ impl SolverExplicit {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
@@ -326,7 +326,7 @@ impl SolverExplicit {
         }
         self.clamp(model, state, control, h);
         let per_way = 1.0 / (h * (lag + 0.5 * h));
-        self.lead(model, contacts, lag * per_way, per_way);
+        self.lead(model, targets, lag * per_way, per_way);
         if let Some(touching) = touching {
             self.factors.fill(1.0);
             self.touch(
@@ -348,8 +348,8 @@ impl SolverExplicit {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
@@ -368,7 +368,7 @@ impl SolverExplicit {
                 [p + velocity * h, velocity]
             });
             self.clamp(model, state, control, h);
-            self.lead(model, contacts, 1.0 / h, 0.0);
+            self.lead(model, targets, 1.0 / h, 0.0);
             if let Some(touching) = touching {
                 self.touch(model, state, touching, [h, 0.0, h], [1.0 / h, 0.0])?;
             }
@@ -395,20 +395,20 @@ impl Solver for SolverExplicit {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         match self.scheme {
             Scheme::ExplicitEuler | Scheme::SymplecticEuler => {
-                self.euler(model, state, control, contacts, touching, h, exec)?;
+                self.euler(model, state, control, targets, touching, h, exec)?;
             }
             Scheme::VelocityVerlet => {
-                self.velocity_verlet(model, state, control, contacts, touching, h, exec)?;
+                self.velocity_verlet(model, state, control, targets, touching, h, exec)?;
             }
             Scheme::VelocityVerletLagged => {
-                self.lagged(model, state, control, contacts, touching, h, exec)?;
+                self.lagged(model, state, control, targets, touching, h, exec)?;
             }
         }
         state.step = h;

@@ -48,13 +48,13 @@
 //! then holds only up to the error of the linearisation. Loads are those of the end of the step in every stage: a load that
 //! changes is followed to first order only.
 
-use crate::contact::{Contact, Touching};
+use crate::contact::{Contact, ContactStep};
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::newton::{Equation, Newton, NewtonSolver, Since, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use nalgebra::Vector3;
 
 /// γ of SDIRK2, 1 − 1/√2.
@@ -142,7 +142,7 @@ impl SolverImplicit {
         way: f64,
         start: &[Vector3<f64>],
         near: &[Vector3<f64>],
-        touch: Option<(&mut Touching<'_>, Since<'_>)>,
+        touch: Option<(&mut ContactStep<'_>, Since<'_>)>,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         self.equation.rate = 1.0 / span;
@@ -214,13 +214,13 @@ impl SolverImplicit {
         model: &TissueModel,
         state: &State,
         control: &Control,
-        mut touching: Option<&mut Touching<'_>>,
+        mut touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         // What an impact has done must not be extrapolated: it would throw the body back.
         self.first.clone_from(self.solver.contacts());
-        let touched = self.first.iter().any(|contact| contact.pressure > 0.0);
+        let touched = self.first.iter().any(|contact| contact.normal_force > 0.0);
         let span = if touched { 1.0 - GAMMA } else { GAMMA };
         for node in 0..model.node_count() {
             let (velocity, start) = (self.solver.trial.velocities[node], state.velocities[node]);
@@ -262,12 +262,12 @@ impl SolverImplicit {
                         && first.first == contact.first
                         && first.normal.dot(&contact.normal) > 0.0
                 };
-                contact.pressure *= span;
-                contact.traction *= span;
+                contact.normal_force *= span;
+                contact.friction_force *= span;
                 if let Some(place) = self.first.iter().position(same) {
                     let first = self.first.remove(place);
-                    contact.pressure += GAMMA * first.pressure;
-                    contact.traction += first.traction * GAMMA;
+                    contact.normal_force += GAMMA * first.normal_force;
+                    contact.friction_force += first.friction_force * GAMMA;
                 }
             }
         }
@@ -275,7 +275,7 @@ impl SolverImplicit {
     }
 
     /// Whether anything is or will be touched where nodes fly on.
-    fn is_touched(&mut self, state: &State, touching: &mut Touching<'_>, h: f64) -> bool {
+    fn is_touched(&mut self, state: &State, touching: &mut ContactStep<'_>, h: f64) -> bool {
         for (node, x) in self.ballistic.iter_mut().enumerate() {
             *x = match self.prescribed.fixed[node] {
                 true => self.prescribed.ends[node],
@@ -296,7 +296,7 @@ impl SolverImplicit {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        mut touching: Option<&mut Touching<'_>>,
+        mut touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -388,15 +388,15 @@ impl Solver for SolverImplicit {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);
         }
-        self.prescribed.set(model, state, control, contacts);
+        self.prescribed.set(model, state, control, targets);
         let midpoint = matches!(
             self.scheme,
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint

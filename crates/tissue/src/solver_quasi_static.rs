@@ -12,13 +12,13 @@
 //! that buckles ends in one of its equilibria, the nearest downhill. Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
 use crate::components::Components;
-use crate::contact::Touching;
+use crate::contact::ContactStep;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::newton::{Equation, Newton, NewtonSolver, Since, Touch};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -74,7 +74,7 @@ impl SolverQuasiStatic {
     fn hold_loose_parts(
         &mut self,
         state: &State,
-        touching: Option<&mut Touching<'_>>,
+        touching: Option<&mut ContactStep<'_>>,
     ) -> Result<(), StepFailure> {
         self.held.fill(false);
         self.equation.hold.clear();
@@ -134,15 +134,15 @@ impl Solver for SolverQuasiStatic {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        mut touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        mut touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);
         }
-        self.prescribed.set(model, state, control, contacts);
+        self.prescribed.set(model, state, control, targets);
         self.hold_loose_parts(state, touching.as_deref_mut())?;
         self.solver.begin(state, false);
         self.solved.copy_from_slice(&state.positions);

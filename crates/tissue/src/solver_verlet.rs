@@ -28,13 +28,13 @@
 //! 1 + δ/2 times the right one, δ = h τ ω²) and the limit falls to h²ω² < 4 − 2δ (NUMERICS 3.1). Loads and clamps are taken as
 //! given for the end of the step: a load that changes is followed to first order only.
 
-use crate::contact::Touching;
+use crate::contact::ContactStep;
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
 use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use nalgebra::Vector3;
 
 /// The solver: working memory for one model, no state of its own between steps.
@@ -106,12 +106,12 @@ impl SolverVerlet {
 
     /// Second half of the step begun by [`predict`](Self::predict) on the same state: adds the forces that lead the nodes
     /// of `contacts` to their targets, and moves all nodes.
-    fn finish(&self, model: &TissueModel, state: &mut State, contacts: &Contacts) {
+    fn finish(&self, model: &TissueModel, state: &mut State, targets: &[NodeTarget]) {
         for node in 0..model.node_count() {
             state.positions[node] = self.predicted[node];
         }
         state.velocities.copy_from_slice(&self.predicted_velocities);
-        for target in &contacts.targets {
+        for target in targets {
             let node = target.node as usize;
             let w = model.inverse_masses()[node];
             if w == 0.0 {
@@ -132,12 +132,12 @@ impl SolverVerlet {
         &mut self,
         model: &TissueModel,
         state: &mut State,
-        contacts: &Contacts,
-        touching: &mut Touching<'_>,
+        targets: &[NodeTarget],
+        touching: &mut ContactStep<'_>,
     ) -> Result<(), StepFailure> {
         let h = self.step;
         self.led.fill(false);
-        for target in &contacts.targets {
+        for target in targets {
             let node = target.node as usize;
             if !model.is_clamped(node) {
                 let way = target.target - self.predicted[node];
@@ -163,7 +163,7 @@ impl SolverVerlet {
         if !sum.iter().all(|c| c.is_finite()) {
             return Err(StepFailure::NotFinite);
         }
-        self.finish(model, state, &Contacts::default());
+        self.finish(model, state, &[]);
         Ok(())
     }
 
@@ -201,22 +201,22 @@ impl Solver for SolverVerlet {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        touching: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         let predicted = self.predict(model, state, control, h, exec);
         // A velocity is a difference of positions, a target a position: with these all is finite.
-        let targets = contacts.targets.iter();
+        let ends = targets.iter();
         let sum: Vector3<f64> = predicted.iter().sum::<Vector3<f64>>()
-            + targets.map(|t| t.target + t.overlap).sum::<Vector3<f64>>();
+            + ends.map(|t| t.target + t.overlap).sum::<Vector3<f64>>();
         if !sum.iter().all(|c| c.is_finite()) {
             return Err(StepFailure::NotFinite);
         }
         match touching {
-            None => self.finish(model, state, contacts),
-            Some(touching) => self.touch(model, state, contacts, touching)?,
+            None => self.finish(model, state, targets),
+            Some(touching) => self.touch(model, state, targets, touching)?,
         }
         Ok(StepReport {
             iterations: 1,

@@ -11,7 +11,7 @@
 //! backward Euler with the sub-step. Clamped and led nodes move evenly and have no inverse mass.
 //!
 //! Contacts (`projection`) are constraints without compliance in the same loop, after the elements; they are found once per sub-step,
-//! where the nodes have flown, and have the last word. The pressure told is the mean over the step, the traction that of the last
+//! where the nodes have flown, and have the last word. The normal force told is the mean over the step, the friction force that of the last
 //! sub-step.
 //!
 //! # Limitations
@@ -20,13 +20,13 @@
 //! Linear momentum is conserved to rounding, angular momentum up to the first order of the sub-step. Loads are those of the start of a
 //! sub-step.
 
-use crate::contact::{Contact, Touching};
+use crate::contact::{Contact, ContactStep};
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::prescribed::Prescribed;
 use crate::projection::{Kept, Projection, SWEEPS};
 use crate::solver::{Solver, StepFailure, StepReport};
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use nalgebra::Vector3;
 
 /// The solver: working memory for one model.
@@ -114,7 +114,7 @@ impl SolverXpbd {
     /// are told the forces of its last sub-step.
     fn find(
         &mut self,
-        touching: &mut Touching<'_>,
+        touching: &mut ContactStep<'_>,
         substep: u32,
         h: f64,
     ) -> Result<(), StepFailure> {
@@ -175,15 +175,15 @@ impl Solver for SolverXpbd {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        contacts: &Contacts,
-        mut touching: Option<&mut Touching<'_>>,
+        targets: &[NodeTarget],
+        mut touching: Option<&mut ContactStep<'_>>,
         h: f64,
         _exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         if !state.is_finite() {
             return Err(StepFailure::NotFinite);
         }
-        self.prescribed.set(model, state, control, contacts);
+        self.prescribed.set(model, state, control, targets);
         for (node, w) in self.inverse_masses.iter_mut().enumerate() {
             *w = if self.prescribed.fixed[node] {
                 0.0
@@ -228,9 +228,9 @@ impl Solver for SolverXpbd {
                 self.projection
                     .undo(&self.contacts, held, small, &mut self.positions);
                 for (contact, kept) in touching.contacts.iter_mut().zip(&self.contacts) {
-                    contact.pressure = kept.pressure;
-                    contact.traction = kept.traction;
-                    contact.slides = kept.slides;
+                    contact.normal_force = kept.normal_force;
+                    contact.friction_force = kept.friction_force;
+                    contact.is_sliding = kept.is_sliding;
                 }
             }
         }

@@ -122,23 +122,16 @@ impl Control {
     }
 }
 
-/// Where contact, or a tool that holds, wants one node after the step.
+/// The position that a node is to reach at the end of a step, by a grip or another constraint that prescribes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeTarget {
     /// The node.
     pub node: u32,
     /// Its target position p* \[m\].
     pub target: Vector3<f64>,
-    /// The share of the way to the target that only undoes an overlap from before the step \[m\]. It moves the node but
+    /// The part of the displacement to the target that only undoes an overlap from before the step \[m\]. It moves the node but
     /// leaves no velocity behind (restitution 0), and counts in no force.
     pub overlap: Vector3<f64>,
-}
-
-/// The contacts of one step: at most one target per node.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Contacts {
-    /// The nodes that are led. A target of a clamped node is ignored.
-    pub targets: Vec<NodeTarget>,
 }
 
 /// Energy of a body by kind.

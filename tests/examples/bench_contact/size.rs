@@ -9,8 +9,8 @@ use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tests::detected::Detected;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
-    Behaviour, Contact, ContactSource, Contacts, ContinuumConstants, Control, Discretisation,
-    Material, Method, Newton, Serial, State, TissueModel, Touching, build_model, stability,
+    Behaviour, Contact, ContactSource, ContactStep, ContinuumConstants, Control, Discretisation,
+    Material, Method, Newton, Serial, State, TissueModel, build_model, stability,
 };
 use nalgebra::Vector3;
 use rustix::time::{ClockId, clock_gettime};
@@ -191,7 +191,7 @@ impl Meeting {
                 of: &mut self.detected,
                 spent: 0.0,
             };
-            let mut touching = Touching {
+            let mut touching = ContactStep {
                 source: &mut source,
                 contacts: std::mem::take(&mut contacts),
             };
@@ -200,7 +200,7 @@ impl Meeting {
                 &self.model,
                 &mut state,
                 &self.control,
-                &Contacts::default(),
+                &[],
                 touches.then_some(&mut touching),
                 self.h,
                 &Serial,
@@ -212,7 +212,7 @@ impl Meeting {
                 best = Step {
                     all,
                     finding: source.spent,
-                    pressing: contacts.iter().filter(|c| c.pressure > 0.0).count(),
+                    pressing: contacts.iter().filter(|c| c.normal_force > 0.0).count(),
                 };
             }
             all
@@ -235,9 +235,9 @@ struct Timed<'a> {
 }
 
 impl ContactSource for Timed<'_> {
-    fn find(&mut self, way: f64, positions: &[V3], contacts: &mut Vec<Contact>) {
+    fn find(&mut self, step_fraction: f64, positions: &[V3], contacts: &mut Vec<Contact>) {
         let before = cpu();
-        self.of.find(way, positions, contacts);
+        self.of.find(step_fraction, positions, contacts);
         self.spent += cpu() - before;
     }
 }

@@ -7,7 +7,7 @@ use crate::beam::{Beam, MESHES, mesh};
 use crate::measure::{Exact, first_peak};
 use microsim_tests::repository;
 use microsim_tissue::law::LawName;
-use microsim_tissue::{Contacts, Discretisation, Method, Newton, Serial, State, stability};
+use microsim_tissue::{Discretisation, Method, Newton, Serial, State, stability};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -116,14 +116,7 @@ fn compute(beam: &Beam) -> Exact {
         .expect("a solver");
     let mut state = State::at_rest(&beam.model);
     solver
-        .step(
-            &beam.model,
-            &mut state,
-            &beam.control,
-            &Contacts::default(),
-            1.0,
-            &Serial,
-        )
+        .step(&beam.model, &mut state, &beam.control, &[], 1.0, &Serial)
         .expect("an equilibrium");
     let step = stability::stable_step(&beam.model, 0.3);
     let peak = first_peak(beam, &Method::StoermerVerlet, step).expect("a peak");

@@ -2,7 +2,7 @@
 
 use crate::beam::Beam;
 use crate::curve::{FirstPeak, Resting};
-use microsim_tissue::{Contacts, Method, Serial, Solver, State};
+use microsim_tissue::{Method, Serial, Solver, State};
 use rustix::time::{ClockId, clock_gettime};
 
 /// Exact values \[m\], \[s\].
@@ -66,13 +66,12 @@ impl<'a> Run<'a> {
 
     /// Makes steps, the only thing whose time counts; returns the sag.
     fn advance(&mut self, steps: usize) -> Result<f64, String> {
-        let contacts = Contacts::default();
         let Beam { model, control, .. } = self.beam;
         let start = cpu_seconds();
         for _ in 0..steps {
             let state = &mut self.state;
             self.solver
-                .step(model, state, control, &contacts, self.step, &Serial)
+                .step(model, state, control, &[], self.step, &Serial)
                 .map_err(|e| e.to_string())?;
         }
         self.cpu += cpu_seconds() - start;

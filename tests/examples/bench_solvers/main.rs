@@ -15,8 +15,8 @@ use microsim_tests::system::{System, analyse};
 use microsim_tissue::elements::Tangent;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
-    Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Forces, Material, Method,
-    Newton, Serial, State, TissueModel, build_model,
+    Behaviour, ContinuumConstants, Control, Discretisation, Forces, Material, Method, Newton,
+    Serial, State, TissueModel, build_model,
 };
 use nalgebra::Vector3;
 use std::fmt::Write as _;
@@ -249,14 +249,7 @@ fn released(model: &TissueModel, method: Method, h: f64, duration: f64) -> ([f64
         let mut curve = vec![[0.0; 2]];
         for _ in 0..(duration / h).round() as usize {
             solver
-                .step(
-                    model,
-                    &mut state,
-                    &control,
-                    &Contacts::default(),
-                    h,
-                    &Serial,
-                )
+                .step(model, &mut state, &control, &[], h, &Serial)
                 .expect("a step of a method that cannot fail to converge");
             curve.push(sag(model, &state));
         }
@@ -319,14 +312,7 @@ fn rests(text: &mut String, csv: &mut String) {
                 let mut state = State::at_rest(&model);
                 let start = Instant::now();
                 solver
-                    .step(
-                        &model,
-                        &mut state,
-                        &control,
-                        &Contacts::default(),
-                        1.0,
-                        &Serial,
-                    )
+                    .step(&model, &mut state, &control, &[], 1.0, &Serial)
                     .expect("a clamped beam");
                 alone = alone.min(start.elapsed().as_secs_f64());
                 reached = sag(&model, &state)[0];
@@ -361,14 +347,7 @@ fn settled(model: &TissueModel) -> f64 {
         .expect("a method for continua");
     let mut state = State::at_rest(model);
     solver
-        .step(
-            model,
-            &mut state,
-            &weight(),
-            &Contacts::default(),
-            1.0,
-            &Serial,
-        )
+        .step(model, &mut state, &weight(), &[], 1.0, &Serial)
         .expect("equilibrium of a clamped beam");
     sag(model, &state)[0]
 }
@@ -396,14 +375,7 @@ fn scaling(text: &mut String, csv: &mut String) {
             let mut steps = |count: u32| {
                 for _ in 0..count {
                     solver
-                        .step(
-                            &model,
-                            &mut state,
-                            &control,
-                            &Contacts::default(),
-                            h,
-                            &Serial,
-                        )
+                        .step(&model, &mut state, &control, &[], h, &Serial)
                         .expect("a step of a method that cannot fail to converge");
                 }
             };

@@ -4,8 +4,8 @@ use crate::weight;
 use microsim_mesh::{Arc, CellSplit, Layer, TetMesh, Tube};
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
-    Behaviour, Contacts, ContinuumConstants, Discretisation, Material, Method, Newton, NodeTarget,
-    Serial, State, TissueModel, build_model,
+    Behaviour, ContinuumConstants, Discretisation, Material, Method, Newton, NodeTarget, Serial,
+    State, TissueModel, build_model,
 };
 use nalgebra::Vector3;
 use std::fmt::Write as _;
@@ -91,12 +91,10 @@ fn run(model: &TissueModel, method: Method, parts: usize) -> Vec<(Positions, f64
                 target: model.rest_positions()[node as usize] + lifted,
                 overlap: Vector3::zeros(),
             });
-            let contacts = Contacts {
-                targets: targets.collect(),
-            };
+            let targets: Vec<NodeTarget> = targets.collect();
             let step = PICTURE / parts as f64;
             solver
-                .step(model, &mut state, &control, &contacts, step, &Serial)
+                .step(model, &mut state, &control, &targets, step, &Serial)
                 .expect("a step that converges, or need not");
         }
         (state.positions.clone(), start.elapsed().as_secs_f64())
@@ -217,14 +215,7 @@ fn locking(text: &mut String, csv: &mut String) {
             .solver(&model)
             .expect("a method for continua");
         solver
-            .step(
-                &model,
-                &mut state,
-                &weight(),
-                &Contacts::default(),
-                1.0,
-                &Serial,
-            )
+            .step(&model, &mut state, &weight(), &[], 1.0, &Serial)
             .expect("a clamped vessel");
         let middle: Vec<f64> = (0..model.node_count())
             .filter(|&node| model.rest_positions()[node].x.abs() < 1e-9)

@@ -6,8 +6,8 @@ use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tests::detected::Detected;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
-    Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Material, Method, Newton,
-    Serial, Solver, State, TissueModel, Touching, build_model, stability,
+    Behaviour, ContactStep, ContinuumConstants, Control, Discretisation, Material, Method, Newton,
+    Serial, Solver, State, TissueModel, build_model, stability,
 };
 use nalgebra::Vector3;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -163,7 +163,7 @@ impl World {
         }
         let before = count();
         self.detected.begin(&self.state.positions);
-        let mut touching = Touching {
+        let mut touching = ContactStep {
             source: &mut self.detected,
             contacts: std::mem::take(&mut self.contacts),
         };
@@ -171,7 +171,7 @@ impl World {
             &self.model,
             &mut self.state,
             &self.control,
-            &Contacts::default(),
+            &[],
             Some(&mut touching),
             self.h,
             &Serial,
@@ -180,7 +180,7 @@ impl World {
         self.detected.end(&self.contacts);
         let asked = count() - before;
         report.expect("a step");
-        let acting = self.contacts.iter().filter(|c| c.pressure > 0.0);
+        let acting = self.contacts.iter().filter(|c| c.normal_force > 0.0);
         self.most = self.most.max(acting.count());
         asked
     }

@@ -5,8 +5,8 @@ use microsim_mesh::format::{MeshFormat, read_tet_mesh};
 use microsim_tests::repository;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
-    Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Material, Method, Newton,
-    Serial, State, TissueModel, build_model,
+    Behaviour, ContinuumConstants, Control, Discretisation, Material, Method, Newton, Serial,
+    State, TissueModel, build_model,
 };
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -102,14 +102,7 @@ pub fn static_sag(model: &TissueModel) -> f64 {
     };
     let mut solver = method.solver(model).expect("a solver");
     solver
-        .step(
-            model,
-            &mut state,
-            &control,
-            &Contacts::default(),
-            1.0,
-            &Serial,
-        )
+        .step(model, &mut state, &control, &[], 1.0, &Serial)
         .expect("an equilibrium");
     sag(model, &state)
 }

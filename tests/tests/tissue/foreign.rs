@@ -6,8 +6,8 @@ use microsim_mesh::format::{MeshFormat, read_tet_mesh};
 use microsim_tests::repository;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
-    Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Forces, Material, Method,
-    Newton, Serial, State, build_model,
+    Behaviour, ContinuumConstants, Control, Discretisation, Forces, Material, Method, Newton,
+    Serial, State, build_model,
 };
 use nalgebra::Vector3;
 
@@ -69,14 +69,7 @@ fn what_holds_a_foreign_mesh_carries_its_weight() {
             .solver(&model)
             .expect("a solver");
         solver
-            .step(
-                &model,
-                &mut state,
-                &control,
-                &Contacts::default(),
-                1.0,
-                &Serial,
-            )
+            .step(&model, &mut state, &control, &[], 1.0, &Serial)
             .expect("an equilibrium");
 
         // The force on a clamped node is what the clamp holds: together, the weight, as closely as the rest is balanced.

@@ -1,9 +1,7 @@
 //! First peak after release, undamped, by an explicit method at a small step.
 
 use crate::beam::{GRAVITY, LAWS, beam, expected, mesh, sag};
-use microsim_tissue::{
-    Contacts, Control, Discretisation, Method, Serial, State, TissueModel, stability,
-};
+use microsim_tissue::{Control, Discretisation, Method, Serial, State, TissueModel, stability};
 
 /// Share of the stability limit: the error of the step is then some (hω)²/24 of the slow modes that make the peak, 1e-5.
 const SHARE: f64 = 0.3;
@@ -20,14 +18,7 @@ fn first_peak(model: &TissueModel) -> (f64, f64) {
     let (mut peak, mut at, mut time) = (0.0, 0.0, 0.0);
     while time < at + 0.05 {
         solver
-            .step(
-                model,
-                &mut state,
-                &control,
-                &Contacts::default(),
-                h,
-                &Serial,
-            )
+            .step(model, &mut state, &control, &[], h, &Serial)
             .expect("a step");
         time += h;
         let sag = sag(model, &state);

@@ -4,8 +4,7 @@
 use crate::beam::{GRAVITY, beam, mesh};
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
-    Contacts, Control, Discretisation, Executor, Method, Newton, Serial, State, TissueModel,
-    stability,
+    Control, Discretisation, Executor, Method, Newton, Serial, State, TissueModel, stability,
 };
 use nalgebra::Vector3;
 use std::sync::Barrier;
@@ -72,7 +71,7 @@ fn stepped(
     let mut solver = method.solver(model).expect("a method for continua");
     for _ in 0..steps {
         solver
-            .step(model, &mut state, &control, &Contacts::default(), h, exec)
+            .step(model, &mut state, &control, &[], h, exec)
             .expect("a law without poles");
     }
     bits(&state)

@@ -51,7 +51,7 @@ impl Scene {
     /// Whether each node of a body is held now: by a clamp, or by a grip that has not let go.
     fn held(&self, body: usize) -> Vec<bool> {
         let mut held = self.clamped(body);
-        for target in self.bodies[body].drive.contacts(self.time()).targets {
+        for target in self.bodies[body].drive.targets(self.time()) {
             held[target.node as usize] = true;
         }
         held

@@ -10,8 +10,8 @@ use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{SAFETY, floor_nodes, stable_step};
 use microsim_tissue::{
-    Behaviour, Contacts, ContinuumConstants, Control, Discretisation, Forces, Material, Method,
-    ModelEdit, Serial, Solver, SpringConstants, State, TissueModel, build_model,
+    Behaviour, ContinuumConstants, Control, Discretisation, Forces, Material, Method, ModelEdit,
+    Serial, Solver, SpringConstants, State, TissueModel, build_model,
 };
 use nalgebra::Vector3;
 
@@ -253,13 +253,13 @@ impl Follower {
             .solver(&self.model)
             .expect("any model has it");
         let mut twin = self.state.clone();
-        let (control, contacts) = (Control::default(), Contacts::default());
+        let control = Control::default();
         let before = self.state.energies(&self.model).total();
         for _ in 0..STEPS {
             let pairs = [(&mut self.solver, &mut self.state), (&mut anew, &mut twin)];
             for (solver, state) in pairs {
                 solver
-                    .step(&self.model, state, &control, &contacts, self.step, &Serial)
+                    .step(&self.model, state, &control, &[], self.step, &Serial)
                     .map_err(|e| format!("a step: {e:?}"))?;
             }
         }

@@ -7,9 +7,7 @@
 use super::limits::run;
 use super::subject::{CELL, Subject, Substance, disturbed};
 use microsim_tissue::law::LawName;
-use microsim_tissue::{
-    Contacts, Control, Discretisation, Method, Newton, Serial, State, TissueModel,
-};
+use microsim_tissue::{Control, Discretisation, Method, Newton, Serial, State, TissueModel};
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -151,14 +149,7 @@ fn first_mode(model: &TissueModel) -> Option<(State, f64)> {
     };
     let mut solver = Method::QuasiStatic(newton).solver(model).ok()?;
     solver
-        .step(
-            model,
-            &mut state,
-            &control,
-            &Contacts::default(),
-            1.0,
-            &Serial,
-        )
+        .step(model, &mut state, &control, &[], 1.0, &Serial)
         .ok()?;
     let moved = state.positions.iter().zip(model.rest_positions());
     let inertia: f64 = moved

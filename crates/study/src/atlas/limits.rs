@@ -9,7 +9,7 @@
 use super::subject::{CELL, Subject, Substance, Variation, disturbed};
 use microsim_tissue::elements::{ElementMatrix, EnergyKind, Tangent};
 use microsim_tissue::stability::{self, Part};
-use microsim_tissue::{Contacts, Control, Method, Serial, State, TissueModel};
+use microsim_tissue::{Control, Method, Serial, State, TissueModel};
 
 /// The methods with a limit.
 pub const METHODS: [Method; 5] = [
@@ -285,9 +285,9 @@ pub(super) fn run(
     let Ok(mut solver) = method.solver(model) else {
         return false;
     };
-    let (control, contacts) = (Control::default(), Contacts::default());
+    let control = Control::default();
     (0..steps).all(|_| {
-        let done = solver.step(model, &mut state, &control, &contacts, h, &Serial);
+        let done = solver.step(model, &mut state, &control, &[], h, &Serial);
         done.is_ok() && go_on(&state)
     })
 }

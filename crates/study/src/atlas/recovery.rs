@@ -8,7 +8,7 @@
 use super::subject::{Constants, Substance};
 use microsim_mesh::{Block, CellSplit, TetMesh, signed_volume};
 use microsim_tissue::{
-    Contacts, Control, Method, Newton, Serial, State, TissueModel, build_model, stability,
+    Control, Method, Newton, Serial, State, TissueModel, build_model, stability,
 };
 use nalgebra::Vector3;
 
@@ -219,7 +219,7 @@ impl Beam {
                 &self.model,
                 &mut state,
                 &self.control(damage),
-                &Contacts::default(),
+                &[],
                 1.0,
                 &Serial,
             )
@@ -303,7 +303,7 @@ fn one(
         state.positions = beam.resting_place(Damage::Tip)?;
     }
     damage.apply(model, &mut state.positions);
-    let (control, contacts) = (beam.control(damage), Contacts::default());
+    let control = beam.control(damage);
     let mut recovered = None;
     let mut cpu = 0.0;
     let (mut distance, mut inverted) = (f64::INFINITY, 0);
@@ -311,7 +311,7 @@ fn one(
         let time = f64::from(look) * per_look * h;
         let start = clock();
         for _ in 0..per_look as u32 {
-            if let Err(failure) = solver.step(model, &mut state, &control, &contacts, h, &Serial) {
+            if let Err(failure) = solver.step(model, &mut state, &control, &[], h, &Serial) {
                 let reason = failure.to_string();
                 return Ok((h, Outcome::Failed { time, reason }, cpu + clock() - start));
             }

@@ -7,9 +7,7 @@ use super::subject::{CELL, body, disturbed};
 use super::*;
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{SAFETY, mass_floor, stable_step, stiffness_cap};
-use microsim_tissue::{
-    Contacts, Control, Discretisation, Newton, Serial, State, StepFailure, TissueModel,
-};
+use microsim_tissue::{Control, Discretisation, Newton, Serial, State, StepFailure, TissueModel};
 use nalgebra::Vector3;
 use std::f64::consts::SQRT_2;
 
@@ -289,14 +287,7 @@ fn a_number_that_is_none_stops_the_step_and_nothing_else() {
                 ..Control::default()
             };
             let h = 0.1 * limit(&body);
-            solver.step(
-                &body.model,
-                state,
-                &control,
-                &Contacts::default(),
-                h,
-                &Serial,
-            )
+            solver.step(&body.model, state, &control, &[], h, &Serial)
         };
         assert_eq!(
             step(&mut state, f64::NAN),
@@ -368,14 +359,7 @@ fn the_mass_floor_does_not_change_the_sag() {
             .solver(model)
             .unwrap();
         solver
-            .step(
-                model,
-                &mut state,
-                &control,
-                &Contacts::default(),
-                1.0,
-                &Serial,
-            )
+            .step(model, &mut state, &control, &[], 1.0, &Serial)
             .unwrap();
         state.positions.last().unwrap().z - model.rest_positions().last().unwrap().z
     };

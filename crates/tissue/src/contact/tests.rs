@@ -1,11 +1,11 @@
 //! Contact in all methods: closed forms, conservation, rest.
 
-use crate::contact::{Contact, ContactSource, Touching};
+use crate::contact::{Contact, ContactSource, ContactStep};
 use crate::executor::Serial;
 use crate::method::Method;
 use crate::model::TissueModel;
 use crate::solver::{StepFailure, StepReport};
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, NodeTarget, State};
 use crate::testing::{block_mesh, build, soft};
 use crate::{Newton, build_model};
 use nalgebra::Vector3;
@@ -67,7 +67,12 @@ struct Source<'a> {
 }
 
 impl ContactSource for Source<'_> {
-    fn find(&mut self, way: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>) {
+    fn find(
+        &mut self,
+        step_fraction: f64,
+        positions: &[Vector3<f64>],
+        contacts: &mut Vec<Contact>,
+    ) {
         let World {
             state,
             planes,
@@ -88,8 +93,8 @@ impl ContactSource for Source<'_> {
             contacts.push(Contact {
                 start_gap,
                 floor: (start_gap + 0.2 * self.world.model.mean_edge_length()).min(0.0),
-                pressure: last.map_or(0.0, |last| last.0),
-                traction: memory.get(&nodes).map_or(Vector3::zeros(), |last| last.1),
+                normal_force: last.map_or(0.0, |last| last.0),
+                friction_force: memory.get(&nodes).map_or(Vector3::zeros(), |last| last.1),
                 ..contact
             });
         };
@@ -98,7 +103,7 @@ impl ContactSource for Source<'_> {
                 if !(plane.sees)(&self.world.model.rest_positions()[node as usize]) {
                     continue;
                 }
-                let drift = plane.motion * way;
+                let drift = plane.motion * step_fraction;
                 let bump = (plane.bump)(&self.world.model.rest_positions()[node as usize]);
                 push(
                     [node, u32::MAX - index as u32],
@@ -137,7 +142,7 @@ fn remember(
             let plane = planes.iter().position(|plane| plane.normal == c.normal);
             u32::MAX - plane.map_or(0, |index| index as u32)
         });
-        ([c.nodes[0], other], (c.pressure, c.traction))
+        ([c.nodes[0], other], (c.normal_force, c.friction_force))
     })
 }
 
@@ -157,10 +162,14 @@ impl World {
     }
 
     pub fn step(&mut self, h: f64) -> Result<StepReport, StepFailure> {
-        self.led_step(&Contacts::default(), h)
+        self.step_with_targets(&[], h)
     }
 
-    pub fn led_step(&mut self, led: &Contacts, h: f64) -> Result<StepReport, StepFailure> {
+    pub fn step_with_targets(
+        &mut self,
+        targets: &[NodeTarget],
+        h: f64,
+    ) -> Result<StepReport, StepFailure> {
         let mut state = self.state.clone();
         let mut solver = self.solver.boxed_clone();
         let mut contacts = std::mem::take(&mut self.contacts);
@@ -169,7 +178,7 @@ impl World {
             world: self,
             last: Memory::new(),
         };
-        let mut touching = Touching {
+        let mut touching = ContactStep {
             source: &mut source,
             contacts,
         };
@@ -179,7 +188,7 @@ impl World {
             &self.model,
             &mut state,
             control,
-            led,
+            targets,
             touching_too,
             h,
             &Serial,

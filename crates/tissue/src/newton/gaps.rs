@@ -124,16 +124,17 @@ impl Gaps {
         self.base.copy_from_slice(positions);
         if self.keeps_laws && self.rows.len() == self.contacts.len() {
             for (contact, row) in self.contacts.iter().zip(&mut self.rows) {
-                let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
+                let slide =
+                    contact.interpolate(positions) - contact.interpolate(start) - contact.drift;
                 row.gap = contact.gap(positions);
                 row.slide = slide - contact.normal * contact.normal.dot(&slide);
                 row.keeps_bound = true;
                 // What has opened drags nothing, and what has closed since has its friction.
-                let pressure = row.told.pressure;
-                if pressure <= 0.0 {
-                    (row.bound, row.traction) = (0.0, Vector3::zeros());
+                let normal_force = row.told.normal_force;
+                if normal_force <= 0.0 {
+                    (row.bound, row.friction_force) = (0.0, Vector3::zeros());
                 } else if row.bound == 0.0 {
-                    row.bound = contact.friction * pressure;
+                    row.bound = contact.friction * normal_force;
                 }
             }
             return;
@@ -154,11 +155,11 @@ impl Gaps {
                 .or_else(|| self.told.iter().position(same));
             next = found.map_or(next, |k| k + 1);
             if restored {
-                contact.pressure = found.map_or(0.0, |k| self.told[k].pressure);
+                contact.normal_force = found.map_or(0.0, |k| self.told[k].normal_force);
             }
             let last = found.map_or(&*contact, |k| &self.told[k]);
-            let (traction, slides) = (last.traction, last.slides);
-            let slide = contact.blend(positions) - contact.blend(start) - contact.drift;
+            let (friction_force, is_sliding) = (last.friction_force, last.is_sliding);
+            let slide = contact.interpolate(positions) - contact.interpolate(start) - contact.drift;
             let mut compliances = [0.0; 2];
             let mut responses = [0.0; 4];
             for (k, (&node, weight)) in contact.nodes.iter().zip(contact.weights).enumerate() {
@@ -177,18 +178,18 @@ impl Gaps {
             } else {
                 0.0
             };
-            let across = traction - contact.normal * contact.normal.dot(&traction);
+            let across = friction_force - contact.normal * contact.normal.dot(&friction_force);
             self.rows.push(Row {
                 told: Told {
-                    pressure: contact.pressure,
-                    traction: across,
-                    slides,
+                    normal_force: contact.normal_force,
+                    friction_force: across,
+                    is_sliding,
                 },
                 stiffness,
                 joint,
-                multiplier: contact.pressure,
-                traction: across,
-                bound: contact.friction * contact.pressure,
+                multiplier: contact.normal_force,
+                friction_force: across,
+                bound: contact.friction * contact.normal_force,
                 keeps_bound: false,
                 floor: match statics {
                     true => contact.floor,
@@ -213,7 +214,7 @@ impl Gaps {
     /// Their energy at `positions` \[J\].
     pub fn energy(&self, positions: &[Vector3<f64>]) -> f64 {
         let energy = |(contact, row): (&Contact, &Row)| {
-            let y = contact.blend(positions) - contact.blend(&self.base);
+            let y = contact.interpolate(positions) - contact.interpolate(&self.base);
             row.law(contact, &y).energy
         };
         self.active().map(energy).sum()
@@ -222,7 +223,7 @@ impl Gaps {
     /// Adds their forces at `positions` to those of the nodes \[N\].
     pub fn add_forces(&self, positions: &[Vector3<f64>], forces: &mut [Vector3<f64>]) {
         for (contact, row) in self.active() {
-            let y = contact.blend(positions) - contact.blend(&self.base);
+            let y = contact.interpolate(positions) - contact.interpolate(&self.base);
             let law = row.law(contact, &y);
             scatter(contact, &law.force(contact), forces);
         }
@@ -232,8 +233,8 @@ impl Gaps {
     /// across open ones.
     pub fn miss(&self) -> f64 {
         let miss = |(contact, row): (&Contact, &Row)| {
-            let pressure = row.law(contact, &Vector3::zeros()).told.pressure;
-            (pressure - row.multiplier).abs() / row.stiffness
+            let normal_force = row.law(contact, &Vector3::zeros()).told.normal_force;
+            (normal_force - row.multiplier).abs() / row.stiffness
         };
         self.active().map(miss).fold(0.0, f64::max) / self.edge
     }
@@ -255,7 +256,7 @@ impl Gaps {
     pub fn predict(&self, direction: &mut [Vector3<f64>]) {
         for _ in 0..SWEEPS {
             for (contact, row) in self.active() {
-                let gap = row.gap + contact.normal.dot(&contact.blend(direction));
+                let gap = row.gap + contact.normal.dot(&contact.interpolate(direction));
                 if gap < row.floor || row.multiplier > 0.0 {
                     let force = contact.normal * ((row.floor - gap) / row.compliance);
                     for (&node, response) in contact.nodes.iter().zip(row.responses) {
@@ -274,7 +275,7 @@ impl Gaps {
             if row.stiffness == 0.0 || row.joint || quick {
                 continue;
             }
-            let curvature = row.curvature(contact, &contact.blend(direction));
+            let curvature = row.curvature(contact, &contact.interpolate(direction));
             if curvature != Matrix3::zeros() && system.add_contact(contact, &curvature) {
                 row.factored = Some(curvature);
             }
@@ -365,7 +366,7 @@ impl Gaps {
             let (mut worst, mut changes) = (0.0f64, 0.0);
             for (contact, row) in contacts.iter().zip(&*rows) {
                 if row.stiffness > 0.0 {
-                    let (_, [miss, change]) = row.updated(contact, &contact.blend(direction));
+                    let (_, [miss, change]) = row.updated(contact, &contact.interpolate(direction));
                     worst = worst.max(miss);
                     changes += change;
                 }
@@ -374,7 +375,7 @@ impl Gaps {
             let done = worst <= slack * *edge && changes.sqrt() <= enough;
             for (contact, row) in contacts.iter().zip(&mut *rows) {
                 if row.stiffness > 0.0 {
-                    let y = contact.blend(direction);
+                    let y = contact.interpolate(direction);
                     *row = row.updated(contact, &y).0;
                 }
             }
@@ -402,10 +403,10 @@ impl Gaps {
     pub fn tell(&mut self) {
         for (contact, row) in self.contacts.iter_mut().zip(&self.rows) {
             let told = row.told;
-            contact.pressure = told.pressure;
-            let share = row.bound / told.traction.norm().max(f64::MIN_POSITIVE);
-            contact.traction = told.traction * share.min(1.0);
-            contact.slides = told.slides || share <= 1.0;
+            contact.normal_force = told.normal_force;
+            let share = row.bound / told.friction_force.norm().max(f64::MIN_POSITIVE);
+            contact.friction_force = told.friction_force * share.min(1.0);
+            contact.is_sliding = told.is_sliding || share <= 1.0;
         }
         self.told.clone_from(&self.contacts);
     }
@@ -475,8 +476,8 @@ fn search(
         let mut slope = share * stiffness - along;
         for (contact, row) in contacts.iter().zip(rows) {
             if row.stiffness > 0.0 {
-                let way = contact.blend(inner);
-                let y = contact.blend(direction) + way * share;
+                let way = contact.interpolate(inner);
+                let y = contact.interpolate(direction) + way * share;
                 slope -= row.law(contact, &y).force(contact).dot(&way);
             }
         }
@@ -523,7 +524,7 @@ fn multiply_others(
 fn add_contacts(contacts: &[Contact], rows: &[Row], p: &[Vector3<f64>], q: &mut [Vector3<f64>]) {
     for (contact, row) in contacts.iter().zip(rows) {
         if row.stiffness > 0.0 {
-            scatter(contact, &(row.hessian * contact.blend(p)), q);
+            scatter(contact, &(row.hessian * contact.interpolate(p)), q);
             if let Some(factored) = &row.factored {
                 subtract(contact, factored, p, q);
             }
@@ -562,7 +563,7 @@ fn add_forces_along(
     let mut pushed = 0.0;
     for (contact, row) in contacts.iter().zip(rows) {
         if row.stiffness > 0.0 {
-            let y = contact.blend(direction);
+            let y = contact.interpolate(direction);
             let force = row.law(contact, &y).force(contact);
             row.hessian = row.curvature(contact, &y);
             pushed += force.norm_squared();
@@ -591,8 +592,8 @@ mod tests {
     #[test]
     fn restored_contacts_have_their_own_forces() {
         let positions = [Vector3::zeros(); 2];
-        let on = |node, pressure| Contact {
-            pressure,
+        let on = |node, normal_force| Contact {
+            normal_force,
             ..Contact::of_node(node, Vector3::z(), 0.0)
         };
         let mut gaps = Gaps::new(2, 1e-3);
@@ -607,7 +608,10 @@ mod tests {
         gaps.restore();
         find(&mut gaps, &[on(0, 7.0), on(1, 7.0)]);
         assert_eq!(
-            gaps.contacts.iter().map(|c| c.pressure).collect::<Vec<_>>(),
+            gaps.contacts
+                .iter()
+                .map(|c| c.normal_force)
+                .collect::<Vec<_>>(),
             [0.1, 0.2]
         );
         assert_eq!(

@@ -11,7 +11,7 @@ use crate::method::Method;
 use crate::model::TissueModel;
 use crate::solver::StepFailure;
 use crate::stability::{Part, gershgorin_bound, power_iteration};
-use crate::state::{Contacts, Control, NodeTarget, State};
+use crate::state::{Control, NodeTarget, State};
 use crate::testing::{block_mesh, numbers, soft};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -76,14 +76,7 @@ fn run(
 ) -> Result<(), StepFailure> {
     let mut solver = method.solver(model).unwrap();
     for _ in 0..steps {
-        solver.step(
-            model,
-            state,
-            &Control::default(),
-            &Contacts::default(),
-            h,
-            &Serial,
-        )?;
+        solver.step(model, state, &Control::default(), &[], h, &Serial)?;
     }
     Ok(())
 }
@@ -168,14 +161,7 @@ fn energy_of_an_oscillator_follows_the_closed_form_of_each_scheme() {
         let mut expected = energy(&state);
         for step in 1..=steps {
             solver
-                .step(
-                    &model,
-                    &mut state,
-                    &Control::default(),
-                    &Contacts::default(),
-                    h,
-                    &Serial,
-                )
+                .step(&model, &mut state, &Control::default(), &[], h, &Serial)
                 .unwrap();
             expected *= growth;
             // Positions at 10 m: each step rounds by some 1e-15 of the amplitude times 10.
@@ -277,14 +263,7 @@ fn every_target_is_hit_in_one_step() {
             let mut solver = method.solver(&model).unwrap();
             for _ in 0..5 {
                 solver
-                    .step(
-                        &model,
-                        &mut state,
-                        &control,
-                        &Contacts::default(),
-                        0.7 * h,
-                        &Serial,
-                    )
+                    .step(&model, &mut state, &control, &[], 0.7 * h, &Serial)
                     .unwrap();
             }
             let mut next = numbers();
@@ -299,11 +278,10 @@ fn every_target_is_hit_in_one_step() {
                 .map(&mut target)
                 .collect();
             assert!(targets.iter().all(|t| !model.is_clamped(t.node as usize)));
-            let contacts = Contacts { targets };
             solver
-                .step(&model, &mut state, &control, &contacts, h, &Serial)
+                .step(&model, &mut state, &control, &targets, h, &Serial)
                 .unwrap();
-            for t in &contacts.targets {
+            for t in &targets {
                 let miss = (state.positions[t.node as usize] - t.target).norm();
                 assert!(
                     miss <= 1e-12 * model.mean_edge_length(),
@@ -321,15 +299,15 @@ fn the_formulas_of_the_contact_force_are_those_of_the_schemes() {
     for method in [Method::SymplecticEuler, Method::VelocityVerletLagged] {
         let (model, mut start) = oscillator(3.0, 0.0, 0.0);
         run(method, &model, &mut start, h, 3).unwrap();
-        let step = |control: &Control, contacts: &Contacts| {
+        let step = |control: &Control, targets: &[NodeTarget]| {
             let mut state = start.clone();
             let mut solver = method.solver(&model).unwrap();
             solver
-                .step(&model, &mut state, control, contacts, h, &Serial)
+                .step(&model, &mut state, control, targets, h, &Serial)
                 .unwrap();
             state
         };
-        let free = step(&Control::default(), &Contacts::default()).positions[1];
+        let free = step(&Control::default(), &[]).positions[1];
         let target = free + Vector3::new(0.05, -0.02, 0.01);
         // m/h² for both at constant h, m = 1 kg.
         let load = Control {
@@ -341,8 +319,8 @@ fn the_formulas_of_the_contact_force_are_those_of_the_schemes() {
             target,
             overlap: Vector3::zeros(),
         };
-        let led = step(&Control::default(), &Contacts { targets: vec![aim] });
-        let pushed = step(&load, &Contacts::default());
+        let led = step(&Control::default(), &[aim]);
+        let pushed = step(&load, &[]);
         let differences = [
             led.positions[1] - pushed.positions[1],
             (led.velocities[1] - pushed.velocities[1]) * h,
@@ -377,13 +355,13 @@ fn undoing_an_overlap_leaves_no_velocity() {
             overlap: shift,
         };
         let mut solver = method.solver(&model).unwrap();
-        let contacts = Contacts { targets: vec![aim] };
+        let targets = [aim];
         solver
             .step(
                 &model,
                 &mut state,
                 &Control::default(),
-                &contacts,
+                &targets,
                 1e-4,
                 &Serial,
             )
@@ -410,14 +388,7 @@ fn clamped_nodes_go_where_the_control_wants_them() {
         let mut solver = method.solver(&model).unwrap();
         for _ in 0..3 {
             solver
-                .step(
-                    &model,
-                    &mut state,
-                    &control,
-                    &Contacts::default(),
-                    h,
-                    &Serial,
-                )
+                .step(&model, &mut state, &control, &[], h, &Serial)
                 .unwrap();
             for (&node, wanted) in model.clamped().iter().zip(&wanted) {
                 assert_eq!(state.positions[node as usize], *wanted, "{method:?}");
@@ -450,13 +421,12 @@ fn a_step_into_nothing_leaves_the_state_as_it_was() {
             target: Vector3::x() * f64::NAN,
             overlap: Vector3::zeros(),
         };
-        let aim = Contacts { targets: vec![bad] };
-        let mut cases = vec![(push, Contacts::default())];
+        let mut cases = vec![(push, vec![])];
         if method.leads_nodes() {
-            cases.push((Control::default(), aim));
+            cases.push((Control::default(), vec![bad]));
         }
-        for (control, contacts) in cases {
-            let result = solver.step(&model, &mut state, &control, &contacts, h, &Serial);
+        for (control, targets) in cases {
+            let result = solver.step(&model, &mut state, &control, &targets, h, &Serial);
             assert_eq!(
                 (result, &state),
                 (Err(StepFailure::NotFinite), &before),
@@ -468,14 +438,7 @@ fn a_step_into_nothing_leaves_the_state_as_it_was() {
         run(method, &model, &mut other, h, 3).unwrap();
         for _ in 0..3 {
             solver
-                .step(
-                    &model,
-                    &mut state,
-                    &Control::default(),
-                    &Contacts::default(),
-                    h,
-                    &Serial,
-                )
+                .step(&model, &mut state, &Control::default(), &[], h, &Serial)
                 .unwrap();
         }
         assert_eq!(state, other, "{method:?}");

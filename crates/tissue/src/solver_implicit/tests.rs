@@ -44,9 +44,7 @@ fn run(
     let mut solver = SolverImplicit::new(model, scheme, newton);
     let mut last = StepReport::default();
     for _ in 0..steps {
-        last = solver
-            .step(model, state, control, &Contacts::default(), h, &Serial)
-            .unwrap();
+        last = solver.step(model, state, control, &[], h, &Serial).unwrap();
     }
     last
 }
@@ -135,13 +133,11 @@ fn targets_and_clamps_are_met_to_the_last_bit() {
         let goal = state.positions[lead] + Vector3::new(1e-4, 2e-4, -3e-4);
         let overlap = Vector3::new(0.0, 0.0, -1e-4);
         let before = state.positions[lead];
-        let contacts = Contacts {
-            targets: vec![NodeTarget {
-                node: lead as u32,
-                target: goal,
-                overlap,
-            }],
-        };
+        let targets = [NodeTarget {
+            node: lead as u32,
+            target: goal,
+            overlap,
+        }];
         let shift = Vector3::new(0.0, 5e-5, 0.0);
         let clamps: Vec<Vector3<f64>> = model
             .clamped()
@@ -154,7 +150,7 @@ fn targets_and_clamps_are_met_to_the_last_bit() {
         };
         let h = 1e-3;
         solver
-            .step(&model, &mut state, &control, &contacts, h, &Serial)
+            .step(&model, &mut state, &control, &targets, h, &Serial)
             .unwrap();
         assert_eq!(state.positions[lead], goal, "{scheme:?}");
         assert_eq!(state.velocities[lead], (goal - before) / h - overlap / h);
@@ -340,29 +336,14 @@ fn failures_leave_the_state_as_it_was() {
             },
         );
         let start = state.clone();
-        let none = Contacts::default();
-        let result = solver.step(
-            &model,
-            &mut state,
-            &Control::default(),
-            &none,
-            1e-2,
-            &Serial,
-        );
+        let result = solver.step(&model, &mut state, &Control::default(), &[], 1e-2, &Serial);
         assert!(
             matches!(result, Err(StepFailure::NotConverged { iterations: 1, residual }) if residual > 1e-14),
             "{result:?}"
         );
         assert_eq!(state, start);
         state.velocities[3].y = f64::NAN;
-        let result = solver.step(
-            &model,
-            &mut state,
-            &Control::default(),
-            &none,
-            1e-2,
-            &Serial,
-        );
+        let result = solver.step(&model, &mut state, &Control::default(), &[], 1e-2, &Serial);
         assert_eq!(result, Err(StepFailure::NotFinite), "{scheme:?}");
         assert_eq!(state.positions, start.positions);
         assert!(state.velocities[3].y.is_nan());
@@ -386,7 +367,6 @@ fn same_bits_on_any_executor_and_from_any_copy() {
         gravity: Vector3::new(0.0, 0.0, -500.0),
         ..Control::default()
     };
-    let none = Contacts::default();
     let newton = Newton {
         iterations: 2,
         must_converge: false,
@@ -395,14 +375,14 @@ fn same_bits_on_any_executor_and_from_any_copy() {
     let mut solver = SolverImplicit::new(&model, ImplicitScheme::BackwardEuler, newton);
     let mut state = State::at_rest(&model);
     solver
-        .step(&model, &mut state, &control, &none, 1e-3, &Serial)
+        .step(&model, &mut state, &control, &[], 1e-3, &Serial)
         .unwrap();
     let mut twin = state.clone();
     let mut copy = solver.boxed_clone();
     solver
-        .step(&model, &mut state, &control, &none, 1e-3, &Serial)
+        .step(&model, &mut state, &control, &[], 1e-3, &Serial)
         .unwrap();
-    copy.step(&model, &mut twin, &control, &none, 1e-3, &Backwards)
+    copy.step(&model, &mut twin, &control, &[], 1e-3, &Backwards)
         .unwrap();
     assert_eq!(state, twin);
 }
@@ -418,14 +398,7 @@ fn small_loads_converge() {
     let mut solver = SolverImplicit::new(&model, ImplicitScheme::BackwardEuler, Newton::default());
     let mut state = State::at_rest(&model);
     for step in 0..20 {
-        let report = solver.step(
-            &model,
-            &mut state,
-            &control,
-            &Contacts::default(),
-            0.02,
-            &Serial,
-        );
+        let report = solver.step(&model, &mut state, &control, &[], 0.02, &Serial);
         assert!(report.is_ok(), "step {step}: {report:?}");
     }
 }

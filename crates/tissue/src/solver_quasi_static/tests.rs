@@ -50,14 +50,7 @@ fn a_stretched_chain_hangs_as_the_closed_form_says() {
     let mut state = State::at_rest(&model);
     let mut solver = SolverQuasiStatic::new(&model, TIGHT);
     let report = solver
-        .step(
-            &model,
-            &mut state,
-            &down(0.3),
-            &Contacts::default(),
-            1.0,
-            &Serial,
-        )
+        .step(&model, &mut state, &down(0.3), &[], 1.0, &Serial)
         .unwrap();
     assert_eq!(report.iterations, 1, "linear along the chain");
     for (i, x) in state.positions.iter().enumerate() {
@@ -74,17 +67,16 @@ fn a_stretched_chain_hangs_as_the_closed_form_says() {
 fn dynamics_that_comes_to_rest_ends_in_the_same_place() {
     let model = build(&soft_block([4, 2, 2]), |p| p.x < -0.9e-3);
     let control = down(400.0);
-    let none = Contacts::default();
     let mut state = State::at_rest(&model);
     SolverQuasiStatic::new(&model, TIGHT)
-        .step(&model, &mut state, &control, &none, 1.0, &Serial)
+        .step(&model, &mut state, &control, &[], 1.0, &Serial)
         .unwrap();
     let mut swinging = State::at_rest(&model);
     let mut dynamic = SolverImplicit::new(&model, ImplicitScheme::BackwardEuler, TIGHT);
     // Backward Euler divides each mode by √(1 + h²ω²) per step, here by more than 10.
     for _ in 0..20 {
         dynamic
-            .step(&model, &mut swinging, &control, &none, 0.1, &Serial)
+            .step(&model, &mut swinging, &control, &[], 0.1, &Serial)
             .unwrap();
     }
     let mut sag = 0.0f64;
@@ -121,7 +113,6 @@ fn beam() -> TissueModel {
 #[test]
 fn a_load_that_is_too_much_at_once_is_cut() {
     let model = beam();
-    let none = Contacts::default();
     let solve = |iterations| {
         let mut state = State::at_rest(&model);
         let newton = Newton {
@@ -129,7 +120,7 @@ fn a_load_that_is_too_much_at_once_is_cut() {
             ..TIGHT
         };
         let report = SolverQuasiStatic::new(&model, newton)
-            .step(&model, &mut state, &down(9.81), &none, 1.0, &Serial)
+            .step(&model, &mut state, &down(9.81), &[], 1.0, &Serial)
             .unwrap();
         (state.positions, report.iterations)
     };
@@ -158,36 +149,26 @@ fn equilibrium_turns_with_the_clamp_and_targets_are_met() {
     };
     let mut solver = SolverQuasiStatic::new(&model, TIGHT);
     solver
-        .step(
-            &model,
-            &mut state,
-            &control,
-            &Contacts::default(),
-            1.0,
-            &Serial,
-        )
+        .step(&model, &mut state, &control, &[], 1.0, &Serial)
         .unwrap();
     for (x, rest) in state.positions.iter().zip(model.rest_positions()) {
         assert!((x - turn(rest)).norm() < 1e-9 * 2e-3, "{x}");
     }
     let node = model.node_count() - 1;
     let target = state.positions[node] + Vector3::new(2e-4, 0.0, 1e-4);
-    let contacts = Contacts {
-        targets: vec![NodeTarget {
-            node: node as u32,
-            target,
-            overlap: Vector3::zeros(),
-        }],
-    };
+    let targets = [NodeTarget {
+        node: node as u32,
+        target,
+        overlap: Vector3::zeros(),
+    }];
     solver
-        .step(&model, &mut state, &control, &contacts, 1.0, &Serial)
+        .step(&model, &mut state, &control, &targets, 1.0, &Serial)
         .unwrap();
     assert_eq!(state.positions[node], target);
 }
 
 #[test]
 fn what_is_not_held_has_no_equilibrium() {
-    let none = Contacts::default();
     let singular = |model: &TissueModel| {
         let mut state = State::at_rest(model);
         let start = state.clone();
@@ -195,7 +176,7 @@ fn what_is_not_held_has_no_equilibrium() {
             model,
             &mut state,
             &down(1.0),
-            &none,
+            &[],
             1.0,
             &Serial,
         );
@@ -234,7 +215,6 @@ fn what_is_not_held_has_no_equilibrium() {
 #[test]
 fn failures_leave_the_state_as_it_was() {
     let model = beam();
-    let none = Contacts::default();
     let mut state = State::at_rest(&model);
     let start = state.clone();
     let newton = Newton {
@@ -245,7 +225,7 @@ fn failures_leave_the_state_as_it_was() {
         &model,
         &mut state,
         &down(9.81),
-        &none,
+        &[],
         1.0,
         &Serial,
     );
@@ -260,7 +240,7 @@ fn failures_leave_the_state_as_it_was() {
         &model,
         &mut state,
         &down(9.81),
-        &none,
+        &[],
         1.0,
         &Serial,
     );
@@ -286,14 +266,7 @@ fn a_change_of_load_moves_the_body_whatever_the_tolerance() {
         };
         for _ in 0..10 {
             solver
-                .step(
-                    &model,
-                    &mut state,
-                    &control,
-                    &Contacts::default(),
-                    0.02,
-                    &Serial,
-                )
+                .step(&model, &mut state, &control, &[], 0.02, &Serial)
                 .unwrap();
         }
         sags.push(state.positions.iter().map(|p| -p.z).fold(0.0, f64::max));

@@ -67,7 +67,7 @@ fn try_run(
 ) -> Result<(), StepFailure> {
     let mut solver = SolverVerlet::new(model);
     for _ in 0..steps {
-        solver.step(model, state, control, &Contacts::default(), h, &Serial)?;
+        solver.step(model, state, control, &[], h, &Serial)?;
     }
     Ok(())
 }
@@ -233,14 +233,7 @@ fn energy_of_the_undamped_block_does_not_drift_at_half_the_limit() {
         let mut sum = 0.0;
         for _ in 0..500 {
             solver
-                .step(
-                    &model,
-                    state,
-                    &Control::default(),
-                    &Contacts::default(),
-                    h,
-                    &Serial,
-                )
+                .step(&model, state, &Control::default(), &[], h, &Serial)
                 .unwrap();
             sum += state.energies(&model).total();
         }
@@ -296,11 +289,10 @@ fn every_target_is_hit_in_one_step() {
                 }
             })
             .collect();
-        let contacts = Contacts { targets };
         SolverVerlet::new(&model)
-            .step(&model, &mut state, &control, &contacts, h, &Serial)
+            .step(&model, &mut state, &control, &targets, h, &Serial)
             .unwrap();
-        for t in &contacts.targets {
+        for t in &targets {
             let miss = (state.positions[t.node as usize] - t.target).norm();
             assert!(
                 miss <= 1e-12 * model.mean_edge_length(),
@@ -333,13 +325,7 @@ fn a_held_node_comes_to_rest_and_needs_exactly_the_opposite_of_the_other_forces(
     for _ in 0..30 {
         solver.predict(&model, &state, &control, h, &Serial);
         contact = solver.contact_force(&model, held.node, &(held.target - solver.predicted[node]));
-        solver.finish(
-            &model,
-            &mut state,
-            &Contacts {
-                targets: vec![held],
-            },
-        );
+        solver.finish(&model, &mut state, &[held]);
     }
     // NUMERICS 2.4: v = 0 to the rounding of a position over h.
     let rounding = 4.0 * f64::EPSILON * target.norm() / h;
@@ -371,13 +357,7 @@ fn undoing_an_overlap_moves_a_node_without_speeding_it_up() {
         solver.contact_force(&model, 0, &(shift - target.overlap)),
         Vector3::zeros()
     );
-    solver.finish(
-        &model,
-        &mut state,
-        &Contacts {
-            targets: vec![target],
-        },
-    );
+    solver.finish(&model, &mut state, &[target]);
     assert!((state.positions[0] - shift).norm() < 1e-19);
     assert!(state.velocities[0].norm() < 1e-15, "d/h would be 1 m/s");
 }
@@ -398,13 +378,7 @@ fn impulse_of_contact_is_the_change_of_momentum() {
     solver.predict(&model, &state, &Control::default(), 1e-4, &Serial);
     let impulse =
         solver.contact_force(&model, 0, &(target.target - solver.predicted[0])) * solver.kicks[0];
-    solver.finish(
-        &model,
-        &mut state,
-        &Contacts {
-            targets: vec![target],
-        },
-    );
+    solver.finish(&model, &mut state, &[target]);
     let change = (state.velocities[0] - before) * 0.3;
     assert!((impulse - change).norm() < 1e-14 * impulse.norm());
 }
@@ -445,7 +419,7 @@ fn threads_do_not_change_a_bit() {
         let mut solver = SolverVerlet::new(&model);
         for _ in 0..40 {
             solver
-                .step(&model, &mut state, &control, &Contacts::default(), h, exec)
+                .step(&model, &mut state, &control, &[], h, exec)
                 .unwrap();
         }
         state

@@ -56,7 +56,7 @@ fn solve(
 ) -> State {
     let mut state = state.clone();
     solver
-        .step(model, &mut state, control, &Contacts::default(), h, &Serial)
+        .step(model, &mut state, control, &[], h, &Serial)
         .unwrap();
     state
 }
@@ -206,13 +206,11 @@ fn targets_and_clamps_are_met_to_the_last_bit() {
     let before = state.positions[lead];
     let goal = before + Vector3::new(1e-4, 2e-4, -3e-4);
     let overlap = Vector3::new(0.0, 0.0, -1e-4);
-    let contacts = Contacts {
-        targets: vec![NodeTarget {
-            node: lead as u32,
-            target: goal,
-            overlap,
-        }],
-    };
+    let targets = [NodeTarget {
+        node: lead as u32,
+        target: goal,
+        overlap,
+    }];
     let clamps: Vec<Vector3<f64>> = model
         .clamped()
         .iter()
@@ -225,7 +223,7 @@ fn targets_and_clamps_are_met_to_the_last_bit() {
     let h = 1e-3;
     SolverXpbd::new(&model, 7, 3)
         .unwrap()
-        .step(&model, &mut state, &control, &contacts, h, &Serial)
+        .step(&model, &mut state, &control, &targets, h, &Serial)
         .unwrap();
     assert_eq!(state.positions[lead], goal);
     assert_eq!(state.velocities[lead], (goal - before) / h - overlap / h);
@@ -259,8 +257,7 @@ fn failures_leave_the_state_and_copies_go_on_with_the_same_bits() {
         .map(|solver| solve(&model, &first, &Control::default(), &mut **solver, 0.1));
     assert_eq!(ends[0], ends[1]);
     state.positions[2].z = f64::NAN;
-    let none = Contacts::default();
-    let result = solver.step(&model, &mut state, &Control::default(), &none, 0.1, &Serial);
+    let result = solver.step(&model, &mut state, &Control::default(), &[], 0.1, &Serial);
     assert_eq!(result, Err(StepFailure::NotFinite));
     assert_eq!(state.positions[3].y, 0.1);
 }

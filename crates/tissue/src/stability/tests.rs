@@ -5,7 +5,7 @@ use crate::elements::{Constraint, Elements, Plasticity, Springs, Volumes};
 use crate::executor::Serial;
 use crate::flow::flow;
 use crate::method::Method;
-use crate::state::{Contacts, Control};
+use crate::state::Control;
 use crate::testing::{build, soft_block};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -137,9 +137,9 @@ fn hardening_shortens_the_step_and_the_check_notices() {
         let mut solver = Method::VelocityVerlet.solver(&model).unwrap();
         let mut largest = 0.0f64;
         for _ in 0..30 {
-            let (control, contacts) = (Control::default(), Contacts::default());
+            let control = Control::default();
             solver
-                .step(&model, &mut state, &control, &contacts, h, &Serial)
+                .step(&model, &mut state, &control, &[], h, &Serial)
                 .unwrap();
             largest = largest.max((state.positions[1].x - rest).abs());
         }
@@ -234,9 +234,9 @@ fn mass_floor_and_stiffness_cap_make_a_given_step_stable() {
         state.positions[21] *= 1.0 + 1e-6;
         let mut solver = Method::StoermerVerlet.solver(remedied).unwrap();
         for _ in 0..2000 {
-            let (control, contacts) = (Control::default(), Contacts::default());
+            let control = Control::default();
             solver
-                .step(remedied, &mut state, &control, &contacts, h, &Serial)
+                .step(remedied, &mut state, &control, &[], h, &Serial)
                 .unwrap();
         }
         let moved = state
@@ -274,8 +274,8 @@ fn growth(method: &Method, damping: f64, drag: f64, safety: f64) -> f64 {
     let mut solver = method.solver(&model).unwrap();
     let mut largest = 0.0_f64;
     for _ in 0..2000 {
-        let (control, contacts) = (Control::default(), Contacts::default());
-        let step = solver.step(&model, &mut state, &control, &contacts, h, &Serial);
+        let control = Control::default();
+        let step = solver.step(&model, &mut state, &control, &[], h, &Serial);
         largest = largest.max((state.positions[1].x - 1.0).abs() / start);
         if step.is_err() || largest > 1e3 {
             break;

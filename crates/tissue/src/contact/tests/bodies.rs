@@ -59,9 +59,12 @@ fn a_block_on_a_slope_sticks_or_slides() {
                     "{method:?}: {acceleration} m/s², not {wanted}"
                 );
             }
-            let mut touching = world.contacts.iter().filter(|c| c.pressure > 0.0);
+            let mut touching = world.contacts.iter().filter(|c| c.normal_force > 0.0);
             assert!(touching.clone().count() > 0, "{method:?}");
-            assert!(touching.all(|c| c.slides == (share > 1.0)), "{method:?}");
+            assert!(
+                touching.all(|c| c.is_sliding == (share > 1.0)),
+                "{method:?}"
+            );
             let edge = world.model.mean_edge_length();
             assert!(world.deepest() > -0.01 * edge, "{method:?}");
         }

@@ -33,9 +33,11 @@ fn nodes_land_on_a_surface_by_the_force_that_is_told() {
                 let z = world.state.positions[contact.nodes[0] as usize].z;
                 let miss = (z - height).abs();
                 assert!(miss <= 1e-10 * edge, "{method:?}: {miss}");
-                assert!(contact.pressure > 0.0);
-                let most = 0.3 * contact.pressure * (1.0 + 1e-12);
-                assert!(contact.traction.norm() <= most && contact.traction.z.abs() < 1e-12);
+                assert!(contact.normal_force > 0.0);
+                let most = 0.3 * contact.normal_force * (1.0 + 1e-12);
+                assert!(
+                    contact.friction_force.norm() <= most && contact.friction_force.z.abs() < 1e-12
+                );
             }
             let mut pushed = World::new(world.model.clone(), method);
             pushed.state = before.clone();
@@ -71,14 +73,7 @@ fn explicit_euler_misses() {
         let mut solver = Method::ExplicitEuler.solver(&world.model).unwrap();
         let (model, state) = (&world.model, &mut world.state);
         solver
-            .step(
-                model,
-                state,
-                &world.control,
-                &Contacts::default(),
-                1e-5,
-                &Serial,
-            )
+            .step(model, state, &world.control, &[], 1e-5, &Serial)
             .unwrap();
         world.state.positions
     };
@@ -109,7 +104,7 @@ fn held_nodes_come_to_rest() {
                 target,
                 overlap: target - world.state.positions[node],
             };
-            world.led_step(&Contacts { targets: vec![aim] }, h).unwrap();
+            world.step_with_targets(&[aim], h).unwrap();
         }
         let fastest = world.state.velocities.iter().map(|v| v.norm());
         let fastest = fastest.fold(0.0, f64::max);

@@ -156,16 +156,16 @@ fn forces_are_those_of_the_complementarity_problem() {
             let strongest = world
                 .contacts
                 .iter()
-                .map(|c| c.pressure)
+                .map(|c| c.normal_force)
                 .fold(0.0, f64::max);
             for contact in &world.contacts {
                 left[contact.nodes[0] as usize] += contact.force();
                 let gap = contact.gap(&world.state.positions);
                 assert!(gap > -1e-5 * edge, "{} edges", gap / edge);
                 assert!(
-                    contact.pressure == 0.0 || gap < 1e-5 * edge,
+                    contact.normal_force == 0.0 || gap < 1e-5 * edge,
                     "{} N over {} edges",
-                    contact.pressure,
+                    contact.normal_force,
                     gap / edge
                 );
             }
@@ -190,7 +190,7 @@ fn forces_are_those_of_the_complementarity_problem() {
             assert!(open > 3 && open + 3 < nodes.len(), "{open} are open");
             for (node, exact) in nodes.iter().zip(&exact) {
                 let found = world.contacts.iter().find(|c| c.nodes[0] as usize == *node);
-                let found = found.map_or(0.0, |c| c.pressure);
+                let found = found.map_or(0.0, |c| c.normal_force);
                 assert!(
                     (found - exact).abs() < tolerance * strongest,
                     "{method:?}: {found} N, not {exact} N of {strongest} N"

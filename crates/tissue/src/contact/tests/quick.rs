@@ -60,7 +60,7 @@ fn grip(newton: Newton, friction: f64, h: f64, mut each: impl FnMut(&Vector3<f64
 fn squeeze(world: &World) -> f64 {
     let push = |side: f64| -> f64 {
         let of_jaw = world.contacts.iter().filter(|c| c.normal.x == side);
-        of_jaw.map(|c| c.pressure).sum()
+        of_jaw.map(|c| c.normal_force).sum()
     };
     push(1.0).min(push(-1.0))
 }
@@ -74,14 +74,17 @@ fn forces_in_a_grip_obey_friction_and_move_the_piece() {
             grip(quick(), friction, h, |before, world| {
                 let (mut pressures, mut sizes) = (0.0, 0.0);
                 for contact in &world.contacts {
-                    let (pressure, traction) = (contact.pressure, contact.traction.norm());
-                    assert!(pressure >= 0.0);
-                    assert!(contact.normal.dot(&contact.traction).abs() <= 1e-12 * traction);
-                    assert!(traction <= (1.0 + DIGITS) * friction * pressure);
-                    if contact.slides {
-                        assert!(traction >= (1.0 - DIGITS) * friction * pressure);
+                    let (normal_force, friction_force) =
+                        (contact.normal_force, contact.friction_force.norm());
+                    assert!(normal_force >= 0.0);
+                    assert!(
+                        contact.normal.dot(&contact.friction_force).abs() <= 1e-12 * friction_force
+                    );
+                    assert!(friction_force <= (1.0 + DIGITS) * friction * normal_force);
+                    if contact.is_sliding {
+                        assert!(friction_force >= (1.0 - DIGITS) * friction * normal_force);
                     }
-                    pressures += pressure;
+                    pressures += normal_force;
                     sizes += contact.force().norm();
                 }
                 assert!(pressures > 0.0);
@@ -110,8 +113,8 @@ fn a_piece_in_a_grip_is_carried_or_slips() {
                 if steps <= last - steady {
                     return;
                 }
-                let touching = world.contacts.iter().filter(|c| c.pressure > 0.0);
-                let slide = touching.map(|c| c.slides).collect::<Vec<_>>();
+                let touching = world.contacts.iter().filter(|c| c.normal_force > 0.0);
+                let slide = touching.map(|c| c.is_sliding).collect::<Vec<_>>();
                 let velocity = world.velocity();
                 if holds {
                     assert!(!slide.contains(&true), "{slide:?}");

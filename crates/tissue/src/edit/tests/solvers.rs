@@ -5,7 +5,7 @@ use crate::executor::Serial;
 use crate::method::Method;
 use crate::newton::Newton;
 use crate::stability::stable_step;
-use crate::state::{Contacts, Control};
+use crate::state::Control;
 use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology};
 use microsim_mesh::TopologyEdit;
 
@@ -85,12 +85,12 @@ fn a_solver_that_follows_is_a_new_one() {
         let h = stable_step(&model, 0.2);
         let (mut state, mut topology) = (State::at_rest(&model), Topology::new(&mesh));
         let mut solver = method.solver(&model).unwrap();
-        let (contacts, mut control) = (Contacts::default(), Control::default());
+        let mut control = Control::default();
         control.gravity.z = -0.1;
         for quad in [INTO, THROUGH] {
             for _ in 0..3 {
                 solver
-                    .step(&model, &mut state, &control, &contacts, h, &Serial)
+                    .step(&model, &mut state, &control, &[], h, &Serial)
                     .unwrap();
             }
             let edit = cut(&mut mesh, &mut topology, &state.positions, quad);
@@ -102,8 +102,8 @@ fn a_solver_that_follows_is_a_new_one() {
             let mut anew = method.solver(&model).unwrap();
             let mut other = state.clone();
             for _ in 0..3 {
-                let now = solver.step(&model, &mut state, &control, &contacts, h, &Serial);
-                let then = anew.step(&model, &mut other, &control, &contacts, h, &Serial);
+                let now = solver.step(&model, &mut state, &control, &[], h, &Serial);
+                let then = anew.step(&model, &mut other, &control, &[], h, &Serial);
                 assert_eq!(now, then, "{method:?}");
                 assert_eq!(state, other, "{method:?}");
             }

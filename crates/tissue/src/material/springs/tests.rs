@@ -7,7 +7,7 @@ use crate::homogenise::homogenise;
 use crate::law::LawName;
 use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
 use crate::method::Method;
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, State};
 use crate::testing::block_mesh;
 use microsim_mesh::{Block, CellSplit};
 use nalgebra::{Matrix3, Vector3};
@@ -357,14 +357,7 @@ fn pulled(mesh: &TetMesh, constants: SpringConstants, young: f64) -> (f64, f64) 
     // e^(−ωt) of the slowest: to 1e-6.
     for _ in 0..(56.0 / (slowest * h)) as usize {
         solver
-            .step(
-                &model,
-                &mut state,
-                &control,
-                &Contacts::default(),
-                h,
-                &Serial,
-            )
+            .step(&model, &mut state, &control, &[], h, &Serial)
             .unwrap();
     }
     // The gradient of the displacements of the inner nodes, by least squares.

@@ -98,18 +98,18 @@ impl Gaps {
         }
         direction.iter_mut().zip(&*inner).for_each(|(d, i)| *d += i);
         for (contact, row) in contacts.iter().zip(&mut *rows) {
-            *row = row.with_force(contact, &contact.blend(direction), Told::NONE);
+            *row = row.with_force(contact, &contact.interpolate(direction), Told::NONE);
         }
         for (member, cone) in quick.members.iter().zip(&quick.cones) {
             let (contact, row) = (&contacts[member.contact], &mut rows[member.contact]);
             let normal = contact.normal * quick.forces[member.first];
             let told = Told {
-                pressure: quick.forces[member.first],
-                traction: member.vector(&quick.forces) - normal,
-                slides: !cone.sticks,
+                normal_force: quick.forces[member.first],
+                friction_force: member.vector(&quick.forces) - normal,
+                is_sliding: !cone.sticks,
             };
             row.bound = cone.bound;
-            *row = row.with_force(contact, &contact.blend(direction), told);
+            *row = row.with_force(contact, &contact.interpolate(direction), told);
         }
         Ok(())
     }
@@ -145,13 +145,13 @@ impl Quick {
         slack: f64,
     ) -> bool {
         let before = self.members.len();
-        let had = |row: &Row| row.told.pressure > 0.0 || row.bound > 0.0;
+        let had = |row: &Row| row.told.normal_force > 0.0 || row.bound > 0.0;
         if before == 0 {
             self.take(contacts, rows, |_, row| had(row));
         }
         if self.members.len() == before {
             self.take(contacts, rows, |contact, row| {
-                let way = contact.blend(direction) + contact.blend(more);
+                let way = contact.interpolate(direction) + contact.interpolate(more);
                 row.gap + contact.normal.dot(&way) < row.floor - slack
             });
         }
@@ -177,7 +177,7 @@ impl Quick {
                 count: if contact.friction > 0.0 { 3 } else { 1 },
                 frame: frame(contact),
             };
-            let force = contact.normal * row.told.pressure + row.told.traction;
+            let force = contact.normal * row.told.normal_force + row.told.friction_force;
             for k in 0..member.count {
                 self.directions.push(along(contact, &member.frame, k));
                 self.own.push(OWN[k.min(1)] / row.stiffness);
@@ -193,7 +193,7 @@ impl Quick {
         self.cones.clear();
         for member in &self.members {
             let (contact, row) = (&contacts[member.contact], &rows[member.contact]);
-            let way = contact.blend(direction);
+            let way = contact.interpolate(direction);
             self.ways
                 .push(row.gap + contact.normal.dot(&way) - row.floor);
             let slid = row.slide + way;

@@ -206,11 +206,11 @@ impl Reduced {
         }
         for member in &mut self.members {
             let contact = &contacts[member.of.contact];
-            member.base = contact.blend(direction);
+            member.base = contact.interpolate(direction);
             member.force = rows[member.of.contact]
                 .law(contact, &member.base)
                 .force(contact);
-            let way = contact.blend(ways);
+            let way = contact.interpolate(ways);
             for k in 0..member.of.count {
                 self.forces[member.of.first + k] = member.of.frame.column(k).dot(&member.force);
                 self.ways[member.of.first + k] = member.of.frame.column(k).dot(&way);

@@ -14,7 +14,7 @@ pub(super) struct Row {
     /// λ \[N\].
     pub multiplier: f64,
     /// t \[N\].
-    pub traction: Vector3<f64>,
+    pub friction_force: Vector3<f64>,
     /// μ λ \[N\].
     pub bound: f64,
     /// Whether that stays.
@@ -41,19 +41,19 @@ pub(super) struct Row {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Told {
     /// λ \[N\].
-    pub pressure: f64,
+    pub normal_force: f64,
     /// t \[N\].
-    pub traction: Vector3<f64>,
+    pub friction_force: Vector3<f64>,
     /// Whether t is all that the bound allows.
-    pub slides: bool,
+    pub is_sliding: bool,
 }
 
 impl Told {
     /// That of an open contact.
     pub const NONE: Self = Self {
-        pressure: 0.0,
-        traction: Vector3::new(0.0, 0.0, 0.0),
-        slides: true,
+        normal_force: 0.0,
+        friction_force: Vector3::new(0.0, 0.0, 0.0),
+        is_sliding: true,
     };
 }
 
@@ -68,27 +68,27 @@ impl Row {
     /// The state after the sides have come closer by `y`.
     pub fn law(&self, contact: &Contact, y: &Vector3<f64>) -> Law {
         let along = contact.normal.dot(y);
-        let pressure =
+        let normal_force =
             (self.multiplier - self.stiffness * (self.gap + along - self.floor)).max(0.0);
-        let mut energy = pressure * pressure / (2.0 * self.stiffness);
-        let (mut traction, mut slides) = (Vector3::zeros(), true);
+        let mut energy = normal_force * normal_force / (2.0 * self.stiffness);
+        let (mut friction_force, mut is_sliding) = (Vector3::zeros(), true);
         if self.bound > 0.0 {
             let k = TANGENTIAL * self.stiffness;
             let trial = self.trial(contact, y, along);
             let size = trial.norm();
-            slides = size > self.bound;
-            if !slides {
-                traction = trial;
+            is_sliding = size > self.bound;
+            if !is_sliding {
+                friction_force = trial;
                 energy += size * size / (2.0 * k);
             } else {
-                traction = trial * (self.bound / size);
+                friction_force = trial * (self.bound / size);
                 energy += self.bound * (size - 0.5 * self.bound) / k;
             }
         }
         let told = Told {
-            pressure,
-            traction,
-            slides,
+            normal_force,
+            friction_force,
+            is_sliding,
         };
         Law { told, energy }
     }
@@ -96,7 +96,7 @@ impl Row {
     /// t − k u.
     fn trial(&self, contact: &Contact, y: &Vector3<f64>, along: f64) -> Vector3<f64> {
         let slide = self.slide + y - contact.normal * along;
-        self.traction - slide * (TANGENTIAL * self.stiffness)
+        self.friction_force - slide * (TANGENTIAL * self.stiffness)
     }
 
     /// The second derivative of ψ.
@@ -129,20 +129,22 @@ impl Row {
         let told = self.law(contact, y).told;
         let bound = match self.keeps_bound {
             true => self.bound,
-            false => contact.friction * told.pressure,
+            false => contact.friction * told.normal_force,
         };
-        let pressure = told.pressure - self.multiplier;
+        let normal_force = told.normal_force - self.multiplier;
         // What sticks must not slide, and what slides must do so against all that there is.
-        let change = (told.traction - self.traction).norm() + (bound - self.bound).abs();
-        let miss = (pressure.abs() / self.stiffness).max(change / (TANGENTIAL * self.stiffness));
+        let change =
+            (told.friction_force - self.friction_force).norm() + (bound - self.bound).abs();
+        let miss =
+            (normal_force.abs() / self.stiffness).max(change / (TANGENTIAL * self.stiffness));
         let row = Self {
-            multiplier: told.pressure,
-            traction: told.traction,
+            multiplier: told.normal_force,
+            friction_force: told.friction_force,
             told,
             bound,
             ..*self
         };
-        (row, [miss, pressure * pressure + change * change])
+        (row, [miss, normal_force * normal_force + change * change])
     }
 
     /// With the multipliers with which the forces after the sides have come closer by `y` are these: all forces stay in balance.
@@ -154,10 +156,10 @@ impl Row {
             told,
             ..*self
         };
-        if told.pressure > 0.0 {
-            row.multiplier = told.pressure + self.stiffness * (self.gap + along - self.floor);
+        if told.normal_force > 0.0 {
+            row.multiplier = told.normal_force + self.stiffness * (self.gap + along - self.floor);
         }
-        row.traction = told.traction + slide * (TANGENTIAL * self.stiffness);
+        row.friction_force = told.friction_force + slide * (TANGENTIAL * self.stiffness);
         row
     }
 }
@@ -165,7 +167,7 @@ impl Row {
 impl Law {
     /// On the first side \[N\].
     pub fn force(&self, contact: &Contact) -> Vector3<f64> {
-        contact.normal * self.told.pressure + self.told.traction
+        contact.normal * self.told.normal_force + self.told.friction_force
     }
 }
 
@@ -174,23 +176,23 @@ mod tests {
     use super::*;
 
     /// A contact along z, which has slid by 2 µm along x since the start of the step, and its row.
-    fn slid(pressure: f64, traction: f64) -> (Contact, Row) {
+    fn slid(normal_force: f64, friction_force: f64) -> (Contact, Row) {
         let contact = Contact {
             friction: 0.5,
-            pressure,
-            traction: Vector3::x() * traction,
+            normal_force,
+            friction_force: Vector3::x() * friction_force,
             ..Contact::of_node(0, Vector3::z(), 0.0)
         };
         let row = Row {
             stiffness: 4e4,
-            multiplier: pressure,
-            traction: contact.traction,
-            bound: contact.friction * pressure,
+            multiplier: normal_force,
+            friction_force: contact.friction_force,
+            bound: contact.friction * normal_force,
             keeps_bound: false,
             told: Told {
-                pressure,
-                traction: contact.traction,
-                slides: false,
+                normal_force,
+                friction_force: contact.friction_force,
+                is_sliding: false,
             },
             joint: false,
             floor: 0.0,
@@ -213,23 +215,23 @@ mod tests {
             ([3e-6, 1e-6, -4e-7], 0.02, 1e-2, true),
             ([-2e-6, 0.0, 1e-3], 0.0, 1e-3, false),
         ];
-        for (y, pressure, traction, slides) in cases {
+        for (y, normal_force, friction_force, is_sliding) in cases {
             let y = Vector3::from(y);
             let (contact, row) = slid(0.02, 0.0);
             let told = Told {
-                pressure,
-                traction: Vector3::x() * traction,
-                slides,
+                normal_force,
+                friction_force: Vector3::x() * friction_force,
+                is_sliding,
             };
             let after = row.with_force(&contact, &y, told);
-            let force = contact.normal * pressure + told.traction;
+            let force = contact.normal * normal_force + told.friction_force;
             let error = after.law(&contact, &y).force(&contact) - force;
             assert!(error.norm() <= 1e-12 * row.bound, "{error}");
             assert_eq!(after.told, told);
         }
     }
 
-    /// Coulomb: what is told after an update is within the cone of the new pressure, and nothing is told of an open contact.
+    /// Coulomb: what is told after an update is within the cone of the new normal force, and nothing is told of an open contact.
     #[test]
     fn an_update_stays_within_the_cone() {
         let (contact, row) = slid(0.02, 1e-3);
@@ -238,10 +240,12 @@ mod tests {
             let (once, _) = row.updated(&contact, &y);
             let (twice, _) = once.updated(&contact, &y);
             let Told {
-                pressure, traction, ..
+                normal_force,
+                friction_force,
+                ..
             } = twice.told;
-            assert!(traction.norm() <= contact.friction * once.multiplier * (1.0 + 1e-12));
-            assert_eq!(twice.bound, contact.friction * pressure);
+            assert!(friction_force.norm() <= contact.friction * once.multiplier * (1.0 + 1e-12));
+            assert_eq!(twice.bound, contact.friction * normal_force);
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::executor::Serial;
 use crate::flow::flow;
 use crate::method::Method;
 use crate::model::TissueModel;
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, State};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -37,11 +37,11 @@ fn a_step_after_the_flow_pulls_with_the_new_rest_length() {
     );
     let mut state = State::at_rest(&model);
     state.positions[1].x = 1.5;
-    let (control, contacts, h) = (Control::default(), Contacts::default(), 1e-3);
+    let (control, h) = (Control::default(), 1e-3);
     let mut solver = Method::VelocityVerlet.solver(&model).unwrap();
     let mut step = |state: &mut State| {
         solver
-            .step(&model, state, &control, &contacts, h, &Serial)
+            .step(&model, state, &control, &[], h, &Serial)
             .unwrap();
     };
     step(&mut state);

@@ -5,7 +5,7 @@ use crate::executor::Serial;
 use crate::method::Method;
 use crate::model::TissueModel;
 use crate::stability::{self, Part, power_iteration};
-use crate::state::{Contacts, Control, State};
+use crate::state::{Control, State};
 
 /// The oscillator displaced by 1 mm, so that growth by a thousand stays linear.
 fn faint_oscillator(omega: f64, drag: f64) -> (TissueModel, State) {
@@ -27,14 +27,7 @@ fn measured_limit(
         let mut state = start.clone();
         let mut solver = method.solver(model).unwrap();
         (0..steps).all(|_| {
-            let done = solver.step(
-                model,
-                &mut state,
-                &Control::default(),
-                &Contacts::default(),
-                h,
-                &Serial,
-            );
+            let done = solver.step(model, &mut state, &Control::default(), &[], h, &Serial);
             done.is_ok() && size(&state) < bound
         })
     };

@@ -3,7 +3,7 @@
 use super::oscillator;
 use crate::executor::Serial;
 use crate::method::Method;
-use crate::state::{Contacts, Control};
+use crate::state::Control;
 
 /// The decay rate of a mode at step h, from the recurrence x₊ = T x − D x₋ that the scheme makes of it: D is the product of
 /// its two roots.
@@ -13,14 +13,7 @@ fn decay_rate(method: Method, omega: f64, tau: f64, h: f64) -> f64 {
     let mut x = Vec::new();
     for _ in 0..40 {
         solver
-            .step(
-                &model,
-                &mut state,
-                &Control::default(),
-                &Contacts::default(),
-                h,
-                &Serial,
-            )
+            .step(&model, &mut state, &Control::default(), &[], h, &Serial)
             .unwrap();
         x.push(state.positions[1].x - 10.0);
     }

@@ -103,7 +103,7 @@ impl Case {
             let slide = (x * x + y * y).sqrt();
             kinds[2 + usize::from(cone.sticks)] += 1;
             if cone.sticks {
-                assert!(slide <= little, "sticks and slides by {slide}");
+                assert!(slide <= little, "sticks and is_sliding by {slide}");
             } else {
                 assert!(
                     size >= cone.bound * (1.0 - 1e-12),
