@@ -6,13 +6,10 @@
 //!
 //! `cargo run --release -p microsim-cutting --example cut_time`
 
-#[path = "../src/testing.rs"]
-mod random;
-
 use microsim_cutting::{Blade, Settings, Stroke, Sweep, Topology};
 use microsim_mesh::{Block, CellSplit};
+use microsim_random::SplitMix64;
 use nalgebra::Vector3;
-use random::Random;
 use rustix::time::{ClockId, clock_gettime};
 
 type V3 = Vector3<f64>;
@@ -51,7 +48,7 @@ fn measure(cells: usize) {
         split: CellSplit::Kuhn,
     };
     let Ok(whole) = block.mesh() else { return };
-    let mut random = Random(7);
+    let mut random = SplitMix64(7);
     let (mut search, mut cuts, mut applied, mut both, mut divided) =
         (vec![], vec![], vec![], vec![], 0);
     for _ in 0..40 {

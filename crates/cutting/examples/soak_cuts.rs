@@ -2,8 +2,6 @@
 
 #[path = "../tests/random_cuts/bodies.rs"]
 mod bodies;
-#[path = "../src/testing.rs"]
-mod random;
 #[path = "../tests/random_cuts/soak.rs"]
 mod soak;
 

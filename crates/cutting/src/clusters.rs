@@ -263,6 +263,7 @@ mod tests {
     use super::*;
     use crate::{Blade, Settings, Sheet, Stroke, Topology};
     use microsim_mesh::{Block, CellSplit};
+    use microsim_random::Congruential;
 
     /// Nodes that drift, shake, and jump, in a mesh that is cut in between: what is found is what a look at every element finds.
     #[test]
@@ -275,12 +276,8 @@ mod tests {
         };
         let mut mesh = block.mesh().unwrap();
         let mut topology = Topology::new(&mesh);
-        let mut state = 1_u64;
-        let mut number = move || {
-            state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
-            (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-        };
-        let mut vector = move || Vector3::new(number(), number(), number());
+        let mut random = Congruential(1);
+        let mut vector = move || random.vector();
         let (mut some, mut none) = (0, 0);
         for step in 0..60_usize {
             let drift = vector() * [0.0, 0.3, 4.0][step % 3];

@@ -36,8 +36,6 @@ mod sheet;
 mod stroke;
 mod sweep;
 mod tear;
-#[cfg(test)]
-mod testing;
 mod topology;
 
 pub use check::{Flaw, Measures, check};

@@ -8,6 +8,7 @@ use microsim_geometry::{
     first_contact_edges, first_contact_point_triangle, first_contact_segment_triangle,
     point_in_tetrahedron,
 };
+use microsim_random::SplitMix64;
 use nalgebra::Vector3;
 use rustix::time::{ClockId, clock_gettime};
 
@@ -17,9 +18,9 @@ type Point = Vector3<f64>;
 const PAIRS: usize = 4096;
 
 fn main() {
-    let mut seed = 1;
+    let mut random = SplitMix64(1);
     let [still, moved]: [Vec<[Point; 6]>; 2] = [0.5, 0.1].map(|size| {
-        let corners = |_| std::array::from_fn(|_| vector(&mut seed) * size);
+        let corners = |_| std::array::from_fn(|_| random.vector() * size);
         (0..PAIRS).map(corners).collect()
     });
     let motions: Vec<[Motion<1>; 6]> = still
@@ -109,14 +110,4 @@ fn join<const N: usize>(points: [&Motion<1>; N]) -> Motion<N> {
         start: points.map(|point| point.start[0]),
         end: points.map(|point| point.end[0]),
     }
-}
-
-/// Uniform in −1..1 on each axis: SplitMix64 (Steele, Lea, Flood 2014).
-fn vector(seed: &mut u64) -> Point {
-    Point::from_fn(|_, _| {
-        *seed = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (*seed ^ (*seed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    })
 }

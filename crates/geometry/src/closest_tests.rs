@@ -1,10 +1,11 @@
 //! Distances of all pairs of features against whole numbers of any length.
 
-use crate::testing::{Random, exact, extent, rounding};
+use crate::testing::{Points, exact, extent, rounding};
 use crate::{
     SegmentPoint, TriangleFeature, TrianglePoint, closest_on_segment, closest_on_triangle,
     closest_segment_triangle, closest_segments,
 };
+use microsim_random::SplitMix64;
 use nalgebra::Vector3;
 
 /// Roundings in a distance: each of the two points is a corner plus two products, each with a rounded difference; their
@@ -40,7 +41,7 @@ fn on_triangle(p: &TrianglePoint, triangle: &[Vector3<f64>; 3], allowed: f64) {
 
 #[test]
 fn distances_equal_those_without_rounding() {
-    let mut random = Random(2);
+    let mut random = SplitMix64(2);
     let mut zeros = 0;
     for _ in 0..10_000 {
         let points: [_; 5] = random.points();
@@ -104,7 +105,7 @@ fn distances_equal_those_without_rounding() {
 /// Multiplied by a power of two, which rounds nothing, the answer is the same to the bit.
 #[test]
 fn answers_scale_with_the_input() {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     for _ in 0..10_000 {
         let points: [_; 5] = random.points();
         let shares = |points: [Vector3<f64>; 5]| {

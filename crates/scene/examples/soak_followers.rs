@@ -5,8 +5,6 @@
 mod bodies;
 #[path = "../tests/followers/followers.rs"]
 mod followers;
-#[path = "../../cutting/src/testing.rs"]
-mod random;
 #[path = "../../cutting/tests/random_cuts/soak.rs"]
 mod soak;
 

@@ -123,8 +123,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::testing::{Random, bits, elastic, grid};
+    use crate::testing::{bits, elastic, grid, vectors};
     use crate::{BlockMatrix, Factor, Ordering, Symbolic};
+    use microsim_random::Congruential;
 
     fn copy(r: &[Vector3<f64>], z: &mut [Vector3<f64>]) {
         z.copy_from_slice(r);
@@ -169,7 +170,7 @@ mod tests {
         }
         let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
         matrix.constrain(&fixed);
-        (matrix, Random(21).vectors(positions.len()))
+        (matrix, vectors(&mut Congruential(21), positions.len()))
     }
 
     #[test]
@@ -224,10 +225,10 @@ mod tests {
 
     #[test]
     fn one_iteration_for_separate_nodes() {
-        let matrix = crate::testing::random_matrix(&mut Random(22), 9, 0, 0.7);
+        let matrix = crate::testing::random_matrix(&mut Congruential(22), 9, 0, 0.7);
         let jacobi = jacobi(&matrix);
-        let b = Random(23).vectors(9);
-        let mut x = Random(24).vectors(9);
+        let b = vectors(&mut Congruential(23), 9);
+        let mut x = vectors(&mut Congruential(24), 9);
         let apply = |x: &[Vector3<f64>], y: &mut [Vector3<f64>]| matrix.multiply(x, y);
         let outcome = conjugate_gradients(apply, &jacobi, &b, &mut x, 1e-14, 5);
         assert_eq!((outcome.iterations, outcome.converged), (1, true));

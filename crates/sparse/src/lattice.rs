@@ -121,12 +121,13 @@ fn kuhn(at: [f64; 3]) -> [([u32; 3], f64); 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::testing::vectors;
+    use microsim_random::Congruential;
 
     /// Linear fields are in the space: that is what the weights are for. 8 ε: three roundings of numbers of the size of the box.
     #[test]
     fn positions_are_the_sum_of_points() {
-        let random = Random(31).vectors(500);
+        let random = vectors(&mut Congruential(31), 500);
         let on_a_plane: Vec<_> = random.iter().map(|p| Vector3::new(p.x, 2.0, p.z)).collect();
         for (positions, spacing) in [(&random, 0.3), (&random, 5.0), (&on_a_plane, 0.4)] {
             let lattice = Lattice::new(positions, spacing);

@@ -210,7 +210,8 @@ mod tests {
 
     use super::*;
     use crate::Symbolic;
-    use crate::testing::{Random, grid};
+    use crate::testing::{grid, vectors};
+    use microsim_random::Congruential;
 
     fn is_permutation(ordering: &Ordering) -> bool {
         Ordering::from_sequence(ordering.sequence().to_vec()).is_ok()
@@ -218,7 +219,7 @@ mod tests {
 
     #[test]
     fn orderings_are_permutations() {
-        let mut random = Random(4);
+        let mut random = Congruential(4);
         for (nodes, cliques) in [
             (0, 0),
             (1, 0),
@@ -230,10 +231,10 @@ mod tests {
             let cliques = if nodes == 0 {
                 Vec::new()
             } else {
-                random.cliques(nodes, cliques)
+                crate::testing::cliques(&mut random, nodes, cliques)
             };
             let pattern = Pattern::from_cliques(nodes, &cliques);
-            let positions = random.vectors(nodes);
+            let positions = vectors(&mut random, nodes);
             for positions in [
                 None,
                 Some(&positions[..]),

@@ -189,7 +189,8 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::testing::cliques;
+    use microsim_random::Congruential;
 
     #[test]
     fn two_triangles_sharing_an_edge() {
@@ -213,11 +214,11 @@ mod tests {
     /// Random cliques, with nodes that appear twice among them: the slots are those that one looks up block by block.
     #[test]
     fn slots_of_cliques_are_those_of_their_blocks() {
-        let mut random = Random(61);
+        let mut random = Congruential(61);
         for _ in 0..50 {
             let nodes = 1 + random.below(20) as u32;
             let count = random.below(30);
-            let cliques = random.cliques(nodes as usize, count);
+            let cliques = cliques(&mut random, nodes as usize, count);
             let (pattern, slots) = Pattern::with_slots(nodes as usize, &cliques);
             let mut slots = slots.into_iter();
             let mut coupled = vec![false; (nodes * nodes) as usize];

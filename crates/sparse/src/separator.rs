@@ -143,7 +143,8 @@ impl Separator {
 mod tests {
     use super::*;
     use crate::Pattern;
-    use crate::testing::{Random, grid};
+    use crate::testing::grid;
+    use microsim_random::Congruential;
 
     /// Cover of the edges between the first `left` nodes and the others.
     fn cover(pattern: &Pattern, left: usize) -> Vec<u32> {
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn as_small_as_brute_force() {
-        let mut random = Random(3);
+        let mut random = Congruential(3);
         for _ in 0..200 {
             let nodes = 2 + random.below(9);
             let left = 1 + random.below(nodes - 1);

@@ -1,44 +1,24 @@
-//! What the tests of several modules use: random numbers, grids, matrices, their dense form.
+//! What the tests of several modules use: vectors of random numbers, grids, matrices, their dense form.
 
 use std::sync::Arc;
 
+use microsim_random::Congruential;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::{BlockMatrix, Pattern};
 
-/// Uniform numbers in [−1, 1): Knuth's linear congruence, upper bits.
-pub(crate) struct Random(pub u64);
+pub(crate) fn vectors(random: &mut Congruential, count: usize) -> Vec<Vector3<f64>> {
+    (0..count).map(|_| random.vector()).collect()
+}
 
-impl Random {
-    pub fn number(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    pub fn below(&mut self, bound: usize) -> usize {
-        (((self.number() + 1.0) / 2.0 * bound as f64) as usize).min(bound - 1)
-    }
-
-    pub fn vector(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| self.number())
-    }
-
-    pub fn vectors(&mut self, count: usize) -> Vec<Vector3<f64>> {
-        (0..count).map(|_| self.vector()).collect()
-    }
-
-    /// `count` cliques of one to four nodes.
-    pub fn cliques(&mut self, nodes: usize, count: usize) -> Vec<Vec<u32>> {
-        let mut clique = || {
-            (0..1 + self.below(4))
-                .map(|_| self.below(nodes) as u32)
-                .collect()
-        };
-        (0..count).map(|_| clique()).collect()
-    }
+/// `count` cliques of one to four nodes.
+pub(crate) fn cliques(random: &mut Congruential, nodes: usize, count: usize) -> Vec<Vec<u32>> {
+    let mut clique = || {
+        (0..1 + random.below(4))
+            .map(|_| random.below(nodes) as u32)
+            .collect()
+    };
+    (0..count).map(|_| clique()).collect()
 }
 
 /// Nodes of a grid of unit cells and the edges of six tetrahedra per cell: all pairs of nodes that differ by 0 or 1 in
@@ -80,12 +60,12 @@ pub(crate) fn elastic(positions: &[Vector3<f64>], edges: &[[u32; 2]]) -> BlockMa
 
 /// Σ over random cliques of G Gᵀ, G a random column of blocks, plus `shift` on the diagonal: definite for `shift` > 0.
 pub(crate) fn random_matrix(
-    random: &mut Random,
+    random: &mut Congruential,
     nodes: usize,
     cliques: usize,
     shift: f64,
 ) -> BlockMatrix {
-    let cliques = random.cliques(nodes, cliques);
+    let cliques = self::cliques(random, nodes, cliques);
     let mut matrix = BlockMatrix::zeros(Arc::new(Pattern::from_cliques(nodes, &cliques)));
     for clique in &cliques {
         let mut clique = clique.clone();

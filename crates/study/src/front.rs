@@ -52,12 +52,9 @@ mod tests {
     /// By definition: a point is on the front if no other is at least as good in both and better in one.
     #[test]
     fn the_front_is_that_of_the_definition() {
-        // Two fixed lists by hand, and one of 200 points from a linear congruence.
-        let mut seed = 7u64;
-        let mut next = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 60) as f64
-        };
+        // Two fixed lists by hand, and one of 200 points random ones.
+        let mut random = microsim_random::SplitMix64(7);
+        let mut next = || random.below(16) as f64;
         let many: Vec<(f64, f64)> = (0..200).map(|_| (next(), next())).collect();
         let lists = [
             vec![(1.0, 5.0), (2.0, 3.0), (3.0, 4.0), (4.0, 1.0), (0.5, 9.0)],

@@ -5,6 +5,7 @@
 
 use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology};
 use microsim_mesh::{Block, CellSplit, TetMesh};
+use microsim_random::Congruential;
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{Part, SAFETY, floor_nodes, power_iteration, stable_step};
 use microsim_tissue::{
@@ -185,11 +186,6 @@ fn square(
 
 /// A fixed sequence of numbers in −1..1.
 fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 7u64;
-    move || {
-        state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
+    let mut random = Congruential(7);
+    move || random.number()
 }

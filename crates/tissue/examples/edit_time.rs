@@ -5,6 +5,7 @@
 
 use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology};
 use microsim_mesh::{Block, CellSplit, TetMesh};
+use microsim_random::Congruential;
 use microsim_sparse::{LinearSolver, Ordering, Pattern, Symbolic};
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{Part, floor_nodes, gershgorin_bound};
@@ -289,11 +290,6 @@ fn micros(work: impl FnOnce()) -> f64 {
 
 /// A fixed sequence of numbers in −1..1.
 fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 7u64;
-    move || {
-        state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
+    let mut random = Congruential(7);
+    move || random.number()
 }

@@ -6,6 +6,7 @@ use crate::material::{
 };
 use crate::model::TissueModel;
 use microsim_mesh::{Block, CellSplit, TetMesh};
+use microsim_random::Congruential;
 use nalgebra::Vector3;
 
 /// Soft tissue of springs and volumes.
@@ -58,11 +59,6 @@ pub fn build(mesh: &TetMesh, clamp: impl Fn(&Vector3<f64>) -> bool) -> TissueMod
 
 /// A fixed sequence of numbers in −1..1.
 pub fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 7u64;
-    move || {
-        state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
+    let mut random = Congruential(7);
+    move || random.number()
 }

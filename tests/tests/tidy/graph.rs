@@ -136,8 +136,8 @@ fn pure_crates_know_nothing_of_the_platform() {
     let packages = packages("crates");
     let platform = ["app", "host", "sdk", "settings", "abi", "render", "gpu"];
     let pure = [
-        "geometry", "mesh", "cutting", "tissue", "contact", "scene", "tracking", "training",
-        "session", "bus", "message",
+        "random", "geometry", "mesh", "cutting", "tissue", "contact", "scene", "tracking",
+        "training", "session", "bus", "message",
     ];
     let mut complaints = Vec::new();
     for name in pure {

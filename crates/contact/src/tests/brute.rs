@@ -16,7 +16,7 @@ impl Group {
 
 /// Two small bodies that overlap, touch or are apart, a tool and two rigid things; half of the time on a lattice, where features coincide and
 /// tetrahedra are flat.
-fn scene(random: &mut Random) -> Group {
+fn scene(random: &mut SplitMix64) -> Group {
     let mut meshes = [block([0.0; 3], [2, 1, 1]), block([0.0; 3], [1, 2, 1])];
     let on_lattice = random.below(2) == 0;
     let size = [0.0, 0.1, 0.4][random.below(3) as usize];
@@ -70,7 +70,7 @@ fn scene(random: &mut Random) -> Group {
     for p in &mut group.now {
         *p = snap(*p + random.vector() * way);
     }
-    let tool = |random: &mut Random| {
+    let tool = |random: &mut SplitMix64| {
         let (a, b) = (random.vector() * 1.5, random.vector() * 1.5);
         let b = if random.below(4) == 0 { a } else { b };
         let way = random.vector() * way;
@@ -95,7 +95,7 @@ fn same(a: &[Point], b: &[Point]) {
 /// The same points, to the bit, from the hierarchies and from comparing everything with everything; and once more after others.
 #[test]
 fn detection_equals_brute_force_on_ten_thousand_configurations() {
-    let mut random = Random(5);
+    let mut random = SplitMix64(5);
     let mut found = [0; 4];
     for round in 0..10_000 {
         let mut group = scene(&mut random);
@@ -124,7 +124,7 @@ fn detection_equals_brute_force_on_ten_thousand_configurations() {
 /// At rest and apart, gaps are the distances of the features, which is written down here once more and without any list.
 #[test]
 fn gaps_are_the_distances_of_features() {
-    let mut random = Random(6);
+    let mut random = SplitMix64(6);
     let mut seen = [0; 2];
     for _ in 0..2_000 {
         let mut group = scene(&mut random);
@@ -215,7 +215,7 @@ fn kept_candidates_do_not_change_results() {
     ];
     let fresh = Group::new(&[&left, &right], Vec::new(), pairs);
     let mut kept = fresh.clone();
-    let mut random = Random(9);
+    let mut random = SplitMix64(9);
     let mut total = 0;
     for step in 0..200 {
         kept.start = kept.now.clone();
@@ -246,7 +246,7 @@ fn kept_candidates_do_not_change_results() {
 /// Numbers that are none, and bodies without volume: no point, or one of numbers.
 #[test]
 fn what_is_broken_gives_no_point_that_is_not_a_number() {
-    let mut random = Random(10);
+    let mut random = SplitMix64(10);
     for round in 0..2_000 {
         let mut group = scene(&mut random);
         let count = group.now.len() as u64;

@@ -7,7 +7,7 @@ const BODIES: Touch = Touch::Bodies {
 };
 
 /// A block with inner nodes moved at random, `layers` layers deep in a wide one below it.
-fn sunk(layers: usize, random: &mut Random, map: impl Fn(V3) -> V3) -> Group {
+fn sunk(layers: usize, random: &mut SplitMix64, map: impl Fn(V3) -> V3) -> Group {
     let mut upper = block([0.02, 0.01, 0.0], [3, 3, layers + 1]);
     let bottom = -0.5 * (layers + 1) as f64;
     for p in &mut upper.positions {
@@ -27,7 +27,7 @@ fn sunk(layers: usize, random: &mut Random, map: impl Fn(V3) -> V3) -> Group {
 /// NUMERICS 1.4: for a planar surface depth and direction are exact in every layer.
 #[test]
 fn the_depth_below_a_plane_is_exact_in_every_layer() {
-    let mut random = Random(7);
+    let mut random = SplitMix64(7);
     for layers in [1, 2, 3, 5, 8] {
         let mut group = sunk(layers, &mut random, |p| p);
         let points = group.find();
@@ -51,11 +51,11 @@ fn the_depth_below_a_plane_is_exact_in_every_layer() {
 /// Turned, moved far away and scaled: the same depths.
 #[test]
 fn depths_do_not_depend_on_place_and_scale() {
-    let before = sunk(3, &mut Random(8), |p| p).find();
+    let before = sunk(3, &mut SplitMix64(8), |p| p).find();
     let turn = nalgebra::UnitQuaternion::new(V3::new(0.4, -0.8, 0.3));
     let scale = 1.0 / 1024.0;
     let map = |p: V3| turn * p * scale + V3::new(1.0, 2.0, -3.0);
-    let after = sunk(3, &mut Random(8), map).find();
+    let after = sunk(3, &mut SplitMix64(8), map).find();
     let rest: Vec<_> = before.iter().zip(&after).collect();
     assert_eq!(before.len(), after.len());
     for (a, b) in rest {

@@ -117,7 +117,7 @@ fn bodies_that_pass_one_another_in_a_step_keep_their_sides() {
 /// What is in a mirror is found mirrored.
 #[test]
 fn a_mirrored_scene_has_mirrored_points() {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     let mut upper = block([0.1, 0.2, 1.4], [2, 2, 2]);
     for p in &mut upper.positions {
         *p += random.vector() * 0.2;
@@ -156,13 +156,13 @@ fn a_mirrored_scene_has_mirrored_points() {
 /// The order of the elements does not matter, nor does it which body comes first.
 #[test]
 fn the_order_of_elements_and_bodies_does_not_matter() {
-    let mut random = Random(4);
+    let mut random = SplitMix64(4);
     let mut upper = block([0.1, 0.2, 1.4], [2, 2, 2]);
     for p in &mut upper.positions {
         *p += random.vector() * 0.2;
     }
     let lower = block([0.0, 0.0, -0.5], [4, 4, 2]);
-    let shuffled = |mesh: &TetMesh, random: &mut Random| {
+    let shuffled = |mesh: &TetMesh, random: &mut SplitMix64| {
         let mut mesh = mesh.clone();
         for k in (1..mesh.tets.len()).rev() {
             mesh.tets.swap(k, random.below(k as u64 + 1) as usize);

@@ -19,7 +19,7 @@ fn beyond(one: &[SurfaceTriangle], other: &[SurfaceTriangle]) -> Vec<u32> {
 /// list, the one that is made anew.
 #[test]
 fn a_skin_that_follows_cuts_is_the_one_made_anew() {
-    let mut random = Random(11);
+    let mut random = SplitMix64(11);
     let (mut cuts, mut removed_nodes) = (0, 0);
     for run in 0..12 {
         let mut mesh = block([0.0; 3], [4, 3, 3]);

@@ -51,7 +51,7 @@ fn signed_distances_are_those_of_the_closed_forms() {
             "{shape} {p:?} {distance}"
         );
     }
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     for shape in shapes {
         let mut thing = thing(shape, [0.3, -0.2, 0.1]);
         thing.pose.orientation = UnitQuaternion::new(V3::new(0.3, 0.5, -0.4));

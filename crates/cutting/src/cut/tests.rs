@@ -1,7 +1,7 @@
 use super::*;
-use crate::testing::Random;
 use crate::{Flaw, Measures, check};
 use microsim_mesh::{Block, CellSplit};
+use microsim_random::SplitMix64;
 
 type V3 = Vector3<f64>;
 
@@ -67,7 +67,7 @@ impl Body {
 
 #[test]
 fn planes_separate_a_block_into_two() {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     for n in 0..200 {
         let mut mesh = block([3, 3, 3]);
         for p in &mut mesh.positions {
@@ -108,7 +108,7 @@ impl Body {
 
 #[test]
 fn a_blade_that_passes_step_by_step_separates_as_a_plane_does() {
-    let mut random = Random(4);
+    let mut random = SplitMix64(4);
     for n in 0..200 {
         let mut mesh = block([3, 3, 3]);
         for p in &mut mesh.positions {
@@ -215,7 +215,7 @@ fn planes_through_single_nodes_and_edges_separate() {
 /// (0.15 of √3 and what was jittered) at most, and not on average.
 #[test]
 fn a_cut_lies_where_the_blade_went() {
-    let mut random = Random(8);
+    let mut random = SplitMix64(8);
     let mut mesh = block([4, 4, 4]);
     for p in &mut mesh.positions {
         let inside = p.map(|x| if x.abs() < 1.9 { 0.1 } else { 0.0 });
@@ -382,7 +382,7 @@ fn what_is_rejected_changes_nothing() {
 /// Elements that are flat or inside out now are divided as they are at rest: the same shares of their edges.
 #[test]
 fn flattened_and_inverted_elements_are_cut() {
-    let mut random = Random(9);
+    let mut random = SplitMix64(9);
     for squeeze in [0.0, -0.3, 1e-12] {
         let mut mesh = block([3, 3, 3]);
         for p in &mut mesh.positions {
@@ -417,7 +417,7 @@ fn flattened_and_inverted_elements_are_cut() {
 /// Snips: every step is a stroke of its own, which knows nothing of those before. They make one cut, without a bridge.
 #[test]
 fn strokes_that_go_on_from_one_another_make_one_cut() {
-    let mut random = Random(12);
+    let mut random = SplitMix64(12);
     for n in 0..20 {
         let mut mesh = block([3, 3, 3]);
         for p in &mut mesh.positions {
@@ -458,7 +458,7 @@ fn strokes_that_go_on_from_one_another_make_one_cut() {
 #[test]
 fn planes_one_after_another_make_exactly_their_parts() {
     for (seed, steps) in (0..4).flat_map(|s| [(s, 1), (s, 20)]) {
-        let mut random = Random(seed);
+        let mut random = SplitMix64(seed);
         let mut mesh = block([5, 5, 5]);
         for p in &mut mesh.positions {
             let inside = p.map(|x| if x.abs() < 2.4 { 0.15 } else { 0.0 });
@@ -535,7 +535,7 @@ fn part_volumes(body: &Body) -> Vec<f64> {
 /// A blade that goes through twice, crosswise, and is never told that it has left: as many parts as combinations of sides.
 #[test]
 fn a_blade_that_comes_back_crosswise_cuts_through_both_times() {
-    let mut random = Random(13);
+    let mut random = SplitMix64(13);
     for n in 0..10 {
         let mut mesh = block([4, 4, 4]);
         for p in &mut mesh.positions {

@@ -1,13 +1,13 @@
 use super::*;
-use crate::testing::Random;
 use microsim_geometry::signed_volume;
+use microsim_random::SplitMix64;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 type V3 = Vector3<f64>;
 
 /// A positive tetrahedron, away from flat.
-fn tetrahedron(random: &mut Random) -> [V3; 4] {
+fn tetrahedron(random: &mut SplitMix64) -> [V3; 4] {
     loop {
         let mut corners = std::array::from_fn(|_| random.vector());
         let [a, b, c, d] = corners;
@@ -127,7 +127,7 @@ fn the_patterns_cover_exactly_the_sets_without_a_whole_face() {
 /// shares; their boundary is the face rule's triangles and the two sides of the crack, and the crack closes.
 #[test]
 fn children_fill_their_parent_and_their_faces_keep_the_rule() {
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     for (set, ids) in every_case() {
         let tets = divide(set, ids);
         for _ in 0..4 {
@@ -265,7 +265,7 @@ fn neighbours_have_the_same_triangles_on_their_face() {
 /// no corners of both sides, and as much volume on each side where the cut is plane; so have the patterns.
 #[test]
 fn halving_edge_by_edge_comes_to_the_same_sides() {
-    let mut random = Random(2);
+    let mut random = SplitMix64(2);
     for (set, ids) in every_case() {
         let name = pattern_of(set).unwrap();
         if !matches!(name, 'D' | 'E') {

@@ -1,6 +1,6 @@
 use super::*;
-use crate::testing::Random;
 use microsim_geometry::edge_through_triangle;
+use microsim_random::SplitMix64;
 
 type V3 = Vector3<f64>;
 
@@ -11,7 +11,7 @@ fn crossing(sheet: &Sheet, u: &V3, v: &V3) -> Option<Crossing> {
 /// Against the exact test of geometry, for random edges, which touch nothing: one hit or three are a crossing, two are none.
 #[test]
 fn random_edges_are_crossed_as_geometry_says() {
-    let mut random = Random(5);
+    let mut random = SplitMix64(5);
     let (mut hits, mut doubles) = (0, 0);
     for _ in 0..20_000 {
         let corners: [V3; 4] = std::array::from_fn(|_| random.vector());
@@ -42,8 +42,8 @@ fn random_edges_are_crossed_as_geometry_says() {
 /// with the sheet's points, its edges and diagonals: the displacement decides.
 #[test]
 fn every_way_through_a_sheet_crosses_it_an_odd_number_of_times() {
-    let mut random = Random(6);
-    let lattice = |random: &mut Random| V3::from_fn(|_, _| random.below(5) as f64 - 2.0);
+    let mut random = SplitMix64(6);
+    let lattice = |random: &mut SplitMix64| V3::from_fn(|_, _| random.below(5) as f64 - 2.0);
     for _ in 0..2000 {
         let heights: Vec<f64> = (0..49).map(|_| random.below(3) as f64 - 1.0).collect();
         let mut heights = heights.into_iter();

@@ -1,6 +1,6 @@
 use super::*;
 use crate::sheet::Sheet;
-use crate::testing::Random;
+use microsim_random::SplitMix64;
 
 type V3 = Vector3<f64>;
 
@@ -14,7 +14,7 @@ fn at_rest(u: V3, v: V3) -> Sweep {
 /// A blade that is only shifted sweeps a parallelogram: the same crossings as of the sheet, by an independent way.
 #[test]
 fn a_shifted_blade_crosses_as_its_parallelogram_does() {
-    let mut random = Random(21);
+    let mut random = SplitMix64(21);
     let mut hits = 0;
     for _ in 0..20_000 {
         let (p, q, shift) = (random.vector(), random.vector(), random.vector());
@@ -49,7 +49,7 @@ fn a_shifted_blade_crosses_as_its_parallelogram_does() {
 /// the same place.
 #[test]
 fn two_half_steps_cross_what_one_does() {
-    let mut random = Random(22);
+    let mut random = SplitMix64(22);
     let (mut hits, mut others) = (0, 0);
     for _ in 0..20_000 {
         let mut sweep = || Sweep {
@@ -91,7 +91,7 @@ fn two_half_steps_cross_what_one_does() {
 /// The place of a crossing is the point that blade and edge share at some time: looked for at 2000 times.
 #[test]
 fn blade_and_edge_meet_where_it_is_said() {
-    let mut random = Random(23);
+    let mut random = SplitMix64(23);
     for _ in 0..300 {
         let mut sweep = || Sweep {
             before: [random.vector(), random.vector()],

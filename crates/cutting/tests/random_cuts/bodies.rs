@@ -1,8 +1,8 @@
 //! Bodies to cut: of size about 1, irregular, with numbers in no order.
 
-use crate::random::Random;
 use microsim_cutting::{Measures, Settings, SurfaceChange, SurfaceTriangle, Topology, check};
 use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, TriangleSurface, Tube, fill};
+use microsim_random::SplitMix64;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
@@ -25,7 +25,7 @@ pub struct Body {
     originals: usize,
 }
 
-fn block(random: &mut Random) -> TetMesh {
+fn block(random: &mut SplitMix64) -> TetMesh {
     let cells = 2 + random.below(3) as usize;
     let block = Block {
         center: [0.0; 3],
@@ -40,7 +40,7 @@ fn block(random: &mut Random) -> TetMesh {
     mesh
 }
 
-fn tube(random: &mut Random) -> TetMesh {
+fn tube(random: &mut SplitMix64) -> TetMesh {
     let tube = Tube {
         center: [0.0; 3],
         axis: [1.0, 0.3, -0.2],
@@ -60,7 +60,7 @@ fn tube(random: &mut Random) -> TetMesh {
 }
 
 /// An octahedron whose faces are divided and blown up, filled.
-fn filled(random: &mut Random) -> TetMesh {
+fn filled(random: &mut SplitMix64) -> TetMesh {
     let mut points: Vec<V3> = vec![V3::x(), V3::y(), V3::z(), -V3::x(), -V3::y(), -V3::z()];
     let mut triangles: Vec<[u32; 3]> = vec![
         [0, 1, 2],
@@ -102,7 +102,7 @@ fn filled(random: &mut Random) -> TetMesh {
 }
 
 /// The same mesh with nodes and elements in another order.
-fn shuffled(mesh: &TetMesh, random: &mut Random) -> TetMesh {
+fn shuffled(mesh: &TetMesh, random: &mut SplitMix64) -> TetMesh {
     let mut order = |n: usize| {
         let mut order: Vec<usize> = (0..n).collect();
         for i in (1..n).rev() {
@@ -127,7 +127,7 @@ fn shuffled(mesh: &TetMesh, random: &mut Random) -> TetMesh {
 }
 
 impl Body {
-    pub fn new(kind: Kind, random: &mut Random) -> Self {
+    pub fn new(kind: Kind, random: &mut SplitMix64) -> Self {
         let mesh = match kind {
             Kind::Block => block(random),
             Kind::Tube => tube(random),

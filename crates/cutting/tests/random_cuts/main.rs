@@ -1,8 +1,6 @@
 //! A seeded sample of random cuts.
 
 mod bodies;
-#[path = "../../src/testing.rs"]
-mod random;
 mod soak;
 
 #[test]

@@ -1,8 +1,8 @@
 //! Random cuts, with everything checked after every step. The test takes a sample, the example as many as it is asked for.
 
 use crate::bodies::{Body, Kind};
-use crate::random::Random;
 use microsim_cutting::{Blade, Cut, Settings, Sheet, Stroke, Sweep, check};
+use microsim_random::SplitMix64;
 use nalgebra::{Matrix3, Vector3};
 
 type V3 = Vector3<f64>;
@@ -44,10 +44,10 @@ struct Path {
 }
 
 impl Path {
-    fn random(random: &mut Random, complete: bool, plane: bool) -> Self {
+    fn random(random: &mut SplitMix64, complete: bool, plane: bool) -> Self {
         let normal = random.vector().normalize();
         let along = normal.cross(&random.vector()).normalize();
-        let bounded = |random: &mut Random| 0.2 + 0.8 * random.number().abs();
+        let bounded = |random: &mut SplitMix64| 0.2 + 0.8 * random.number().abs();
         Self {
             center: random.vector() * 0.35,
             along,
@@ -88,7 +88,7 @@ struct Swing {
 }
 
 impl Swing {
-    fn random(random: &mut Random) -> Self {
+    fn random(random: &mut SplitMix64) -> Self {
         Self {
             linear: Matrix3::from_fn(|_, _| 0.3 * random.number()),
             shift: random.vector(),
@@ -131,7 +131,7 @@ pub fn cut_body(
     summary: &mut Summary,
     watch: &mut impl Watch,
 ) -> Result<usize, String> {
-    let mut random = Random(seed);
+    let mut random = SplitMix64(seed);
     let kind = [Kind::Block, Kind::Block, Kind::Tube, Kind::Filled][random.below(4) as usize];
     let mut body = Body::new(kind, &mut random);
     if random.below(4) == 0 {

@@ -1,7 +1,8 @@
 use super::*;
 use crate::bvh::Bvh;
 use crate::spatial_hash::SpatialHash;
-use crate::testing::Random;
+use crate::testing::Points;
+use microsim_random::SplitMix64;
 use nalgebra::Vector3;
 
 fn brute_force(queries: &[Aabb], boxes: &[Aabb]) -> Vec<[u32; 2]> {
@@ -17,7 +18,7 @@ fn brute_force(queries: &[Aabb], boxes: &[Aabb]) -> Vec<[u32; 2]> {
 }
 
 /// A box of any kind that a scene may hold, in a scene of size 1 around `offset`.
-fn random_box(random: &mut Random, offset: &Vector3<f64>, extent: f64) -> Aabb {
+fn random_box(random: &mut SplitMix64, offset: &Vector3<f64>, extent: f64) -> Aabb {
     let a = random.vector();
     let b = a + random.vector() * extent;
     let bounds = match random.below(12) {
@@ -46,7 +47,7 @@ fn random_box(random: &mut Random, offset: &Vector3<f64>, extent: f64) -> Aabb {
 /// from it: both broad phases, kept from set to set, find what the comparison of every box with every other finds.
 #[test]
 fn both_broad_phases_equal_brute_force() {
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     let (mut hash, mut bvh) = (SpatialHash::new(), Bvh::new());
     let (mut pairs, mut found) = (Vec::new(), Vec::new());
     let mut overlaps = 0;

@@ -1,17 +1,17 @@
 //! A set of which a few boxes change keeps its tree, and finds what is there.
 
 use super::*;
-use crate::testing::Random;
+use microsim_random::SplitMix64;
 use nalgebra::Vector3;
 
 /// Places in a box of side 2, and sizes so that each box meets a few others of some hundred.
-fn random_box(random: &mut Random) -> Aabb {
+fn random_box(random: &mut SplitMix64) -> Aabb {
     let a = random.vector();
     Aabb::of(&[a, a + random.vector() * 0.4])
 }
 
 /// Takes out `gone` boxes, and puts `new` ones in anywhere; the others keep their order. Returns the number of each box after it.
-fn change(random: &mut Random, boxes: &mut Vec<Aabb>, gone: usize, new: usize) -> Vec<u32> {
+fn change(random: &mut SplitMix64, boxes: &mut Vec<Aabb>, gone: usize, new: usize) -> Vec<u32> {
     let mut from: Vec<u32> = (0..boxes.len() as u32).collect();
     for _ in 0..gone {
         from.remove(random.below(from.len() as u64) as usize);
@@ -35,7 +35,7 @@ fn change(random: &mut Random, boxes: &mut Vec<Aabb>, gone: usize, new: usize) -
 
 #[test]
 fn a_set_of_which_few_boxes_change_keeps_its_tree() {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     let (mut small_trees, mut gone_of_small, mut pairs, mut found) = (0, 0, Vec::new(), 0);
     for round in 0..40 {
         let count = 200 + random.below(300) as usize;
@@ -46,7 +46,7 @@ fn a_set_of_which_few_boxes_change_keeps_its_tree() {
         for step in 0..4 {
             // In three steps at most 12 % go and 9 % come: less than a third is loose, though what came and went counts twice. Then nearly half goes.
             let kept = step < 3;
-            let share = |random: &mut Random, percent: u64| {
+            let share = |random: &mut SplitMix64, percent: u64| {
                 random.below(count as u64 * percent / 100 + 1) as usize
             };
             let (gone, new) = match kept {

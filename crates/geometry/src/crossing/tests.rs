@@ -1,10 +1,11 @@
 use super::*;
-use crate::testing::{Random, exact, extent};
+use crate::testing::{Points, exact, extent};
+use microsim_random::SplitMix64;
 
 /// The decision is that of arithmetic without rounding in every one of 10,000 configurations; the point is one of both.
 #[test]
 fn edges_go_through_as_whole_numbers_say() {
-    let mut random = Random(4);
+    let mut random = SplitMix64(4);
     let (mut through, mut touching, mut rough) = (0, 0, 0);
     for _ in 0..10_000 {
         let points: [_; 5] = random.points();
@@ -50,7 +51,7 @@ fn no_edge_slips_between_two_triangles() {
         Vector3::z(),
         -Vector3::z(),
     ];
-    let mut random = Random(5);
+    let mut random = SplitMix64(5);
     for _ in 0..10_000 {
         let outside = random.lattice() * 4.0;
         let inside = random.vector() * 0.3;

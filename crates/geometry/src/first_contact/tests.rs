@@ -1,8 +1,11 @@
 use super::*;
-use crate::testing::Random;
+use crate::testing::Points;
+use microsim_random::SplitMix64;
 
 /// A motion of random features: in general position or degenerate, at any scale and place.
-fn random_motion<const A: usize, const B: usize>(random: &mut Random) -> (Motion<A>, Motion<B>) {
+fn random_motion<const A: usize, const B: usize>(
+    random: &mut SplitMix64,
+) -> (Motion<A>, Motion<B>) {
     let points: [Vector3<f64>; 10] = random.points();
     let mut next = points.into_iter();
     let mut take = || next.next().unwrap_or_default();
@@ -61,7 +64,7 @@ fn agree<const A: usize, const B: usize>(
     seed: u64,
     closest: impl Fn(&[Vector3<f64>; A], &[Vector3<f64>; B]) -> Closest<A, B>,
 ) {
-    let mut random = Random(seed);
+    let mut random = SplitMix64(seed);
     let (mut contacts, mut undecided, mut given_up, mut total) = (0, 0, 0, 0);
     for _ in 0..10_000 {
         let (first, second) = random_motion::<A, B>(&mut random);
@@ -130,12 +133,12 @@ fn segment_and_triangle_agree_with_the_slow_way() {
 }
 
 /// A number with few bits in −1..1: sums and differences of such are exact.
-fn coarse(random: &mut Random) -> Vector3<f64> {
+fn coarse(random: &mut SplitMix64) -> Vector3<f64> {
     random.vector().map(|x| (x * 64.0).round() / 64.0)
 }
 
 /// Shares of corners with few bits, some of them 0.
-fn coarse_shares<const N: usize>(random: &mut Random) -> [f64; N] {
+fn coarse_shares<const N: usize>(random: &mut SplitMix64) -> [f64; N] {
     let mut shares = [0.0; N];
     let mut left = 8;
     for share in &mut shares[1..] {
@@ -148,7 +151,7 @@ fn coarse_shares<const N: usize>(random: &mut Random) -> [f64; N] {
 }
 
 /// Two motions that meet exactly at the time 2⁻ᵏ, in given points of both: every number is exact, so there is a contact.
-fn meeting<const A: usize, const B: usize>(random: &mut Random) -> (Motion<A>, Motion<B>, f64) {
+fn meeting<const A: usize, const B: usize>(random: &mut SplitMix64) -> (Motion<A>, Motion<B>, f64) {
     let power = 1 << random.below(5);
     let (first_shares, second_shares) = (coarse_shares::<A>(random), coarse_shares::<B>(random));
     let mut start_first = [0; A].map(|_| coarse(random));
@@ -193,7 +196,7 @@ fn finds_meetings<const A: usize, const B: usize>(
     seed: u64,
     closest: impl Fn(&[Vector3<f64>; A], &[Vector3<f64>; B]) -> Closest<A, B>,
 ) {
-    let mut random = Random(seed);
+    let mut random = SplitMix64(seed);
     for _ in 0..10_000 {
         let (first, second, time) = meeting::<A, B>(&mut random);
         let found = search(&first, &second, 0.0, &closest).0;
@@ -294,7 +297,7 @@ fn times_of_known_contacts() {
 /// A power of two, a place and a common velocity that round nothing change no bit of the time.
 #[test]
 fn times_depend_on_neither_scale_nor_place_nor_common_motion() {
-    let mut random = Random(14);
+    let mut random = SplitMix64(14);
     let mut contacts = 0;
     for _ in 0..10_000 {
         let mut motion = || {

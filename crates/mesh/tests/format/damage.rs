@@ -8,6 +8,7 @@ use microsim_mesh::format::{
     write_gmsh_4, write_obj, write_stl_ascii, write_stl_binary, write_tetgen, write_vtk_legacy,
     write_vtu,
 };
+use microsim_random::SplitMix64;
 
 pub type Read = fn(&[u8]) -> Result<(), FormatError>;
 
@@ -146,14 +147,7 @@ fn truncated_files_are_refused() {
 /// A thousand single-byte errors in each sample: read or refused, no panic.
 #[test]
 fn flipped_bytes_do_not_panic() {
-    // Xorshift of Marsaglia (2003): the same errors in every run.
-    let mut state = 0x2545_F491_4F6C_DD1D_u64;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state as usize
-    };
+    let mut random = SplitMix64(1);
     for Sample {
         name,
         mut file,
@@ -163,9 +157,9 @@ fn flipped_bytes_do_not_panic() {
     {
         let mut refused = 0;
         for _ in 0..1000 {
-            let at = next() % file.len();
+            let at = random.below(file.len() as u64) as usize;
             let good = file[at];
-            file[at] ^= 1 << (next() % 8);
+            file[at] ^= 1 << random.below(8);
             refused += usize::from(read(&file).is_err());
             file[at] = good;
         }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::pieces::Pieces;
+use microsim_random::Congruential;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{ContinuumConstants, Discretisation};
 
@@ -147,11 +148,8 @@ fn what_follows_cuts_is_what_is_made_anew() {
     let mut scene = Scene::new(&spec).unwrap();
     let tick = 2e-5;
     let steps = scene.required_steps(tick);
-    let mut state = 3_u64;
-    let mut number = move || {
-        state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
-        (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-    };
+    let mut random = Congruential(3);
+    let mut number = move || random.number();
     let mut divided = 0;
     for stroke in 0..4 {
         let (x, turn) = (

@@ -1,12 +1,12 @@
 //! What follows a mesh that is cut: the model, a solver that steps it, and contact. After each edit each is compared with one made anew of the mesh.
 
 use crate::bodies::Body;
-use crate::random::Random;
 use crate::soak::Watch;
 use microsim_contact::{Detector, Frame, Point, Rigid, RigidShape, Sides, Skin, SkinChange, Touch};
 use microsim_cutting::{Cut, SurfaceTriangle};
 use microsim_geometry::Pose;
 use microsim_mesh::{Surface, TetMesh};
+use microsim_random::SplitMix64;
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{SAFETY, floor_nodes, stable_step};
 use microsim_tissue::{
@@ -65,7 +65,7 @@ struct Follower {
 }
 
 pub struct Followers {
-    random: Random,
+    random: SplitMix64,
     follower: Option<Follower>,
     pub tally: Tally,
 }
@@ -73,7 +73,7 @@ pub struct Followers {
 impl Followers {
     pub fn new(seed: u64) -> Self {
         Self {
-            random: Random(seed),
+            random: SplitMix64(seed),
             follower: None,
             tally: Tally::default(),
         }
@@ -194,7 +194,7 @@ impl Follower {
 
     /// Masses, and forces and energies of a shape at random: of each spring its length at rest, of each element its volume, is in them. Springs are
     /// the edges of the mesh, each once.
-    fn compare_models(&self, mesh: &TetMesh, random: &mut Random) -> Result<(), String> {
+    fn compare_models(&self, mesh: &TetMesh, random: &mut SplitMix64) -> Result<(), String> {
         let anew = model_of(mesh, self.behaviour, self.relaxation_time);
         let (model, control) = (&self.model, Control::default());
         if model.tets() != mesh.tets || model.rest_positions() != mesh.positions {
@@ -297,7 +297,7 @@ impl Follower {
     }
 
     /// The points that both find at a shape at random; their number.
-    fn compare_contact(&mut self, random: &mut Random) -> Result<usize, String> {
+    fn compare_contact(&mut self, random: &mut SplitMix64) -> Result<usize, String> {
         let mut anew = detector_of(&self.mesh, &self.triangles, self.mean_edge);
         let squeeze = 1.0 - 0.5 * random.number().abs();
         let place = |p: &Vector3<f64>| Vector3::new(p.x, p.y * squeeze, p.z);

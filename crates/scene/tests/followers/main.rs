@@ -3,8 +3,6 @@
 #[path = "../../../cutting/tests/random_cuts/bodies.rs"]
 mod bodies;
 mod followers;
-#[path = "../../../cutting/src/testing.rs"]
-mod random;
 #[path = "../../../cutting/tests/random_cuts/soak.rs"]
 mod soak;
 

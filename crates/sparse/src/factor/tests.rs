@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use super::*;
-use crate::testing::{Random, bits, dense, dense_vector, elastic, grid, random_matrix};
+use crate::testing::{bits, dense, dense_vector, elastic, grid, random_matrix, vectors};
 use crate::{Ordering, Pattern};
+use microsim_random::Congruential;
 
 fn factor(pattern: &Arc<Pattern>, ordering: &Ordering) -> Factor {
     Factor::new(Arc::new(Symbolic::analyse(pattern, ordering)))
@@ -45,7 +46,7 @@ fn check(matrix: &BlockMatrix, ordering: &Ordering, rhs: &[Vector3<f64>]) {
 
 #[test]
 fn random_matrices_against_dense_cholesky() {
-    let mut random = Random(11);
+    let mut random = Congruential(11);
     // From separate nodes over sparse and disconnected to nearly full.
     for (nodes, cliques) in [
         (1, 1),
@@ -57,8 +58,8 @@ fn random_matrices_against_dense_cholesky() {
         (70, 400),
     ] {
         let matrix = random_matrix(&mut random, nodes, cliques, 0.1);
-        let positions = random.vectors(nodes);
-        let rhs = random.vectors(nodes);
+        let positions = vectors(&mut random, nodes);
+        let rhs = vectors(&mut random, nodes);
         for ordering in orderings(matrix.pattern(), Some(&positions)) {
             check(&matrix, &ordering, &rhs);
         }
@@ -71,7 +72,7 @@ fn elastic_grids_against_dense_cholesky() {
         let (positions, edges) = grid(size);
         let mut matrix = elastic(&positions, &edges);
         (0..positions.len()).for_each(|i| matrix.add_diagonal(i, &(Matrix3::identity() * 0.01)));
-        let rhs = Random(12).vectors(positions.len());
+        let rhs = vectors(&mut Congruential(12), positions.len());
         for ordering in orderings(matrix.pattern(), Some(&positions)) {
             check(&matrix, &ordering, &rhs);
         }
@@ -83,7 +84,7 @@ fn a_clique_is_one_dense_front() {
     let all: Vec<u32> = (0..30).collect();
     let pattern = Arc::new(Pattern::from_cliques(30, [all]));
     let mut matrix = BlockMatrix::zeros(pattern.clone());
-    let mut random = Random(13);
+    let mut random = Congruential(13);
     for block in matrix.values_mut() {
         *block = Matrix3::from_fn(|_, _| random.number());
     }
@@ -92,7 +93,7 @@ fn a_clique_is_one_dense_front() {
         let block = matrix.diagonal(i).symmetric_part();
         matrix.values_mut()[pattern.diagonal_slot(i)] = block + Matrix3::identity() * 91.0;
     }
-    check(&matrix, &Ordering::natural(30), &random.vectors(30));
+    check(&matrix, &Ordering::natural(30), &vectors(&mut random, 30));
     let symbolic = Symbolic::analyse(&pattern, &Ordering::natural(30));
     // 90 columns in 12 strips of 8 (k + 1) columns and eight rows.
     assert_eq!(
@@ -118,8 +119,8 @@ fn fixed_nodes_give_the_reduced_system() {
     let matrix = elastic(&positions, &edges);
     let nodes = positions.len();
     let dense = dense(&matrix);
-    let rhs = Random(14).vectors(nodes);
-    let mut random = Random(15);
+    let rhs = vectors(&mut Congruential(14), nodes);
+    let mut random = Congruential(15);
     let one_end: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
     // A third of the nodes, at random: enough to hold a body of this size.
     let scattered: Vec<bool> = (0..nodes).map(|_| random.number() > 0.3).collect();
@@ -167,7 +168,7 @@ fn fixed_nodes_give_the_reduced_system() {
 
 #[test]
 fn a_bad_diagonal_block_is_named() {
-    let mut random = Random(16);
+    let mut random = Congruential(16);
     for bad in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
         for node in [0, 7, 39] {
             // Elimination only ever lowers the pivots of later nodes, and the entry enters none but its own.
@@ -191,7 +192,7 @@ fn a_bad_coupling_is_noticed_at_its_later_node() {
     let (positions, edges) = grid([6, 4, 4]);
     let mut good = elastic(&positions, &edges);
     (0..positions.len()).for_each(|i| good.add_diagonal(i, &Matrix3::identity()));
-    let mut random = Random(17);
+    let mut random = Congruential(17);
     for bad in [f64::NAN, f64::INFINITY, 1e3, 1e200] {
         for _ in 0..10 {
             let [i, j] = edges[random.below(edges.len())].map(|node| node as usize);
@@ -259,7 +260,7 @@ fn a_factor_of_single_numbers_is_a_good_preconditioner() {
     let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
     let mut matrix = elastic(&positions, &edges);
     matrix.constrain(&fixed);
-    let b = Random(19).vectors(positions.len());
+    let b = vectors(&mut Congruential(19), positions.len());
     let ordering = Ordering::nested_dissection(matrix.pattern(), Some(&positions));
     let mut factor = Factor::<f32>::new(Arc::new(Symbolic::analyse(matrix.pattern(), &ordering)));
     factor.factorise(&matrix, None).unwrap();
@@ -294,7 +295,7 @@ fn the_same_bits_every_time() {
     let (positions, edges) = grid([14, 5, 5]);
     let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
     let matrix = elastic(&positions, &edges);
-    let rhs = Random(18).vectors(positions.len());
+    let rhs = vectors(&mut Congruential(18), positions.len());
     let ordering = Ordering::nested_dissection(matrix.pattern(), Some(&positions));
     let mut factor = factor(matrix.pattern(), &ordering);
     let solve = |factor: &mut Factor| {
@@ -338,7 +339,7 @@ fn compliance_is_that_of_the_dense_inverse() {
     let mut matrix = elastic(&positions, &edges);
     let nodes = positions.len();
     let fixed: Vec<bool> = positions.iter().map(|position| position.x == 0.0).collect();
-    let mut random = Random(31);
+    let mut random = Congruential(31);
     // More than two strips of eight; among the nodes fixed ones, and the same one twice.
     let rows: Vec<[(u32, Vector3<f64>); 4]> = (0..19)
         .map(|_| std::array::from_fn(|_| (random.below(nodes) as u32, random.vector())))

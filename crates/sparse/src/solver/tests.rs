@@ -1,7 +1,8 @@
 use nalgebra::Matrix3;
 
 use super::*;
-use crate::testing::{Random, bits, elastic, grid};
+use crate::testing::{bits, elastic, grid, vectors};
+use microsim_random::Congruential;
 
 /// A block of elastic cells and its nodes at x = 0.
 fn held(size: [usize; 3]) -> (BlockMatrix, Vec<Vector3<f64>>, Vec<bool>) {
@@ -39,7 +40,7 @@ fn each_way_solves() {
         let (matrix, positions, fixed) = held(size);
         let mut solver = LinearSolver::new(matrix.pattern(), &positions);
         assert_eq!(solver.first, way, "{size:?}");
-        let b = Random(51).vectors(positions.len());
+        let b = vectors(&mut Congruential(51), positions.len());
         for tolerance in [1e-3, 1e-9] {
             solver.factorise(&matrix, &fixed).unwrap();
             let mut x = b.clone();
@@ -66,7 +67,7 @@ fn the_surer_way_follows() {
         matrix.add(i, j, &-block);
     }
     let fixed: Vec<bool> = (0..200).map(|node| node == 0).collect();
-    let b = Random(52).vectors(200);
+    let b = vectors(&mut Congruential(52), 200);
     let mut solver = LinearSolver::new(matrix.pattern(), &positions);
     solver.factorise(&matrix, &fixed).unwrap();
     let mut x = b.clone();
@@ -89,7 +90,7 @@ fn the_surer_way_follows() {
 #[test]
 fn a_factor_follows_two_levels() {
     let (mut matrix, positions, fixed) = held([16, 16, 16]);
-    let mut random = Random(55);
+    let mut random = Congruential(55);
     let scales: Vec<f64> = positions
         .iter()
         .map(|_| 10f64.powi(random.below(5) as i32))
@@ -103,7 +104,7 @@ fn a_factor_follows_two_levels() {
     }
     let mut solver = LinearSolver::new(matrix.pattern(), &positions);
     assert_eq!(solver.first, Way::TwoLevel);
-    let b = random.vectors(positions.len());
+    let b = vectors(&mut random, positions.len());
     let mut x = b.clone();
     solver.factorise(&matrix, &fixed).unwrap();
     solver.solve(&matrix, &mut x, 1e-9).unwrap();
@@ -116,7 +117,7 @@ fn a_factor_follows_two_levels() {
 fn same_numbers_same_bits() {
     let (matrix, positions, fixed) = held([14, 14, 14]);
     let mut solver = LinearSolver::new(matrix.pattern(), &positions);
-    let b = Random(53).vectors(positions.len());
+    let b = vectors(&mut Congruential(53), positions.len());
     let run = |solver: &mut LinearSolver, matrix: &BlockMatrix| {
         let mut x = b.clone();
         solver.factorise(matrix, &fixed).unwrap();
@@ -143,7 +144,7 @@ fn another_pattern_is_followed() {
         let (matrix, positions, fixed) = to;
         *solver = solver.following(matrix.pattern(), positions);
         assert_eq!(solver.first, way);
-        let b = Random(57).vectors(positions.len());
+        let b = vectors(&mut Congruential(57), positions.len());
         [way, Way::Single, Way::Double].map(|way| {
             let mut x = b.clone();
             solver.factorise(matrix, fixed).unwrap();
@@ -173,7 +174,7 @@ fn an_indefinite_matrix_is_refused() {
         }
         let mut solver = LinearSolver::new(matrix.pattern(), &positions);
         assert_eq!(solver.first, way);
-        let b = Random(54).vectors(positions.len());
+        let b = vectors(&mut Congruential(54), positions.len());
         let mut x = b.clone();
         let refused = solver
             .factorise(&matrix, &fixed)
@@ -197,7 +198,7 @@ fn a_small_body_has_a_factor_of_double_numbers() {
     }
     let (matrix, positions, fixed) = held([4, 4, 4]);
     let mut solver = LinearSolver::new(matrix.pattern(), &positions);
-    let b = Random(58).vectors(positions.len());
+    let b = vectors(&mut Congruential(58), positions.len());
     let mut x = b.clone();
     solver.factorise_double(&matrix, &fixed).unwrap();
     solver.solve(&matrix, &mut x, 0.1).unwrap();

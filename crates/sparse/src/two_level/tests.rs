@@ -2,7 +2,8 @@ use nalgebra::DMatrix;
 
 use super::*;
 use crate::ConjugateGradients;
-use crate::testing::{Random, dense, elastic, grid};
+use crate::testing::{dense, elastic, grid, vectors};
+use microsim_random::Congruential;
 
 /// A block of elastic cells, held at x = 0.
 struct Held {
@@ -32,7 +33,7 @@ impl Held {
     fn iterations(&self, two_level: &mut TwoLevel) -> usize {
         let mut constrained = self.matrix.clone();
         constrained.constrain(&self.fixed);
-        let mut b = Random(41).vectors(self.positions.len());
+        let mut b = vectors(&mut Congruential(41), self.positions.len());
         for (b, fixed) in b.iter_mut().zip(&self.fixed) {
             if *fixed {
                 *b = Vector3::zeros();
@@ -124,12 +125,12 @@ fn iterations_do_not_grow_with_the_mesh() {
 fn symmetric_and_positive() {
     let held = held([7, 5, 3]);
     let mut two_level = held.two_level(2.0);
-    let mut random = Random(42);
+    let mut random = Congruential(42);
     let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| -> f64 {
         a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
     };
     for _ in 0..10 {
-        let [r, s] = [0; 2].map(|_| random.vectors(held.positions.len()));
+        let [r, s] = [0; 2].map(|_| vectors(&mut random, held.positions.len()));
         let mut z = r.clone();
         two_level.apply(&r, &mut z);
         let mut y = s.clone();

@@ -2,6 +2,7 @@
 
 use super::eigen::eigenvalues;
 use microsim_mesh::{Block, CellSplit, TetMesh};
+use microsim_random::Congruential;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
     Behaviour, BuildError, ContinuumConstants, Discretisation, Material, SpringConstants, State,
@@ -308,22 +309,11 @@ pub fn body(mesh: &TetMesh, material: &Material, drag: f64) -> Result<TissueMode
 /// At rest but for random offsets of the free nodes, each component up to `size` \[m\].
 pub fn disturbed(model: &TissueModel, size: f64) -> State {
     let mut state = State::at_rest(model);
-    let mut next = random();
+    let mut random = Congruential(1);
     for (position, w) in state.positions.iter_mut().zip(model.inverse_masses()) {
         if *w > 0.0 {
-            *position += Vector3::new(next(), next(), next()) * size;
+            *position += random.vector() * size;
         }
     }
     state
-}
-
-/// A fixed sequence of numbers in −1..1.
-fn random() -> impl FnMut() -> f64 {
-    let mut state = 1u64;
-    move || {
-        state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }

@@ -3,6 +3,7 @@
 use super::{Part, each_matrix};
 use crate::model::TissueModel;
 use crate::state::State;
+use microsim_random::Congruential;
 use nalgebra::{Matrix3, Vector3};
 
 /// Rows of blocks, columns ascending (compressed sparse rows): some 15 blocks per node, not 16 per tetrahedron.
@@ -40,15 +41,9 @@ impl BlockMatrix {
     /// The eigenvalue of largest size of W·A, `w` the diagonal of W, as a size, by `steps` steps of power iteration.
     pub(super) fn largest_eigenvalue(&self, w: &[f64], steps: usize) -> f64 {
         // Fixed numbers without symmetry, so that no eigenvector is missed.
-        let mut seed = 1u64;
-        let mut next = || {
-            seed = seed
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut random = Congruential(1);
         let start = |&w: &f64| {
-            let direction = Vector3::new(next(), next(), next());
+            let direction = random.vector();
             if w > 0.0 { direction } else { Vector3::zeros() }
         };
         let mut x: Vec<Vector3<f64>> = w.iter().map(start).collect();

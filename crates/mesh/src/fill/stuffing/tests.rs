@@ -1,5 +1,6 @@
 use super::*;
 use crate::{ElementQuality, MAX_DIHEDRAL, MIN_DIHEDRAL, TetMesh};
+use microsim_random::Congruential;
 
 /// Smallest and largest dihedral angle \[rad\] over all pieces that one tetrahedron of the lattice can be cut into, with
 /// these limits of warping: each of its points inside, outside or moved along any of its edges by 0, half or all of the
@@ -116,14 +117,9 @@ fn no_piece_is_worse_than_the_stated_bounds() {
 fn pieces_of_any_sides_and_crossings_fit_together() {
     let mut total = 0;
     for seed in 4..10u64 {
-        let mut state = seed;
-        // A linear congruential generator (Knuth's MMIX constants), its upper bits.
-        let mut random = move || {
-            state = state
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            (state >> 33) as f64 / (1u64 << 31) as f64
-        };
+        let mut numbers = Congruential(seed);
+        // Uniform in 0..1.
+        let mut random = move || 0.5 * (numbers.number() + 1.0);
         let lattice = Lattice {
             origin: Vector3::zeros(),
             cell: 1.0,

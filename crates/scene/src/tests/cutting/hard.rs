@@ -3,15 +3,13 @@
 
 use super::*;
 use microsim_geometry::{closest_segment_triangle, point_in_tetrahedron};
+use microsim_random::Congruential;
 use nalgebra::UnitQuaternion;
 
 /// Numbers from −1 to 1.
 fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 7_u64;
-    move || {
-        state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
-        (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-    }
+    let mut random = Congruential(7);
+    move || random.number()
 }
 
 /// A blade that goes down somewhere, turned anyhow about z and a little about the others.
