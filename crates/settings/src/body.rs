@@ -4,13 +4,13 @@
 //! at `centre`, axes parallel. Everything is in SI.
 
 use crate::text::{Colour, Finish};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Most tetrahedra of a body: a few gigabytes.
 pub const MAX_ELEMENTS: u64 = 5_000_000;
 
 /// A tetrahedral body.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Its name.
@@ -98,7 +98,7 @@ impl Body {
 }
 
 /// What makes a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Generator {
     /// A regular box of tetrahedra.
@@ -115,7 +115,7 @@ impl Generator {
 }
 
 /// How a cell is cut in six tetrahedra.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Split {
     /// All cells alike.
@@ -130,7 +130,7 @@ impl Split {
 }
 
 /// A layer of the wall of a tube.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Layer {
     /// \[m\]
@@ -142,7 +142,7 @@ pub struct Layer {
 }
 
 /// Nodes of a body, in its frame and at rest: all, or those that fulfil everything that is said.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Nodes {
     /// Corner with the smallest coordinates of a box \[m\].
@@ -156,7 +156,7 @@ pub struct Nodes {
 }
 
 /// A range of distances from an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shell {
     /// A point of the axis \[m\].
@@ -168,7 +168,7 @@ pub struct Shell {
 }
 
 /// Nodes that are held, and how what holds them moves.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clamp {
     /// Which.
@@ -184,7 +184,7 @@ pub struct Clamp {
 }
 
 /// Where a motion is at a time; between two keys it is interpolated linearly.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotionKey {
     /// \[s\]
@@ -196,7 +196,7 @@ pub struct MotionKey {
 }
 
 /// A soft, two-sided coupling of the nodes of one region to the surface of another.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Coupling {
     /// Region whose nodes are coupled.
@@ -210,7 +210,7 @@ pub struct Coupling {
 }
 
 /// A load on part of the surface.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
     /// The triangles all of whose nodes are among these.
@@ -224,7 +224,7 @@ pub struct Load {
 }
 
 /// Where nodes are at the start, p = pivot + matrix (p_rest − pivot) + shift, and how fast.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Start {
     /// Which; those that are clamped stay.
@@ -240,7 +240,7 @@ pub struct Start {
 }
 
 /// What a region is made of; the checks see to it that what each law needs is there, and nothing else.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
     /// The region; all that no other material names if `None`.
@@ -286,7 +286,7 @@ pub struct Material {
 }
 
 /// The law of a material.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
     /// Springs along the edges, and area and volume forces (4.1, 4.2).
@@ -316,7 +316,7 @@ impl Law {
 }
 
 /// Elements of a continuum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Discretisation {
     /// The tetrahedra themselves; they lock from ν = 0.4 on.
@@ -346,7 +346,7 @@ impl Discretisation {
 }
 
 /// What the constants of springs mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpringForm {
     /// Moduli, scaled with the elements: the same body on any mesh.
@@ -365,7 +365,7 @@ impl SpringForm {
 }
 
 /// Plastic flow (4.2, dilatation).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plasticity {
     /// Strain from which on the rest size flows.

@@ -1,10 +1,10 @@
 //! What touches what in levels and scenes: pairs, and tools that move by themselves. Everything is in SI.
 
 use crate::tool::ToolCapsule;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Two that touch each other: a body, and one of a tool, a rigid thing, another body, or itself. No other contact is computed.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactPair {
     /// Name of the body.
@@ -38,7 +38,7 @@ impl ContactPair {
 
 /// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not, the
 /// lines go through it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CutPair {
     /// Name of the body.
@@ -48,7 +48,7 @@ pub struct CutPair {
 }
 
 /// A tool of a scene: one of `config/tools`, or capsules of its own, and how it moves.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneTool {
     /// Its name.
@@ -69,7 +69,7 @@ pub struct SceneTool {
 
 /// Where a tool is at a time; between two keys its position and opening are interpolated linearly, its orientation along the
 /// shortest turn at constant speed.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ToolKeyFile")]
 pub struct ToolKey {
     /// \[s\]
@@ -83,7 +83,7 @@ pub struct ToolKey {
 }
 
 /// A key as the file has it: with an orientation, with axis and angle, or unturned.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ToolKeyFile {
     time: f64,

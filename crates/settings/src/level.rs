@@ -15,12 +15,12 @@ use crate::method::{Accuracy, Method, Tuned};
 use crate::rigid::Rigid;
 use crate::text::{Colour, Finish, LocalText};
 use crate::unit::Unit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
 /// One level of a training module.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Level {
     /// For people: its name.
@@ -60,7 +60,7 @@ pub struct Level {
 }
 
 /// The two clocks of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clock {
     /// Time between two ticks \[s\], a whole number of microseconds.
@@ -77,7 +77,7 @@ impl Clock {
 }
 
 /// What the microscope shows.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct View {
     /// Diameter of the round field \[m\].
@@ -89,7 +89,7 @@ pub struct View {
 }
 
 /// A tool that takes part, under the name that sources and the translator use.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolSlot {
     /// Slot, for example `right`.
@@ -99,8 +99,8 @@ pub struct ToolSlot {
 }
 
 /// A virtual object.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "ObjectFile")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ObjectFile", into = "ObjectFile")]
 pub struct Object {
     /// Its name, or the beginning of its names if there is a `count`.
     pub name: String,
@@ -152,7 +152,7 @@ pub enum Shape {
 }
 
 /// An object as the file has it: the sizes that its shape needs are checked before.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ObjectFile {
     name: String,
@@ -170,7 +170,7 @@ struct ObjectFile {
     active: bool,
 }
 
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum ShapeName {
     Sphere,
@@ -214,6 +214,42 @@ impl TryFrom<ObjectFile> for Object {
     }
 }
 
+impl From<Object> for ObjectFile {
+    fn from(object: Object) -> Self {
+        let mut file = Self {
+            name: object.name,
+            count: object.count,
+            shape: ShapeName::Sphere,
+            radius: None,
+            length: None,
+            tube: None,
+            half_size: None,
+            position: object.position,
+            orientation: object.orientation,
+            parent: object.parent,
+            colour: object.colour,
+            finish: object.finish,
+            active: object.active,
+        };
+        match object.shape {
+            Shape::Sphere { radius } => file.radius = Some(radius),
+            Shape::Capsule { radius, length } => {
+                file.shape = ShapeName::Capsule;
+                (file.radius, file.length) = (Some(radius), Some(length));
+            }
+            Shape::Box { half_size } => {
+                file.shape = ShapeName::Box;
+                file.half_size = Some(half_size);
+            }
+            Shape::Ring { radius, tube } => {
+                file.shape = ShapeName::Ring;
+                (file.radius, file.tube) = (Some(radius), Some(tube));
+            }
+        }
+        file
+    }
+}
+
 impl Object {
     /// The names of the objects that this makes.
     pub fn names(&self) -> Vec<String> {
@@ -230,7 +266,7 @@ pub(crate) fn expanded_names(name: &str, count: Option<u64>) -> Vec<String> {
 }
 
 /// What drives all bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Physics {
     /// In the field frame \[m/s²\].
@@ -238,7 +274,7 @@ pub struct Physics {
 }
 
 /// What is demanded of one metric. Values are in the SI unit of the metric.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limit {
     /// Its id.
@@ -260,7 +296,7 @@ pub struct Limit {
 }
 
 /// Parameters of the metrics that need motion alone.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MetricParameters {
     /// Below it a tool is idle \[m/s\].

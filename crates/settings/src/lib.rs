@@ -31,6 +31,7 @@ mod manifest_check;
 mod manifest_schema;
 mod method;
 mod overrides;
+mod plugin_config;
 mod read;
 mod recording;
 mod rigid;
@@ -78,6 +79,10 @@ pub use manifest::{
 pub use manifest_schema::manifest_schema;
 pub use method::{Accuracy, Method, MethodName, Tuned};
 pub use overrides::Override;
+pub use plugin_config::{
+    BodyLook, ModuleConfig, ObjectsConfig, PhysicsConfig, RecorderConfig, RecordingConfig, RendererConfig, ScriptConfig,
+    ToolModels, TranslatorConfig,
+};
 pub use recording::{
     DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,
     recording_map_help, recording_map_path, recording_schema,

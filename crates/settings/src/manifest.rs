@@ -8,12 +8,12 @@ use crate::manifest_schema::manifest_schema;
 use crate::schema::{Key, Kind, Presence};
 use crate::text::LocalText;
 use crate::unit::Unit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
 /// What a plugin or module says of itself.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
     /// Unique among plugins and modules.
@@ -51,7 +51,7 @@ pub struct Manifest {
 }
 
 /// What a plugin does in the tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PluginKind {
     /// Brings device samples.
@@ -84,7 +84,7 @@ impl PluginKind {
 }
 
 /// A message kind that a plugin brings.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MessageKind {
     /// Begins with the plugin's name and a dot.
@@ -98,7 +98,7 @@ pub struct MessageKind {
 }
 
 /// What happens when a queue is full.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Overflow {
     /// Sending is refused.
@@ -108,7 +108,7 @@ pub enum Overflow {
 }
 
 /// A key of a level's table `[module]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModuleKey {
     /// As levels write it.
@@ -133,7 +133,7 @@ pub struct ModuleKey {
 }
 
 /// What the value of a module's key may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum KeyType {
     /// A number with a unit.
@@ -151,7 +151,7 @@ pub enum KeyType {
 }
 
 /// A metric that a module computes.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModuleMetric {
     /// Its name in limits and results.
@@ -175,7 +175,7 @@ pub struct ModuleMetric {
 }
 
 /// Which values of a metric are good.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direction {
     /// Small ones.
@@ -187,7 +187,7 @@ pub enum Direction {
 }
 
 /// Which part of the score a metric belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Category {
     /// Target achievement.
@@ -201,7 +201,7 @@ pub enum Category {
 }
 
 /// Why a level can be failed.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reason {
     /// Its name in results.
@@ -211,7 +211,7 @@ pub struct Reason {
 }
 
 /// A file of the plugin's own.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PluginFile {
     /// By which the plugin asks for it.

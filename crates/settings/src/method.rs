@@ -5,10 +5,10 @@ use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::schema::{Key, Kind};
 use crate::unit::Unit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A method with the parameters that a file gives; the rest is the method's own.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Method {
     /// Which.
@@ -24,7 +24,7 @@ pub struct Method {
 }
 
 /// A method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MethodName {
     /// Position Verlet in its joint form.
@@ -84,7 +84,7 @@ impl MethodName {
 }
 
 /// What is stated of the result.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Accuracy {
     /// Largest relative error.
@@ -96,7 +96,7 @@ pub struct Accuracy {
 }
 
 /// What `microsim tune` chose, and what it measured.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tuned {
     /// Command line that chose it.

@@ -5,12 +5,12 @@ use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
 use crate::unit::Unit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// What the columns of a recording mean.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingMap {
     /// What stands between two columns: one character.
@@ -28,7 +28,7 @@ pub struct RecordingMap {
 }
 
 /// The column of time.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeColumn {
     /// Its heading.
@@ -38,7 +38,7 @@ pub struct TimeColumn {
 }
 
 /// The columns of one device.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeviceColumns {
     /// Name of the device.
@@ -56,7 +56,7 @@ pub struct DeviceColumns {
 }
 
 /// The column of an opening.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OpeningColumn {
     /// Its heading.

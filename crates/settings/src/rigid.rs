@@ -4,11 +4,11 @@
 //! shape says otherwise. Everything is in SI.
 
 use crate::text::{Colour, Finish};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A rigid thing that stands.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "RigidFile")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "RigidFile", into = "RigidFile")]
 pub struct Rigid {
     /// Its name.
     pub name: String,
@@ -151,7 +151,7 @@ pub enum Solid {
 }
 
 /// A rigid thing as the file has it: the sizes that its shape needs are checked before.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RigidFile {
     name: String,
@@ -214,6 +214,59 @@ impl TryFrom<RigidFile> for Rigid {
             colour: file.colour,
             finish: file.finish,
         })
+    }
+}
+
+impl From<Rigid> for RigidFile {
+    fn from(rigid: Rigid) -> Self {
+        let mut file = Self {
+            name: rigid.name,
+            shape: String::new(),
+            half_size: None,
+            rounding: None,
+            wall: None,
+            gap: None,
+            radius: None,
+            length: None,
+            position: rigid.position,
+            orientation: rigid.orientation,
+            colour: rigid.colour,
+            finish: rigid.finish,
+        };
+        let shape = match rigid.shape {
+            RigidShape::Plane => "plane",
+            RigidShape::Box {
+                half_size,
+                rounding,
+            } => {
+                (file.half_size, file.rounding) = (Some(half_size), Some(rounding));
+                "box"
+            }
+            RigidShape::Tray {
+                half_size,
+                wall,
+                rounding,
+            } => {
+                (file.half_size, file.rounding) = (Some(half_size), Some(rounding));
+                file.wall = Some(wall);
+                "tray"
+            }
+            RigidShape::Clamp {
+                half_size,
+                gap,
+                rounding,
+            } => {
+                (file.half_size, file.rounding) = (Some(half_size), Some(rounding));
+                file.gap = Some(gap);
+                "clamp"
+            }
+            RigidShape::Cylinder { radius, length } => {
+                (file.radius, file.length) = (Some(radius), Some(length));
+                "cylinder"
+            }
+        };
+        file.shape = shape.to_owned();
+        file
     }
 }
 

@@ -6,11 +6,11 @@ use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
 use crate::unit::Unit;
 use microsim_tracking as tracking;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A scripted trainee.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Script {
     /// Samples per second \[Hz\].
@@ -55,7 +55,7 @@ impl ScriptKey {
 }
 
 /// How a tool moves between two keys.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
     /// From rest to rest, as a hand does: s = 10τ³ − 15τ⁴ + 6τ⁵.
@@ -65,7 +65,7 @@ pub enum Interpolation {
 }
 
 /// One scripted tool.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScriptTool {
     /// Slot, which is also the name of the device that the script plays.
@@ -75,8 +75,8 @@ pub struct ScriptTool {
 }
 
 /// Where a tool is at a time.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "ScriptKeyFile")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ScriptKeyFile", into = "ScriptKeyFile")]
 pub struct ScriptKey {
     /// Since the start \[s\].
     pub t: f64,
@@ -91,7 +91,7 @@ pub struct ScriptKey {
 }
 
 /// A key as the file has it: with a direction or an orientation, which is checked before.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ScriptKeyFile {
     t: f64,
@@ -118,6 +118,19 @@ impl TryFrom<ScriptKeyFile> for ScriptKey {
             opening: file.opening,
             visible: file.visible,
         })
+    }
+}
+
+impl From<ScriptKey> for ScriptKeyFile {
+    fn from(key: ScriptKey) -> Self {
+        Self {
+            t: key.t,
+            position: key.position,
+            direction: None,
+            orientation: Some(key.orientation),
+            opening: key.opening,
+            visible: key.visible,
+        }
     }
 }
 

@@ -9,11 +9,11 @@ use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
 use crate::text::{Colour, Finish, LocalText};
 use crate::unit::Unit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The shape of an instrument.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tool {
     /// What it is and where its sizes come from.
@@ -35,7 +35,7 @@ pub struct Tool {
 }
 
 /// A part of an instrument: all points within `radius` of the segment from `a` to `b`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolCapsule {
     /// Its name.
@@ -57,7 +57,7 @@ pub struct ToolCapsule {
 }
 
 /// What a part of an instrument moves with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Jaw {
     /// With the shaft.

@@ -9,12 +9,12 @@ use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
 use crate::unit::Unit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::Path;
 
 /// What the translator knows of the devices.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Translator {
     /// A tool whose last sample is older is stale \[s\].
@@ -24,7 +24,7 @@ pub struct Translator {
 }
 
 /// How one device drives one tool.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeviceMap {
     /// As the source names it.
@@ -46,7 +46,7 @@ pub struct DeviceMap {
 }
 
 /// Where the opening of a tool comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum OpeningSource {
     /// From the device or always at an end.
@@ -56,7 +56,7 @@ pub enum OpeningSource {
 }
 
 /// Openings that have a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OpeningName {
     /// As the device says.

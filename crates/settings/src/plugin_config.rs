@@ -1,0 +1,266 @@
+//! What the host gives each kind of plugin: types that host and plugin share, made of a level, its module's manifest and
+//! the files of the installation. On the wire they are the value `config` of a set-up.
+
+use crate::body::Body;
+use crate::contact::{ContactPair, CutPair};
+use crate::level::{Level, Limit, MetricParameters, Object, Physics, ToolSlot, View};
+use crate::manifest::{Manifest, ModuleMetric, Reason};
+use crate::method::Method;
+use crate::recording::RecordingMap;
+use crate::rigid::Rigid;
+use crate::script::Script;
+use crate::text::{Colour, Finish};
+use crate::tool::Tool;
+use crate::translator::{DeviceMap, OpeningName, OpeningSource, Translator};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Shapes of tool models, by the names that slots use.
+pub type ToolModels = BTreeMap<String, Tool>;
+
+/// Of the source that plays scripts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScriptConfig {
+    /// The script, checked and in SI units.
+    pub script: Script,
+}
+
+/// Of the source that plays recordings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "format", rename_all = "kebab-case")]
+pub enum RecordingConfig {
+    /// A CSV file with its column map.
+    Csv {
+        /// Name of the file, for complaints.
+        name: String,
+        /// The TOML beside it, checked.
+        map: Box<RecordingMap>,
+    },
+    /// The input samples of a session, each with the time at which it arrived.
+    Samples,
+}
+
+/// Of a translator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TranslatorConfig {
+    /// A tool whose last sample is older is stale \[s\].
+    pub stale_after: f64,
+    /// The devices that drive tools of the level, one per tool at most.
+    pub devices: Vec<DeviceMap>,
+    /// All tools of the level.
+    pub tools: Vec<ToolSlot>,
+}
+
+impl TranslatorConfig {
+    /// Which of the source's `devices` drives which tool: as the translator's file says, otherwise the tool of the device's
+    /// own name. Where the devices are not known beforehand, every tool that the file does not list has a device of its own name.
+    pub fn new(translator: &Translator, devices: Option<&[String]>, tools: &[ToolSlot]) -> Self {
+        let listed = &translator.device;
+        let has_tool = |map: &DeviceMap| tools.iter().any(|tool| tool.name == map.tool);
+        let maps = match devices {
+            Some(devices) => {
+                let map = |device: &String| {
+                    let map = listed.iter().find(|map| map.name == *device);
+                    map.cloned().unwrap_or_else(|| DeviceMap::identity(device))
+                };
+                devices.iter().map(map).filter(has_tool).collect()
+            }
+            None => {
+                let mut maps: Vec<DeviceMap> =
+                    listed.iter().filter(|map| has_tool(map)).cloned().collect();
+                for tool in tools {
+                    if !maps.iter().any(|map| map.tool == tool.name) {
+                        maps.push(DeviceMap::identity(&tool.name));
+                    }
+                }
+                maps
+            }
+        };
+        Self {
+            stale_after: translator.stale_after,
+            devices: maps,
+            tools: tools.to_vec(),
+        }
+    }
+}
+
+impl DeviceMap {
+    /// A device that drives the tool of its own name, with its poses taken as they are.
+    fn identity(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            tool: name.to_owned(),
+            origin: [0.0; 3],
+            field_offset: [0.0; 3],
+            rotation: [0.0, 0.0, 0.0, 1.0],
+            tool_rotation: [0.0, 0.0, 0.0, 1.0],
+            scale: 1.0,
+            opening: OpeningSource::Named(OpeningName::Device),
+        }
+    }
+}
+
+/// Of a physics plugin: the parts of a level that a scene is built of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhysicsConfig {
+    /// What acts on all bodies.
+    pub physics: Physics,
+    /// How they are advanced.
+    pub method: Method,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// Rigid obstacles.
+    pub rigid: Vec<Rigid>,
+    /// What touches what.
+    pub contacts: Vec<ContactPair>,
+    /// What cuts what.
+    pub cuts: Vec<CutPair>,
+    /// The tool slots.
+    pub tools: Vec<ToolSlot>,
+    /// The shapes of the tools.
+    pub models: ToolModels,
+    /// Whether there is any friction.
+    pub friction: bool,
+    /// Whether tissue can be divided, by a cut or by tearing.
+    pub cutting: bool,
+}
+
+impl PhysicsConfig {
+    /// Of a level; `None` if it has no physics.
+    pub fn new(level: &Level, models: &ToolModels) -> Option<Self> {
+        Some(Self {
+            physics: level.physics?,
+            method: level.method?,
+            bodies: level.body.clone(),
+            rigid: level.rigid.clone(),
+            contacts: level.contact.clone(),
+            cuts: level.cut.clone(),
+            tools: level.tool.clone(),
+            models: models.clone(),
+            friction: true,
+            cutting: true,
+        })
+    }
+}
+
+/// Of a training module.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModuleConfig {
+    /// Tool slots.
+    pub tools: Vec<ToolSlot>,
+    /// Shapes of the tool models.
+    pub models: ToolModels,
+    /// What is demanded.
+    pub limits: Vec<Limit>,
+    /// Parameters of the motion metrics.
+    pub metrics: MetricParameters,
+    /// Metrics that the module brings.
+    pub own_metrics: Vec<ModuleMetric>,
+    /// Reasons for failing that the module declares.
+    pub reasons: Vec<Reason>,
+    /// The level's `[module]` table: the keys that the manifest declares, in SI units.
+    pub module: Value,
+    /// The level's objects.
+    pub objects: Vec<Object>,
+    /// Names of the bodies; what is known of their tissue comes over the bus.
+    pub bodies: Vec<String>,
+    /// The level's rigid obstacles.
+    pub rigid: Vec<Rigid>,
+}
+
+impl ModuleConfig {
+    /// Of a level and the manifest of its module.
+    pub fn new(level: &Level, manifest: &Manifest, models: &ToolModels) -> Self {
+        Self {
+            tools: level.tool.clone(),
+            models: models.clone(),
+            limits: level.limit.clone(),
+            metrics: level.metrics,
+            own_metrics: manifest.metric.clone(),
+            reasons: manifest.reason.clone(),
+            module: Value::Object(level.module.clone()),
+            objects: level.object.clone(),
+            bodies: level.body.iter().map(|body| body.name.clone()).collect(),
+            rigid: level.rigid.clone(),
+        }
+    }
+
+    /// Slots of the tools that hold tissue: those that do not cut it.
+    pub fn holders(&self) -> Vec<String> {
+        let cuts = |model: &str| self.models.get(model).is_some_and(|m| m.sharpness > 0.0);
+        let holding = self.tools.iter().filter(|tool| !cuts(&tool.model));
+        holding.map(|tool| tool.name.clone()).collect()
+    }
+}
+
+/// Of the plugin of virtual objects.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectsConfig {
+    /// Objects that a module moves.
+    pub objects: Vec<Object>,
+    /// Rigid obstacles, which stand.
+    pub rigid: Vec<Rigid>,
+}
+
+impl ObjectsConfig {
+    /// Of a level.
+    pub fn new(level: &Level) -> Self {
+        Self {
+            objects: level.object.clone(),
+            rigid: level.rigid.clone(),
+        }
+    }
+}
+
+/// How a body is drawn.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BodyLook {
+    /// Name of the body.
+    pub name: String,
+    /// Colour.
+    pub colour: Colour,
+    /// How its surface answers light.
+    pub finish: Finish,
+}
+
+/// Of a renderer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RendererConfig {
+    /// What is seen.
+    pub view: View,
+    /// Shapes of the tool models.
+    pub models: ToolModels,
+    /// The bodies.
+    pub bodies: Vec<BodyLook>,
+    /// Width of a picture \[px\].
+    pub width: u32,
+    /// Height of a picture \[px\].
+    pub height: u32,
+}
+
+impl RendererConfig {
+    /// Of a level, for pictures of this size \[px\].
+    pub fn new(level: &Level, models: &ToolModels, (width, height): (u32, u32)) -> Self {
+        let look = |body: &Body| BodyLook {
+            name: body.name.clone(),
+            colour: body.colour,
+            finish: body.finish,
+        };
+        Self {
+            view: level.view,
+            models: models.clone(),
+            bodies: level.body.iter().map(look).collect(),
+            width,
+            height,
+        }
+    }
+}
+
+/// Of a recorder.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecorderConfig {
+    /// The session file to write; it must not exist.
+    pub path: PathBuf,
+}
