@@ -7,7 +7,8 @@ use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::Session;
 use microsim_message::LocalText;
 use microsim_report::{Report, ReportInput};
-use serde_json::Value;
+use microsim_settings::ToolSlot;
+use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -56,6 +57,7 @@ pub fn read(path: &Path) -> Result<Session, Problem> {
 /// The report of a session.
 pub fn report_of(session: &Session, path: &Path) -> Report {
     let plan = &session.header.plan;
+    let tools = ToolsOfRun::new(plan);
     let input = ReportInput {
         version: session.header.version.clone(),
         started: session.header.started,
@@ -75,8 +77,8 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
                 checkpoint.tick as f64 * plan.tick_ns as f64 * 1e-9
             ),
         },
-        tools: tool_names(plan),
-        sharp: sharp_tools(plan),
+        tools: tools.names(),
+        sharp: tools.sharp(),
         bodies: body_names(plan),
         synthetic: plan.synthetic.clone(),
         model_error: plan.model_error,
@@ -109,59 +111,61 @@ fn shell_word(path: &Path) -> String {
     }
 }
 
-/// What the module of a run was told; nothing without one.
-fn module_config(plan: &RunPlan) -> &Value {
-    let module = plan.plugins.iter().find(|p| p.kind == PluginKind::Module);
-    module.map_or(&Value::Null, |module| &module.setup.config)
+/// What a report needs of the configuration of a run's module; sessions of earlier versions have it as well.
+#[derive(Default, Deserialize)]
+struct ToolsOfRun {
+    tools: Vec<ToolSlot>,
+    models: BTreeMap<String, ToolModel>,
 }
 
-/// A list of what the module was told.
-fn listed<'a>(config: &'a Value, key: &str) -> &'a [Value] {
-    config[key]
-        .as_array()
-        .map(Vec::as_slice)
-        .unwrap_or_default()
+/// What a report needs of a tool model.
+#[derive(Deserialize)]
+struct ToolModel {
+    title: LocalText,
+    sharpness: f64,
+}
+
+impl ToolsOfRun {
+    /// Of a plan; none without a module.
+    fn new(plan: &RunPlan) -> Self {
+        let module = plan.plugins.iter().find(|p| p.kind == PluginKind::Module);
+        module
+            .and_then(|module| module.setup.configuration().ok())
+            .unwrap_or_default()
+    }
+
+    /// The slots of tools with sharp jaws.
+    fn sharp(&self) -> BTreeSet<String> {
+        let is_sharp = |model: &ToolModel| model.sharpness > 0.0;
+        let sharp = self
+            .tools
+            .iter()
+            .filter(|slot| self.models.get(&slot.model).is_some_and(is_sharp));
+        sharp.map(|slot| slot.name.clone()).collect()
+    }
+
+    /// What the tools are called: the titles of their models, with the slot where two have the same model.
+    fn names(&self) -> BTreeMap<String, LocalText> {
+        let named = self.tools.iter().filter_map(|slot| {
+            let title = &self.models.get(&slot.model)?.title;
+            let same = self.tools.iter().filter(|other| other.model == slot.model);
+            let title = match same.count() {
+                1 => title.clone(),
+                _ => LocalText {
+                    de: format!("{} ({})", title.de, slot.name),
+                    en: format!("{} ({})", title.en, slot.name),
+                },
+            };
+            Some((slot.name.clone(), title))
+        });
+        named.collect()
+    }
 }
 
 /// The bodies of a run.
 fn body_names(plan: &RunPlan) -> Vec<String> {
-    let bodies = listed(module_config(plan), "bodies").iter();
-    let names = bodies.filter_map(|body| body["name"].as_str());
-    names.map(str::to_owned).collect()
-}
-
-/// The slots of tools with sharp jaws.
-fn sharp_tools(plan: &RunPlan) -> BTreeSet<String> {
-    let config = module_config(plan);
-    let sharpness = |slot: &Value| {
-        let model = slot["model"].as_str().unwrap_or_default();
-        config["models"][model]["sharpness"].as_f64()
-    };
-    let slots = listed(config, "tools").iter();
-    let sharp = slots.filter(|slot| sharpness(slot).is_some_and(|sharpness| sharpness > 0.0));
-    let names = sharp.filter_map(|slot| slot["name"].as_str());
-    names.map(str::to_owned).collect()
-}
-
-/// What the tools of a run are called: the titles of their models, with the slot where two have the same model.
-fn tool_names(plan: &RunPlan) -> BTreeMap<String, LocalText> {
-    let config = module_config(plan);
-    let slots = listed(config, "tools");
-    let named = slots.iter().filter_map(|slot| {
-        let (name, model) = (slot["name"].as_str()?, slot["model"].as_str()?);
-        let title = &config["models"][model]["title"];
-        let same = slots.iter().filter(|other| other["model"] == model).count();
-        let one = |language: &str| -> Option<String> {
-            let title = title[language].as_str()?;
-            Some(match same {
-                1 => title.to_owned(),
-                _ => format!("{title} ({name})"),
-            })
-        };
-        let (de, en) = (one("de")?, one("en")?);
-        Some((name.to_owned(), LocalText { de, en }))
-    });
-    named.collect()
+    let bodies = plan.parts.iter().filter(|part| part.what == "body");
+    bodies.map(|body| body.name.clone()).collect()
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
-//! What a source is told: a script, a recording in CSV, or the input samples of a session.
+//! What a source is given: a script, a recording in CSV, or the input samples of a session.
 
-use crate::assemble::{AssembleError, Input, Installation, Request, probe, refuse};
+use crate::installation::Installation;
+use crate::installed::probe;
 use crate::record::Session;
+use crate::request::{AssembleError, Input, Request, refuse};
 use microsim_bus::Frames;
-use microsim_message::{InputSample, SetupFile, decode, encode};
-use microsim_settings as settings;
-use serde_json::{Value, json};
+use microsim_message::{InputSample, SetupFile, config_value, decode, encode};
+use microsim_settings::{self as settings, RecordingConfig, ScriptConfig};
+use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -31,14 +33,14 @@ pub(crate) struct SourceSetup {
 }
 
 impl SourceSetup {
-    /// Digest of all that the source is told, but not of where its file lies.
+    /// Digest of all that the source is given, but not of where its file lies.
     pub fn digest(&self) -> String {
         let mut config = self.config.clone();
         if let Some(config) = config.as_object_mut() {
             config.remove("name");
         }
-        let told = encode(&(&self.plugin, &config, &self.files));
-        blake3::hash(&told).to_hex().to_string()
+        let given = encode(&(&self.plugin, &config, &self.files));
+        blake3::hash(&given).to_hex().to_string()
     }
 }
 
@@ -53,13 +55,13 @@ pub(crate) fn source_setup(
     match &request.input {
         Input::Plugin(name) if [SOURCE_SCRIPT, SOURCE_RECORDING].contains(&name.as_str()) => {
             refuse(format!(
-                "\"{name}\" plays files: say script:FILE or recording:FILE"
+                "\"{name}\" plays files: give script:FILE or recording:FILE"
             ))
         }
         Input::Plugin(name) => Ok(SourceSetup {
             plugin: name.clone(),
             why: "the input is asked for by name".into(),
-            config: json!({}),
+            config: Value::Object(Map::new()),
             files: Vec::new(),
             devices: None,
             note: None,
@@ -84,10 +86,12 @@ pub(crate) fn source_setup(
                         .map(|t| t.name.clone())
                         .collect(),
                 ),
-                config: json!({ "script": script.document.value() }),
                 files: Vec::new(),
                 note: None,
-                synthetic: script.settings.synthetic,
+                synthetic: script.settings.synthetic.clone(),
+                config: config_value(&ScriptConfig {
+                    script: script.settings,
+                }),
             })
         }
         Input::Recording(given) => {
@@ -103,11 +107,16 @@ pub(crate) fn source_setup(
 }
 
 /// The set-up that plays a recording of these devices.
-fn recording(path: &Path, config: Value, bytes: Vec<u8>, devices: Vec<String>) -> SourceSetup {
+fn recording(
+    path: &Path,
+    config: &RecordingConfig,
+    bytes: Vec<u8>,
+    devices: Vec<String>,
+) -> SourceSetup {
     SourceSetup {
         plugin: SOURCE_RECORDING.into(),
         why: format!("the input is the recording {}", path.display()),
-        config,
+        config: config_value(config),
         files: vec![SetupFile {
             name: "recording".into(),
             bytes,
@@ -127,9 +136,11 @@ fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<SourceSetup, AssembleError> 
     }
     let map = settings::load_recording_map(path)?;
     let devices = map.settings.device.iter().map(|d| d.name.clone()).collect();
-    let config =
-        json!({ "format": "csv", "name": path.display().to_string(), "map": map.document.value() });
-    Ok(recording(path, config, bytes, devices))
+    let config = RecordingConfig::Csv {
+        name: path.display().to_string(),
+        map: Box::new(map.settings),
+    };
+    Ok(recording(path, &config, bytes, devices))
 }
 
 /// Checks a recording in CSV, its column map and every row, by the plugin that would play it.
@@ -170,11 +181,10 @@ fn session_input(path: &Path, bytes: &[u8]) -> Result<SourceSetup, AssembleError
         );
         format!("not complete: {complaint}")
     });
-    let config = json!({ "format": "samples" });
     let devices = devices.into_iter().collect();
     Ok(SourceSetup {
         note,
         synthetic: session.header.plan.synthetic,
-        ..recording(path, config, encode(&samples), devices)
+        ..recording(path, &RecordingConfig::Samples, encode(&samples), devices)
     })
 }

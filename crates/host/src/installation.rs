@@ -1,9 +1,11 @@
 //! What is installed below one folder: plugins, modules with their levels, and how the host runs sessions.
 
-use crate::assemble::AssembleError;
+use crate::request::AssembleError;
 use microsim_settings as settings;
-use settings::{Loaded, Manifest};
+use settings::{Level, Loaded, Manifest};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// An installed tree: `plugins/`, `modules/`, `config/`, `assets/` below one folder.
 #[derive(Debug)]
@@ -18,6 +20,8 @@ pub struct Installation {
     pub host: settings::Host,
     /// What is wrong with single plugins or modules; they are hidden.
     pub complaints: Vec<settings::ConfigError>,
+    /// Levels that were read already, by their files: each is parsed once in a process.
+    levels: Mutex<BTreeMap<PathBuf, Arc<Loaded<Level>>>>,
 }
 
 impl Installation {
@@ -32,6 +36,7 @@ impl Installation {
             tree,
             host,
             complaints,
+            levels: Mutex::default(),
         })
     }
 
@@ -117,11 +122,7 @@ impl Installation {
     }
 
     /// A level of a module, checked.
-    pub fn level(
-        &self,
-        module: &str,
-        level: u32,
-    ) -> Result<Loaded<settings::Level>, AssembleError> {
+    pub fn level(&self, module: &str, level: u32) -> Result<Arc<Loaded<Level>>, AssembleError> {
         let folder = self.module(module)?;
         let index = (level as usize).wrapping_sub(1);
         let path = folder.levels.get(index).ok_or_else(|| {
@@ -133,11 +134,14 @@ impl Installation {
                 format!("module \"{module}\" has {has}, not {level}") + &self.hidden(module),
             )
         })?;
-        Ok(settings::load_level(
-            path,
-            &folder.manifest.settings,
-            &known_metrics(),
-        )?)
+        let mut levels = self.levels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(read) = levels.get(path) {
+            return Ok(Arc::clone(read));
+        }
+        let read = settings::load_level(path, &folder.manifest.settings, &known_metrics())?;
+        let read = Arc::new(read);
+        levels.insert(path.clone(), Arc::clone(&read));
+        Ok(read)
     }
 
     /// A file by the name that an operator gave: as it stands, or below the installation.

@@ -13,13 +13,14 @@ pub mod engine;
 pub mod fault;
 mod input;
 pub mod installation;
+mod installed;
 pub mod loader;
 pub mod parallel;
 pub mod picture;
 pub mod plan;
-mod reason;
 pub mod record;
 pub mod replay;
+pub mod request;
 pub mod run;
 
 pub use engine::{Checkpoint, Engine, Feed};

@@ -2,63 +2,10 @@
 
 use microsim_bus::{KindInfo, Limits};
 use microsim_message::{LocalText, Setup};
+use microsim_settings::LevelPart;
+pub use microsim_settings::PluginKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-
-/// Kind of a plugin. The order is that of a tick; the last two only observe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PluginKind {
-    /// Gives input samples.
-    Source,
-    /// Makes tools of samples.
-    Translator,
-    /// Computes tissue.
-    Physics,
-    /// Judges.
-    Module,
-    /// Keeps the virtual objects.
-    Objects,
-    /// Draws.
-    Renderer,
-    /// Writes the session.
-    Recorder,
-}
-
-impl PluginKind {
-    /// Observers hear, but nothing in the run depends on them: no state, no place on the bus.
-    pub fn is_observer(self) -> bool {
-        matches!(self, Self::Renderer | Self::Recorder)
-    }
-
-    /// Name as in a manifest.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Source => "source",
-            Self::Translator => "translator",
-            Self::Physics => "physics",
-            Self::Module => "module",
-            Self::Objects => "objects",
-            Self::Renderer => "renderer",
-            Self::Recorder => "recorder",
-        }
-    }
-
-    /// Kind of a manifest.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [
-            Self::Source,
-            Self::Translator,
-            Self::Physics,
-            Self::Module,
-            Self::Objects,
-            Self::Renderer,
-            Self::Recorder,
-        ]
-        .into_iter()
-        .find(|k| k.name() == name)
-    }
-}
 
 /// A message kind that a plugin brings, as plain data.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -113,6 +60,13 @@ pub struct PlannedPlugin {
     pub setup: Setup,
 }
 
+impl PlannedPlugin {
+    /// Whether it only observes: nothing in the run depends on it, and it has no state and no place on the bus.
+    pub fn is_observer(&self) -> bool {
+        matches!(self.kind, PluginKind::Renderer | PluginKind::Recorder)
+    }
+}
+
 /// A line of `--explain` that is not a plugin: a body, an object, a contact pair, a method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannedPart {
@@ -122,6 +76,16 @@ pub struct PlannedPart {
     pub name: String,
     /// Why, one sentence.
     pub why: String,
+}
+
+impl From<LevelPart> for PlannedPart {
+    fn from(part: LevelPart) -> Self {
+        Self {
+            what: part.what.to_owned(),
+            name: part.name,
+            why: part.why,
+        }
+    }
 }
 
 /// All that a run loads and computes.

@@ -1,6 +1,6 @@
 //! What the host writes into a session, and how it is read back. The file format itself is the crate `session`'s.
 
-use crate::engine::StateDigest;
+use crate::engine::{Checkpoint, StateDigest};
 use crate::fault::Failure;
 use crate::plan::RunPlan;
 use microsim_message::{DecodeError, decode_bytes, encode};
@@ -14,9 +14,9 @@ pub mod kind {
     pub const HEADER: u8 = 1;
     /// [`super::TickRecord`].
     pub const TICK: u8 = 2;
-    /// [`crate::Checkpoint`]: the run went on from there.
+    /// [`super::Checkpoint`]: the run went on from there.
     pub const CHECKPOINT: u8 = 3;
-    /// [`crate::Failure`]: a plugin failed.
+    /// [`super::Failure`]: a plugin failed.
     pub const FAILURE: u8 = 4;
 }
 
@@ -98,7 +98,7 @@ pub struct Session {
     /// The first record.
     pub header: Header,
     /// Where the run went on from, if it did.
-    pub resumed: Option<crate::Checkpoint>,
+    pub resumed: Option<Checkpoint>,
     /// The ticks: index and record.
     pub ticks: Vec<(u64, TickRecord)>,
     /// The tick in which a plugin failed, up to the failure.

@@ -57,7 +57,7 @@ pub fn replay(
     // The input is in the ticks, and nothing is recorded again.
     for plugin in &mut plan.plugins {
         let drawn = plugin.kind == PluginKind::Renderer && options.pictures.is_some();
-        if plugin.kind == PluginKind::Source || (plugin.kind.is_observer() && !drawn) {
+        if plugin.kind == PluginKind::Source || (plugin.is_observer() && !drawn) {
             continue;
         }
         let located = locate(plugin)?;
@@ -169,8 +169,8 @@ fn refail(
 ) -> Option<Difference> {
     let failure = session.failures.first()?;
     let plan = &session.header.plan;
-    let kind = plan.plugins.iter().find(|p| p.name == failure.plugin)?.kind;
-    if kind == PluginKind::Source || kind.is_observer() {
+    let plugin = plan.plugins.iter().find(|p| p.name == failure.plugin)?;
+    if plugin.kind == PluginKind::Source || plugin.is_observer() {
         return None;
     }
     let what = match engine.tick(Feed::Recorded { log: &recorded.log }) {

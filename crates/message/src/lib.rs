@@ -21,7 +21,9 @@ pub use level::{
     TrainingResult,
 };
 pub use object::{Colour, Finish, ObjectScene, ObjectSet, ObjectState, Shape};
-pub use setup::{Log, LogLevel, PictureRequest, Progress, SessionRecord, Setup, SetupFile};
+pub use setup::{
+    Log, LogLevel, PictureRequest, Progress, SessionRecord, Setup, SetupFile, config_value,
+};
 pub use tool::{
     ContactForce, ContactForces, GRIP_MIN, TissueCut, TissueRecovery, ToolSample, ToolState,
     ToolStates, ToolStatus,

@@ -1,8 +1,8 @@
 //! What the host tells a plugin at the start, and the small services that travel as messages.
 
-use crate::{LocalText, Message};
+use crate::{DecodeError, LocalText, Message};
 use microsim_bus::Overflow;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// A file of the plugin's own, by the name in its manifest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,7 +14,7 @@ pub struct SetupFile {
     pub bytes: Vec<u8>,
 }
 
-/// All that a plugin is told before it starts. Equal set-ups and equal messages give equal runs.
+/// All that a plugin is given before it starts. Equal set-ups and equal messages give equal runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
     /// Name of the plugin.
@@ -27,10 +27,23 @@ pub struct Setup {
     pub steps: u32,
     /// Number of the level, from 1.
     pub level: u32,
-    /// The parts of the configuration that this kind of plugin gets, checked and in SI units.
+    /// The configuration of this kind of plugin, checked and in SI units; see [`Setup::configuration`].
     pub config: serde_json::Value,
     /// Files of its own.
     pub files: Vec<SetupFile>,
+}
+
+impl Setup {
+    /// The configuration as the type that host and plugin share.
+    pub fn configuration<T: DeserializeOwned>(&self) -> Result<T, DecodeError> {
+        let read = T::deserialize(&self.config);
+        read.map_err(|e| DecodeError(format!("the configuration of \"{}\": {e}", self.name)))
+    }
+}
+
+/// A configuration as the value of a set-up.
+pub fn config_value<T: Serialize>(config: &T) -> serde_json::Value {
+    serde_json::to_value(config).expect("plain data")
 }
 
 /// Severity of a log line.

@@ -4,12 +4,12 @@
 //! targets are done, which reasons speak against a pass and what its own metrics are. The mathematics is the crate
 //! `training`'s.
 
-use crate::{Fault, Setup, Tick};
+use crate::{Fault, Tick};
 use microsim_message::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText,
     MetricRecord, ToolSample, TrainingResult,
 };
-use microsim_settings as settings;
+use microsim_settings::{self as settings, ModuleConfig};
 use microsim_training as training;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,25 +17,6 @@ use training::{Measurement, MetricDefinition, MetricValue, MotionLog, TargetCoun
 
 /// Ids of metrics that the course itself gives a meaning.
 const TIME: &str = training::id::TIME;
-
-/// What a level and its module's manifest say, as every module gets it in its set-up.
-#[derive(Debug, Deserialize)]
-pub struct CourseConfig {
-    /// Tool slots.
-    pub tools: Vec<settings::ToolSlot>,
-    /// Shapes of the tool models, by name.
-    pub models: BTreeMap<String, settings::Tool>,
-    /// What is demanded.
-    pub limits: Vec<settings::Limit>,
-    /// Parameters of the motion metrics.
-    pub metrics: settings::MetricParameters,
-    /// Metrics that the module brings.
-    pub own_metrics: Vec<settings::ModuleMetric>,
-    /// Reasons for failing that the module declares.
-    pub reasons: Vec<settings::Reason>,
-    /// The level's `[module]` table: the keys that the manifest declares, in SI units.
-    pub module: serde_json::Value,
-}
 
 /// What evolves.
 #[derive(Serialize, Deserialize)]
@@ -176,7 +157,7 @@ fn direction_id(direction: training::Direction) -> &'static str {
 
 impl Course {
     /// The course of a level with these targets.
-    pub fn new(config: &CourseConfig, targets: Vec<String>) -> Result<Self, Fault> {
+    pub fn new(config: &ModuleConfig, targets: Vec<String>) -> Result<Self, Fault> {
         let fault = |e: &dyn std::error::Error| Fault::new(e.to_string());
         let machine = training::LevelMachine::new(targets.clone()).map_err(|e| fault(&e))?;
         let mut definitions: Vec<MetricDefinition> = training::MOTION_METRICS.to_vec();
@@ -589,19 +570,5 @@ impl Course {
         self.shortest_path = state.shortest_path;
         self.refused = state.refused;
         Ok(())
-    }
-}
-
-impl CourseConfig {
-    /// From a module's set-up.
-    pub fn new(setup: &Setup) -> Result<Self, Fault> {
-        Ok(serde_json::from_value(setup.config.clone())?)
-    }
-
-    /// Slots of the tools that hold tissue: those that do not cut it.
-    pub fn holders(&self) -> Vec<String> {
-        let cuts = |model: &str| self.models.get(model).is_some_and(|m| m.sharpness > 0.0);
-        let holding = self.tools.iter().filter(|tool| !cuts(&tool.model));
-        holding.map(|tool| tool.name.clone()).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! The frame of a training module: set up, hear, judge, conclude, save and restore. A module says what is asked for
 //! ([`Exercise`]); [`Training`] makes a plugin of it.
 
-use crate::{Course, CourseConfig, Fault, Plugin, Services, Setup, Tick};
+use crate::{Course, Fault, ModuleConfig, Plugin, Services, Setup, Tick};
 use microsim_message::{decode_bytes, encode};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -13,7 +13,7 @@ pub trait Exercise: fmt::Debug + Send + Sized + 'static {
     type State: fmt::Debug + Serialize + DeserializeOwned + Send;
 
     /// From the set-up of a level, with the ids of its targets.
-    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault>;
+    fn new(setup: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault>;
 
     /// The state before the first tick.
     fn start(&self) -> Result<Self::State, Fault>;
@@ -61,7 +61,7 @@ impl<E: Exercise> Plugin for Training<E> {
     }
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        let config = CourseConfig::new(setup)?;
+        let config: ModuleConfig = setup.configuration()?;
         let (exercise, targets) = E::new(setup, &config)?;
         self.level = Some(Level {
             course: Course::new(&config, targets)?,

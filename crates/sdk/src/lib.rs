@@ -29,14 +29,14 @@ pub mod tissue;
 mod tray;
 mod way;
 
-pub use course::{Course, CourseConfig};
+pub use course::Course;
 pub use direction::{axis, turned_to};
 pub use exercise::{Exercise, Training};
 pub use fault::Fault;
 pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as name_id};
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
-pub use microsim_settings::{Object, Shape};
+pub use microsim_settings::{ModuleConfig, Object, Shape};
 pub use parallel::Parallel;
 pub use playback::Playback;
 pub use plugin::{Plugin, Services};

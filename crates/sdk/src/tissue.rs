@@ -16,19 +16,13 @@ pub use patch::{Patch, PatchPlace};
 pub use pieces::{PieceView, Probes};
 pub use ring::Ring;
 
-use crate::{Fault, Setup};
-use serde::Deserialize;
+use crate::Fault;
+use microsim_settings::ModuleConfig;
 
 /// The name of the tissue of a level: its first body. A fault where it has none.
-pub fn tissue_of(setup: &Setup) -> Result<String, Fault> {
-    #[derive(Deserialize)]
-    struct Named {
-        name: String,
-    }
-    let bodies: Vec<Named> = serde_json::from_value(setup.config["bodies"].clone())?;
-    let body = bodies.into_iter().next();
-    let body = body.ok_or_else(|| Fault::new("the level needs a [[body]]: the tissue"))?;
-    Ok(body.name)
+pub fn tissue_of(config: &ModuleConfig) -> Result<String, Fault> {
+    let body = config.bodies.first().cloned();
+    body.ok_or_else(|| Fault::new("the level needs a [[body]]: the tissue"))
 }
 
 /// Between two places \[m\].

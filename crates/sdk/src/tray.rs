@@ -1,6 +1,6 @@
 //! The inner space of a tray: where a module finds out what lies in it.
 
-use crate::{Fault, Setup};
+use crate::Fault;
 use microsim_geometry::Pose;
 use microsim_settings::{Rigid, RigidShape};
 use nalgebra::Vector3;
@@ -15,14 +15,13 @@ pub struct Tray {
 }
 
 impl Tray {
-    /// The tray of this name among the rigid things that a module is told of. A fault where there is none.
-    pub fn named(setup: &Setup, name: &str) -> Result<Self, Fault> {
-        let things: Vec<Rigid> = serde_json::from_value(setup.config["rigid"].clone())?;
-        let thing = things.into_iter().find(|thing| thing.name == name);
-        match thing.as_ref().map(|thing| (thing, thing.shape)) {
-            Some((thing, RigidShape::Tray { half_size, .. })) => Ok(Self {
+    /// The tray of this name among the rigid obstacles of a level. A fault where there is none.
+    pub fn named(rigid: &[Rigid], name: &str) -> Result<Self, Fault> {
+        let obstacle = rigid.iter().find(|rigid| rigid.name == name);
+        match obstacle.map(|rigid| (rigid, rigid.shape)) {
+            Some((rigid, RigidShape::Tray { half_size, .. })) => Ok(Self {
                 name: name.to_owned(),
-                pose: Pose::from_arrays(thing.position, thing.orientation),
+                pose: Pose::from_arrays(rigid.position, rigid.orientation),
                 half_size,
             }),
             _ => Err(Fault::new(format!(
@@ -65,28 +64,20 @@ mod tests {
     use super::*;
     use serde_json::{Value, json};
 
-    fn setup(rigid: Value) -> Setup {
-        Setup {
-            name: "module".into(),
-            seed: 0,
-            tick_ns: 1_000_000,
-            steps: 1,
-            level: 1,
-            config: json!({ "rigid": rigid }),
-            files: Vec::new(),
-        }
+    fn obstacles(rigid: Value) -> Vec<Rigid> {
+        serde_json::from_value(rigid).expect("rigid obstacles")
     }
 
     /// Turned by a quarter about z, its long side lies along y.
     #[test]
     fn a_turned_tray_holds_what_lies_along_its_own_axes() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
-        let setup = setup(json!([{
+        let rigid = obstacles(json!([{
             "name": "tray", "shape": "tray", "half_size": [0.004, 0.002, 0.001], "wall": 0.0005,
             "position": [0.01, 0.0, -0.005], "orientation": [0.0, 0.0, half, half],
             "colour": "#c8ccd0", "finish": "matte",
         }]));
-        let tray = Tray::named(&setup, "tray").expect("a tray");
+        let tray = Tray::named(&rigid, "tray").expect("a tray");
         assert!(tray.contains([0.011, 0.0035, -0.0045]));
         assert!(!tray.contains([0.0135, 0.0, -0.005]));
         assert!(!tray.contains([0.01, 0.0, -0.0035]), "above the rim");
@@ -103,12 +94,12 @@ mod tests {
 
     #[test]
     fn what_is_no_tray_is_refused_by_name() {
-        let plane = setup(json!([{
+        let plane = obstacles(json!([{
             "name": "tray", "shape": "plane", "position": [0.0, 0.0, 0.0],
             "orientation": [0.0, 0.0, 0.0, 1.0], "colour": "#c8ccd0", "finish": "matte",
         }]));
-        for setup in [plane, setup(json!([]))] {
-            let fault = Tray::named(&setup, "tray").expect_err("no tray");
+        for rigid in [plane, Vec::new()] {
+            let fault = Tray::named(&rigid, "tray").expect_err("no tray");
             assert!(fault.to_string().contains("\"tray\""), "{fault}");
         }
     }

@@ -21,6 +21,7 @@ mod describe;
 mod discover;
 mod document;
 mod error;
+mod explain;
 mod guess;
 mod host;
 mod level;
@@ -62,6 +63,7 @@ pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
 pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
+pub use explain::{LevelPart, level_parts};
 pub use guess::guess_kind;
 pub use host::{
     Host, LateSettings, PageLanguage, PictureSettings, QueueSettings, ReportSettings,
@@ -80,8 +82,8 @@ pub use manifest_schema::manifest_schema;
 pub use method::{Accuracy, Method, MethodName, Tuned};
 pub use overrides::Override;
 pub use plugin_config::{
-    BodyLook, ModuleConfig, ObjectsConfig, PhysicsConfig, RecorderConfig, RecordingConfig, RendererConfig, ScriptConfig,
-    ToolModels, TranslatorConfig,
+    BodyLook, ModuleConfig, ObjectsConfig, PhysicsConfig, RecorderConfig, RecordingConfig,
+    RendererConfig, ScriptConfig, ToolModels, TranslatorConfig,
 };
 pub use recording::{
     DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,

@@ -81,6 +81,11 @@ impl PluginKind {
         "renderer",
         "recorder",
     ];
+
+    /// As files write it.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
 }
 
 /// A message kind that a plugin brings.

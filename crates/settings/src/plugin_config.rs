@@ -163,10 +163,13 @@ pub struct ModuleConfig {
     /// The level's `[module]` table: the keys that the manifest declares, in SI units.
     pub module: Value,
     /// The level's objects.
+    #[serde(default)]
     pub objects: Vec<Object>,
     /// Names of the bodies; what is known of their tissue comes over the bus.
+    #[serde(default)]
     pub bodies: Vec<String>,
     /// The level's rigid obstacles.
+    #[serde(default)]
     pub rigid: Vec<Rigid>,
 }
 

@@ -12,7 +12,7 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::tissue::{Booking, Grasp, Patch, Probes, colour, show_colour, show_mark};
 use microsim_sdk::{
-    BlockView, Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, export_plugin,
+    BlockView, Course, Exercise, Fault, ModuleConfig, Setup, Tick, Training, export_plugin,
     turned_to,
 };
 use microsim_training::DwellState;
@@ -358,8 +358,8 @@ impl Coordination {
 impl Exercise for Coordination {
     type State = State;
 
-    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
-        let site = Site::new(setup, config)?;
+    fn new(_: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault> {
+        let site = Site::new(config)?;
         let targets = site.targets();
         Ok((Self { site }, targets))
     }

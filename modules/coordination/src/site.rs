@@ -1,7 +1,7 @@
 //! What a level asks for, from its file: marks, clamps, ring, tray, and which tools hold.
 
 use microsim_sdk::tissue::{MarkLine, Ring, mark_places, tissue_of};
-use microsim_sdk::{CourseConfig, Fault, Object, Setup, Shape, Tray, least_way};
+use microsim_sdk::{Fault, ModuleConfig, Object, Shape, Tray, least_way};
 use serde::Deserialize;
 
 /// The rigid thing of the level that is the tray, and the target of what is put into it.
@@ -89,11 +89,11 @@ pub(crate) struct Site {
 }
 
 impl Site {
-    /// From the set-up of a level.
-    pub fn new(setup: &Setup, config: &CourseConfig) -> Result<Self, Fault> {
+    /// From the configuration of a level.
+    pub fn new(config: &ModuleConfig) -> Result<Self, Fault> {
         let keys: Keys = serde_json::from_value(config.module.clone())?;
-        let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
-        let marks = mark_places(&objects)?;
+        let objects = &config.objects;
+        let marks = mark_places(objects)?;
         let marks: Result<Vec<Mark>, Fault> = marks.iter().map(Mark::new).collect();
         let marks = marks?;
         let [left, right] = CLAMPS.map(|name| {
@@ -131,15 +131,15 @@ impl Site {
             ));
         }
         Ok(Self {
-            body: tissue_of(setup)?,
+            body: tissue_of(config)?,
             tools: config.tools.iter().map(|tool| tool.name.clone()).collect(),
             holders,
             ring: match keys.task {
-                Task::Hold => Some(Ring::named(&objects, RING)?),
+                Task::Hold => Some(Ring::named(objects, RING)?),
                 _ => None,
             },
             tray: match keys.task {
-                Task::Deliver => Some(Tray::named(setup, TRAY)?),
+                Task::Deliver => Some(Tray::named(&config.rigid, TRAY)?),
                 _ => None,
             },
             clamps,

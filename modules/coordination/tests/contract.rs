@@ -87,7 +87,7 @@ fn config(task: &str, limits: Value) -> Value {
             "name": "tray", "shape": "tray", "position": [0.0, -0.01, -0.003], "orientation": [0.0, 0.0, 0.0, 1.0],
             "half_size": [0.003, 0.002, 0.001], "wall": 0.0005, "colour": "#c8ccd0", "finish": "matte",
         }],
-        "bodies": [{ "name": "tissue" }],
+        "bodies": ["tissue"],
     })
 }
 

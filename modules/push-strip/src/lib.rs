@@ -17,7 +17,7 @@ use microsim_sdk::tissue::{
     tissue_of,
 };
 use microsim_sdk::{
-    BlockView, Course, CourseConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, Tray,
+    BlockView, Course, Exercise, Fault, ModuleConfig, Object, Setup, Shape, Tick, Training, Tray,
     export_plugin, least_way,
 };
 use microsim_training::{Dwell, DwellState};
@@ -267,17 +267,21 @@ fn reason(state: &State, task: &Task) -> &'static str {
 impl Exercise for PushStrip {
     type State = State;
 
-    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
+    fn new(_: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault> {
         let keys: Keys = serde_json::from_value(config.module.clone())?;
-        let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
-        let marks = mark_places(&objects)?;
+        let objects = &config.objects;
+        let marks = mark_places(objects)?;
         let task = match keys.task {
             TaskName::Push => Task::Push {
                 depth: keys.depth,
                 tolerance: keys.depth_tolerance,
             },
-            TaskName::Hold => Task::Hold(Ring::named(&objects, RING)?),
-            TaskName::Cut => Task::Cut(Site::new(&marks[0], &objects, Tray::named(setup, TRAY)?)?),
+            TaskName::Hold => Task::Hold(Ring::named(objects, RING)?),
+            TaskName::Cut => Task::Cut(Site::new(
+                &marks[0],
+                objects,
+                Tray::named(&config.rigid, TRAY)?,
+            )?),
         };
         let tools = config.holders();
         if tools.is_empty() {
@@ -297,7 +301,7 @@ impl Exercise for PushStrip {
             task,
             marks,
             targets: targets.clone(),
-            body: tissue_of(setup)?,
+            body: tissue_of(config)?,
             tools,
         };
         Ok((exercise, targets))

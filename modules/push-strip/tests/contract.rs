@@ -40,7 +40,7 @@ fn host() -> TestHost<Module> {
                 "orientation": [0.0, 0.0, 0.0, 1.0], "colour": "#888888", "finish": "matte", "active": false,
             },
         ],
-        "bodies": [{ "name": "strip" }],
+        "bodies": ["strip"],
     });
     let manifest = include_str!("../module.toml");
     let host = TestHost::of_module(manifest, 1, 1, config).expect("a complete set-up");

@@ -66,7 +66,7 @@ fn ready() -> TestHost<Module> {
             "name": "tray", "shape": "tray", "position": [-0.01, 0.0, -0.0035], "orientation": [0.0, 0.0, 0.0, 1.0],
             "half_size": [0.003, 0.002, 0.001], "wall": 0.0005, "colour": "#c8ccd0", "finish": "matte",
         }],
-        "bodies": [{ "name": "strip" }],
+        "bodies": ["strip"],
     });
     let manifest = include_str!("../module.toml");
     let host = TestHost::of_module(manifest, 1, 4, config).expect("a complete set-up");

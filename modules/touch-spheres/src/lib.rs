@@ -13,8 +13,8 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::tissue::{colour, distance, mark_colour, show_colour};
 use microsim_sdk::{
-    Course, CourseConfig, Exercise, Fault, Setup, Tick, Training, axis, export_plugin, least_way,
-    turned_to,
+    Course, Exercise, Fault, ModuleConfig, Setup, Shape, Tick, Training, axis, export_plugin,
+    least_way, turned_to,
 };
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
@@ -33,15 +33,6 @@ pub struct Keys {
     pub spread: [f64; 3],
     /// \[rad\]
     pub direction_max: f64,
-}
-
-/// What of the level's objects matters here.
-#[derive(Debug, Deserialize)]
-struct ObjectKeys {
-    name: String,
-    count: Option<u32>,
-    radius: Option<f64>,
-    length: Option<f64>,
 }
 
 /// What evolves here besides the course.
@@ -195,17 +186,16 @@ fn reason(state: &State, keys: &Keys) -> Option<&'static str> {
 impl Exercise for TouchSpheres {
     type State = State;
 
-    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
+    fn new(setup: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault> {
         let keys: Keys = serde_json::from_value(config.module.clone())?;
-        let objects: Vec<ObjectKeys> = serde_json::from_value(setup.config["objects"].clone())?;
         let object = |name: &str| {
-            let found = objects.iter().find(|o| o.name == name);
+            let found = config.objects.iter().find(|o| o.name == name);
             found.ok_or_else(|| Fault::new(format!("the level needs an object \"{name}\"")))
         };
         let sphere = object("sphere")?;
-        let (Some(count), Some(radius)) = (sphere.count, sphere.radius) else {
+        let (Some(count), Shape::Sphere { radius }) = (sphere.count, sphere.shape) else {
             return Err(Fault::new(
-                "the level's object \"sphere\" needs `count` and `radius`",
+                "the level's object \"sphere\" has to be a sphere with a `count`",
             ));
         };
         let count = count as usize;
@@ -213,7 +203,10 @@ impl Exercise for TouchSpheres {
         let tool = config.tools.first();
         let tool = tool.ok_or_else(|| Fault::new("the level needs a tool"))?;
         let exercise = Self {
-            needle: object(NEEDLE)?.length.unwrap_or_default(),
+            needle: match object(NEEDLE)?.shape {
+                Shape::Capsule { length, .. } => length,
+                _ => 0.0,
+            },
             tool: tool.name.clone(),
             keys,
             radius,

@@ -23,6 +23,15 @@ fn metric(id: &str, unit: &str) -> serde_json::Value {
     })
 }
 
+fn object(mut keys: serde_json::Value) -> serde_json::Value {
+    keys["position"] = json!([0.0, 0.0, 0.0]);
+    keys["orientation"] = json!([0.0, 0.0, 0.0, 1.0]);
+    keys["colour"] = json!("#888888");
+    keys["finish"] = json!("matte");
+    keys["active"] = json!(false);
+    keys
+}
+
 fn host() -> TestHost<Module> {
     let config = json!({
         "tools": [{ "name": "right", "model": "forceps" }],
@@ -40,8 +49,8 @@ fn host() -> TestHost<Module> {
             "angle_tolerance": 0.3, "dwell": 0.4, "spread": SPREAD, "direction_max": DIRECTION_MAX,
         },
         "objects": [
-            { "name": "sphere", "count": 2, "radius": RADIUS },
-            { "name": "needle", "length": 0.004 },
+            object(json!({ "name": "sphere", "count": 2, "shape": "sphere", "radius": RADIUS })),
+            object(json!({ "name": "needle", "shape": "capsule", "radius": 1e-4, "length": 0.004 })),
         ],
     });
     let manifest = include_str!("../module.toml");

@@ -9,16 +9,9 @@ use microsim_sdk::message::{
     Colour, Finish, ObjectScene, ObjectSet, ObjectState, Pose, Shape, decode_bytes, encode,
 };
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
-use microsim_settings::{Object, Rigid, Shape as LevelShape, Solid};
+use microsim_settings::{ObjectsConfig, Rigid, Shape as LevelShape, Solid};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// What the level says.
-#[derive(Debug, Deserialize)]
-struct Config {
-    objects: Vec<Object>,
-    rigid: Vec<Rigid>,
-}
 
 /// What does not change.
 #[derive(Debug)]
@@ -163,7 +156,7 @@ impl Plugin for Objects {
     }
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let config: ObjectsConfig = setup.configuration()?;
         for thing in &config.rigid {
             self.add_rigid(thing);
         }

@@ -11,27 +11,10 @@ use microsim_sdk::message::{
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
 };
-use microsim_settings as settings;
+use microsim_settings::PhysicsConfig;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
-
-/// The parts of a level that physics needs.
-#[derive(Debug, Deserialize)]
-struct Config {
-    physics: settings::Physics,
-    method: settings::Method,
-    bodies: Vec<settings::Body>,
-    rigid: Vec<settings::Rigid>,
-    contacts: Vec<settings::ContactPair>,
-    /// Whether there is any friction.
-    friction: bool,
-    /// What cuts what; nothing of a run without lines of no return.
-    cuts: Option<Vec<settings::CutPair>>,
-    tools: Vec<settings::ToolSlot>,
-    models: BTreeMap<String, settings::Tool>,
-}
 
 /// Pose and opening of a tool at the end of the last tick, while it is tracked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -158,7 +141,7 @@ impl Plugin for Physics {
     }
 
     fn initialise(&mut self, setup: &Setup, services: Services) -> Result<(), Fault> {
-        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let config: PhysicsConfig = setup.configuration()?;
         let mut contacts = config.contacts.clone();
         if !config.friction {
             contacts.iter_mut().for_each(|pair| pair.friction = 0.0);
@@ -169,7 +152,7 @@ impl Plugin for Physics {
             bodies: &config.bodies,
             rigid: &config.rigid,
             contacts: &contacts,
-            cuts: config.cuts.as_deref().unwrap_or_default(),
+            cuts: if config.cutting { &config.cuts } else { &[] },
             tools: &config.tools,
             models: &config.models,
         };
@@ -184,7 +167,7 @@ impl Plugin for Physics {
         let mut spec = described
             .map_err(|error| Fault::new(error.to_string()))?
             .spec;
-        if config.cuts.is_none() {
+        if !config.cutting {
             let bodies = spec.bodies.iter_mut();
             bodies.for_each(|body| body.tear_strains.clear());
         }

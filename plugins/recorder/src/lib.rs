@@ -7,15 +7,9 @@
 use microsim_sdk::message::SessionRecord;
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_session::Writer;
-use serde::Deserialize;
+use microsim_settings::RecorderConfig;
 use std::fs::File;
 use std::path::PathBuf;
-
-/// Where to write.
-#[derive(Debug, Deserialize)]
-struct Config {
-    path: PathBuf,
-}
 
 /// The recorder.
 #[derive(Debug, Default)]
@@ -39,7 +33,7 @@ impl Plugin for Recorder {
     }
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let config: RecorderConfig = setup.configuration()?;
         self.path = config.path;
         let file = File::create_new(&self.path).and_then(Writer::create);
         self.writer = Some(file.map_err(|error| {

@@ -11,10 +11,8 @@ use microsim_sdk::message::{
     ToolStatus,
 };
 use microsim_sdk::{BlockView, Fault, Plugin, Services, Setup, Tick, export_plugin};
-use microsim_settings as settings;
+use microsim_settings::{self as settings, BodyLook, RendererConfig};
 use nalgebra::{UnitQuaternion, Vector3};
-use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What shows where nothing lies: the colour of a wet drape.
@@ -27,20 +25,10 @@ const PLANE_THICKNESS: f64 = 0.02;
 /// Opacity of a tool whose pose is not up to date.
 const LOST_OPACITY: f32 = 0.35;
 
-/// The parts of level and host configuration that pictures need.
-#[derive(Debug, Deserialize)]
-struct Config {
-    view: settings::View,
-    models: BTreeMap<String, settings::Tool>,
-    bodies: Vec<settings::Body>,
-    width: u32,
-    height: u32,
-}
-
 /// The renderer of a run.
 #[derive(Default)]
 pub struct PictureRenderer {
-    config: Option<Config>,
+    config: Option<RendererConfig>,
     renderer: Option<Renderer>,
 }
 
@@ -135,7 +123,7 @@ fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
     items.collect()
 }
 
-fn body(block: &BlockView<'_>, bodies: &[settings::Body]) -> Option<Vec<Item>> {
+fn body(block: &BlockView<'_>, bodies: &[BodyLook]) -> Option<Vec<Item>> {
     let body = bodies
         .iter()
         .find(|b| microsim_sdk::name_id(&b.name) == block.name())?;
@@ -163,7 +151,7 @@ fn body(block: &BlockView<'_>, bodies: &[settings::Body]) -> Option<Vec<Item>> {
 }
 
 impl PictureRenderer {
-    fn picture(config: &Config, tick: &Tick<'_>) -> Result<Picture, Fault> {
+    fn picture(config: &RendererConfig, tick: &Tick<'_>) -> Result<Picture, Fault> {
         let scene = tick.latest::<ObjectScene>()?.unwrap_or_default();
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default();
         let mut items: Vec<Item> = scene
@@ -206,7 +194,7 @@ impl Plugin for PictureRenderer {
     }
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        self.config = Some(serde_json::from_value(setup.config.clone())?);
+        self.config = Some(setup.configuration()?);
         let gpu = Gpu::off_screen().map_err(|error| Fault::unavailable(error.to_string()))?;
         let renderer = Renderer::new(&gpu);
         self.renderer = Some(renderer.map_err(|error| Fault::unavailable(error.to_string()))?);

@@ -3,27 +3,11 @@
 
 use microsim_sdk::message::{InputSample, Pose, decode_bytes};
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
-use microsim_settings::{RecordingMap, Unit};
+use microsim_settings::{RecordingConfig, RecordingMap, Unit};
 use microsim_tracking::{Column, ColumnMap, DeviceColumns, OpeningColumn, Sample, read_csv};
-use serde::Deserialize;
 
 /// Name of the file with the motion.
 const FILE: &str = "recording";
-
-/// What the file is.
-#[derive(Debug, Deserialize)]
-#[serde(tag = "format", rename_all = "kebab-case")]
-enum Config {
-    /// A CSV file with its column map.
-    Csv {
-        /// Its name, for complaints.
-        name: String,
-        /// The TOML beside it, checked.
-        map: Box<RecordingMap>,
-    },
-    /// The input samples of a session, each with the time at which it arrived.
-    Samples,
-}
 
 /// Plays recorded motion.
 #[derive(Debug, Default)]
@@ -81,19 +65,19 @@ impl Plugin for RecordingSource {
     }
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let config: RecordingConfig = setup.configuration()?;
         let file = setup.files.iter().find(|f| f.name == FILE);
         let bytes = &file
             .ok_or_else(|| Fault::new("no file \"recording\" in the set-up"))?
             .bytes;
         self.playback = match config {
-            Config::Csv { name, map } => {
+            RecordingConfig::Csv { name, map } => {
                 let recording = read_csv(bytes, &name, &column_map(&map)?);
                 let recording = recording.map_err(|error| Fault::new(error.to_string()))?;
                 let samples = recording.samples.into_iter().map(message).collect();
                 Playback::by_device_time(&setup.name, samples)
             }
-            Config::Samples => Playback::new(&setup.name, decode_bytes(bytes)?),
+            RecordingConfig::Samples => Playback::new(&setup.name, decode_bytes(bytes)?),
         };
         Ok(())
     }

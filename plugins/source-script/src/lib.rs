@@ -2,15 +2,8 @@
 
 use microsim_sdk::message::{InputSample, Pose};
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
-use microsim_settings as settings;
+use microsim_settings::{Script, ScriptConfig};
 use microsim_tracking::Sample;
-use serde::Deserialize;
-
-/// The script, checked and in SI units.
-#[derive(Debug, Deserialize)]
-struct Config {
-    script: settings::Script,
-}
 
 /// Plays a script.
 #[derive(Debug, Default)]
@@ -18,7 +11,7 @@ pub struct ScriptSource {
     playback: Playback,
 }
 
-fn samples(script: &settings::Script) -> Result<Vec<InputSample>, Fault> {
+fn samples(script: &Script) -> Result<Vec<InputSample>, Fault> {
     let played = script.motion();
     let played = played.map_err(|error| Fault::new(format!("the script: {error}")))?;
     Ok(played.samples(script.rate).map(message).collect())
@@ -43,7 +36,7 @@ impl Plugin for ScriptSource {
     }
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let config: ScriptConfig = setup.configuration()?;
         self.playback = Playback::by_device_time(&setup.name, samples(&config.script)?);
         Ok(())
     }

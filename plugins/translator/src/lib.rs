@@ -7,21 +7,9 @@ use microsim_sdk::message::{
     InputSample, Pose, ToolSample, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
-use microsim_settings::{DeviceMap, ToolSlot};
+use microsim_settings::{DeviceMap, ToolSlot, TranslatorConfig};
 use microsim_tracking::{self as tracking, Mapping, Opening, Sample, Translator};
-use serde::Deserialize;
 use std::collections::BTreeSet;
-
-/// What the level and `config/translator.toml` say.
-#[derive(Debug, Deserialize)]
-struct Config {
-    /// \[s\]
-    stale_after: f64,
-    /// One device per tool at most.
-    devices: Vec<DeviceMap>,
-    /// All tools of the level.
-    tools: Vec<ToolSlot>,
-}
 
 /// The translator of a run.
 #[derive(Debug, Default)]
@@ -170,7 +158,7 @@ impl Plugin for TranslatorPlugin {
     }
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
-        let config: Config = serde_json::from_value(setup.config.clone())?;
+        let config: TranslatorConfig = setup.configuration()?;
         let mappings = config.devices.iter().map(mapping).collect();
         let translator = Translator::new(mappings, config.stale_after);
         self.translator = Some(translator.map_err(|error| Fault::new(error.to_string()))?);

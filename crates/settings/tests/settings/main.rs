@@ -4,6 +4,7 @@ mod agreement;
 mod bad_input;
 mod discovery;
 mod examples;
+mod plugin_config;
 mod random;
 
 use microsim_settings::*;

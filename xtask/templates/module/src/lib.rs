@@ -6,7 +6,7 @@
 use microsim_sdk::message::{Colour, LocalText, ToolStates, ToolStatus};
 use microsim_sdk::tissue::{colour, distance, show_colour};
 use microsim_sdk::{
-    Course, CourseConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, export_plugin,
+    Course, ModuleConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, export_plugin,
 };
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
@@ -57,8 +57,8 @@ impl {{Name}} {
 impl Exercise for {{Name}} {
     type State = State;
 
-    fn new(setup: &Setup, config: &CourseConfig) -> Result<(Self, Vec<String>), Fault> {
-        let objects: Vec<Object> = serde_json::from_value(setup.config["objects"].clone())?;
+    fn new(_: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault> {
+        let objects = &config.objects;
         let sphere = objects.iter().find(|o| o.name == SPHERE);
         let Some((centre, Shape::Sphere { radius })) = sphere.map(|o| (o.position, o.shape)) else {
             return Err(Fault::new("the level needs an [[object]] \"sphere\" of the shape \"sphere\""));

@@ -1,0 +1,150 @@
+//! A plugin as it is installed: its library, its files and the set-up that it is given.
+
+use crate::installation::Installation;
+use crate::loader::file_hash;
+use crate::plan::{OwnKind, PlannedPlugin, PluginKind};
+use crate::request::{AssembleError, refuse};
+use abi_stable::std_types::{ROption, RSlice};
+use microsim_message::{Setup, SetupFile, encode};
+use microsim_settings::{self as settings, Loaded, Manifest};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// What all plugins of a run are given alike.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RunSetup {
+    pub seed: u64,
+    pub tick_ns: u64,
+    pub steps: u32,
+    pub level: u32,
+}
+
+/// The folder of a manifest.
+fn folder(manifest: &Loaded<Manifest>) -> PathBuf {
+    let path = manifest.document.path();
+    path.parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+/// Where the library of a manifest lies.
+pub(crate) fn library(manifest: &Loaded<Manifest>) -> PathBuf {
+    folder(manifest).join(format!(
+        "{}{}{}",
+        std::env::consts::DLL_PREFIX,
+        manifest.settings.library,
+        std::env::consts::DLL_SUFFIX
+    ))
+}
+
+/// A plugin of a run with its configuration, `more` being files that the configuration names.
+pub(crate) fn planned(
+    manifest: &Loaded<Manifest>,
+    why: String,
+    run: RunSetup,
+    config: Value,
+    more: Vec<SetupFile>,
+) -> Result<PlannedPlugin, AssembleError> {
+    let m = &manifest.settings;
+    if m.abi != microsim_abi::ABI_VERSION {
+        return refuse(format!(
+            "plugin \"{}\" ({}): its manifest says version {} of the plugin contract, this host has version {}",
+            m.name,
+            manifest.document.path().display(),
+            m.abi,
+            microsim_abi::ABI_VERSION
+        ));
+    }
+    let library = library(manifest);
+    let library_hash = file_hash(&library).map_err(|e| {
+        AssembleError(format!(
+            "plugin \"{}\": its library {} cannot be read: {e}",
+            m.name,
+            library.display()
+        ))
+    })?;
+    let mut files = Vec::new();
+    for file in &m.file {
+        let path = folder(manifest).join(&file.path);
+        let bytes = std::fs::read(&path).map_err(|e| {
+            AssembleError(format!(
+                "plugin \"{}\": file {}: {e}",
+                m.name,
+                path.display()
+            ))
+        })?;
+        files.push(SetupFile {
+            name: file.name.clone(),
+            bytes,
+        });
+    }
+    files.extend(more);
+    let own_kind = |kind: &settings::MessageKind| OwnKind {
+        name: kind.name.clone(),
+        version: kind.version as u16,
+        drop_oldest: kind.overflow == settings::Overflow::DropOldest,
+    };
+    Ok(PlannedPlugin {
+        name: m.name.clone(),
+        kind: m.kind,
+        version: m.version.clone(),
+        publishes: m.publishes.clone(),
+        subscribes: m.subscribes.clone(),
+        own_kinds: m.message.iter().map(own_kind).collect(),
+        library,
+        manifest: manifest.document.text().to_owned(),
+        library_hash,
+        why,
+        setup: Setup {
+            name: m.name.clone(),
+            seed: run.seed,
+            tick_ns: run.tick_ns,
+            steps: run.steps,
+            level: run.level,
+            config,
+            files,
+        },
+    })
+}
+
+/// The installed plugin for a recorded one, for a replay.
+pub fn locate(
+    installation: &Installation,
+    recorded: &PlannedPlugin,
+) -> Result<PlannedPlugin, AssembleError> {
+    let manifest = match recorded.kind {
+        PluginKind::Module => &installation.module(&recorded.name)?.manifest,
+        _ => installation.plugin(&recorded.name)?,
+    };
+    let library = library(manifest);
+    let library_hash = file_hash(&library)
+        .map_err(|e| AssembleError(format!("library {}: {e}", library.display())))?;
+    Ok(PlannedPlugin {
+        library,
+        library_hash,
+        manifest: manifest.document.text().to_owned(),
+        ..recorded.clone()
+    })
+}
+
+/// Loads and initialises one plugin, and nothing more.
+pub(crate) fn probe(
+    installation: &Installation,
+    name: &str,
+    config: Value,
+    files: Vec<SetupFile>,
+) -> Result<(), String> {
+    let manifest = installation.plugin(name).map_err(|e| e.to_string())?;
+    let run = RunSetup {
+        seed: 0,
+        tick_ns: 1_000_000,
+        steps: 1,
+        level: 1,
+    };
+    let planned =
+        planned(manifest, String::new(), run, config, files).map_err(|e| e.to_string())?;
+    let mut object = crate::loader::load(&planned).map_err(|e| e.to_string())?;
+    let setup = encode(&planned.setup);
+    let result = object
+        .initialise(RSlice::from_slice(&setup), ROption::RNone)
+        .into_result();
+    result.map_err(|fault| fault.text.into_string())
+}
