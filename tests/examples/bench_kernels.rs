@@ -9,6 +9,8 @@
 //! how far the median lies above it. That is what a library would add here: criterion and divan measure one row after the
 //! other, which leaves a machine that slows down in the ratios. Nothing is asserted about time.
 
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tests::repository;
 use microsim_tissue::law::LawName;

@@ -16,6 +16,8 @@
 //! - [`system`]: the linear system of a body, phase by phase;
 //! - [`trainees`]: synthetic trainees, made and run.
 
+#![forbid(unsafe_code)]
+
 pub mod alter;
 pub mod comb;
 pub mod counts;

@@ -1,6 +1,8 @@
 //! `cargo xtask`: one program that builds, runs and checks MicroSim, the same for people and for servers. Needs nothing
 //! but cargo; [`command`] says what it can do.
 
+#![forbid(unsafe_code)]
+
 mod checks;
 mod child;
 mod command;

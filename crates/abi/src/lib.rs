@@ -20,12 +20,16 @@
 //! **Rationale.** Everything that a plugin says or hears is bytes, so that a plugin can be recorded, replayed and moved
 //! into a process of its own. The trait below never grows: a plugin built against an older, smaller trait would be
 //! refused by a newer host. Abilities that come later are asked for by name through `extension`.
-// Caused by the derive macros of abi_stable 0.11, not by code written here.
+
+#![allow(
+    unsafe_code,
+    reason = "pointers of the parallel loop cross the boundary; the derive macros of abi_stable"
+)]
 #![allow(
     non_local_definitions,
     non_camel_case_types,
     unused_braces,
-    missing_docs
+    reason = "written by the derive macros of abi_stable 0.11"
 )]
 
 use abi_stable::{
@@ -60,7 +64,9 @@ pub enum FaultKind {
 #[repr(C)]
 #[derive(StableAbi, Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
+    /// What kind of failure it was.
     pub kind: FaultKind,
+    /// One sentence for a person.
     pub text: RString,
 }
 
@@ -71,6 +77,7 @@ pub struct Fault {
 pub struct Block<'a> {
     /// Message kind, as in a frame header.
     pub kind: u64,
+    /// The block: header, offsets, arrays.
     pub words: RSlice<'a, u64>,
 }
 
@@ -78,7 +85,9 @@ pub struct Block<'a> {
 #[repr(C)]
 #[derive(StableAbi, Clone)]
 pub struct BlockOut {
+    /// Message kind, as in a frame header.
     pub kind: u64,
+    /// The block: header, offsets, arrays.
     pub words: RVec<u64>,
 }
 
@@ -104,7 +113,9 @@ pub struct Call<'a> {
 #[repr(C)]
 #[derive(StableAbi, Clone)]
 pub struct Output {
+    /// Messages that this plugin publishes, framed as `microsim_bus::frame` describes, in the order of their publication.
     pub messages: RVec<u8>,
+    /// Blocks that this plugin publishes.
     pub blocks: RVec<BlockOut>,
 }
 
@@ -113,6 +124,7 @@ pub struct Output {
 #[repr(transparent)]
 #[derive(StableAbi, Clone, Copy)]
 pub struct ParallelBody {
+    /// Computes one part; `data` is the pointer that came with the body. Does not unwind.
     pub call: unsafe extern "C" fn(data: *const c_void, part: u32),
 }
 
@@ -121,6 +133,7 @@ pub struct ParallelBody {
 #[repr(C)]
 #[derive(StableAbi, Clone, Copy)]
 pub struct ParallelFor {
+    /// First argument of `run`: the host's, opaque to a plugin.
     pub context: *const c_void,
     /// Calls `body(data, part)` for every `part` in `0..parts`, on any threads, and returns when all are done. `body`
     /// must not unwind.
@@ -132,8 +145,9 @@ pub struct ParallelFor {
     ),
 }
 
-// The host guarantees that `run` may be called from any thread while the plugin lives.
+// SAFETY: the host guarantees that `run` may be called from any thread while the plugin lives.
 unsafe impl Send for ParallelFor {}
+// SAFETY: the same.
 unsafe impl Sync for ParallelFor {}
 
 /// A plugin, seen from the host. See the table above for threads and states.
@@ -177,6 +191,7 @@ pub struct PluginModule {
     pub abi_version: u32,
     /// The manifest's text, as embedded at the time of the build.
     pub manifest: extern "C" fn() -> RStr<'static>,
+    /// Makes the plugin's object; called once, after the manifest has been checked.
     #[sabi(last_prefix_field)]
     pub create: extern "C" fn() -> RResult<PluginBox, Fault>,
 }

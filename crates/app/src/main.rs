@@ -4,6 +4,11 @@
 //! error), 1 the verdict that was asked for is negative, 2 could not run. Results go to standard output, logs and progress
 //! to standard error.
 
+#![allow(
+    unsafe_code,
+    reason = "asks the processor what it has before any code needs it; an environment variable before the first thread"
+)]
+
 mod atlas;
 mod bus;
 mod chart;

@@ -78,7 +78,7 @@ fn lacking(used: &[Instructions], found: &[Instructions]) -> Option<String> {
 
 /// What the processor has and the system lets programs use.
 #[cfg(target_arch = "x86_64")]
-#[allow(unused_unsafe)] // Newer compilers know that `cpuid` is safe.
+#[allow(unused_unsafe, reason = "newer compilers know that `cpuid` is safe")]
 fn found() -> Vec<Instructions> {
     use std::arch::x86_64::{__cpuid, __cpuid_count};
     // SAFETY: every x86-64 processor has `cpuid`; leaves above the largest one, in which Intel's processors would answer
@@ -140,7 +140,7 @@ mod before_main {
     extern "C" fn check() {
         // SAFETY: the first leaf is there on every x86-64 processor; `write` reads the bytes of a constant, `exit_group` does
         // not return.
-        #[allow(unused_unsafe)] // Newer compilers know that `cpuid` is safe.
+        #[allow(unused_unsafe, reason = "newer compilers know that `cpuid` is safe")]
         unsafe {
             const AVX_AND_SAVED: u32 = 1 << 28 | 1 << 27;
             if std::arch::x86_64::__cpuid(1).ecx & AVX_AND_SAVED == AVX_AND_SAVED {

@@ -8,6 +8,8 @@
 //! Not here: typed messages (crate `message`), threads, clocks. Order is that of publication; two runs with the same
 //! publications give the same queues to the byte.
 
+#![forbid(unsafe_code)]
+
 pub mod block;
 pub mod frame;
 pub mod kind;

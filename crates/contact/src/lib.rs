@@ -3,6 +3,8 @@
 //! What is here: the [`Detector`], which finds [`Point`]s. What is not: the force that keeps gaps open, friction included – it depends on
 //! the solver and stands with it (`tissue`); poses and time steps (`scene`). Pure: the same input gives the same bits.
 
+#![forbid(unsafe_code)]
+
 mod body;
 mod capsule_motion;
 mod depth;

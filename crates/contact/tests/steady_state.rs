@@ -1,5 +1,7 @@
 //! Finding points takes no memory once the scene was seen at its fullest.
 
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
 use microsim_contact::{CapsuleMotion, Detector, Frame, Rigid, RigidShape, Sides, Skin, Touch};
 use microsim_geometry::{Capsule, Pose};
 use microsim_mesh::{Block, CellSplit};

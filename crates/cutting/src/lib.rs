@@ -23,6 +23,8 @@
 //! of one stroke that turns by less than 45° are one cut: so near each other that they cross the same edges, parts may hang together between
 //! them until another stroke.
 
+#![forbid(unsafe_code)]
+
 mod check;
 mod clusters;
 mod cut;

@@ -8,6 +8,8 @@
 //! contact uses [`Bvh`]: [`SpatialHash`] costs as much or more in what was measured (`cargo run --example broad_phase`), and is better only where
 //! everything is new in every step.
 
+#![forbid(unsafe_code)]
+
 mod aabb;
 mod broad_phase;
 mod bvh;

@@ -1,5 +1,7 @@
 //! The broad phases take no memory once they have seen the scene at its fullest.
 
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
 use microsim_geometry::{Aabb, BroadPhase, Bvh, SpatialHash};
 use nalgebra::Vector3;
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -10,6 +10,8 @@
 //! standard error where that variable is missing. It is harmless and only the environment can silence it: a valid
 //! `XDG_RUNTIME_DIR`, or `NODEVICE_SELECT=1`, set before the process has a second thread.
 
+#![forbid(unsafe_code)]
+
 use std::fmt;
 
 /// An open graphics device. Cloning shares the device.

@@ -8,6 +8,11 @@
 //! - [`run`]: a run at the edge: wall clock, controls, recording, pictures.
 //! - [`record`], [`replay`]: what stands in a session, and recomputing it.
 
+#![allow(
+    unsafe_code,
+    reason = "the parallel loop is called through a C function"
+)]
+
 pub mod assemble;
 pub mod engine;
 pub mod fault;

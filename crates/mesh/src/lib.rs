@@ -6,6 +6,8 @@
 //! and back), deciding what is cut (edits of the topology are carried out here, made elsewhere). Pure: same input, same
 //! bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
 
+#![forbid(unsafe_code)]
+
 mod block;
 mod box_grid;
 mod cell_split;

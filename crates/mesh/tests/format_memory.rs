@@ -1,5 +1,7 @@
 //! Reading a damaged file takes no more memory than the file can fill.
 
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};

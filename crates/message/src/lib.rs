@@ -5,6 +5,8 @@
 //! Units are SI; frames: *field* is the microscope's field (origin at its centre, z towards the viewer), *device* the
 //! input device's own.
 
+#![forbid(unsafe_code)]
+
 mod input;
 mod kinds;
 mod level;

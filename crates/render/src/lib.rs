@@ -14,6 +14,8 @@
 //!
 //! The same picture drawn twice by one renderer has the same bytes; another driver may differ in single pixels.
 
+#![forbid(unsafe_code)]
+
 mod error;
 mod image;
 mod light;

@@ -14,6 +14,8 @@
 //! belongs to the beginning of its tick. The samples of a tool keep the distances of the device's own clock; that clock is
 //! laid on the axis by the tool's first sample.
 
+#![forbid(unsafe_code)]
+
 mod build;
 mod device;
 mod force;

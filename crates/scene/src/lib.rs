@@ -4,6 +4,8 @@
 //! body that diverges, exact saving and restoring. Crate `contact` finds where bodies touch, `tissue` keeps the gaps; here one is
 //! translated into the other. What is not: the mathematics of both, files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
 
+#![forbid(unsafe_code)]
+
 mod boundary;
 mod check;
 mod containment;

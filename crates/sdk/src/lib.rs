@@ -14,6 +14,11 @@
 //!
 //! The raw boundary (crate `abi`) is not visible from here; every panic is caught before it reaches it.
 
+#![allow(
+    unsafe_code,
+    reason = "the boundary to the host: a C function, an exported symbol, an object that is dropped behind a guard"
+)]
+
 mod boundary;
 mod course;
 mod direction;

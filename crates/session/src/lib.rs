@@ -31,6 +31,8 @@
 //! `kill -9` included, so such an end costs at most the frame that was being written. A power failure may cost more:
 //! who needs to outlive that calls `sync_data` on the file.
 
+#![forbid(unsafe_code)]
+
 mod digest;
 mod reader;
 mod writer;

@@ -8,6 +8,8 @@
 //! Each kind of file has `*_schema`, `read_*` (from a text), `load_*` (from a path) and a typed struct. Complaints are
 //! collected: one reading names all that is wrong in a file.
 
+#![forbid(unsafe_code)]
+
 mod body;
 mod body_check;
 mod body_schema;

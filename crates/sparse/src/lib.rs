@@ -31,6 +31,8 @@
 //! What is not here: nonlinear iterations, where the numbers come from, matrices that are not positive definite. Pure
 //! and on one thread; the same numbers give the same bits on any machine.
 
+#![forbid(unsafe_code)]
+
 mod assembly;
 mod elimination;
 mod factor;

@@ -5,6 +5,8 @@
 //! not: files (a function that the caller brings loads scenes) and clocks (another one gives CPU time). Nowhere else are
 //! methods compared.
 
+#![forbid(unsafe_code)]
+
 pub mod atlas;
 mod drawing;
 mod execute;

@@ -7,6 +7,8 @@
 //! its own – parallel loops run on an [`Executor`] that the caller brings, and give the same bits on any. SI units, world
 //! frame.
 
+#![forbid(unsafe_code)]
+
 mod components;
 mod contact;
 mod edit;

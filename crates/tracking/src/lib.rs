@@ -15,6 +15,8 @@
 //! | field | the operating field, in which tools and tissue meet; poses of [`ToolPose`] are in it |
 //! | tool | fixed to a tool, as its model was drawn; a pose's orientation is `field_from_tool` |
 
+#![forbid(unsafe_code)]
+
 mod csv_error;
 mod csv_recording;
 mod rotation;

@@ -9,6 +9,8 @@
 //! Same bits everywhere: transcendental functions come from `libm`, sums run in a fixed order, the Fourier transform is
 //! our own ([`fft`]). Units are SI; `display_unit` of a [`MetricDefinition`] is for people.
 
+#![forbid(unsafe_code)]
+
 mod catalogue;
 mod dwell;
 pub mod fft;

@@ -4,6 +4,8 @@
 //! All that is judged comes from the physics plugin: snapshots of nodes, forces in newtons, cuts. Where the tools are matters only
 //! as far as they touch.
 
+#![forbid(unsafe_code)]
+
 mod site;
 mod state;
 

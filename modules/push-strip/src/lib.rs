@@ -5,6 +5,8 @@
 //! One mark after the other is the current one: orange, yellow while it is held right, red when it is too deep, green when done.
 //! Marks move with the tissue.
 
+#![forbid(unsafe_code)]
+
 mod cut;
 mod task;
 

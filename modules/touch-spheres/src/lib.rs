@@ -4,6 +4,8 @@
 //! One sphere after the other is the current one: orange, with a light blue needle that shows the direction. It turns
 //! yellow while a touch counts, red while the tip is in it at a wrong angle, green when it is done.
 
+#![forbid(unsafe_code)]
+
 mod placement;
 
 pub use placement::{Place, places};

@@ -4,6 +4,8 @@
 //!
 //! Tetrahedral bodies are the physics plugin's; model and texture files are not here.
 
+#![forbid(unsafe_code)]
+
 use microsim_geometry::Pose as Place;
 use microsim_sdk::message::{
     Colour, Finish, ObjectScene, ObjectSet, ObjectState, Pose, Shape, decode_bytes, encode,

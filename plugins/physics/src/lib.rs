@@ -1,6 +1,8 @@
 //! Tissue: a thin adapter over the crate `scene`. Bodies, materials, clamps, contact pairs and the method come from the
 //! level; tools come as tracked poses once per tick, and the scene moves them in sub-steps.
 
+#![forbid(unsafe_code)]
+
 use microsim_scene::{
     ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, ToolMotion, level_spec,
 };

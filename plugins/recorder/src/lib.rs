@@ -4,6 +4,8 @@
 //! Each record reaches the operating system before the call returns, so a killed process loses at most the record that
 //! was being written. The file must not exist before: nothing is ever overwritten.
 
+#![forbid(unsafe_code)]
+
 use microsim_sdk::message::SessionRecord;
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_session::Writer;

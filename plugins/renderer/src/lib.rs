@@ -3,6 +3,8 @@
 //!
 //! The graphics driver is looked for at the first call; without one the plugin says so and the run goes on.
 
+#![forbid(unsafe_code)]
+
 use microsim_geometry::Pose as Place;
 use microsim_gpu::Gpu;
 use microsim_render::{Finish, Item, Picture, Renderer, Shape, View};

@@ -1,6 +1,8 @@
 //! Recorded motion as an input source: a CSV file with its column map, or the samples of a recorded session. Thin over
 //! `tracking::read_csv`.
 
+#![forbid(unsafe_code)]
+
 use microsim_sdk::message::{InputSample, Pose, decode_bytes};
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{RecordingConfig, RecordingMap, Unit};

@@ -1,5 +1,7 @@
 //! A scripted trainee as an input source: thin over `tracking::Script`.
 
+#![forbid(unsafe_code)]
+
 use microsim_sdk::message::{InputSample, Pose};
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{Script, ScriptConfig};

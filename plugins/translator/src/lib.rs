@@ -3,6 +3,8 @@
 //! The instrument and the tool know nothing of each other: which device drives which tool slot stands in
 //! `config/translator.toml`, which model a slot has in the level.
 
+#![forbid(unsafe_code)]
+
 use microsim_sdk::message::{
     InputSample, Pose, ToolSample, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };

@@ -158,7 +158,7 @@ impl Frame {
         labels.keep_clear(&[[x, top + 8.0], [x + 54.0, top + 8.0]]);
         // Lines and markers first: labels then keep clear of all of them.
         let mut told = Vec::new();
-        let mut drawn: Vec<(String, [&str; 2], Vec<[f64; 2]>)> = Vec::new();
+        let mut drawn: Vec<(String, _, Vec<[f64; 2]>)> = Vec::new();
         for line in lines {
             let (_, colour, form) = look(line.key[0]);
             let points: Vec<[f64; 2]> = line.points.iter().map(|&point| self.at(point)).collect();

@@ -1,5 +1,7 @@
 //! A step with contact takes no memory once the solver has seen the body at its fullest.
 
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
 use microsim_contact::{CapsuleMotion, Touch};
 use microsim_geometry::Capsule;
 use microsim_mesh::{Block, CellSplit, TetMesh};

@@ -11,7 +11,7 @@ pub const STYLE: &str = include_str!("heat_map.css");
 pub struct Field {
     /// One or two short lines.
     pub lines: Vec<String>,
-    /// Class of its colour in [`STYLE`].
+    /// Class of its colour in the style sheet `STYLE`.
     pub class: &'static str,
     /// What is said when it is pointed at.
     pub tip: String,

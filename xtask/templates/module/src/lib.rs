@@ -3,6 +3,8 @@
 //! The sphere turns yellow while a touch counts and green when it is done. Targets, limits, motion metrics, the result and the frame
 //! of a plugin are the SDK's; here stands only what is this module's own.
 
+#![forbid(unsafe_code)]
+
 use microsim_sdk::message::{Colour, LocalText, ToolStates, ToolStatus};
 use microsim_sdk::tissue::{colour, distance, show_colour};
 use microsim_sdk::{
