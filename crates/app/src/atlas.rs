@@ -3,7 +3,8 @@
 use crate::chart::{machine, thread_seconds};
 use crate::cli::AtlasArgs;
 use crate::output::{Exit, Problem, say};
-use microsim_study::atlas::{Atlas, AtlasInfo, Extent};
+use microsim_study::PageInfo;
+use microsim_study::atlas::{Atlas, Extent};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
@@ -35,10 +36,11 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     if terminal {
         eprint!("\r\x1b[K");
     }
-    let info = AtlasInfo {
+    let info = PageInfo {
         machine: machine(),
         command: format!("microsim atlas{}", if args.quick { " --quick" } else { "" }),
         date: args.date.clone(),
+        ..PageInfo::default()
     };
     let mut files = vec![
         ("atlas.html".to_owned(), atlas.to_html(&info)),

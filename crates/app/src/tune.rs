@@ -8,11 +8,12 @@ use crate::cli::{Place, TuneArgs};
 use crate::output::{Exit, Problem, say};
 use crate::scene_file::find;
 use crate::session_file::installation;
+use microsim_drawing::{percent, significant};
 use microsim_scene::{Serial, scene_spec};
 use microsim_settings::{self as settings, Chart, ChartScene, ExactKind, Expect, Override};
 use microsim_study::{
     AsLevel, Candidates, Context, Goal, LoadedScene, Trial, Tuning, candidates, doubt, locking,
-    measure, percent, significant, tune as choose,
+    measure, tune as choose,
 };
 use std::path::{Path, PathBuf};
 

@@ -1,77 +1,15 @@
-//! How numbers are shown to people: round steps on axes, sensible digits, both decimal signs. Only here are digits cut off;
-//! JSON and CSV keep every bit.
+//! How numbers are shown to people: as many digits as their unit deserves, both decimal signs. Only here are digits cut
+//! off; JSON and CSV keep every bit.
 
+use microsim_drawing::exponent;
 use microsim_message::LocalText;
 
-/// Round numbers along an axis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ticks {
-    /// The numbers, rising.
-    pub values: Vec<f64>,
-    /// Digits after the point that they need.
-    pub decimals: usize,
-}
-
-/// The round numbers between `lo` and `hi` at a distance of 1, 2 or 5 times a power of ten: the smallest one that is at
-/// least `least`. All finite, `least` above 0.
-pub fn ticks(lo: f64, hi: f64, least: f64) -> Ticks {
-    let mut power = exponent(least);
-    let factor = match least / power_of_ten(power) {
-        m if m <= 1.0 => 1.0,
-        m if m <= 2.0 => 2.0,
-        m if m <= 5.0 => 5.0,
-        _ => {
-            power += 1;
-            1.0
-        }
-    };
-    let step = factor * power_of_ten(power);
-    // A tick that round-off puts beside an end is meant to be on it.
-    let slack = 1e-9;
-    let first = (lo / step - slack).ceil() as i64;
-    let last = (hi / step + slack).floor() as i64;
-    Ticks {
-        values: (first..=last).map(|k| k as f64 * step).collect(),
-        decimals: (-power).max(0) as usize,
-    }
-}
-
-/// Largest e with 10^e ≤ |x|; 0 for 0 and for what is not finite.
-fn exponent(x: f64) -> i32 {
-    // The printer finds it exactly, on every machine.
-    format!("{x:e}")
-        .split_once('e')
-        .and_then(|(_, exponent)| exponent.parse().ok())
-        .unwrap_or(0)
-}
-
-fn power_of_ten(exponent: i32) -> f64 {
-    format!("1e{exponent}").parse().expect("a decimal number")
-}
-
-/// A number with this many decimals, in both languages: a true minus sign, groups of three from five digits on.
+/// A number with this many decimals, in both languages.
 pub fn fixed(value: f64, decimals: usize) -> LocalText {
-    if !value.is_finite() {
-        return both("–");
-    }
-    let plain = format!("{:.decimals$}", value.abs());
-    let (whole, fraction) = plain.split_once('.').unwrap_or((&plain, ""));
-    let mut text = String::new();
-    if value < 0.0 && plain.bytes().any(|b| b.is_ascii_digit() && b != b'0') {
-        text.push('−');
-    }
-    for (k, digit) in whole.chars().enumerate() {
-        if k > 0 && whole.len() > 4 && (whole.len() - k).is_multiple_of(3) {
-            text.push('\u{202f}');
-        }
-        text.push(digit);
-    }
-    if fraction.is_empty() {
-        return both(&text);
-    }
+    let en = microsim_drawing::fixed(value, decimals);
     LocalText {
-        de: format!("{text},{fraction}"),
-        en: format!("{text}.{fraction}"),
+        de: en.replace('.', ","),
+        en,
     }
 }
 
@@ -151,13 +89,6 @@ fn with_unit(number: LocalText, unit: &str) -> LocalText {
     }
 }
 
-fn both(text: &str) -> LocalText {
-    LocalText {
-        de: text.into(),
-        en: text.into(),
-    }
-}
-
 /// A moment in Coordinated Universal Time, to the minute; `seconds` since 1970.
 pub fn date_time(seconds: u64) -> LocalText {
     // Days to a date of the Gregorian calendar, in years that begin in March, so that the leap day is the last one
@@ -185,24 +116,6 @@ pub fn date_time(seconds: u64) -> LocalText {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round() {
-        // By hand.
-        for (lo, hi, least, values, decimals) in [
-            (0.0, 10.0, 2.0, vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0], 0),
-            (0.0, 0.3, 0.07, vec![0.0, 0.1, 0.2, 0.3], 1),
-            (-7.0, 12.0, 4.75, vec![-5.0, 0.0, 5.0, 10.0], 0),
-            (98.3, 99.1, 0.4, vec![98.5, 99.0], 1),
-            (1.0, 9.0, 20.0, vec![], 0),
-        ] {
-            let got = ticks(lo, hi, least);
-            assert_eq!(got.decimals, decimals, "{lo}..{hi}");
-            let shown: Vec<_> = got.values.iter().map(|v| fixed(*v, decimals)).collect();
-            let expected: Vec<_> = values.iter().map(|v| fixed(*v, decimals)).collect();
-            assert_eq!(shown, expected, "{lo}..{hi}");
-        }
-    }
 
     #[test]
     fn numbers_in_both_languages() {

@@ -20,7 +20,6 @@ mod ways;
 pub use heat_map::{Field, HeatMap};
 pub use large_steps::{LargeStep, Start};
 pub use limits::{Limit, Measured, predicted};
-pub use page::AtlasInfo;
 pub use recovery::{Damage, Outcome, Recovery, StepLength, Way, recover};
 pub use remedies::{Remedied, Remedy};
 pub use subject::{Constants, Subject, Substance, Variation};

@@ -11,7 +11,6 @@ pub mod atlas;
 mod drawing;
 mod execute;
 mod front;
-mod number;
 mod page;
 mod plan;
 mod results;
@@ -22,7 +21,6 @@ mod tune;
 
 pub use execute::{Context, LoadScene, LoadedScene, Step, run_group};
 pub use front::{Point, cheapest, pareto_front};
-pub use number::{percent, significant};
 pub use page::{PageInfo, panel_svg};
 pub use plan::{Group, GroupKey, PlannedRun, PlannedStep, RunKey, groups};
 pub use results::{ERRORS, Panel, Results};

@@ -6,13 +6,15 @@ mod panel;
 
 pub use panel::panel_svg;
 
-use crate::drawing::{STYLE as DRAWING_STYLE, escape, marker};
-use crate::number::{count, percent, significant, speed};
+use crate::drawing::{STYLE as DRAWING_STYLE, marker};
 use crate::results::{ERRORS, Panel, Results};
 use crate::row::Status;
+use crate::row::real_time;
+use microsim_drawing::{PageHead, count, escape, percent, significant};
 use std::fmt::Write;
 
-const STYLE: &str = include_str!("page/style.css");
+/// Style of every page.
+pub(crate) const STYLE: &str = include_str!("page/style.css");
 
 /// What stands on the page beside the results.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,17 +35,7 @@ impl Results {
     /// The page. It loads nothing and runs nothing, and forbids the browser to; all text is escaped.
     pub fn to_html(&self, info: &PageInfo) -> String {
         let panels = self.panels();
-        let mut out = String::from(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"color-scheme\" content=\"light dark\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n",
-        );
-        let _ = write!(
-            out,
-            "<title>MicroSim · speed against accuracy</title>\n<style>\n{DRAWING_STYLE}{STYLE}</style>\n</head>\n<body>\n\
-             <div class=\"page\">\n"
-        );
+        let mut out = open("speed against accuracy", "page", &[DRAWING_STYLE, STYLE]);
         self.head(&mut out, info, &panels);
         self.summary(&mut out, &panels);
         let locking = self.locking();
@@ -68,16 +60,12 @@ impl Results {
              faster. Left of the green line a run is faster than real time; the green field is real time with an error below 3 %.</p>\n\
              <dl class=\"facts\"><div><dt>Runs</dt><dd>{}</dd></div><div><dt>Diverged</dt><dd>{}</dd></div>\
              <div><dt>Over budget</dt><dd>{}</dd></div><div><dt>Not applicable</dt><dd>{}</dd></div></dl>\n\
-             <p class=\"machine\">{}{}</p>\n",
+             {}",
             count(rows().count()),
             of("diverged"),
             of("over budget"),
             of("not applicable"),
-            escape(&info.machine),
-            match &info.date {
-                Some(date) => format!(" · {}", escape(date)),
-                None => String::new(),
-            }
+            machine(info)
         );
         for note in &info.notes {
             let _ = writeln!(out, "<p class=\"warn\">{}</p>", escape(note));
@@ -152,7 +140,7 @@ impl Results {
                             escape(self.resolution_name(row)),
                             escape(&self.parameters(row)),
                             significant(cost, 2),
-                            speed(cost)
+                            real_time(cost)
                         );
                     }
                     None => out.push_str("<td class=\"none\">none</td>"),
@@ -177,7 +165,7 @@ impl Results {
              solution by another code: this error is what a user of the tissue gets, mesh and all. <b>Against the same mesh</b> compares with the exact \
              solution on the same mesh with the same material, made by this program: this error is what the solver alone adds. For scenes that end at rest \
              it is the equilibrium (Newton's method to a residual of 10⁻⁹), for scenes that move it is the motion at a quarter of the largest stable step.</p>\n\
-             <p>A first peak is the largest value before the curve has fallen for a stated time. Energy drift is the energy gained over the run as a share of \
+             <p>A first peak is the largest value before the curve has fallen for a stated time. Energy drift is the energy gained over the run as a fraction of \
              the largest kinetic energy. A run that diverged is drawn above the scale where its time was measured, and stays in the table.</p>\n");
         let _ = writeln!(
             out,
@@ -185,6 +173,27 @@ impl Results {
             escape(&info.command)
         );
     }
+}
+
+/// A page of this program from its beginning; `class` is that of all that stands on it.
+pub(crate) fn open(title: &str, class: &str, styles: &[&str]) -> String {
+    let head = PageHead {
+        title: &format!("MicroSim · {title}"),
+        language: Some("en"),
+        pictures: false,
+        dark: true,
+        styles,
+    };
+    head.to_html() + &format!("<div class=\"{class}\">\n")
+}
+
+/// The machine and the date.
+pub(crate) fn machine(info: &PageInfo) -> String {
+    let date = match &info.date {
+        Some(date) => format!(" · {}", escape(date)),
+        None => String::new(),
+    };
+    format!("<p class=\"machine\">{}{date}</p>\n", escape(&info.machine))
 }
 
 /// A marker for a legend.
@@ -199,10 +208,10 @@ fn status_words(status: &Status) -> String {
     match status {
         Status::Ok => "ok".into(),
         Status::Diverged { time, reason } => {
-            format!("diverged at {} ({reason})", crate::number::time(*time))
+            format!("diverged at {} ({reason})", microsim_drawing::time(*time))
         }
         Status::OverBudget { time } => {
-            format!("over budget, cut off at {}", crate::number::time(*time))
+            format!("over budget, cut off at {}", microsim_drawing::time(*time))
         }
         Status::NotApplicable { reason } => format!("not applicable: {reason}"),
     }

@@ -1,8 +1,9 @@
 //! All runs of a chart, and the views of them: the table as CSV, and for each scene and variant a panel with its answers.
 
 use crate::front::{Point, cheapest, pareto_front};
-use crate::number::{percent, significant, speed, time};
+use crate::row::real_time;
 use crate::row::{Against, GroupResult, Row, Status};
+use microsim_drawing::{percent, significant, time};
 use microsim_settings::{Chart, ChartScene, ChartVariant};
 use std::fmt::Write;
 
@@ -300,7 +301,7 @@ impl Panel<'_> {
                     "An error of 3 % costs least with {}: {} CPU s per simulated s, {} (error {}).",
                     self.results.describe(row),
                     significant(point.cost, 2),
-                    speed(point.cost),
+                    real_time(point.cost),
                     percent(point.error)
                 );
                 if point.cost > 1.0 {
@@ -335,7 +336,7 @@ impl Panel<'_> {
                     percent(best.error),
                     self.results.describe(row),
                     significant(best.cost, 2),
-                    speed(best.cost)
+                    real_time(best.cost)
                 );
             }
         }

@@ -1,6 +1,7 @@
 //! One line of the table: a run with all its figures.
 
 use crate::plan::RunKey;
+use microsim_drawing::significant;
 
 /// Against what an error is stated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,5 +150,25 @@ impl GroupResult {
     /// The largest error of the exact solution against the reference: what mesh and material do, whatever the solver.
     pub fn exact_error(&self) -> Option<f64> {
         largest_error(&self.exact, Against::Reference)
+    }
+}
+
+/// CPU time per simulated time in words: how many times faster or slower than real time.
+pub fn real_time(cost: f64) -> String {
+    if cost <= 1.0 {
+        format!("{}× real time", significant(1.0 / cost, 2))
+    } else {
+        format!("{}× too slow", significant(cost, 2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::real_time;
+
+    #[test]
+    fn speed_in_words() {
+        assert_eq!(real_time(0.125), "8.0× real time");
+        assert_eq!(real_time(12.0), "12× too slow");
     }
 }

@@ -10,9 +10,9 @@ mod candidates;
 pub use candidates::{AsLevel, Candidates, Choices, Elements, Mesh, candidates};
 
 use crate::execute::{Context, LoadedScene, Outcome, advance, ready, stability_limit};
-use crate::number::{percent, significant, time};
 use crate::plan::PlannedStep;
 use crate::row::Status;
+use microsim_drawing::{percent, significant, time};
 use microsim_scene::{Method, Scene, Selection, StartSpec};
 use microsim_settings::{ChartMethod, Expect};
 use microsim_tissue::stability;

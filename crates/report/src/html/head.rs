@@ -1,8 +1,9 @@
 //! The top of the page: what was trained, how it ended and why, and whether that counts.
 
-use super::text::{escape, in_both, say, spans};
+use super::text::{in_both, say, spans};
 use crate::number::{date_time, fixed, shown};
 use crate::{Report, Verdict};
+use microsim_drawing::escape;
 use microsim_message::LevelPhase;
 use std::fmt::Write;
 

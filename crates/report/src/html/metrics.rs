@@ -1,9 +1,10 @@
 //! The tables of metrics: those with a limit, and those for information.
 
-use super::text::{escape, say, spans};
+use super::text::{say, spans};
 use crate::number::{against_limits, fixed};
 use crate::plot::gauge;
 use crate::{MetricEntry, Report};
+use microsim_drawing::escape;
 use microsim_message::LimitRecord;
 use std::fmt::Write;
 

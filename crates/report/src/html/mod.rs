@@ -8,10 +8,11 @@ mod record;
 mod text;
 
 pub(crate) use course::kind_class;
-pub use text::{escape, in_both};
+pub use text::in_both;
 
 use crate::Report;
 use crate::plot::{colour_class, force_plot, path_plots, speed_plot};
+use microsim_drawing::PageHead;
 use microsim_message::LocalText;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -49,11 +50,6 @@ pub struct Page {
 impl Report {
     /// The page. It loads nothing and runs nothing, and forbids the browser to; all text of the session is escaped.
     pub fn to_html(&self, page: &Page) -> String {
-        let mut out = String::from(
-            "<!DOCTYPE html>\n<html>\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n",
-        );
         let (titles, german, english) = match page.language {
             Language::German => (
                 [&self.session.module_title.de, &self.session.level_title.de],
@@ -66,14 +62,18 @@ impl Report {
                 " checked",
             ),
         };
+        let head = PageHead {
+            title: &format!("MicroSim · {} · {}", titles[0], titles[1]),
+            pictures: true,
+            styles: &[STYLE],
+            ..PageHead::default()
+        };
+        let mut out = head.to_html();
         let _ = write!(
             out,
-            "<title>MicroSim · {} · {}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-             <input type=\"radio\" name=\"language\" id=\"language-en\" aria-label=\"English\"{english}>\
+            "<input type=\"radio\" name=\"language\" id=\"language-en\" aria-label=\"English\"{english}>\
              <input type=\"radio\" name=\"language\" id=\"language-de\" aria-label=\"Deutsch\"{german}>\n\
-             <div class=\"page\">\n",
-            escape(titles[0]),
-            escape(titles[1])
+             <div class=\"page\">\n"
         );
         head::head(&mut out, self);
         course::pictures(&mut out, self, &page.pictures);

@@ -1,9 +1,10 @@
 //! The input, what went wrong, and where all of it comes from.
 
 use super::section;
-use super::text::{escape, say, spans};
+use super::text::{say, spans};
 use crate::Report;
 use crate::number::{fixed, shown};
+use microsim_drawing::escape;
 use microsim_message::LogLevel;
 use std::fmt::Write;
 

@@ -1,7 +1,7 @@
 //! A value beside its limit at a glance: a bar on which the allowed part is marked.
 
-use super::{Axis, range};
 use crate::MetricEntry;
+use microsim_drawing::{ValueAxis, value_range};
 use std::fmt::Write;
 
 const WIDTH: f64 = 130.0;
@@ -16,12 +16,12 @@ pub fn gauge(metric: &MetricEntry) -> String {
     }
     let limits = [metric.display_min, metric.display_max];
     let shown = [Some(0.0), Some(value)].into_iter().chain(limits).flatten();
-    let Some((lo, hi)) = range(shown).filter(|(lo, hi)| lo < hi) else {
+    let Some((lo, hi)) = value_range(shown).filter(|(lo, hi)| lo < hi) else {
         return String::new();
     };
     // Room for the mark at either end, and for what is allowed beyond the limit.
     let room = 0.12 * (hi - lo);
-    let x = Axis::new(
+    let x = ValueAxis::new(
         (
             if lo < 0.0 { lo - room } else { lo },
             if hi > 0.0 { hi + room } else { hi },

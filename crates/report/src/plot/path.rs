@@ -1,9 +1,10 @@
 //! Where the tips went in the field: from above (x to the right, y up) and from the side (x to the right, z up). One scale
 //! for all axes, so that lengths and angles are true.
 
-use super::{Axis, MAX_POINTS, colour_class, grid, line, open, range, svg_text, thin};
+use super::{MAX_POINTS, colour_class, grid, open, svg_text, thin};
 use crate::ToolSeries;
 use crate::html::in_both;
+use microsim_drawing::{Anchor, ValueAxis, broken_line, value_range};
 use microsim_message::LocalText;
 use std::fmt::Write;
 
@@ -21,7 +22,7 @@ const MOST_HEIGHT: f64 = 380.0;
 pub fn path_plots(series: &[ToolSeries]) -> Option<[String; 2]> {
     let along = |axis: usize| {
         let positions = series.iter().flat_map(|s| &s.position);
-        range(positions.map(|position| position[axis] * 1e3))
+        value_range(positions.map(|position| position[axis] * 1e3))
     };
     let [x, y, z] = [along(0)?, along(1)?, along(2)?];
     let extent = |(lo, hi): (f64, f64)| hi - lo;
@@ -36,8 +37,8 @@ pub fn path_plots(series: &[ToolSeries]) -> Option<[String; 2]> {
             let (middle, half) = ((lo + hi) / 2.0, pixels / scale / 2.0);
             (middle - half, middle + half)
         };
-        let x = Axis::new(around(x, RIGHT - LEFT), (LEFT, RIGHT));
-        let y = Axis::new(around(vertical, height), (ABOVE + height, ABOVE));
+        let x = ValueAxis::new(around(x, RIGHT - LEFT), (LEFT, RIGHT));
+        let y = ValueAxis::new(around(vertical, height), (ABOVE + height, ABOVE));
         draw(series, axis, &x, &y, name, &title)
     };
     Some([
@@ -65,8 +66,8 @@ pub fn path_plots(series: &[ToolSeries]) -> Option<[String; 2]> {
 fn draw(
     series: &[ToolSeries],
     axis: usize,
-    x: &Axis,
-    y: &Axis,
+    x: &ValueAxis,
+    y: &ValueAxis,
     name: &str,
     title: &LocalText,
 ) -> String {
@@ -82,11 +83,17 @@ fn draw(
         &mut out,
         (RIGHT, bottom + 33.0),
         "label",
-        "end",
+        Anchor::End,
         &label("x [mm]"),
     );
     let above = label(&format!("{name} [mm]"));
-    svg_text(&mut out, (LEFT, ABOVE - 9.0), "label", "middle", &above);
+    svg_text(
+        &mut out,
+        (LEFT, ABOVE - 9.0),
+        "label",
+        Anchor::Middle,
+        &above,
+    );
     for (k, series) in series.iter().enumerate() {
         let place = |i: usize| {
             let position = series.position[i];
@@ -101,7 +108,7 @@ fn draw(
         let _ = write!(
             out,
             "<path class=\"trail {colour}\" d=\"{}\"/>",
-            line(drawn)
+            broken_line(drawn)
         );
     }
     // Above all lines: where each tool began (ring) and ended (square).

@@ -1,50 +1,40 @@
 //! Speed of the tools over time, one strip for each, with gaps and events.
 
-use super::{
-    Axis, MAX_POINTS, WIDTH, colour_class, from_zero, grid, line, moment_marks, open, range,
-    svg_text, thin, time_label,
-};
+use super::{MAX_POINTS, colour_class, grid, strip_labels, strips, thin};
 use crate::html::in_both;
 use crate::{Report, ToolSeries};
+use microsim_drawing::{ValueAxis, broken_line, value_range};
 use microsim_message::LocalText;
 use std::fmt::Write;
 
-const LEFT: f64 = 52.0;
-const RIGHT: f64 = 988.0;
-const ABOVE: f64 = 50.0;
+/// Height of the strip of a tool.
 const STRIP: f64 = 130.0;
-const BETWEEN: f64 = 44.0;
 /// What the bold line averages over \[s\].
 const MEAN_WINDOW: f64 = 0.5;
 
 /// Draws the speed of each tool over the session and marks the moments by their numbers, from 1.
 pub fn speed_plot(report: &Report) -> String {
-    let (series, end) = (&report.series, report.simulated);
-    let height = ABOVE + series.len() as f64 * (STRIP + BETWEEN) - 4.0;
-    let last = range(series.iter().flat_map(|s| s.time.iter().copied()))
-        .map_or(end, |(_, last)| last.max(end));
-    let x = Axis::new((0.0, if last > 0.0 { last } else { 1.0 }), (LEFT, RIGHT));
-    let mut out = String::new();
+    let series = &report.series;
     let title = in_both(
         "Geschwindigkeit der Instrumente über der Zeit",
         "Speed of the instruments over time",
     );
-    open(&mut out, WIDTH, height, &title);
-    for (k, series) in series.iter().enumerate() {
-        let top = ABOVE + k as f64 * (STRIP + BETWEEN);
-        let name = report.session.tool_name(&series.tool);
-        strip(&mut out, &x, top, series, (k, &name));
-    }
-    let bottom = ABOVE + series.len() as f64 * (STRIP + BETWEEN) - BETWEEN;
-    moment_marks(&mut out, &x, (ABOVE, bottom), &report.moments);
-    time_label(&mut out, &x, bottom + 34.0);
-    out.push_str("</svg>");
-    out
+    let times = series.iter().flat_map(|s| s.time.iter().copied());
+    strips(
+        report,
+        &title,
+        (series.len(), STRIP),
+        times,
+        |out, x, k, top| {
+            let name = report.session.tool_name(&series[k].tool);
+            strip(out, x, top, &series[k], (k, &name));
+        },
+    )
 }
 
 fn strip(
     out: &mut String,
-    x: &Axis,
+    x: &ValueAxis,
     top: f64,
     series: &ToolSeries,
     (k, name): (usize, &LocalText),
@@ -57,9 +47,9 @@ fn strip(
         })
         .collect();
     let speeds: Vec<f64> = points.iter().map(|point| point.1).collect();
-    let largest = range(speeds.iter().copied()).map_or(0.0, |(_, largest)| largest);
+    let largest = value_range(speeds.iter().copied()).map_or(0.0, |(_, largest)| largest);
     let bottom = top + STRIP;
-    let y = Axis::new(from_zero(largest), (bottom, top));
+    let y = ValueAxis::from_zero(largest, (bottom, top));
 
     for i in 1..series.time.len() {
         if series.segment[i] != series.segment[i - 1] {
@@ -80,13 +70,10 @@ fn strip(
     let _ = write!(
         out,
         "<path class=\"pale {colour}\" d=\"{}\"/><path class=\"curve {colour}\" d=\"{}\"/>",
-        line(raw.into_iter().map(|i| place(i, speeds[i]))),
-        line(calm.into_iter().map(|i| place(i, means[i])))
+        broken_line(raw.into_iter().map(|i| place(i, speeds[i]))),
+        broken_line(calm.into_iter().map(|i| place(i, means[i])))
     );
-    let unit = in_both("mm/s", "mm/s");
-    svg_text(out, (LEFT - 7.0, top - 9.0), "label", "end", &unit);
-    let class = format!("name {colour}");
-    svg_text(out, (LEFT, top - 8.0), &class, "start", name);
+    strip_labels(out, top, "mm/s", &colour, name);
 }
 
 /// For each of the points (time, speed, segment) the mean speed of its segment within half of [`MEAN_WINDOW`] before and

@@ -5,7 +5,7 @@ use super::large_steps::{LargeStep, Start};
 use super::limits::{Limit, METHODS};
 use super::subject::Variation;
 use super::{Atlas, method_name};
-use crate::number::{percent, significant, time};
+use microsim_drawing::{percent, significant, time};
 use microsim_tissue::Method;
 
 /// Size of a field with a number \[px\].

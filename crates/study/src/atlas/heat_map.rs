@@ -1,6 +1,7 @@
 //! Heat maps: rows, grouped columns, a coloured field with its number; as SVG and as a Markdown table.
 
-use crate::drawing::{document, escape};
+use crate::drawing::document;
+use microsim_drawing::{Anchor, escape, significant, text};
 use std::fmt::Write;
 
 /// Style of the fields; colours are told apart by everyone, and each field carries its text.
@@ -60,7 +61,7 @@ impl HeatMap {
         let mut out = String::new();
         if alone {
             let _ = write!(out, "<style>{STYLE}</style>");
-            text(&mut out, (4.0, 18.0), "heading", "start", &self.title);
+            text(&mut out, (4.0, 18.0), "heading", Anchor::Start, &self.title);
         }
         self.column_labels(&mut out, &places, top);
         for (row, label) in self.rows.iter().enumerate() {
@@ -69,7 +70,7 @@ impl HeatMap {
                 &mut out,
                 (left - 8.0, y + 0.5 * height + 4.0),
                 "row",
-                "end",
+                Anchor::End,
                 label,
             );
             for (field, x) in self.fields[row].iter().zip(&places) {
@@ -129,11 +130,20 @@ impl HeatMap {
                 halves(name)
             };
             let middle = 0.5 * (start + end);
-            text(out, (middle, top - 34.0), "group", "middle", upper);
-            text(out, (middle, top - 21.0), "group", "middle", lower);
+            for (line, y) in [(upper, top - 34.0), (lower, top - 21.0)] {
+                if !line.is_empty() {
+                    text(out, (middle, y), "group", Anchor::Middle, line);
+                }
+            }
         }
         for ((_, label), x) in self.columns.iter().zip(places) {
-            text(out, (x + 0.5 * width, top - 6.0), "tick", "middle", label);
+            text(
+                out,
+                (x + 0.5 * width, top - 6.0),
+                "tick",
+                Anchor::Middle,
+                label,
+            );
         }
     }
 
@@ -184,8 +194,8 @@ pub fn ratio_field(ratio: f64, tip: String) -> Field {
     let line = match ratio {
         r if (0.0995..9.995).contains(&r) => format!("{r:.2}"),
         r if (9.995..99.95).contains(&r) => format!("{r:.1}"),
-        r if r > 0.0 && r < 0.0995 => crate::number::significant(r, 1),
-        r => crate::number::significant(r, 2),
+        r if r > 0.0 && r < 0.0995 => significant(r, 1),
+        r => significant(r, 2),
     };
     Field {
         lines: vec![line],
@@ -239,17 +249,7 @@ fn draw(out: &mut String, field: &Field, (x, y): (f64, f64), (width, height): (f
     for (line, content) in field.lines.iter().enumerate() {
         let class = if line == 0 { "value" } else { "value second" };
         let at = (x + 0.5 * width, first + 13.0 * line as f64);
-        text(out, at, class, "middle", content);
+        text(out, at, class, Anchor::Middle, content);
     }
     out.push_str("</g>");
-}
-
-fn text(out: &mut String, (x, y): (f64, f64), class: &str, anchor: &str, content: &str) {
-    if !content.is_empty() {
-        let _ = write!(
-            out,
-            "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>",
-            escape(content)
-        );
-    }
 }

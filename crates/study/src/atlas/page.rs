@@ -4,38 +4,19 @@
 use super::heat_map::{HeatMap, STYLE as HEAT_STYLE, key, ratio_key};
 use super::tables::REMEDY_COLUMNS;
 use super::{Atlas, Limit, Variation, method_name};
-use crate::drawing::{STYLE as DRAWING_STYLE, escape};
-use crate::number::{count, percent, significant, time};
+use crate::drawing::STYLE as DRAWING_STYLE;
+use crate::page::{PageInfo, STYLE as PAGE_STYLE, machine, open};
+use microsim_drawing::escape;
+use microsim_drawing::{count, percent, significant, time};
 use std::fmt::Write;
 
-const PAGE_STYLE: &str = include_str!("../page/style.css");
 const STYLE: &str = include_str!("page.css");
-
-/// What stands on the page beside the results.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AtlasInfo {
-    /// The machine on which times were measured.
-    pub machine: String,
-    /// The command that makes the page.
-    pub command: String,
-    /// A date, if one shall be on it.
-    pub date: Option<String>,
-}
 
 impl Atlas {
     /// The page. It loads nothing and runs nothing, and forbids the browser to; all text is escaped.
-    pub fn to_html(&self, info: &AtlasInfo) -> String {
-        let mut out = String::from(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"color-scheme\" content=\"light dark\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n",
-        );
-        let _ = write!(
-            out,
-            "<title>MicroSim · stability atlas</title>\n<style>\n{DRAWING_STYLE}{PAGE_STYLE}{HEAT_STYLE}{STYLE}</style>\n</head>\n<body>\n\
-             <div class=\"page atlas\">\n"
-        );
+    pub fn to_html(&self, info: &PageInfo) -> String {
+        let styles = [DRAWING_STYLE, PAGE_STYLE, HEAT_STYLE, STYLE];
+        let mut out = open("stability atlas", "page atlas", &styles);
         self.head(&mut out, info);
         self.recovery_section(&mut out);
         self.limit_section(&mut out);
@@ -50,7 +31,7 @@ impl Atlas {
         out
     }
 
-    fn head(&self, out: &mut String, info: &AtlasInfo) {
+    fn head(&self, out: &mut String, info: &PageInfo) {
         let (compared, agreeing, worst) = self.agreement();
         let recovered = self
             .recoveries
@@ -63,18 +44,14 @@ impl Atlas {
              <p class=\"lead\">Where the methods fail, and what helps: the largest stable step measured against theory, bad elements, large \
              steps, and a beam that must find back from shapes that no load makes.</p>\n\
              <dl class=\"facts\"><div><dt>Limits measured</dt><dd>{}</dd></div><div><dt>Linear ones within 3 % of theory</dt><dd>{} of {}</dd></div>\
-             <div><dt>Largest difference</dt><dd>{}</dd></div><div><dt>Recoveries</dt><dd>{} of {}</dd></div></dl>\n<p class=\"machine\">{}{}</p>\n<ul>\n",
+             <div><dt>Largest difference</dt><dd>{}</dd></div><div><dt>Recoveries</dt><dd>{} of {}</dd></div></dl>\n{}<ul>\n",
             count(self.limits.len()),
             count(agreeing),
             count(compared),
             percent(worst),
             count(recovered),
             count(self.recoveries.len()),
-            escape(&info.machine),
-            match &info.date {
-                Some(date) => format!(" · {}", escape(date)),
-                None => String::new(),
-            }
+            machine(info)
         );
         for sentence in self.findings() {
             let _ = writeln!(out, "<li>{}</li>", escape(&sentence));

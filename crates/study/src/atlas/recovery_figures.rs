@@ -3,7 +3,7 @@
 use super::heat_map::{Field, HeatMap};
 use super::recovery::{Damage, Outcome, Recovery, StepLength, Way};
 use super::{Atlas, Substance, method_name};
-use crate::number::{percent, significant, time};
+use microsim_drawing::{percent, significant, time};
 use microsim_tissue::Method;
 
 impl Atlas {

@@ -2,8 +2,9 @@
 
 use super::recovery::{Outcome, SIMULATED};
 use super::recovery_figures::way_label;
-use super::{Atlas, AtlasInfo, Damage, Limit, TOLERANCE, Variation, method_name};
-use crate::number::{percent, significant, time};
+use super::{Atlas, Damage, Limit, TOLERANCE, Variation, method_name};
+use crate::page::PageInfo;
+use microsim_drawing::{percent, significant, time};
 use microsim_tissue::Method;
 use microsim_tissue::stability::SAFETY;
 use std::fmt::Write;
@@ -227,8 +228,8 @@ impl Atlas {
     }
 
     /// Everything as one Markdown document.
-    pub fn to_markdown(&self, info: &AtlasInfo) -> String {
-        let AtlasInfo {
+    pub fn to_markdown(&self, info: &PageInfo) -> String {
+        let PageInfo {
             machine, command, ..
         } = info;
         let mut out = format!(

@@ -1,6 +1,7 @@
 //! Error over Poisson's ratio: what nearly incompressible tissue does to each discretisation.
 
-use super::{LogAxis, marker, text, tick_text};
+use super::marker;
+use microsim_drawing::{Anchor, LogAxis, broken_line, percent, text};
 use std::fmt::Write;
 
 /// A discretisation over Poisson's ratio.
@@ -41,13 +42,19 @@ pub fn locking_plot(
     };
     let percents = errors.iter().map(|e| 100.0 * e.max(1e-5)).chain([5.0]);
     let up = LogAxis::around(percents, 2.0, (BOTTOM, TOP));
-    text(out, (LEFT, 15.0), "heading", "start", title);
-    text(out, (LEFT, 31.0), "label", "start", mesh);
+    text(out, (LEFT, 15.0), "heading", Anchor::Start, title);
+    text(out, (LEFT, 31.0), "label", Anchor::Start, mesh);
     for (value, named) in up.ticks() {
         let y = up.at(value);
         let _ = write!(out, "<path class=\"rule\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/>");
         if named {
-            text(out, (LEFT - 6.0, y + 4.0), "tick", "end", &tick_text(value));
+            text(
+                out,
+                (LEFT - 6.0, y + 4.0),
+                "tick",
+                Anchor::End,
+                &LogAxis::label(value),
+            );
         }
     }
     for ratio in &ratios {
@@ -57,7 +64,7 @@ pub fn locking_plot(
             out,
             (x, BOTTOM + 16.0),
             "tick",
-            "middle",
+            Anchor::Middle,
             &ratio.to_string(),
         );
     }
@@ -71,7 +78,7 @@ pub fn locking_plot(
         out,
         (RIGHT + 4.0, limit + 4.0),
         "limit-text",
-        "start",
+        Anchor::Start,
         "5 %",
     );
     let middle = (LEFT + RIGHT) / 2.0;
@@ -79,7 +86,7 @@ pub fn locking_plot(
         out,
         (middle, BOTTOM + 36.0),
         "label",
-        "middle",
+        Anchor::Middle,
         "Poisson’s ratio",
     );
     let _ = write!(
@@ -93,10 +100,7 @@ pub fn locking_plot(
             .iter()
             .map(|(ratio, error)| (across(*ratio), up.at(100.0 * error.max(1e-5))))
             .collect();
-        let mut path = String::new();
-        for (k, (x, y)) in places.iter().enumerate() {
-            let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
-        }
+        let path = broken_line(places.iter().map(|&(x, y)| (0, x, y)));
         let series = curve.series % super::SERIES;
         let dashed = if curve.series >= super::SERIES {
             " dashed"
@@ -108,11 +112,7 @@ pub fn locking_plot(
             "<path class=\"curve series-{series}{dashed}\" d=\"{path}\"/>"
         );
         for ((ratio, error), at) in curve.points.iter().zip(&places) {
-            let tip = format!(
-                "{}, ν = {ratio}: error {}",
-                curve.tip,
-                crate::number::percent(*error)
-            );
+            let tip = format!("{}, ν = {ratio}: error {}", curve.tip, percent(*error));
             marker(out, curve.series, *at, 4.0, "", &tip);
         }
     }

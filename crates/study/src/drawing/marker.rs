@@ -75,7 +75,7 @@ pub fn marker(
     let tip = if tip.is_empty() {
         String::new()
     } else {
-        format!("<title>{}</title>", super::escape(tip))
+        format!("<title>{}</title>", microsim_drawing::escape(tip))
     };
     let series = index % super::SERIES;
     let _ = write!(

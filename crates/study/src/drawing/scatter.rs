@@ -1,6 +1,7 @@
 //! Error against CPU time: one point per run, both axes logarithmic.
 
-use super::{LogAxis, marker, text, tick_text};
+use super::marker;
+use microsim_drawing::{Anchor, LogAxis, text};
 use std::fmt::Write;
 
 /// Where a point belongs.
@@ -50,7 +51,7 @@ const NUMBER_RADIUS: f64 = 8.0;
 /// A drawing with its upper left corner at `x`; `front` are the points of the Pareto front by ascending cost.
 pub fn scatter(out: &mut String, x: f64, heading: &str, points: &[ScatterPoint], front: &[usize]) {
     let _ = write!(out, "<g transform=\"translate({x:.0} 0)\">");
-    text(out, (LEFT, 18.0), "heading", "start", heading);
+    text(out, (LEFT, 18.0), "heading", Anchor::Start, heading);
     let rows: Vec<(Zone, &str)> = [
         (Zone::Diverged, "diverged"),
         (Zone::OverBudget, "over budget"),
@@ -114,13 +115,19 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
             RIGHT - LEFT,
             ROW - 1.0
         );
-        text(out, (LEFT - 7.0, y + 12.5), "tick", "end", name);
+        text(out, (LEFT - 7.0, y + 12.5), "tick", Anchor::End, name);
     }
     for (value, named) in across.ticks() {
         let x = across.at(value);
         let _ = write!(out, "<path class=\"rule\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/>");
         if named {
-            text(out, (x, BOTTOM + 16.0), "tick", "middle", &tick_text(value));
+            text(
+                out,
+                (x, BOTTOM + 16.0),
+                "tick",
+                Anchor::Middle,
+                &LogAxis::label(value),
+            );
         }
     }
     for (value, named) in up.ticks() {
@@ -137,8 +144,8 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
                 out,
                 (LEFT - 7.0, y + below),
                 "tick",
-                "end",
-                &tick_text(value),
+                Anchor::End,
+                &LogAxis::label(value),
             );
         }
     }
@@ -149,12 +156,18 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
          <path class=\"limit\" d=\"M{LEFT} {limit:.1}H{RIGHT}\"/>"
     );
     // Outside the area, where no point can be.
-    text(out, (real, TOP - 6.0), "real-text", "middle", "real time");
+    text(
+        out,
+        (real, TOP - 6.0),
+        "real-text",
+        Anchor::Middle,
+        "real time",
+    );
     text(
         out,
         (RIGHT + 5.0, limit + 4.0),
         "limit-text",
-        "start",
+        Anchor::Start,
         "3 %",
     );
     let middle = (LEFT + RIGHT) / 2.0;
@@ -162,7 +175,7 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
         out,
         (middle, BOTTOM + 36.0),
         "label",
-        "middle",
+        Anchor::Middle,
         "CPU seconds per simulated second",
     );
     let y = (top + BOTTOM) / 2.0;
@@ -222,7 +235,13 @@ fn numbers(out: &mut String, points: &[(f64, f64)], top: f64) {
             at.0, at.1, at.0, at.1
         );
         let label = (k + 1).to_string();
-        text(out, (at.0, at.1 + 4.0), "number-text", "middle", &label);
+        text(
+            out,
+            (at.0, at.1 + 4.0),
+            "number-text",
+            Anchor::Middle,
+            &label,
+        );
     }
 }
 

@@ -1,10 +1,11 @@
 //! Nearly incompressible tissue: the error of each discretisation over Poisson's ratio, as small multiples.
 
 use super::key;
-use crate::drawing::{LOCKING_SIZE, LockingCurve, document, escape, locking_plot};
-use crate::number::percent;
+use crate::drawing::{LOCKING_SIZE, LockingCurve, document, locking_plot};
 use crate::results::Results;
 use crate::row::Against;
+use microsim_drawing::escape;
+use microsim_drawing::percent;
 use std::fmt::Write;
 
 /// The error up to which a discretisation is said not to lock.

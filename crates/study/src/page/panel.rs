@@ -1,10 +1,12 @@
 //! A scene on the page: the answer in a sentence, two drawings, tables.
 
 use super::{key, status_words};
-use crate::drawing::{SCATTER_SIZE, ScatterPoint, Zone, document, escape, scatter};
-use crate::number::{percent, significant, speed};
+use crate::drawing::{SCATTER_SIZE, ScatterPoint, Zone, document, scatter};
 use crate::results::{ERRORS, Panel};
+use crate::row::real_time;
 use crate::row::{Against, Row, Status};
+use microsim_drawing::escape;
+use microsim_drawing::{percent, significant};
 use std::fmt::Write;
 
 /// The section of a scene.
@@ -120,7 +122,7 @@ fn tip(panel: &Panel<'_>, row: &Row) -> String {
             words,
             "\n{} CPU s per simulated s, {}",
             significant(cost, 2),
-            speed(cost)
+            real_time(cost)
         );
     }
     if row.status != Status::Ok {
@@ -232,7 +234,7 @@ fn materials(out: &mut String, panel: &Panel<'_>) {
             out,
             "<th class=\"n\">{}<br><small>{} tetrahedra</small></th>",
             escape(&panel.scene.resolution[*mesh].name),
-            crate::number::count(elements.map_or(0, |g| g.elements))
+            microsim_drawing::count(elements.map_or(0, |g| g.elements))
         );
     }
     out.push_str("</tr></thead><tbody>\n");

@@ -45,10 +45,10 @@ fn tables_hold_every_run_and_the_page_every_figure() {
         let head = fields(text.lines().next().unwrap());
         assert!(text.lines().all(|line| fields(line) == head), "{name}");
     }
-    let info = AtlasInfo {
+    let info = crate::PageInfo {
         machine: "<a machine>".into(),
         command: "microsim atlas".into(),
-        date: None,
+        ..crate::PageInfo::default()
     };
     let page = atlas.to_html(&info);
     assert!(

@@ -1,4 +1,49 @@
-//! How numbers are shown to people. CSV keeps every bit.
+//! Numbers as people read them. Only here are digits cut off; files for programs keep every bit.
+
+/// Largest e with 10^e ≤ |x|; 0 for 0 and for what is not finite.
+pub fn exponent(x: f64) -> i32 {
+    // The printer finds it exactly, on every machine.
+    format!("{x:e}")
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0)
+}
+
+/// A number with this many decimals: a true minus sign, groups of three from five digits on, a point before the decimals.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let plain = format!("{:.decimals$}", value.abs());
+    let (whole, fraction) = plain.split_once('.').unwrap_or((&plain, ""));
+    let mut text = String::new();
+    if value < 0.0 && plain.bytes().any(|b| b.is_ascii_digit() && b != b'0') {
+        text.push('−');
+    }
+    push_groups(&mut text, whole);
+    if !fraction.is_empty() {
+        text.push('.');
+        text.push_str(fraction);
+    }
+    text
+}
+
+/// A whole number with thin spaces.
+pub fn count(number: usize) -> String {
+    let mut text = String::new();
+    push_groups(&mut text, &number.to_string());
+    text
+}
+
+/// Digits in groups of three, from five digits on.
+fn push_groups(text: &mut String, digits: &str) {
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && digits.len() > 4 && (digits.len() - k).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+}
 
 /// A number with this many significant digits: plain from 10⁻⁴ to 10⁶, else with an exponent.
 pub fn significant(value: f64, digits: usize) -> String {
@@ -29,7 +74,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 
 const SUPERSCRIPT: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
-/// A time with the prefix that makes it readable.
+/// A time given in \[s\], with the prefix that makes it readable.
 pub fn time(seconds: f64) -> String {
     let (factor, unit) = match seconds.abs() {
         t if t >= 1.0 => (1.0, "s"),
@@ -52,28 +97,6 @@ pub fn percent(error: f64) -> String {
     }
 }
 
-/// CPU time per simulated time, and what that is in real time.
-pub fn speed(cost: f64) -> String {
-    if cost <= 1.0 {
-        format!("{}× real time", significant(1.0 / cost, 2))
-    } else {
-        format!("{}× too slow", significant(cost, 2))
-    }
-}
-
-/// Large whole numbers with thin spaces.
-pub fn count(number: usize) -> String {
-    let plain = number.to_string();
-    let mut text = String::new();
-    for (k, digit) in plain.chars().enumerate() {
-        if k > 0 && plain.len() > 4 && (plain.len() - k).is_multiple_of(3) {
-            text.push('\u{202f}');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,6 +116,16 @@ mod tests {
         ] {
             assert_eq!(significant(value, digits), text, "{value}");
         }
+        for (value, decimals, text) in [
+            (12.345, 2, "12.35"),
+            (-2.104, 2, "−2.10"),
+            (-0.001, 2, "0.00"),
+            (23_456.7, 0, "23\u{202f}457"),
+            (1_234.5, 1, "1234.5"),
+            (f64::INFINITY, 1, "–"),
+        ] {
+            assert_eq!(fixed(value, decimals), text, "{value}");
+        }
         for (seconds, text) in [
             (0.005, "5 ms"),
             (1.5, "1.5 s"),
@@ -103,9 +136,14 @@ mod tests {
         }
         assert_eq!(percent(0.0294), "2.9 %");
         assert_eq!(percent(1e-9), "below 0.0001 %");
-        assert_eq!(speed(0.125), "8.0× real time");
-        assert_eq!(speed(12.0), "12× too slow");
         assert_eq!(count(51840), "51\u{202f}840");
         assert_eq!(count(810), "810");
+    }
+
+    #[test]
+    fn exponents() {
+        for (x, e) in [(1.0, 0), (0.0999, -2), (1234.5, 3), (0.0, 0), (f64::NAN, 0)] {
+            assert_eq!(exponent(x), e, "{x}");
+        }
     }
 }
