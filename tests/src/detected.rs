@@ -1,6 +1,8 @@
 //! Contact without a scene: what the detector finds, given to a solver, and remembered from step to step as a scene does.
 
-use microsim_contact::{CapsuleMotion, Detector, Frame, Key, Point, Sides, Skin, Touch};
+use microsim_contact::{
+    CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Key, Point, Sides,
+};
 use microsim_mesh::TetMesh;
 use microsim_tissue::{Contact, ContactSource};
 use nalgebra::Vector3;
@@ -29,7 +31,7 @@ impl Detected {
     /// For these bodies, pairs and tools. Points are found from `reach` on, a share of the mean edge length `edge` \[m\].
     pub fn new(
         bodies: &[&TetMesh],
-        pairs: Vec<Touch>,
+        pairs: Vec<ContactPair>,
         tools: Vec<Option<Vec<CapsuleMotion>>>,
         friction: f64,
         reach: f64,
@@ -37,7 +39,7 @@ impl Detected {
     ) -> Self {
         let mut offset = 0;
         let skins = bodies.iter().map(|mesh| {
-            let skin = Skin::new(mesh, offset);
+            let skin = ContactSurface::new(mesh, offset);
             offset += mesh.positions.len() as u32;
             skin
         });
@@ -85,7 +87,7 @@ impl Detected {
             start: positions,
             now: positions,
             tools: &self.tools,
-            way: 1.0,
+            fraction: 1.0,
             reach: self.reach,
             sides: &self.sides,
         };
@@ -104,7 +106,7 @@ impl ContactSource for Detected {
             start: &self.start,
             now: positions,
             tools: &self.tools,
-            way: step_fraction,
+            fraction: step_fraction,
             reach: self.reach,
             sides: &self.sides,
         };

@@ -4,12 +4,12 @@
 //! 2. two waving sheets of 1,000 to 100,000 surface triangles that lie on one another, a sheet against itself, and a sheet
 //!    against two tools of four capsules.
 //!
-//! Kept: nodes have moved so little since the last call that the lists of candidates hold. New: they have not.
+//! Retained: nodes have moved so little since the last call that the lists of candidates hold. New: they have not.
 //! The difference is the broad phase.
 //!
 //! `cargo run --release -p microsim-contact --example detect`
 
-use microsim_contact::{CapsuleMotion, Detector, Frame, Point, Sides, Skin, Touch};
+use microsim_contact::{CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Point, Sides};
 use microsim_geometry::Capsule;
 use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, Tube};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -54,7 +54,7 @@ impl Case {
                     start: &now,
                     now: &now,
                     tools: &self.tools,
-                    way: 1.0,
+                    fraction: 1.0,
                     reach: self.reach,
                     sides: &sides,
                 };
@@ -88,7 +88,7 @@ fn tubes() {
     };
     println!(
         "{:<44}{:>10}{:>10}{:>10}",
-        "two tubes", "kept", "new", "points"
+        "two tubes", "retained", "new", "points"
     );
     for (name, along, around, cells) in [
         ("252 nodes each", 13, 9, 1),
@@ -108,25 +108,25 @@ fn tubes() {
                 .iter()
                 .map(|p| turn * p + V3::new(60e-3 + gap, 3e-3, 0.0));
             let rest: Vec<V3> = mesh.positions.iter().copied().chain(other).collect();
-            let skins = vec![
-                Skin::new(&mesh, 0),
-                Skin::new(&mesh, mesh.positions.len() as u32),
+            let surfaces = vec![
+                ContactSurface::new(&mesh, 0),
+                ContactSurface::new(&mesh, mesh.positions.len() as u32),
             ];
-            let pair = Touch::Bodies {
+            let pair = ContactPair::Bodies {
                 body: 0,
                 with: 1,
                 ends: None,
             };
             let mut case = Case {
-                detector: Detector::new(skins, Vec::new(), vec![pair]),
+                detector: Detector::new(surfaces, Vec::new(), vec![pair]),
                 rest,
                 tools: Vec::new(),
                 reach,
                 steps: [0.01 * edge, 0.3 * edge],
             };
-            let ([kept, new], points) = case.time();
+            let ([retained, new], points) = case.time();
             println!(
-                "{:<44}{kept:>10.1}{new:>10.1}{points:>10}",
+                "{:<44}{retained:>10.1}{new:>10.1}{points:>10}",
                 format!("{name}, {place}")
             );
         }
@@ -152,7 +152,7 @@ fn sheet(n: usize, height: f64) -> TetMesh {
 fn sheets() {
     println!(
         "\n{:<24}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}",
-        "", "triangles", "kept", "new", "broad", "points", "growth"
+        "", "triangles", "retained", "new", "broad", "points", "growth"
     );
     let mut before: [Option<(f64, f64)>; 3] = [None; 3];
     for triangles in [1_000, 3_000, 10_000, 30_000, 100_000] {
@@ -163,20 +163,20 @@ fn sheets() {
             .enumerate()
         {
             let mut rest = lower.positions.clone();
-            let mut skins = vec![Skin::new(&lower, 0)];
+            let mut surfaces = vec![ContactSurface::new(&lower, 0)];
             let mut tools = Vec::new();
             let mut pairs = Vec::new();
             match kind {
                 0 => {
-                    skins.push(Skin::new(&upper, rest.len() as u32));
+                    surfaces.push(ContactSurface::new(&upper, rest.len() as u32));
                     rest.extend(upper.positions.iter().map(|p| p + V3::new(0.3, 0.2, 0.0)));
-                    pairs.push(Touch::Bodies {
+                    pairs.push(ContactPair::Bodies {
                         body: 0,
                         with: 1,
                         ends: None,
                     });
                 }
-                1 => pairs.push(Touch::Itself { body: 0 }),
+                1 => pairs.push(ContactPair::Itself { body: 0 }),
                 _ => {
                     for tool in 0..2 {
                         let x = n as f64 * (0.4 + 0.2 * f64::from(tool));
@@ -192,7 +192,7 @@ fn sheets() {
                             }
                         });
                         tools.push(Some(capsules.collect()));
-                        pairs.push(Touch::Tool {
+                        pairs.push(ContactPair::Tool {
                             body: 0,
                             tool: tool as u32,
                         });
@@ -200,13 +200,13 @@ fn sheets() {
                 }
             }
             let mut case = Case {
-                detector: Detector::new(skins, Vec::new(), pairs),
+                detector: Detector::new(surfaces, Vec::new(), pairs),
                 rest,
                 tools,
                 reach: 0.05,
                 steps: [0.01, 0.3],
             };
-            let ([kept, new], points) = case.time();
+            let ([retained, new], points) = case.time();
             let count = (4 * n * n + 4 * n) as f64;
             let growth = before[kind].map_or_else(String::new, |(count_before, time)| {
                 format!(
@@ -215,9 +215,9 @@ fn sheets() {
                 )
             });
             before[kind] = Some((count, new));
-            let broad = new - kept;
+            let broad = new - retained;
             println!(
-                "{name:<24}{count:>12}{kept:>10.1}{new:>10.1}{broad:>10.1}{points:>10}{growth:>10}"
+                "{name:<24}{count:>12}{retained:>10.1}{new:>10.1}{broad:>10.1}{points:>10}{growth:>10}"
             );
         }
     }

@@ -13,13 +13,13 @@ pub struct CapsuleMotion {
 }
 
 impl CapsuleMotion {
-    /// The capsule at the share `way` of the step, each end of its axis on a straight line.
-    pub fn at(&self, way: f64) -> Capsule {
+    /// The capsule at a step fraction, each end of its axis on a straight line.
+    pub fn at(&self, fraction: f64) -> Capsule {
         let between = |from: Vector3<f64>, to: Vector3<f64>| {
-            if way == 1.0 {
+            if fraction == 1.0 {
                 to
             } else {
-                from + (to - from) * way
+                from + (to - from) * fraction
             }
         };
         Capsule {

@@ -1,21 +1,20 @@
 //! Consistent penetration depth (Heidelberger, Teschner, Keiser, Müller, Gross 2004; NUMERICS 1.4): how deep the nodes of one body are
-//! in another one, or in another part of the same one, and which way leads out.
+//! in another one, or in another part of the same one, and in which direction the exit is.
 //!
-//! A node that is not the first to come in gets its depth and direction from the nodes before it, layer by layer: the way out is the way in,
-//! and not the nearest one, which deep inside a thin wall leads to the wrong side.
+//! A node that is not the first to come in gets its depth and direction from the nodes before it, layer by layer: it exits where it entered,
+//! and not at the nearest point, which deep inside a thin wall is on the wrong side.
 
 use crate::body::Body;
-use crate::detector::Frame;
+use crate::frame::Frame;
 use crate::near::Near;
-use crate::outward;
-use crate::skin::Skin;
+use crate::surface::ContactSurface;
 use microsim_geometry::{
     Aabb, BroadPhase, TrianglePoint, closest_on_triangle, edge_through_triangle,
     point_in_tetrahedron,
 };
 use nalgebra::Vector3;
 
-/// A node that is closer to a surface point than this share of the mean edge length is at it.
+/// A node that is closer to a surface point than this fraction of the mean edge length is at it.
 const AT_SURFACE: f64 = 1e-9;
 
 /// Not reached by any layer; or reached, by nodes in the same place.
@@ -28,14 +27,14 @@ pub(crate) struct Deep {
     pub node: u32,
     /// How deep along `out` \[m\], ≥ 0.
     pub depth: f64,
-    /// Unit vector of the way out.
+    /// Unit vector of the exit.
     pub out: Vector3<f64>,
     layer: u32,
 }
 
 impl Deep {
-    /// Whether a way out is known.
-    pub fn has_way(&self) -> bool {
+    /// Whether the direction of the exit is known.
+    pub fn has_direction(&self) -> bool {
         self.out != Vector3::zeros()
     }
 }
@@ -57,7 +56,7 @@ impl Depths {
             let node = pairs[0][0];
             let p = &frame.now[node as usize];
             let is_inside = pairs.iter().any(|&[_, tet]| {
-                let corners = second.skin.tets[tet as usize].map(|n| frame.now[n as usize]);
+                let corners = second.surface.tets[tet as usize].map(|n| frame.now[n as usize]);
                 point_in_tetrahedron(p, &corners).is_some()
             });
             if is_inside {
@@ -79,21 +78,21 @@ impl Depths {
                 self.set(place, depth, out, 0);
             }
         }
-        self.spread(&first.skin, frame);
-        // A part that is inside as a whole goes to the nearest side with its surface; what is within it follows.
+        self.spread(&first.surface, frame);
+        // A part that is inside as a whole goes to the nearest side with its surface; what is within it goes with it.
         for deep in &mut self.nodes {
             if deep.layer >= FAILED
-                && first.skin.nodes.binary_search(&deep.node).is_ok()
+                && first.surface.nodes.binary_search(&deep.node).is_ok()
                 && let Some((triangle, at)) = nearest(deep.node, first, second, frame)
             {
                 let p = &frame.now[deep.node as usize];
-                let way = at.point - p;
-                deep.depth = way.norm();
-                let noise = AT_SURFACE * second.skin.mean_edge;
+                let offset = at.point - p;
+                deep.depth = offset.norm();
+                let noise = AT_SURFACE * second.surface.mean_edge;
                 deep.out = if deep.depth > noise {
-                    way / deep.depth
+                    offset / deep.depth
                 } else {
-                    outward::of_point(second, frame.now, triangle, &at)
+                    second.normal_at(frame.now, triangle, &at)
                 };
             }
         }
@@ -114,7 +113,7 @@ impl Depths {
         self.layer.push(place as u32);
     }
 
-    /// Depth and way out of a node with edges to nodes outside (4.5–4.8).
+    /// Depth and exit direction of a node with edges to nodes outside (4.5–4.8).
     fn at_border(
         &self,
         place: usize,
@@ -126,7 +125,7 @@ impl Depths {
         let p = frame.now[node as usize];
         let itself = first.index == second.index;
         let mut mean = Mean::new();
-        for other in first.skin.neighbours(node) {
+        for other in first.surface.neighbours(node) {
             // Within one body the other end may be inside as well, but of another part: then the edge comes in all the same.
             if !itself && self.place(other).is_some() {
                 continue;
@@ -137,23 +136,23 @@ impl Depths {
                 continue;
             };
             let normal = smooth_normal(second, frame.now, triangle, &at);
-            let way = at.point - p;
-            let distance = way.norm_squared();
-            let noise = AT_SURFACE * second.skin.mean_edge;
+            let offset = at.point - p;
+            let distance = offset.norm_squared();
+            let noise = AT_SURFACE * second.surface.mean_edge;
             if distance <= noise * noise {
-                return Some((way.dot(&normal), normal));
+                return Some((offset.dot(&normal), normal));
             }
-            mean.add(1.0 / distance, way.dot(&normal), &normal);
+            mean.add(1.0 / distance, offset.dot(&normal), &normal);
         }
         mean.finish()
     }
 
     /// From layer to layer, until no node is left that has a neighbour with a depth.
-    fn spread(&mut self, skin: &Skin, frame: &Frame<'_>) {
+    fn spread(&mut self, surface: &ContactSurface, frame: &Frame<'_>) {
         for layer in 1.. {
             self.next.clear();
             for &place in &self.layer {
-                for other in skin.neighbours(self.nodes[place as usize].node) {
+                for other in surface.neighbours(self.nodes[place as usize].node) {
                     if let Some(other) = self.place(other)
                         && self.nodes[other].layer == UNREACHED
                     {
@@ -172,7 +171,7 @@ impl Depths {
                 let node = self.nodes[place].node;
                 let p = frame.now[node as usize];
                 let mut mean = Mean::new();
-                for other in skin.neighbours(node) {
+                for other in surface.neighbours(node) {
                     let Some(other) = self.place(other) else {
                         continue;
                     };
@@ -180,10 +179,10 @@ impl Depths {
                     if other.layer >= layer {
                         continue;
                     }
-                    let way = frame.now[other.node as usize] - p;
-                    let weight = 1.0 / way.norm_squared();
+                    let offset = frame.now[other.node as usize] - p;
+                    let weight = 1.0 / offset.norm_squared();
                     if weight.is_finite() {
-                        let depth = way.dot(&other.out) + other.depth;
+                        let depth = offset.dot(&other.out) + other.depth;
                         mean.add(weight, depth, &other.out);
                     }
                 }
@@ -197,7 +196,7 @@ impl Depths {
     }
 }
 
-/// Weighted means of depths and directions.
+/// Weighted means of depths and passes.
 struct Mean {
     weight: f64,
     depth: f64,
@@ -242,7 +241,7 @@ impl Mean {
     }
 }
 
-/// The first crossing of a way with the surface of `second`, from its front or from its back. Triangles next to `node` do not count.
+/// The first crossing of a segment with the surface of `second`, from its front or from its back. Triangles next to `node` do not count.
 pub(crate) fn crossing(
     from: &Vector3<f64>,
     to: &Vector3<f64>,
@@ -258,11 +257,11 @@ pub(crate) fn crossing(
         .tree
         .triangles
         .visit(&Aabb::of(&[*from, *to]), |triangle| {
-            let nodes = &second.skin.triangles[triangle as usize];
-            if itself && first.skin.is_close(&[node], nodes) {
+            let nodes = &second.surface.triangles[triangle as usize];
+            if itself && first.surface.is_close(&[node], nodes) {
                 return;
             }
-            let corners = outward::corners(&second.skin, frame.now, triangle);
+            let corners = second.surface.corners(frame.now, triangle);
             if let Some(crossing) = edge_through_triangle(from, to, &corners)
                 && crossing.from_front == from_front
             {
@@ -286,16 +285,16 @@ pub(crate) fn nearest(
     let bounds = &second.tree.bounds;
     let itself = first.index == second.index;
     let whole = (bounds.max - bounds.min).norm() + (bounds.min - p).norm();
-    let mut size = second.skin.mean_edge;
+    let mut size = second.surface.mean_edge;
     loop {
         let mut best: Option<(f64, u32, TrianglePoint)> = None;
         let around = Aabb { min: *p, max: *p }.inflated(size);
         second.tree.triangles.visit(&around, |triangle| {
-            let nodes = &second.skin.triangles[triangle as usize];
-            if itself && first.skin.is_close(&[node], nodes) {
+            let nodes = &second.surface.triangles[triangle as usize];
+            if itself && first.surface.is_close(&[node], nodes) {
                 return;
             }
-            let corners = outward::corners(&second.skin, frame.now, triangle);
+            let corners = second.surface.corners(frame.now, triangle);
             let at = closest_on_triangle(p, &corners);
             let found = ((at.point - p).norm(), triangle);
             if best.is_none_or(|best| found < (best.0, best.1)) {
@@ -321,8 +320,8 @@ fn smooth_normal(
 ) -> Vector3<f64> {
     let mut sum = Vector3::zeros();
     for (corner, b) in at.barycentric.into_iter().enumerate() {
-        sum += body.outward.of_corner(&body.skin, now, triangle, corner) * b;
+        sum += body.normals.of_corner(&body.surface, now, triangle, corner) * b;
     }
     sum.try_normalize(0.0)
-        .unwrap_or_else(|| body.outward.face(&body.skin, now, triangle).normal)
+        .unwrap_or_else(|| body.normals.face(&body.surface, now, triangle).normal)
 }

@@ -1,6 +1,6 @@
 //! The features of a surface that are near something, each once.
 
-use crate::skin::Skin;
+use crate::surface::ContactSurface;
 use microsim_geometry::{Aabb, BroadPhase, Bvh};
 
 /// The features near a box, ascending.
@@ -13,13 +13,13 @@ pub(crate) struct Features {
 
 impl Features {
     /// Finds the triangles whose boxes overlap `bounds`, with their edges and nodes.
-    pub fn find(&mut self, skin: &Skin, triangles: &Bvh, bounds: &Aabb) {
+    pub fn find(&mut self, surface: &ContactSurface, triangles: &Bvh, bounds: &Aabb) {
         triangles.query(bounds, &mut self.triangles);
         self.edges.clear();
         self.nodes.clear();
         for &triangle in &self.triangles {
-            self.edges.extend(skin.triangle_edges[triangle as usize]);
-            self.nodes.extend(skin.triangles[triangle as usize]);
+            self.edges.extend(surface.triangle_edges[triangle as usize]);
+            self.nodes.extend(surface.triangles[triangle as usize]);
         }
         self.edges.sort_unstable();
         self.edges.dedup();

@@ -1,36 +1,41 @@
-//! Contact between tools, rigid things and the surfaces of bodies: which features touch, where, and how deep.
+//! Contact between tools, obstacles and the surfaces of bodies: which features touch, where, and how deep.
 //!
-//! What is here: the [`Detector`], which finds [`Point`]s. What is not: the force that keeps gaps open, friction included – it depends on
-//! the solver and stands with it (`tissue`); poses and time steps (`scene`). Pure: the same input gives the same bits.
+//! What is here: the [`Detector`], which finds [`Point`]s. What is not: the forces that enforce non-penetration, friction included: these are the solver's
+//! (`tissue`); poses and time steps (`scene`). Pure: the same input gives the same bits.
 
 #![forbid(unsafe_code)]
 
 mod body;
+mod body_pair;
 mod capsule_motion;
 mod depth;
 mod detector;
-mod edges;
-mod ends;
+mod edge_edge;
+mod end_plane;
 mod features;
+mod frame;
 mod lists;
-mod meshes;
 mod near;
-mod outward;
+mod node_face;
+mod normals;
+mod obstacle;
+mod obstacle_contact;
+mod pair;
 mod point;
-mod rigid;
 mod sides;
-mod skin;
-mod skin_change;
-mod standing;
+mod surface;
+mod surface_update;
 #[cfg(test)]
 mod tests;
-mod tool;
+mod tool_contact;
 mod tree;
 
 pub use capsule_motion::CapsuleMotion;
-pub use detector::{Detector, Frame, Touch, VesselEnd};
+pub use detector::Detector;
+pub use frame::Frame;
+pub use obstacle::{ObstaclePart, ObstacleShape};
+pub use pair::{ContactPair, VesselEnd};
 pub use point::{Key, Partner, Point};
-pub use rigid::{Rigid, RigidShape};
 pub use sides::Sides;
-pub use skin::Skin;
-pub use skin_change::SkinChange;
+pub use surface::ContactSurface;
+pub use surface_update::SurfaceUpdate;

@@ -1,8 +1,6 @@
-//! What of two surfaces is near to what, kept while their boxes are.
+//! Candidates of contact between two surfaces, cached as long as their boxes hold.
 
 use crate::body::Body;
-use crate::edges;
-use crate::skin::Skin;
 use microsim_geometry::{Aabb, BroadPhase};
 
 /// Pairs of features of one body with those of another, or of the same one, whose boxes over the step overlap; all ascending.
@@ -31,8 +29,9 @@ pub(crate) fn may_meet(first: &Body, second: &Body, reach: f64) -> bool {
 }
 
 impl Near {
-    /// Makes sure that the lists hold all pairs closer than `reach` \[m\] during the step.
-    pub fn update(&mut self, first: &Body, second: &Body, reach: f64) {
+    /// Makes sure that the lists hold all pairs closer than `reach` \[m\] during the step, of edges closer than `edge_reach` \[m\],
+    /// which grows with `reach` alone.
+    pub fn update(&mut self, first: &Body, second: &Body, reach: f64, edge_reach: f64) {
         let versions = [first.tree.version, second.tree.version];
         if self.versions == versions && self.reach >= reach {
             return;
@@ -47,32 +46,31 @@ impl Near {
             return;
         }
         let itself = first.index == second.index;
-        let skin = &first.skin;
-        for &node in &skin.nodes {
-            let around = first.tree.swept(skin, &[node]).inflated(reach);
+        let surface = &first.surface;
+        for &node in &surface.nodes {
+            let around = first.tree.swept(surface, &[node]).inflated(reach);
             let start = self.node_triangles.len();
             second.tree.triangles.visit(&around, |triangle| {
-                let nodes = &second.skin.triangles[triangle as usize];
-                if !(itself && skin.is_close(&[node], nodes)) {
+                let nodes = &second.surface.triangles[triangle as usize];
+                if !(itself && surface.is_close(&[node], nodes)) {
                     self.node_triangles.push([node, triangle]);
                 }
             });
             self.node_triangles[start..].sort_unstable();
         }
-        let farthest = edges::farthest(first, second, reach);
         self.boxes.clear();
-        let others = second.skin.edges.iter();
+        let others = second.surface.edges.iter();
         self.boxes
-            .extend(others.map(|edge| second.tree.swept(&second.skin, &edge.nodes)));
+            .extend(others.map(|edge| second.tree.swept(&second.surface, &edge.nodes)));
         self.listed.clear();
-        self.listed.resize(second.skin.edges.len(), 0);
-        for (index, edge) in skin.edges.iter().enumerate() {
-            let swept = first.tree.swept(skin, &edge.nodes);
+        self.listed.resize(second.surface.edges.len(), 0);
+        for (index, edge) in surface.edges.iter().enumerate() {
+            let swept = first.tree.swept(surface, &edge.nodes);
             let around = swept.inflated(reach);
             let start = self.edge_triangles.len();
             second.tree.triangles.visit(&around, |triangle| {
-                let nodes = &second.skin.triangles[triangle as usize];
-                if !(itself && skin.is_close(&edge.nodes, nodes)) {
+                let nodes = &second.surface.triangles[triangle as usize];
+                if !(itself && surface.is_close(&edge.nodes, nodes)) {
                     self.edge_triangles.push([index as u32, triangle]);
                 }
             });
@@ -80,20 +78,20 @@ impl Near {
                 continue;
             }
             self.edge_triangles[start..].sort_unstable();
-            let around = swept.inflated(farthest);
+            let around = swept.inflated(edge_reach);
             let start_edges = self.edges.len();
             for &[edge, triangle] in &self.edge_triangles[start..] {
-                for other in second.skin.triangle_edges[triangle as usize] {
+                for other in second.surface.triangle_edges[triangle as usize] {
                     let listed = &mut self.listed[other as usize];
                     if *listed == edge + 1 {
                         continue;
                     }
                     *listed = edge + 1;
-                    let nodes = &second.skin.edges[other as usize].nodes;
+                    let nodes = &second.surface.edges[other as usize].nodes;
                     let wanted = self.boxes[other as usize].overlaps(&around)
                         && (!itself
                             || edge < other
-                                && !skin.is_close(&skin.edges[edge as usize].nodes, nodes));
+                                && !surface.is_close(&surface.edges[edge as usize].nodes, nodes));
                     if wanted {
                         self.edges.push([edge, other]);
                     }
@@ -102,28 +100,20 @@ impl Near {
             self.edges[start_edges..].sort_unstable();
         }
         if let Some(tets) = &second.tree.tets {
-            for node in skin.offset..skin.offset + skin.node_count {
-                let around = first.tree.place(skin, node);
+            for node in surface.offset..surface.offset + surface.node_count {
+                let around = first.tree.place(surface, node);
                 if !around.overlaps(&second.tree.bounds) {
                     continue;
                 }
                 let start = self.node_tets.len();
                 tets.visit(&around, |tet| {
-                    let nodes = &second.skin.tets[tet as usize];
-                    if !(itself && skin.is_close(&[node], nodes)) {
+                    let nodes = &second.surface.tets[tet as usize];
+                    if !(itself && surface.is_close(&[node], nodes)) {
                         self.node_tets.push([node, tet]);
                     }
                 });
                 self.node_tets[start..].sort_unstable();
             }
         }
-    }
-}
-
-impl Skin {
-    /// Whether two features of one body share a node, or an edge of the mesh leads from one to the other.
-    pub(crate) fn is_close(&self, first: &[u32], second: &[u32]) -> bool {
-        let close = |a: u32, b: u32| a == b || self.are_neighbours(a, b);
-        first.iter().any(|&a| second.iter().any(|&b| close(a, b)))
     }
 }

@@ -12,10 +12,10 @@ pub enum Partner {
         /// Which of its capsules.
         capsule: u32,
     },
-    /// A rigid thing that stands.
-    Rigid {
-        /// Which.
-        thing: u32,
+    /// A part of an obstacle.
+    Obstacle {
+        /// Which of the parts of all obstacles.
+        part: u32,
     },
     /// A body, itself included.
     Body {
@@ -24,8 +24,8 @@ pub enum Partner {
     },
 }
 
-/// What a point of contact is, from step to step: the partner and the features of the first side and of the other one. Friction
-/// and forces are carried over by it.
+/// Identity of a point of contact from step to step: the partner and the features of both sides. Contact forces are
+/// carried over by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     /// The body of the first side.

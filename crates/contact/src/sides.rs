@@ -1,12 +1,12 @@
-//! On which side of things nodes are.
+//! Which side of tools and obstacles nodes are on.
 
 use crate::point::{Partner, Point};
 use nalgebra::Vector3;
 
 /// The last normals at each touched node, per partner.
 ///
-/// A point on the axis of a capsule has no direction of its own, and one that has crossed the axis has the wrong one; within a step the
-/// way since its start tells, over steps this memory does. What is no longer touched is forgotten.
+/// A point on the axis of a capsule has no direction of its own, and one that has crossed the axis has the wrong one; within a step
+/// the path since its start decides, over steps these normals do. Those of what is no longer touched are removed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sides {
     /// Sums of weighted normals, ascending by partner and node.
@@ -19,11 +19,11 @@ impl Sides {
         Self::default()
     }
 
-    /// Forgets all and remembers `points`, those that a step ended with.
+    /// Replaces all entries by those of `points`, with which a step ended.
     pub fn remember<'a>(&mut self, points: impl IntoIterator<Item = &'a Point>) {
         self.entries.clear();
         for point in points {
-            // Of two bodies the meshes themselves tell what is inside.
+            // Between two bodies the meshes themselves show what is inside.
             if matches!(point.key.partner, Partner::Body { .. }) {
                 continue;
             }
@@ -61,7 +61,7 @@ impl Sides {
         &self.entries
     }
 
-    /// The memory with these entries.
+    /// With these entries.
     pub fn from_entries(mut entries: Vec<(Partner, u32, Vector3<f64>)>) -> Self {
         entries.sort_by_key(|&(partner, node, _)| (partner, node));
         Self { entries }

@@ -1,13 +1,15 @@
 //! Detection against closed forms, against brute force, and in the corners of the input.
 
+mod body_contact;
 mod brute;
 mod depth;
-mod meshes;
-mod skin_change;
-mod standing;
-mod tool;
+mod obstacle_contact;
+mod surface_update;
+mod tool_contact;
 
-use crate::{CapsuleMotion, Detector, Frame, Point, Rigid, Sides, Skin, Touch};
+use crate::{
+    CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, ObstaclePart, Point, Sides,
+};
 use microsim_geometry::Capsule;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_random::SplitMix64;
@@ -38,25 +40,25 @@ pub struct Group {
     pub start: Vec<V3>,
     pub now: Vec<V3>,
     pub tools: Vec<Option<Vec<CapsuleMotion>>>,
-    pub way: f64,
+    pub fraction: f64,
     pub reach: f64,
     pub sides: Sides,
 }
 
 impl Group {
-    pub fn new(meshes: &[&TetMesh], rigid: Vec<Rigid>, pairs: Vec<Touch>) -> Self {
+    pub fn new(meshes: &[&TetMesh], obstacles: Vec<ObstaclePart>, pairs: Vec<ContactPair>) -> Self {
         let mut start = Vec::new();
-        let mut skins = Vec::new();
+        let mut surfaces = Vec::new();
         for mesh in meshes {
-            skins.push(Skin::new(mesh, start.len() as u32));
+            surfaces.push(ContactSurface::new(mesh, start.len() as u32));
             start.extend(&mesh.positions);
         }
         Self {
-            detector: Detector::new(skins, rigid, pairs),
+            detector: Detector::new(surfaces, obstacles, pairs),
             now: start.clone(),
             start,
             tools: Vec::new(),
-            way: 1.0,
+            fraction: 1.0,
             reach: 0.0,
             sides: Sides::new(),
         }
@@ -64,7 +66,11 @@ impl Group {
 
     /// One body and one tool.
     pub fn with_tool(mesh: &TetMesh, capsules: Vec<CapsuleMotion>) -> Self {
-        let mut group = Self::new(&[mesh], Vec::new(), vec![Touch::Tool { body: 0, tool: 0 }]);
+        let mut group = Self::new(
+            &[mesh],
+            Vec::new(),
+            vec![ContactPair::Tool { body: 0, tool: 0 }],
+        );
         group.tools = vec![Some(capsules)];
         group
     }
@@ -75,7 +81,7 @@ impl Group {
             start: &self.start,
             now: &self.now,
             tools: &self.tools,
-            way: self.way,
+            fraction: self.fraction,
             reach: self.reach,
             sides: &self.sides,
         };
@@ -110,12 +116,12 @@ pub fn check(points: &[Point]) {
 }
 
 /// A capsule that moves without turning.
-pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64, way: [f64; 3]) -> CapsuleMotion {
-    let (a, b, way) = (V3::from(a), V3::from(b), V3::from(way));
+pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64, shift: [f64; 3]) -> CapsuleMotion {
+    let (a, b, shift) = (V3::from(a), V3::from(b), V3::from(shift));
     let start = Capsule { a, b, radius };
     let end = Capsule {
-        a: a + way,
-        b: b + way,
+        a: a + shift,
+        b: b + shift,
         radius,
     };
     CapsuleMotion { start, end }

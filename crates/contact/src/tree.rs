@@ -1,14 +1,14 @@
-//! Where the triangles and tetrahedra of a body are, kept while its nodes move little.
+//! Bounding volumes of the triangles and tetrahedra of a body, retained while its nodes move little.
 
-use crate::detector::Frame;
-use crate::skin::Skin;
+use crate::frame::Frame;
+use crate::surface::ContactSurface;
 use microsim_geometry::{Aabb, Bvh};
 use nalgebra::Vector3;
 
-/// Boxes are larger than what is in them by this share of the mean edge length, so that they hold it until a node has moved by that much.
+/// Boxes are larger than what is in them by this fraction of the mean edge length, so that they hold it until a node has moved by that much.
 const MARGIN: f64 = 0.1;
 
-/// Hierarchies of boxes around what belongs to a body.
+/// Hierarchies of boxes around the features of a body.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     /// Grows with every change of the boxes.
@@ -31,10 +31,10 @@ pub(crate) struct Tree {
 
 impl Tree {
     /// Without tetrahedra.
-    pub fn new(skin: &Skin) -> Self {
+    pub fn new(surface: &ContactSurface) -> Self {
         Self {
             version: 0,
-            margin: MARGIN * skin.mean_edge,
+            margin: MARGIN * surface.mean_edge,
             start: Vec::new(),
             now: Vec::new(),
             bounds: Aabb::empty(),
@@ -50,16 +50,16 @@ impl Tree {
         self.tets.get_or_insert_default();
     }
 
-    /// Follows a cut: triangles have these numbers now, [`u32::MAX`] where they are gone.
-    pub fn follow(&mut self, to: &[u32]) {
+    /// Updates the hierarchy after an edit: triangles have these indices now, [`u32::MAX`] where they are gone.
+    pub fn update_after_edit(&mut self, to: &[u32]) {
         self.triangles.renumber(to);
-        // Whatever it was made for is of other nodes.
+        // The positions that it was built for are of other nodes.
         self.start.clear();
     }
 
     /// Makes sure that the box around all holds what it should.
-    pub fn update(&mut self, skin: &Skin, frame: &Frame<'_>) {
-        let (start, now) = (&frame.start[skin.range()], &frame.now[skin.range()]);
+    pub fn update(&mut self, surface: &ContactSurface, frame: &Frame<'_>) {
+        let (start, now) = (&frame.start[surface.range()], &frame.now[surface.range()]);
         if within(start, &self.start, self.margin) && within(now, &self.now, self.margin) {
             return;
         }
@@ -69,29 +69,29 @@ impl Tree {
         self.now.clear();
         self.now.extend_from_slice(now);
         self.bounds = Aabb::empty();
-        for &node in &skin.nodes {
-            let bounds = self.swept(skin, &[node]);
+        for &node in &surface.nodes {
+            let bounds = self.swept(surface, &[node]);
             if bounds.is_valid() {
                 self.bounds = self.bounds.union(&bounds);
             }
         }
     }
 
-    /// Makes sure that the boxes of all triangles and tetrahedra hold what they should: only asked for where something is near.
-    pub fn build(&mut self, skin: &Skin) {
+    /// Makes sure that the boxes of all triangles and tetrahedra hold what they should: only needed where something is near.
+    pub fn build(&mut self, surface: &ContactSurface) {
         if self.built == self.version {
             return;
         }
         self.built = self.version;
         self.boxes.clear();
-        for nodes in &skin.triangles {
-            self.boxes.push(self.swept(skin, nodes));
+        for nodes in &surface.triangles {
+            self.boxes.push(self.swept(surface, nodes));
         }
         self.triangles.refit(&self.boxes);
         if let Some(tree) = &mut self.tets {
             self.boxes.clear();
-            for nodes in &skin.tets {
-                let corners = nodes.map(|node| self.now[(node - skin.offset) as usize]);
+            for nodes in &surface.tets {
+                let corners = nodes.map(|node| self.now[(node - surface.offset) as usize]);
                 self.boxes.push(Aabb::of(&corners).inflated(self.margin));
             }
             tree.refit(&self.boxes);
@@ -99,16 +99,16 @@ impl Tree {
     }
 
     /// The box around a node now.
-    pub fn place(&self, skin: &Skin, node: u32) -> Aabb {
-        let at = self.now[(node - skin.offset) as usize];
+    pub fn place(&self, surface: &ContactSurface, node: u32) -> Aabb {
+        let at = self.now[(node - surface.offset) as usize];
         Aabb { min: at, max: at }.inflated(self.margin)
     }
 
     /// The box around nodes over the step.
-    pub fn swept(&self, skin: &Skin, nodes: &[u32]) -> Aabb {
+    pub fn swept(&self, surface: &ContactSurface, nodes: &[u32]) -> Aabb {
         let mut bounds = Aabb::empty();
         for node in nodes {
-            let place = (node - skin.offset) as usize;
+            let place = (node - surface.offset) as usize;
             bounds.include(&self.start[place]);
             bounds.include(&self.now[place]);
         }
@@ -118,7 +118,7 @@ impl Tree {
 
 /// Whether no position is further than `margin` from the other on any axis.
 fn within(a: &[Vector3<f64>], b: &[Vector3<f64>], margin: f64) -> bool {
-    // Written so that what is not a number is not, and without a way out of the loop.
+    // Written so that a NaN is not within, and without an early exit of the loop.
     let mut all = a.len() == b.len();
     for (a, b) in a.iter().zip(b) {
         let near = |k: usize| (a[k] - b[k]).abs() <= margin;

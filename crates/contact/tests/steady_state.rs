@@ -2,7 +2,9 @@
 
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
-use microsim_contact::{CapsuleMotion, Detector, Frame, Rigid, RigidShape, Sides, Skin, Touch};
+use microsim_contact::{
+    CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, ObstaclePart, ObstacleShape, Sides,
+};
 use microsim_geometry::{Capsule, Pose};
 use microsim_mesh::{Block, CellSplit};
 use nalgebra::Vector3;
@@ -51,30 +53,33 @@ fn no_allocation_in_the_steady_state() {
         .chain(&upper.positions)
         .copied()
         .collect();
-    let skins = vec![Skin::new(&lower, 0), Skin::new(&upper, count as u32)];
-    let plane = Rigid {
-        shape: RigidShape::HalfSpace,
+    let surfaces = vec![
+        ContactSurface::new(&lower, 0),
+        ContactSurface::new(&upper, count as u32),
+    ];
+    let plane = ObstaclePart {
+        shape: ObstacleShape::HalfSpace,
         pose: Pose::identity(),
     };
-    let cuboid = Rigid {
-        shape: RigidShape::Cuboid {
+    let cuboid = ObstaclePart {
+        shape: ObstacleShape::Cuboid {
             half_size: [1.0, 0.3, 0.5],
             rounding: 0.1,
         },
         pose: Pose::identity(),
     };
     let pairs = vec![
-        Touch::Bodies {
+        ContactPair::Bodies {
             body: 0,
             with: 1,
             ends: None,
         },
-        Touch::Itself { body: 1 },
-        Touch::Rigid { body: 0, thing: 0 },
-        Touch::Rigid { body: 0, thing: 1 },
-        Touch::Tool { body: 1, tool: 0 },
+        ContactPair::Itself { body: 1 },
+        ContactPair::Obstacle { body: 0, part: 0 },
+        ContactPair::Obstacle { body: 0, part: 1 },
+        ContactPair::Tool { body: 1, tool: 0 },
     ];
-    let mut detector = Detector::new(skins, vec![plane, cuboid], pairs);
+    let mut detector = Detector::new(surfaces, vec![plane, cuboid], pairs);
     let capsule = Capsule {
         a: Vector3::new(-1.0, 0.0, 4.2),
         b: Vector3::new(1.0, 0.2, 4.2),
@@ -101,7 +106,7 @@ fn no_allocation_in_the_steady_state() {
                 start: &start,
                 now: &now,
                 tools: &tools,
-                way: 1.0,
+                fraction: 1.0,
                 reach,
                 sides: &sides,
             };

@@ -82,7 +82,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
         friction: 0.3,
         force_limit: f64::INFINITY,
     };
-    let mut contacts = vec![contact(PartnerSpec::Rigid("table".into()))];
+    let mut contacts = vec![contact(PartnerSpec::Obstacle("table".into()))];
     if touches != Touches::Table {
         contacts.push(contact(PartnerSpec::Tool("blade".into())));
     }
@@ -133,10 +133,10 @@ fn measure(cells: [usize; 3], touches: Touches) {
             sharpness: 1.0,
             motion: Vec::new(),
         }],
-        rigid: vec![RigidSpec {
+        obstacles: vec![ObstacleSpec {
             name: "table".into(),
-            parts: vec![Rigid {
-                shape: RigidShape::HalfSpace,
+            parts: vec![ObstaclePart {
+                shape: ObstacleShape::HalfSpace,
                 pose: Pose {
                     position: Vector3::new(0.0, 0.0, -0.5 * size[2]),
                     ..Pose::identity()

@@ -70,7 +70,7 @@ impl Scene {
             for force in &memory.forces {
                 let partner = match force.key.partner {
                     Partner::Tool { tool, capsule } => [0, tool, capsule],
-                    Partner::Rigid { thing } => [1, thing, 0],
+                    Partner::Obstacle { part } => [1, part, 0],
                     Partner::Body { body } => [2, body, 0],
                 };
                 digest.u32s([force.key.body].into_iter());

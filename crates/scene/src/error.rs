@@ -6,9 +6,9 @@ use microsim_tissue::{BuildError, MethodError};
 /// Why a scene cannot be built or run. Each text says which part is meant and what is expected.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
-    /// Two bodies or two tools have one name, or a name is empty.
+    /// Two bodies, tools or obstacles have one name, or a name is empty.
     Name {
-        /// `body`, `tool` or `rigid thing`.
+        /// `body`, `tool` or `obstacle`.
         kind: &'static str,
         /// The name.
         name: String,
@@ -96,8 +96,8 @@ pub enum SceneError {
         /// Index of the key.
         key: usize,
     },
-    /// A rigid thing has no part, or a part with numbers that are not finite or sizes that are none.
-    Rigid {
+    /// An obstacle has no part, or a part with numbers that are not finite or sizes that are none.
+    Obstacle {
         /// The thing.
         name: String,
     },
@@ -201,9 +201,9 @@ impl std::fmt::Display for SceneError {
                 f,
                 "key {key} of the motion of tool '{tool}' needs finite numbers and a time after that of the key before"
             ),
-            Self::Rigid { name } => write!(
+            Self::Obstacle { name } => write!(
                 f,
-                "rigid thing '{name}' needs parts with finite numbers, sizes above 0 m and a rounding within them"
+                "obstacle '{name}' needs parts with finite numbers, sizes above 0 m and a rounding within them"
             ),
             Self::Contacts {
                 body, with, reason, ..

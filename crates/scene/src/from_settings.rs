@@ -40,7 +40,7 @@ pub fn scene_spec(
     let spec = SceneSpec {
         bodies,
         tools: contact::tools(&scene.tool, load)?,
-        rigid: contact::rigid(&scene.rigid),
+        obstacles: contact::obstacles(&scene.rigid),
         contacts: contact::contacts(&scene.contact)?,
         cuts: contact::cuts(&scene.cut),
         gravity: scene.run.gravity,
@@ -59,7 +59,7 @@ pub struct LevelParts<'a> {
     pub method: &'a settings::Method,
     /// The bodies.
     pub bodies: &'a [settings::Body],
-    /// Rigid things that stand.
+    /// Obstacles.
     pub rigid: &'a [settings::Rigid],
     /// What touches what.
     pub contacts: &'a [settings::ContactPair],
@@ -92,7 +92,7 @@ pub fn level_spec(
     let spec = SceneSpec {
         bodies,
         tools,
-        rigid: contact::rigid(level.rigid),
+        obstacles: contact::obstacles(level.rigid),
         contacts: contact::contacts(level.contacts)?,
         cuts: contact::cuts(level.cuts),
         gravity: level.physics.gravity,

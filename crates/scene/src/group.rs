@@ -6,7 +6,7 @@ use crate::error::SceneError;
 use crate::pairs::{Pair, PairPartner};
 use crate::scene::Body;
 use crate::touching::GroupTouching;
-use microsim_contact::Rigid;
+use microsim_contact::ObstaclePart;
 use microsim_tissue::{
     Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
 };
@@ -40,7 +40,7 @@ impl Group {
     pub fn all(
         bodies: &[Body],
         pairs: &[Pair],
-        rigid: &[Rigid],
+        obstacles: &[ObstaclePart],
         method: &Method,
     ) -> Result<Vec<Self>, SceneError> {
         // Each body is led to the first one of its group; a few passes reach the end of every chain.
@@ -64,7 +64,7 @@ impl Group {
             let members: Vec<usize> = (0..bodies.len())
                 .filter(|body| first[*body] == leader)
                 .collect();
-            Self::new(&members, bodies, pairs, rigid, method)
+            Self::new(&members, bodies, pairs, obstacles, method)
         });
         groups.collect()
     }
@@ -73,7 +73,7 @@ impl Group {
         indices: &[usize],
         bodies: &[Body],
         pairs: &[Pair],
-        rigid: &[Rigid],
+        obstacles: &[ObstaclePart],
         method: &Method,
     ) -> Result<Self, SceneError> {
         let mut members = Vec::with_capacity(indices.len());
@@ -91,7 +91,7 @@ impl Group {
         })?;
         Ok(Self {
             solver,
-            touching: GroupTouching::new(&members, bodies, pairs, rigid, method, model),
+            touching: GroupTouching::new(&members, bodies, pairs, obstacles, method, model),
             members,
             union,
             iterations: 0,
@@ -124,11 +124,17 @@ impl Group {
     }
 
     /// Takes over bodies whose meshes are others.
-    pub fn renew(&mut self, bodies: &[Body], pairs: &[Pair], rigid: &[Rigid], method: &Method) {
+    pub fn renew(
+        &mut self,
+        bodies: &[Body],
+        pairs: &[Pair],
+        obstacles: &[ObstaclePart],
+        method: &Method,
+    ) {
         self.renumber(bodies);
         self.follow_models(bodies);
         let model = self.model(bodies);
-        self.touching = GroupTouching::new(&self.members, bodies, pairs, rigid, method, model);
+        self.touching = GroupTouching::new(&self.members, bodies, pairs, obstacles, method, model);
     }
 
     /// The model of its bodies.

@@ -38,7 +38,7 @@ pub use error::SceneError;
 pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
 };
-pub use microsim_contact::{Rigid, RigidShape};
+pub use microsim_contact::{ObstaclePart, ObstacleShape};
 pub use microsim_geometry::Pose;
 pub use microsim_mesh::{Surface, TetMesh};
 pub use microsim_tissue::{
@@ -53,7 +53,7 @@ pub use save::RestoreError;
 pub use scene::{CutTally, Scene};
 pub use spec::{
     BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, HingeSpec, Jaw,
-    LoadKind, LoadSpec, MotionKey, MotionSpec, PartnerSpec, RigidSpec, SceneSpec, Selection,
+    LoadKind, LoadSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec, SceneSpec, Selection,
     StartSpec, ToolKeySpec, ToolSpec,
 };
 pub use stress::von_mises;

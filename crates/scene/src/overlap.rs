@@ -20,7 +20,7 @@ pub struct Overlap {
 }
 
 impl Scene {
-    /// Overlap of a body with the other bodies, the rigid things and the tools that it touches; of tools only those that have a
+    /// Overlap of a body with the other bodies, the obstacles and the tools that it touches; of tools only those that have a
     /// motion of their own.
     pub fn overlap(&self, body: usize) -> Overlap {
         let nodes = &self.surface(body).nodes;
@@ -33,8 +33,8 @@ impl Scene {
                 PairPartner::Body(other) if *other == body => {
                     self.depths_in(body, pair.body, &mut depths);
                 }
-                PairPartner::Rigid { parts, .. } if pair.body == body => {
-                    for part in &self.rigid[parts.clone()] {
+                PairPartner::Obstacle { parts, .. } if pair.body == body => {
+                    for part in &self.obstacle_parts[parts.clone()] {
                         for &node in nodes {
                             let (distance, _) = part.distance(&self.positions(body)[node as usize]);
                             let depth = &mut depths[node as usize];

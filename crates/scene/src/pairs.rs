@@ -1,8 +1,8 @@
-//! What touches what: rigid things and pairs, from their description.
+//! What touches what: obstacles and pairs, from their description.
 
 use crate::error::SceneError;
-use crate::spec::{PartnerSpec, RigidSpec, SceneSpec};
-use microsim_contact::{Rigid, RigidShape};
+use crate::spec::{ObstacleSpec, PartnerSpec, SceneSpec};
+use microsim_contact::{ObstaclePart, ObstacleShape};
 use std::ops::Range;
 
 /// Two that touch.
@@ -21,30 +21,32 @@ pub(crate) struct Pair {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum PairPartner {
     Tool(usize),
-    Rigid {
-        thing: usize,
-        /// Its parts among those of all things.
+    Obstacle {
+        obstacle: usize,
+        /// Its parts among those of all obstacles.
         parts: Range<usize>,
     },
     Body(usize),
     Itself,
 }
 
-/// A rigid thing.
+/// An obstacle.
 #[derive(Clone, Debug)]
-pub(crate) struct Thing {
+pub(crate) struct Obstacle {
     pub name: String,
-    /// Its parts among those of all things.
+    /// Its parts among those of all obstacles.
     pub parts: Range<usize>,
 }
 
-/// The rigid things, and the parts of all of them.
-pub(crate) fn rigid(specs: &[RigidSpec]) -> Result<(Vec<Thing>, Vec<Rigid>), SceneError> {
-    let (mut things, mut all) = (Vec::new(), Vec::new());
+/// The obstacles, and the parts of all of them.
+pub(crate) fn find_obstacles(
+    specs: &[ObstacleSpec],
+) -> Result<(Vec<Obstacle>, Vec<ObstaclePart>), SceneError> {
+    let (mut obstacles, mut all) = (Vec::new(), Vec::new());
     for spec in specs {
-        let sized = |part: &Rigid| match part.shape {
-            RigidShape::HalfSpace => true,
-            RigidShape::Cuboid {
+        let sized = |part: &ObstaclePart| match part.shape {
+            ObstacleShape::HalfSpace => true,
+            ObstacleShape::Cuboid {
                 half_size,
                 rounding,
             } => {
@@ -52,31 +54,34 @@ pub(crate) fn rigid(specs: &[RigidSpec]) -> Result<(Vec<Thing>, Vec<Rigid>), Sce
                 half_size.iter().all(|s| s.is_finite() && *s > 0.0)
                     && (0.0..=least).contains(&rounding)
             }
-            RigidShape::Cylinder {
+            ObstacleShape::Cylinder {
                 radius,
                 half_length,
             } => [radius, half_length]
                 .iter()
                 .all(|s| s.is_finite() && *s > 0.0),
         };
-        let right = |part: &Rigid| part.pose.is_finite() && sized(part);
+        let right = |part: &ObstaclePart| part.pose.is_finite() && sized(part);
         if spec.parts.is_empty() || !spec.parts.iter().all(right) {
-            return Err(SceneError::Rigid {
+            return Err(SceneError::Obstacle {
                 name: spec.name.clone(),
             });
         }
         let first = all.len();
         all.extend_from_slice(&spec.parts);
-        things.push(Thing {
+        obstacles.push(Obstacle {
             name: spec.name.clone(),
             parts: first..all.len(),
         });
     }
-    Ok((things, all))
+    Ok((obstacles, all))
 }
 
 /// The pairs of a description.
-pub(crate) fn find_pairs(spec: &SceneSpec, things: &[Thing]) -> Result<Vec<Pair>, SceneError> {
+pub(crate) fn find_pairs(
+    spec: &SceneSpec,
+    obstacles: &[Obstacle],
+) -> Result<Vec<Pair>, SceneError> {
     let mut pairs: Vec<Pair> = Vec::new();
     for (index, contact) in spec.contacts.iter().enumerate() {
         let wrong = |reason| SceneError::Contacts {
@@ -96,12 +101,12 @@ pub(crate) fn find_pairs(spec: &SceneSpec, things: &[Thing]) -> Result<Vec<Pair>
                 let tool = spec.tools.iter().position(|t| t.name == *name);
                 PairPartner::Tool(tool.ok_or_else(|| wrong("no such tool"))?)
             }
-            PartnerSpec::Rigid(name) => {
-                let thing = things.iter().position(|t| t.name == *name);
-                let thing = thing.ok_or_else(|| wrong("no such rigid thing"))?;
-                PairPartner::Rigid {
-                    thing,
-                    parts: things[thing].parts.clone(),
+            PartnerSpec::Obstacle(name) => {
+                let obstacle = obstacles.iter().position(|t| t.name == *name);
+                let obstacle = obstacle.ok_or_else(|| wrong("no such obstacle"))?;
+                PairPartner::Obstacle {
+                    obstacle,
+                    parts: obstacles[obstacle].parts.clone(),
                 }
             }
             PartnerSpec::Body {

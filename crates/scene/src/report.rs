@@ -34,15 +34,15 @@ pub const MANY_SUBSTEPS: u32 = 16;
 pub enum ContactPartner {
     /// A tool, by its index.
     Tool(usize),
-    /// A rigid thing, by its index.
-    Rigid(usize),
+    /// An obstacle, by its index.
+    Obstacle(usize),
     /// Another body, by its index.
     Body(usize),
     /// Itself.
     Itself,
 }
 
-/// What a tool, a rigid thing or another body did to a body in a tick.
+/// What a tool, an obstacle or another body did to a body in a tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactReport {
     /// Index of the body.

@@ -202,7 +202,12 @@ impl Scene {
             self.bodies = cut;
             self.edits = edits;
             for group in &mut self.groups {
-                group.renew(&self.bodies, &self.pairs, &self.rigid, &self.method);
+                group.renew(
+                    &self.bodies,
+                    &self.pairs,
+                    &self.obstacle_parts,
+                    &self.method,
+                );
             }
         } else {
             self.bodies = cut;
@@ -253,7 +258,7 @@ fn put_vector(bytes: &mut Vec<u8>, vector: &Vector3<f64>) {
 fn put_partner(bytes: &mut Vec<u8>, partner: &Partner) {
     let numbers = match *partner {
         Partner::Tool { tool, capsule } => [0, tool, capsule],
-        Partner::Rigid { thing } => [1, thing, 0],
+        Partner::Obstacle { part } => [1, part, 0],
         Partner::Body { body } => [2, body, 0],
     };
     numbers.into_iter().for_each(|n| put_u32(bytes, n));
@@ -313,7 +318,7 @@ impl<'a> Reader<'a> {
                 tool: index,
                 capsule,
             },
-            (1, 0) => Partner::Rigid { thing: index },
+            (1, 0) => Partner::Obstacle { part: index },
             (2, 0) => Partner::Body { body: index },
             _ => return Err(RestoreError::OtherScene),
         })

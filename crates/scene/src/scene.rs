@@ -7,14 +7,14 @@ use crate::drive::Drive;
 use crate::error::SceneError;
 use crate::group::Group;
 use crate::lonor::BladeMemory;
-use crate::pairs::{Pair, PairPartner, Thing, find_pairs, rigid};
+use crate::pairs::{Obstacle, Pair, PairPartner, find_obstacles, find_pairs};
 use crate::pieces::Pieces;
 use crate::report::ContactPartner;
 use crate::select;
 use crate::spec::{BodySpec, PartnerSpec, SceneSpec, Selection};
 use crate::tool::{Tool, ToolMotion};
 use crate::touching::ContactMemory;
-use microsim_contact::Rigid;
+use microsim_contact::ObstaclePart;
 use microsim_cutting::{SurfaceTriangle, Topology};
 use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::elements::{CouplingConstants, couple};
@@ -92,9 +92,9 @@ pub(crate) struct SceneState {
 pub struct Scene {
     pub(crate) bodies: Vec<Body>,
     pub(crate) tools: Vec<Tool>,
-    pub(crate) things: Vec<Thing>,
-    /// The parts of all rigid things.
-    pub(crate) rigid: Vec<Rigid>,
+    pub(crate) obstacles: Vec<Obstacle>,
+    /// The parts of all obstacles.
+    pub(crate) obstacle_parts: Vec<ObstaclePart>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) cuts: Vec<Cut>,
     pub(crate) groups: Vec<Group>,
@@ -117,8 +117,8 @@ impl Scene {
             return Err(SceneError::Gravity);
         }
         check_names(
-            "rigid thing",
-            spec.rigid.iter().map(|thing| thing.name.as_str()),
+            "obstacle",
+            spec.obstacles.iter().map(|obstacle| obstacle.name.as_str()),
         )?;
         let touched = |body: &BodySpec| {
             let other = |with: &PartnerSpec| matches!(with, PartnerSpec::Body { name, .. } if *name == body.name);
@@ -139,10 +139,10 @@ impl Scene {
             .iter()
             .map(Tool::new)
             .collect::<Result<Vec<_>, _>>()?;
-        let (things, rigid) = rigid(&spec.rigid)?;
-        let pairs = find_pairs(spec, &things)?;
+        let (obstacles, obstacle_parts) = find_obstacles(&spec.obstacles)?;
+        let pairs = find_pairs(spec, &obstacles)?;
         let cuts = cutting::cuts(spec, &pairs)?;
-        let groups = Group::all(&bodies, &pairs, &rigid, &spec.method)?;
+        let groups = Group::all(&bodies, &pairs, &obstacle_parts, &spec.method)?;
         let state = SceneState {
             bodies: bodies.iter().map(|body| body.start.clone()).collect(),
             memories: vec![ContactMemory::default(); groups.len()],
@@ -156,8 +156,8 @@ impl Scene {
         bodies.iter_mut().for_each(Body::prepare_edits);
         Ok(Self {
             tools,
-            things,
-            rigid,
+            obstacles,
+            obstacle_parts,
             pairs,
             uncut,
             cuts,
@@ -243,14 +243,14 @@ impl Scene {
         &self.tools[tool].name
     }
 
-    /// Number of rigid things.
-    pub fn thing_count(&self) -> usize {
-        self.things.len()
+    /// Number of obstacles.
+    pub fn obstacle_count(&self) -> usize {
+        self.obstacles.len()
     }
 
-    /// Name of a rigid thing.
-    pub fn thing_name(&self, thing: usize) -> &str {
-        &self.things[thing].name
+    /// Name of an obstacle.
+    pub fn obstacle_name(&self, obstacle: usize) -> &str {
+        &self.obstacles[obstacle].name
     }
 
     /// Number of groups of bodies that are advanced together, as they touch one another.
@@ -295,7 +295,7 @@ impl Scene {
         let of = &self.pairs[pair];
         let with = match &of.with {
             PairPartner::Tool(tool) => ContactPartner::Tool(*tool),
-            PairPartner::Rigid { thing, .. } => ContactPartner::Rigid(*thing),
+            PairPartner::Obstacle { obstacle, .. } => ContactPartner::Obstacle(*obstacle),
             PairPartner::Body(body) => ContactPartner::Body(*body),
             PairPartner::Itself => ContactPartner::Itself,
         };
@@ -311,7 +311,7 @@ impl Scene {
     pub fn partner_name(&self, with: ContactPartner) -> &str {
         match with {
             ContactPartner::Tool(tool) => self.tool_name(tool),
-            ContactPartner::Rigid(thing) => self.thing_name(thing),
+            ContactPartner::Obstacle(obstacle) => self.obstacle_name(obstacle),
             ContactPartner::Body(body) => self.body_name(body),
             ContactPartner::Itself => "itself",
         }

@@ -1,6 +1,6 @@
 //! What a scene is made of, as plain values. They are checked when the scene is built.
 
-use microsim_contact::Rigid;
+use microsim_contact::ObstaclePart;
 use microsim_geometry::Pose;
 use microsim_mesh::TetMesh;
 use microsim_tissue::{Material, Method};
@@ -12,8 +12,8 @@ pub struct SceneSpec {
     pub bodies: Vec<BodySpec>,
     /// The tools; names differ.
     pub tools: Vec<ToolSpec>,
-    /// Rigid things that stand; names differ.
-    pub rigid: Vec<RigidSpec>,
+    /// Obstacles; names differ.
+    pub obstacles: Vec<ObstacleSpec>,
     /// What touches what. No other contact is computed.
     pub contacts: Vec<ContactSpec>,
     /// What cuts what. Nothing else is ever cut.
@@ -221,13 +221,13 @@ pub enum Jaw {
     Right,
 }
 
-/// A rigid thing that stands.
+/// An obstacle.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RigidSpec {
+pub struct ObstacleSpec {
     /// Its name.
     pub name: String,
     /// What it is made of; at least one part.
-    pub parts: Vec<Rigid>,
+    pub parts: Vec<ObstaclePart>,
 }
 
 /// Two that touch each other.
@@ -258,8 +258,8 @@ pub struct CutSpec {
 pub enum PartnerSpec {
     /// A tool, by its name.
     Tool(String),
-    /// A rigid thing, by its name.
-    Rigid(String),
+    /// An obstacle, by its name.
+    Obstacle(String),
     /// Another body.
     Body {
         /// Its name.
@@ -276,7 +276,7 @@ impl PartnerSpec {
     /// Its name for people.
     pub fn name(&self) -> &str {
         match self {
-            Self::Tool(name) | Self::Rigid(name) | Self::Body { name, .. } => name,
+            Self::Tool(name) | Self::Obstacle(name) | Self::Body { name, .. } => name,
             Self::Itself => "itself",
         }
     }

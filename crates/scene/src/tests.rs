@@ -72,7 +72,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
             sharpness: 0.0,
             motion: Vec::new(),
         }],
-        rigid: Vec::new(),
+        obstacles: Vec::new(),
         contacts: vec![ContactSpec {
             body: "strip".into(),
             with: PartnerSpec::Tool("probe".into()),

@@ -6,8 +6,8 @@ use crate::lonor::Passed;
 use crate::pairs::{Pair, PairPartner};
 use crate::scene::Body;
 use microsim_contact::{
-    CapsuleMotion, Detector, Frame, Key, Partner, Point, Rigid, Sides, Skin, SkinChange, Touch,
-    VesselEnd,
+    CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Key, ObstaclePart, Partner, Point,
+    Sides, SurfaceUpdate, VesselEnd,
 };
 use microsim_tissue::{Contact, ContactSource, Method, TissueModel};
 use nalgebra::Vector3;
@@ -141,7 +141,7 @@ impl GroupTouching {
         members: &[Member],
         bodies: &[Body],
         pairs: &[Pair],
-        rigid: &[Rigid],
+        obstacles: &[ObstaclePart],
         method: &Method,
         model: &TissueModel,
     ) -> Option<Self> {
@@ -160,12 +160,12 @@ impl GroupTouching {
                     let tool = *tool as u32;
                     tools.push(tool as usize);
                     pair_of.insert((body, Partner::Tool { tool, capsule: 0 }), (index, true));
-                    touches.push(Touch::Tool { body, tool });
+                    touches.push(ContactPair::Tool { body, tool });
                 }
-                PairPartner::Rigid { parts, .. } => {
-                    for thing in parts.clone().map(|part| part as u32) {
-                        pair_of.insert((body, Partner::Rigid { thing }), (index, true));
-                        touches.push(Touch::Rigid { body, thing });
+                PairPartner::Obstacle { parts, .. } => {
+                    for part in parts.clone().map(|part| part as u32) {
+                        pair_of.insert((body, Partner::Obstacle { part }), (index, true));
+                        touches.push(ContactPair::Obstacle { body, part });
                     }
                 }
                 PairPartner::Body(other) => {
@@ -179,19 +179,21 @@ impl GroupTouching {
                         facing_ends([own, other].map(|m| (&bodies[members[m].body], members[m])))
                     });
                     end_to_end.extend(ends.is_some().then_some([body, with]));
-                    touches.push(Touch::Bodies { body, with, ends });
+                    touches.push(ContactPair::Bodies { body, with, ends });
                 }
                 PairPartner::Itself => {
                     pair_of.insert((body, Partner::Body { body }), (index, true));
-                    touches.push(Touch::Itself { body });
+                    touches.push(ContactPair::Itself { body });
                 }
             }
         }
         if touches.is_empty() {
             return None;
         }
-        let tools_only = touches.iter().all(|t| matches!(t, Touch::Tool { .. }));
-        let skins = members.iter().enumerate().map(|(place, member)| {
+        let tools_only = touches
+            .iter()
+            .all(|t| matches!(t, ContactPair::Tool { .. }));
+        let surfaces = members.iter().enumerate().map(|(place, member)| {
             let Body {
                 mesh,
                 surface,
@@ -199,21 +201,21 @@ impl GroupTouching {
                 ..
             } = &bodies[member.body];
             let inside = touches.iter().any(|touch| match touch {
-                Touch::Bodies { body, with, .. } => [*body, *with].contains(&(place as u32)),
-                Touch::Itself { body } => *body == place as u32,
-                Touch::Tool { .. } | Touch::Rigid { .. } => false,
+                ContactPair::Bodies { body, with, .. } => [*body, *with].contains(&(place as u32)),
+                ContactPair::Itself { body } => *body == place as u32,
+                ContactPair::Tool { .. } | ContactPair::Obstacle { .. } => false,
             });
             let (edge, offset) = (model.mean_edge_length(), member.first_node as u32);
-            Skin::of_surface(mesh, surface, edge, offset, inside)
+            ContactSurface::of_surface(mesh, surface, edge, offset, inside)
         });
-        let skins: Vec<Skin> = skins.collect();
+        let surfaces: Vec<ContactSurface> = surfaces.collect();
         let edge = model.mean_edge_length();
         let reach = match method.is_explicit() {
             true => REACH_EXPLICIT,
             false => REACH_IMPLICIT,
         };
         Some(Self {
-            detector: Detector::new(skins, rigid.to_vec(), touches),
+            detector: Detector::new(surfaces, obstacles.to_vec(), touches),
             pair_of,
             end_to_end,
             friction: pairs.iter().map(|pair| pair.friction).collect(),
@@ -252,7 +254,7 @@ impl GroupTouching {
                 // Its nodes have other numbers in the group.
                 None => Default::default(),
             };
-            let change = SkinChange {
+            let change = SurfaceUpdate {
                 mesh: &of.mesh,
                 surface: &of.surface,
                 offset: member.first_node as u32,
@@ -261,7 +263,7 @@ impl GroupTouching {
                 touched,
                 elements_at: &elements_at,
             };
-            self.detector.follow(place as u32, &change);
+            self.detector.update_after_edit(place as u32, &change);
         }
         for &[one, other] in &self.end_to_end {
             let ends = facing_ends([one, other].map(|place| {
@@ -394,7 +396,7 @@ impl ContactSource for Source<'_> {
             start,
             now: positions,
             tools: self.tools,
-            way: step_fraction,
+            fraction: step_fraction,
             reach: *reach,
             sides: &self.memory.sides,
         };

@@ -3,7 +3,7 @@
 //! Two waving layers meet face to face, so that what touches grows with the surface; and a layer of the same size meets a tool
 //! of four capsules, so that what touches stays. One step each from the same state, again and again; the fastest counts.
 
-use microsim_contact::{CapsuleMotion, Touch};
+use microsim_contact::{CapsuleMotion, ContactPair};
 use microsim_geometry::Capsule;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tests::detected::Detected;
@@ -116,12 +116,12 @@ impl Meeting {
         }
         start.step = h;
         let pair = match with {
-            With::Layer => Touch::Bodies {
+            With::Layer => ContactPair::Bodies {
                 body: 0,
                 with: 1,
                 ends: None,
             },
-            With::Tool => Touch::Tool { body: 0, tool: 0 },
+            With::Tool => ContactPair::Tool { body: 0, tool: 0 },
         };
         let tool = (0..4).map(|k| {
             let y = (2.0 * f64::from(k) - 4.0) * EDGE;

@@ -118,7 +118,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             sharpness: 0.0,
             motion: Vec::new(),
         }],
-        rigid: Vec::new(),
+        obstacles: Vec::new(),
         contacts: vec![ContactSpec {
             body: "block".into(),
             with: PartnerSpec::Tool("sphere".into()),

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
-use microsim_contact::{CapsuleMotion, Touch};
+use microsim_contact::{CapsuleMotion, ContactPair};
 use microsim_geometry::Capsule;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tests::detected::Detected;
@@ -110,13 +110,13 @@ impl World {
             end: rod,
         };
         let pairs = vec![
-            Touch::Bodies {
+            ContactPair::Bodies {
                 body: 0,
                 with: 1,
                 ends: None,
             },
-            Touch::Tool { body: 0, tool: 0 },
-            Touch::Itself { body: 1 },
+            ContactPair::Tool { body: 0, tool: 0 },
+            ContactPair::Itself { body: 1 },
         ];
         let reach = if method.is_explicit() { 0.1 } else { 0.3 };
         let edge = model.mean_edge_length();

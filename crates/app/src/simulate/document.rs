@@ -119,7 +119,7 @@ fn contacts(runner: &Runner) -> Vec<Value> {
         let (body, with) = scene.pair(pair);
         let kind = match with {
             ContactPartner::Tool(_) => "tool",
-            ContactPartner::Rigid(_) => "rigid",
+            ContactPartner::Obstacle(_) => "rigid",
             ContactPartner::Body(_) => "body",
             ContactPartner::Itself => "self",
         };

@@ -3,7 +3,7 @@
 use crate::scene_file::SceneFile;
 use microsim_gpu::Gpu;
 use microsim_render::{Finish, Item, Picture, Renderer, Shape, View};
-use microsim_scene::{RigidSpec, Runner, Scene};
+use microsim_scene::{ObstacleSpec, Runner, Scene};
 use microsim_settings as settings;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ impl Pictures {
         let renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
         let settings = &scene.loaded.settings;
         let view = view(settings.view, scene.runner.scene());
-        let things = settings.rigid.iter().zip(&scene.spec.rigid);
+        let things = settings.rigid.iter().zip(&scene.spec.obstacles);
         let mut pictures = Self {
             folder: folder.to_path_buf(),
             renderer,
@@ -142,11 +142,11 @@ fn view(said: Option<settings::View>, scene: &Scene) -> View {
     }
 }
 
-/// The parts of a rigid thing.
-fn rigid(told: &settings::Rigid, thing: &RigidSpec, field: f64) -> Vec<Item> {
-    let item = |part: &microsim_scene::Rigid| {
+/// The parts of an obstacle.
+fn rigid(told: &settings::Rigid, thing: &ObstacleSpec, field: f64) -> Vec<Item> {
+    let item = |part: &microsim_scene::ObstaclePart| {
         let (shape, sunk) = match part.shape {
-            microsim_scene::RigidShape::HalfSpace => {
+            microsim_scene::ObstacleShape::HalfSpace => {
                 let half = PLANE * field;
                 (
                     Shape::Box {
@@ -155,10 +155,10 @@ fn rigid(told: &settings::Rigid, thing: &RigidSpec, field: f64) -> Vec<Item> {
                     0.01 * half,
                 )
             }
-            microsim_scene::RigidShape::Cuboid { half_size, .. } => {
+            microsim_scene::ObstacleShape::Cuboid { half_size, .. } => {
                 (Shape::Box { half: half_size }, 0.0)
             }
-            microsim_scene::RigidShape::Cylinder {
+            microsim_scene::ObstacleShape::Cylinder {
                 radius,
                 half_length,
             } => (

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Partner, RigidShape};
+use crate::{ObstacleShape, Partner};
 use microsim_geometry::{Pose, closest_on_segment, closest_on_triangle, closest_segments};
 use microsim_mesh::{Arc, Layer, Tube};
 use nalgebra::UnitQuaternion;
@@ -14,7 +14,7 @@ impl Group {
     }
 }
 
-/// Two small bodies that overlap, touch or are apart, a tool and two rigid things; half of the time on a lattice, where features coincide and
+/// Two small bodies that overlap, touch or are apart, a tool and three obstacles; half of the time on a lattice, where features coincide and
 /// tetrahedra are flat.
 fn scene(random: &mut SplitMix64) -> Group {
     let mut meshes = [block([0.0; 3], [2, 1, 1]), block([0.0; 3], [1, 2, 1])];
@@ -35,18 +35,18 @@ fn scene(random: &mut SplitMix64) -> Group {
         }
     }
     let round = [0.0, 0.1][random.below(2) as usize];
-    let rigid = [
-        RigidShape::HalfSpace,
-        RigidShape::Cuboid {
+    let obstacles = [
+        ObstacleShape::HalfSpace,
+        ObstacleShape::Cuboid {
             half_size: [0.5, 0.75, 0.25],
             rounding: round,
         },
-        RigidShape::Cylinder {
+        ObstacleShape::Cylinder {
             radius: 0.25,
             half_length: 1.0,
         },
     ];
-    let rigid = rigid.map(|shape| Rigid {
+    let obstacles = obstacles.map(|shape| ObstaclePart {
         shape,
         pose: Pose {
             position: snap(random.vector() * 1.5) - V3::z() * 0.5,
@@ -54,31 +54,31 @@ fn scene(random: &mut SplitMix64) -> Group {
         },
     });
     let mut pairs = vec![
-        Touch::Bodies {
+        ContactPair::Bodies {
             body: 0,
             with: 1,
             ends: None,
         },
-        Touch::Itself { body: 0 },
+        ContactPair::Itself { body: 0 },
     ];
     for body in 0..2 {
-        pairs.push(Touch::Tool { body, tool: 0 });
-        pairs.extend((0..3).map(|thing| Touch::Rigid { body, thing }));
+        pairs.push(ContactPair::Tool { body, tool: 0 });
+        pairs.extend((0..3).map(|part| ContactPair::Obstacle { body, part }));
     }
-    let mut group = Group::new(&[&meshes[0], &meshes[1]], rigid.to_vec(), pairs);
-    let way = [0.0, 0.02, 0.02, 0.3, 1.5][random.below(5) as usize];
+    let mut group = Group::new(&[&meshes[0], &meshes[1]], obstacles.to_vec(), pairs);
+    let travel = [0.0, 0.02, 0.02, 0.3, 1.5][random.below(5) as usize];
     for p in &mut group.now {
-        *p = snap(*p + random.vector() * way);
+        *p = snap(*p + random.vector() * travel);
     }
     let tool = |random: &mut SplitMix64| {
         let (a, b) = (random.vector() * 1.5, random.vector() * 1.5);
         let b = if random.below(4) == 0 { a } else { b };
-        let way = random.vector() * way;
-        capsule(snap(a).into(), snap(b).into(), 0.25, snap(way).into())
+        let travel = random.vector() * travel;
+        capsule(snap(a).into(), snap(b).into(), 0.25, snap(travel).into())
     };
     group.tools = vec![Some(vec![tool(random), tool(random)])];
     group.reach = [0.0, 0.1, 0.5][random.below(3) as usize];
-    group.way = [0.5, 1.0][random.below(2) as usize];
+    group.fraction = [0.5, 1.0][random.below(2) as usize];
     group
 }
 
@@ -105,7 +105,7 @@ fn detection_equals_brute_force_on_ten_thousand_configurations() {
         for point in &points {
             let kind = match point.key.partner {
                 Partner::Tool { .. } => 0,
-                Partner::Rigid { .. } => 1,
+                Partner::Obstacle { .. } => 1,
                 Partner::Body { .. } if point.first == 1 => 2,
                 Partner::Body { .. } => 3,
             };
@@ -161,8 +161,8 @@ fn gaps_are_the_distances_of_features() {
                     if u64::from(body) == u64::from(point.key.body) {
                         continue;
                     }
-                    let skin = &group.detector.bodies[body as usize].skin;
-                    let nearest = skin.triangles.iter().map(|nodes| {
+                    let surface = &group.detector.bodies[body as usize].surface;
+                    let nearest = surface.triangles.iter().map(|nodes| {
                         let corners = nodes.map(|node| group.now[node as usize]);
                         (closest_on_triangle(&p, &corners).point - p).norm()
                     });
@@ -177,7 +177,7 @@ fn gaps_are_the_distances_of_features() {
     assert!(seen.iter().all(|&n| n > 1_000), "{seen:?}");
 }
 
-/// Lists that are kept while nodes move little change nothing: two tubes that meet, seen by a detector that saw all steps and by one that
+/// Lists that are cached while nodes move little change nothing: two tubes that meet, seen by a detector that saw all steps and by one that
 /// sees each for the first time.
 #[test]
 fn kept_candidates_do_not_change_results() {
@@ -205,40 +205,40 @@ fn kept_candidates_do_not_change_results() {
         *p = turn * *p + V3::y() * 3e-3;
     }
     let pairs = vec![
-        Touch::Bodies {
+        ContactPair::Bodies {
             body: 0,
             with: 1,
             ends: None,
         },
-        Touch::Itself { body: 1 },
-        Touch::Tool { body: 0, tool: 0 },
+        ContactPair::Itself { body: 1 },
+        ContactPair::Tool { body: 0, tool: 0 },
     ];
     let fresh = Group::new(&[&left, &right], Vec::new(), pairs);
-    let mut kept = fresh.clone();
+    let mut cached = fresh.clone();
     let mut random = SplitMix64(9);
     let mut total = 0;
     for step in 0..200 {
-        kept.start = kept.now.clone();
-        for (node, p) in kept.now.iter_mut().enumerate() {
+        cached.start = cached.now.clone();
+        for (node, p) in cached.now.iter_mut().enumerate() {
             let closing = if node < 252 { 1.0 } else { -1.0 };
             *p += V3::x() * closing * 0.03e-3 + random.vector() * 1e-6;
         }
         let x = -40e-3 + 1e-4 * f64::from(step);
-        kept.tools = vec![Some(vec![capsule(
+        cached.tools = vec![Some(vec![capsule(
             [x, 0.0, 10.2e-3],
             [x, 5e-3, 10.2e-3],
             1e-3,
             [1e-4, 0.0, 0.0],
         )])];
-        kept.reach = [0.0, 1e-3][step as usize % 2];
-        let points = kept.find();
+        cached.reach = [0.0, 1e-3][step as usize % 2];
+        let points = cached.find();
         let mut new = Group {
             detector: fresh.detector.clone(),
-            ..kept.clone()
+            ..cached.clone()
         };
         same(&points, &new.find());
         total += points.len();
-        kept.sides.remember(&points);
+        cached.sides.remember(&points);
     }
     assert!(total > 3_000, "{total}");
 }

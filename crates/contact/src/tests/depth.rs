@@ -1,6 +1,6 @@
 use super::*;
 
-const BODIES: Touch = Touch::Bodies {
+const BODIES: ContactPair = ContactPair::Bodies {
     body: 0,
     with: 1,
     ends: None,
@@ -66,7 +66,7 @@ fn depths_do_not_depend_on_place_and_scale() {
     }
 }
 
-/// The way out of a thin plate is the way in, also for nodes that are nearer to the other side.
+/// A thin plate is left where it was entered, also by nodes that are nearer to the other side.
 #[test]
 fn out_of_a_thin_plate_leads_the_way_in() {
     let upper = block([0.0, 0.0, 0.9], [2, 2, 2]);
@@ -111,13 +111,13 @@ fn a_hundred_layers_of_one_body_are_kept_apart() {
         }
         mesh.append(&next, 0);
     }
-    let mut group = Group::new(&[&mesh], Vec::new(), vec![Touch::Itself { body: 0 }]);
+    let mut group = Group::new(&[&mesh], Vec::new(), vec![ContactPair::Itself { body: 0 }]);
     let points = group.find();
     let nodes: Vec<_> = points.iter().filter(|p| p.first == 1).collect();
     // Shifted against one another, of two layers each has at least four nodes in the other.
     assert!(nodes.len() >= 99 * 8);
     for point in nodes {
-        // A way in through the layer's side, 0.1 away, has a hundredth of the weight of that through its face, and ten times its depth.
+        // An entry through the layer's side, 0.1 away, has a hundredth of the weight of that through its face, and ten times its depth.
         assert!((point.gap + 0.01).abs() < 0.2 * 0.01, "{point:?}");
         assert!(point.normal.z.abs() > 0.999, "{point:?}");
         let layer = |k: usize| point.nodes[k] as usize / 18;
@@ -127,7 +127,7 @@ fn a_hundred_layers_of_one_body_are_kept_apart() {
     let mut alone = Group::new(
         &[&block([0.0; 3], [3, 3, 3])],
         Vec::new(),
-        vec![Touch::Itself { body: 0 }],
+        vec![ContactPair::Itself { body: 0 }],
     );
     assert!(alone.find().is_empty());
     alone.reach = 0.9;
@@ -174,7 +174,7 @@ fn ends_of_vessels_are_brought_before_the_other_end() {
         end(&left, TubeSide::End, 0),
         end(&left, TubeSide::Start, count),
     ];
-    let with_ends = Touch::Bodies {
+    let with_ends = ContactPair::Bodies {
         body: 0,
         with: 1,
         ends: Some(ends),

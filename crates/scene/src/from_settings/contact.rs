@@ -1,12 +1,12 @@
-//! Tools, rigid things, and what touches what.
+//! Tools, obstacles, and what touches what.
 
 use super::Load;
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use crate::spec::{
-    CapsuleSpec, ContactSpec, CutSpec, HingeSpec, Jaw, PartnerSpec, RigidSpec, ToolKeySpec,
+    CapsuleSpec, ContactSpec, CutSpec, HingeSpec, Jaw, ObstacleSpec, PartnerSpec, ToolKeySpec,
     ToolSpec,
 };
-use microsim_contact::{Rigid, RigidShape};
+use microsim_contact::{ObstaclePart, ObstacleShape};
 use microsim_geometry::Pose;
 use microsim_settings as settings;
 use nalgebra::Vector3;
@@ -101,21 +101,21 @@ fn model(
     Ok(loaded.settings)
 }
 
-/// Rigid things, those that are hollow in parts.
-pub(super) fn rigid(things: &[settings::Rigid]) -> Vec<RigidSpec> {
-    let specs = things.iter().map(|thing| {
-        let pose = Pose::from_arrays(thing.position, thing.orientation);
-        let parts = thing.shape.parts().into_iter().map(|part| Rigid {
+/// Obstacles; those that are hollow have several parts.
+pub(super) fn obstacles(obstacles: &[settings::Rigid]) -> Vec<ObstacleSpec> {
+    let specs = obstacles.iter().map(|obstacle| {
+        let pose = Pose::from_arrays(obstacle.position, obstacle.orientation);
+        let parts = obstacle.shape.parts().into_iter().map(|part| ObstaclePart {
             shape: match part.solid {
-                settings::Solid::HalfSpace => RigidShape::HalfSpace,
+                settings::Solid::HalfSpace => ObstacleShape::HalfSpace,
                 settings::Solid::Cuboid {
                     half_size,
                     rounding,
-                } => RigidShape::Cuboid {
+                } => ObstacleShape::Cuboid {
                     half_size,
                     rounding,
                 },
-                settings::Solid::Cylinder { radius, length } => RigidShape::Cylinder {
+                settings::Solid::Cylinder { radius, length } => ObstacleShape::Cylinder {
                     radius,
                     half_length: 0.5 * length,
                 },
@@ -125,8 +125,8 @@ pub(super) fn rigid(things: &[settings::Rigid]) -> Vec<RigidSpec> {
                 ..pose
             },
         });
-        RigidSpec {
-            name: thing.name.clone(),
+        ObstacleSpec {
+            name: obstacle.name.clone(),
             parts: parts.collect(),
         }
     });
@@ -140,7 +140,7 @@ pub(super) fn contacts(
     let specs = pairs.iter().enumerate().map(|(index, pair)| {
         let with = match (&pair.tool, &pair.rigid, &pair.with, pair.itself) {
             (Some(tool), None, None, false) => PartnerSpec::Tool(tool.clone()),
-            (None, Some(thing), None, false) => PartnerSpec::Rigid(thing.clone()),
+            (None, Some(obstacle), None, false) => PartnerSpec::Obstacle(obstacle.clone()),
             (None, None, Some(body), false) => PartnerSpec::Body {
                 name: body.clone(),
                 end_planes: pair.end_planes,

@@ -76,10 +76,10 @@ fn bars() -> SceneSpec {
             sharpness: 1.0,
             motion: Vec::new(),
         }],
-        rigid: vec![RigidSpec {
+        obstacles: vec![ObstacleSpec {
             name: "table".into(),
-            parts: vec![Rigid {
-                shape: RigidShape::HalfSpace,
+            parts: vec![ObstaclePart {
+                shape: ObstacleShape::HalfSpace,
                 pose: Pose {
                     position: Vector3::new(0.0, 0.0, -0.5e-3),
                     ..Pose::identity()
@@ -87,7 +87,7 @@ fn bars() -> SceneSpec {
             }],
         }],
         contacts: vec![
-            contact("lower", PartnerSpec::Rigid("table".into())),
+            contact("lower", PartnerSpec::Obstacle("table".into())),
             contact("lower", PartnerSpec::Itself),
             contact("lower", other),
         ],

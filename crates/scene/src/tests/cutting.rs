@@ -112,7 +112,7 @@ fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneS
         cuts: vec![cut(&tool.name)],
         bodies: vec![body],
         tools: vec![tool],
-        rigid: Vec::new(),
+        obstacles: Vec::new(),
         contacts: if touches { vec![contact] } else { Vec::new() },
         gravity: [0.0; 3],
         method,

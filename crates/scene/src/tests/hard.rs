@@ -64,11 +64,11 @@ fn tissue_in(discretisation: Discretisation) -> Material {
     }
 }
 
-fn table() -> RigidSpec {
-    RigidSpec {
+fn table() -> ObstacleSpec {
+    ObstacleSpec {
         name: "table".into(),
-        parts: vec![Rigid {
-            shape: RigidShape::HalfSpace,
+        parts: vec![ObstaclePart {
+            shape: ObstacleShape::HalfSpace,
             pose: Pose::identity(),
         }],
     }
@@ -84,7 +84,7 @@ fn touches(body: &str, with: PartnerSpec) -> ContactSpec {
 }
 
 fn on_table(body: &str) -> ContactSpec {
-    touches(body, PartnerSpec::Rigid("table".into()))
+    touches(body, PartnerSpec::Obstacle("table".into()))
 }
 
 fn bodies_touch(body: &str, with: &str) -> ContactSpec {
@@ -97,7 +97,7 @@ fn scene_of(bodies: Vec<BodySpec>, contacts: Vec<ContactSpec>, method: Method) -
     SceneSpec {
         bodies,
         tools: Vec::new(),
-        rigid: vec![table()],
+        obstacles: vec![table()],
         contacts,
         cuts: Vec::new(),
         gravity: [0.0, 0.0, -9.81],

@@ -216,8 +216,8 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
             "contact of body 'strip' with 'knife': no such tool",
         ),
         (
-            |s| s.contacts[0].with = PartnerSpec::Rigid("table".into()),
-            "no such rigid thing",
+            |s| s.contacts[0].with = PartnerSpec::Obstacle("table".into()),
+            "no such obstacle",
         ),
         (
             |s| {
@@ -263,12 +263,12 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
         ),
         (
             |s| {
-                s.rigid.push(RigidSpec {
+                s.obstacles.push(ObstacleSpec {
                     name: "table".into(),
                     parts: Vec::new(),
                 });
             },
-            "rigid thing 'table' needs parts",
+            "obstacle 'table' needs parts",
         ),
         (
             |s| s.method = Method::ExplicitEuler,

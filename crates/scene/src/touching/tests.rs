@@ -56,7 +56,7 @@ fn an_end_of_which_nothing_is_left_faces_nothing() {
     let spec = SceneSpec {
         bodies: vec![vessel("left", -2e-3), vessel("right", 2e-3)],
         tools: Vec::new(),
-        rigid: Vec::new(),
+        obstacles: Vec::new(),
         contacts: Vec::new(),
         cuts: Vec::new(),
         gravity: [0.0; 3],

@@ -2,7 +2,10 @@
 
 use crate::bodies::Body;
 use crate::soak::Watch;
-use microsim_contact::{Detector, Frame, Point, Rigid, RigidShape, Sides, Skin, SkinChange, Touch};
+use microsim_contact::{
+    ContactPair, ContactSurface, Detector, Frame, ObstaclePart, ObstacleShape, Point, Sides,
+    SurfaceUpdate,
+};
 use microsim_cutting::{Cut, SurfaceTriangle};
 use microsim_geometry::Pose;
 use microsim_mesh::{Surface, TetMesh};
@@ -92,16 +95,16 @@ fn model_of(mesh: &TetMesh, behaviour: Behaviour, relaxation_time: f64) -> Tissu
 
 /// A table through the body, and the body itself.
 fn detector_of(mesh: &TetMesh, triangles: &[SurfaceTriangle], mean_edge: f64) -> Detector {
-    let skin = Skin::of_surface(mesh, &surface(triangles), mean_edge, 0, true);
-    let table = Rigid {
-        shape: RigidShape::HalfSpace,
+    let contact_surface = ContactSurface::of_surface(mesh, &surface(triangles), mean_edge, 0, true);
+    let table = ObstaclePart {
+        shape: ObstacleShape::HalfSpace,
         pose: Pose::identity(),
     };
     let touches = vec![
-        Touch::Rigid { body: 0, thing: 0 },
-        Touch::Itself { body: 0 },
+        ContactPair::Obstacle { body: 0, part: 0 },
+        ContactPair::Itself { body: 0 },
     ];
-    Detector::new(vec![skin], vec![table], touches)
+    Detector::new(vec![contact_surface], vec![table], touches)
 }
 
 fn surface(triangles: &[SurfaceTriangle]) -> Surface {
@@ -279,9 +282,9 @@ impl Follower {
         let changed = (0..old.len().max(new.len())).filter(|&e| old.get(e) != new.get(e));
         let corners = changed.flat_map(|e| [old.get(e), new.get(e)]);
         let touched: Vec<u32> = corners.flatten().flatten().copied().collect();
-        self.detector.follow(
+        self.detector.update_after_edit(
             0,
-            &SkinChange {
+            &SurfaceUpdate {
                 mesh: &body.mesh,
                 surface: &surface(&now),
                 offset: 0,
@@ -306,7 +309,7 @@ impl Follower {
             start: &now,
             now: &now,
             tools: &[],
-            way: 1.0,
+            fraction: 1.0,
             reach: 0.1 * self.mean_edge,
             sides: &Sides::default(),
         };

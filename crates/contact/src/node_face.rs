@@ -1,74 +1,61 @@
 //! Bodies against one another, and against themselves.
 //!
-//! A node that has come in during the step, or through, has the depth below the face that it came through; one that was in before, the
-//! depth and the way out of [`Depths`]; and one that is outside, its distance from the nearest point of the other surface. Edges
+//! A node that has entered during the step, or passed through, has the depth below the face that it crossed; one that was inside before, the
+//! depth and exit direction of [`Depths`]; and one that is outside, its distance from the nearest point of the other surface. Edges
 //! across edges see `edges`.
 
-use crate::body::Body;
+use crate::body_pair::{BAND, BodyPair, EdgePair, edge_reach, reach};
 use crate::depth::{Depths, crossing, nearest};
-use crate::detector::{Frame, VesselEnd};
-use crate::edges::Across;
 use crate::near::Near;
-use crate::outward;
-use crate::point::{Key, Partner, Point};
-use crate::skin::NONE;
+use crate::pair::VesselEnd;
+use crate::point::Point;
 use microsim_geometry::{
     Motion, TrianglePoint, closest_on_triangle, first_contact_point_triangle, triangle_normal,
 };
 use nalgebra::Vector3;
 
-/// A node is at a surface when it is closer than this share of the mean edge length: no direction leads from it to there.
+/// A node is at a surface when it is closer than this fraction of the mean edge length: there is no direction from one to the other.
 const AT_SURFACE: f64 = 1e-9;
 
 /// Nodes whose outward normal has a larger cosine than this with the normal of the point are on the side that faces away.
 const FACING: f64 = 0.1;
 
-/// No way along the surface from a node may lead closer to what it touches than at this cosine, 60°: in a flat face what lies
-/// beside it in its plane does not touch it. Strictly no way may lead closer at all; but where a surface is only a little
-/// curved, its nodes stand for their surroundings.
+/// No edge of the surface at a node may approach what it touches at more than this cosine, 60°: in a flat face what lies
+/// beside it in its plane does not touch it. Strictly none may approach at all; but where a surface is only a little
+/// curved, its nodes represent their surroundings.
 const SLOPE: f64 = 0.5;
 
-/// A node less deep before the step than this share of the mean edge length was at the surface: implicit solvers leave gaps of up to a
-/// thousandth of it.
-pub(crate) const BAND: f64 = 2e-3;
-
-/// Within a body, what is less deep than this share of the mean edge length is rounding of neighbours (NUMERICS 6).
+/// Within a body, what is less deep than this fraction of the mean edge length is rounding of neighbours (NUMERICS 6).
 const SELF_DEPTH: f64 = 1e-4;
 
-/// What is kept of one direction of a pair: nodes and edges of the one, faces and edges of the other.
+/// One pass of the two-pass search of a pair, with its caches: nodes and edges of the first body, faces and edges of the second.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Direction {
+pub(crate) struct Pass {
     pub near: Near,
     pub depths: Depths,
-    pub across: Vec<Across>,
+    pub across: Vec<EdgePair>,
     /// The nodes that the end-plane rule is for.
     caught: Vec<u32>,
-    /// The nodes that have come in during the step, with their depths.
+    /// The nodes that have entered during the step, with their depths.
     done: Vec<(u32, f64)>,
 }
 
-/// Two bodies, or one twice, in a frame.
-#[derive(Clone, Copy)]
-pub(crate) struct Meeting<'a> {
-    pub first: &'a Body,
-    pub second: &'a Body,
-    pub frame: &'a Frame<'a>,
-}
-
-impl Direction {
+impl Pass {
     /// Adds the points of nodes of the first body with the second one, of which `end` is an end opposite to one of the first.
-    pub fn find(&mut self, meeting: Meeting<'_>, end: Option<&VesselEnd>, points: &mut Vec<Point>) {
-        let Meeting {
+    pub fn find(&mut self, pair: BodyPair<'_>, end: Option<&VesselEnd>, points: &mut Vec<Point>) {
+        let BodyPair {
             first,
             second,
             frame,
-        } = meeting;
-        self.near.update(first, second, reach(second, frame));
+        } = pair;
+        let reach = reach(second, frame);
+        let edge_reach = edge_reach(first, second, reach);
+        self.near.update(first, second, reach, edge_reach);
         self.depths.mark(second, &self.near, frame);
         self.caught.clear();
         if let Some(end) = end {
             let inside = self.depths.nodes.iter().map(|deep| deep.node);
-            meeting.at_end(end, inside, &self.near, &mut self.caught, points);
+            pair.at_end(end, inside, &self.near, &mut self.caught, points);
         }
         self.done.clear();
         for pairs in self.near.node_triangles.chunk_by(|a, b| a[0] == b[0]) {
@@ -76,42 +63,42 @@ impl Direction {
             if self.caught.binary_search(&node).is_ok() {
                 continue;
             }
-            if let Some(depth) = meeting.entered(node, pairs, points) {
+            if let Some(depth) = pair.entered(node, pairs, points) {
                 self.done.push((node, depth));
             } else if self.depths.place(node).is_none() {
-                meeting.outside(node, pairs, points);
+                pair.outside(node, pairs, points);
             }
         }
-        // Where all have come in just now, no more is asked of how they did.
+        // Where all have entered just now, their depths are known.
         if self.depths.nodes.iter().all(|deep| self.is_done(deep.node)) {
             return;
         }
         self.depths.solve(first, second, frame);
         let itself = first.index == second.index;
         for deep in &self.depths.nodes {
-            let is_noise = itself && deep.depth < SELF_DEPTH * first.skin.mean_edge;
-            if is_noise || self.is_done(deep.node) || !deep.has_way() {
+            let is_noise = itself && deep.depth < SELF_DEPTH * first.surface.mean_edge;
+            if is_noise || self.is_done(deep.node) || !deep.has_direction() {
                 continue;
             }
             let p = &frame.now[deep.node as usize];
-            let beyond = p + deep.out * (2.0 * deep.depth + second.skin.mean_edge);
+            let beyond = p + deep.out * (2.0 * deep.depth + second.surface.mean_edge);
             let left = crossing(p, &beyond, deep.node, false, first, second, frame);
             if let Some((triangle, at)) = left.or_else(|| nearest(deep.node, first, second, frame))
             {
-                let nodes = &second.skin.triangles[triangle as usize];
-                meeting.add(deep.node, nodes, &at, &deep.out, -deep.depth, points);
+                let nodes = &second.surface.triangles[triangle as usize];
+                pair.add(deep.node, nodes, &at, &deep.out, -deep.depth, points);
             }
         }
     }
 }
 
-impl Direction {
+impl Pass {
     /// Whether a node has its point already.
     fn is_done(&self, node: u32) -> bool {
         self.caught.binary_search(&node).is_ok() || self.come_in(node).is_some()
     }
 
-    /// The depth of a node that has come in during the step.
+    /// The depth of a node that has entered during the step.
     pub fn come_in(&self, node: u32) -> Option<f64> {
         let place = self.done.binary_search_by_key(&node, |&(node, _)| node);
         place.ok().map(|place| self.done[place].1)
@@ -128,26 +115,26 @@ impl Direction {
     }
 }
 
-impl Meeting<'_> {
-    /// A node that was outside before the step and has come in since, or through: its depth.
+impl BodyPair<'_> {
+    /// A node that was outside before the step and has entered since, or passed through: its depth.
     fn entered(&self, node: u32, pairs: &[[u32; 2]], points: &mut Vec<Point>) -> Option<f64> {
         let Self {
             first,
             second,
             frame,
         } = self;
-        let skin = &second.skin;
+        let surface = &second.surface;
         let (from, to) = (frame.start[node as usize], frame.now[node as usize]);
-        let band = BAND * skin.mean_edge;
+        let band = BAND * surface.mean_edge;
         let mut best: Option<(f64, u32)> = None;
         for &[_, triangle] in pairs {
-            let corners = outward::corners(skin, frame.now, triangle);
-            let normal = second.outward.face(skin, frame.now, triangle).normal;
+            let corners = surface.corners(frame.now, triangle);
+            let normal = second.normals.face(surface, frame.now, triangle).normal;
             let is_behind = (to - corners[0]).dot(&normal) < 0.0;
             if !is_behind {
                 continue;
             }
-            let start = outward::corners(skin, frame.start, triangle);
+            let start = surface.corners(frame.start, triangle);
             let is_apart = (0..3).any(|k| {
                 let [low, high] = [from[k].min(to[k]) - band, from[k].max(to[k]) + band];
                 let all = || start.iter().chain(&corners).map(|p| p[k]);
@@ -182,15 +169,15 @@ impl Meeting<'_> {
             }
         }
         let (_, triangle) = best?;
-        let corners = outward::corners(skin, frame.now, triangle);
-        let normal = second.outward.face(skin, frame.now, triangle).normal;
-        let outward = first.outward.of_node(&first.skin, frame.now, node);
+        let corners = surface.corners(frame.now, triangle);
+        let normal = second.normals.face(surface, frame.now, triangle).normal;
+        let outward = first.normals.of_node(&first.surface, frame.now, node);
         if outward.dot(&normal) > FACING {
             return None;
         }
         let at = closest_on_triangle(&to, &corners);
         let gap = (to - corners[0]).dot(&normal);
-        let nodes = &skin.triangles[triangle as usize];
+        let nodes = &surface.triangles[triangle as usize];
         self.add(node, nodes, &at, &normal, gap, points);
         Some(-gap)
     }
@@ -198,11 +185,11 @@ impl Meeting<'_> {
     /// A node that is not inside now, and has not passed through.
     fn outside(&self, node: u32, pairs: &[[u32; 2]], points: &mut Vec<Point>) {
         let Self { second, frame, .. } = self;
-        let skin = &second.skin;
+        let surface = &second.surface;
         let to = frame.now[node as usize];
         let mut best: Option<(f64, u32, TrianglePoint)> = None;
         for &[_, triangle] in pairs {
-            let corners = outward::corners(skin, frame.now, triangle);
+            let corners = surface.corners(frame.now, triangle);
             if is_beyond(&to, &corners, frame.reach) {
                 continue;
             }
@@ -220,70 +207,31 @@ impl Meeting<'_> {
         let Some((distance, triangle, at)) = best else {
             return;
         };
-        let outward = outward::of_point(second, frame.now, triangle, &at);
+        let outward = second.normal_at(frame.now, triangle, &at);
         let apart = to - at.point;
-        let (gap, normal) = if distance > AT_SURFACE * skin.mean_edge {
+        let (gap, normal) = if distance > AT_SURFACE * surface.mean_edge {
             (distance, apart / distance)
         } else {
             (apart.dot(&outward), outward)
         };
         if normal.dot(&outward) > 0.0 && self.faces(node, &normal) {
-            let nodes = &skin.triangles[triangle as usize];
+            let nodes = &surface.triangles[triangle as usize];
             self.add(node, nodes, &at, &normal, gap, points);
         }
     }
 
     /// Whether a node of the first body faces what it touches along `normal`.
     fn faces(&self, node: u32, normal: &Vector3<f64>) -> bool {
-        let (skin, now) = (&self.first.skin, self.frame.now);
+        let (surface, now) = (&self.first.surface, self.frame.now);
         let p = &now[node as usize];
-        let outward = self.first.outward.of_node(skin, now, node);
+        let outward = self.first.normals.of_node(surface, now, node);
         outward.dot(normal) <= FACING
-            && skin.triangles_at(node).iter().all(|&triangle| {
-                skin.triangles[triangle as usize].iter().all(|&other| {
-                    let way = now[other as usize] - p;
-                    -way.dot(normal) <= SLOPE * way.norm()
+            && surface.triangles_at(node).iter().all(|&triangle| {
+                surface.triangles[triangle as usize].iter().all(|&other| {
+                    let edge = now[other as usize] - p;
+                    -edge.dot(normal) <= SLOPE * edge.norm()
                 })
             })
-    }
-
-    /// Adds the point of a node of the first body with a triangle of the second one.
-    pub fn add(
-        &self,
-        node: u32,
-        triangle: &[u32; 3],
-        at: &TrianglePoint,
-        normal: &Vector3<f64>,
-        gap: f64,
-        points: &mut Vec<Point>,
-    ) {
-        let frame = self.frame;
-        let is_near = gap < frame.reach;
-        if !is_near {
-            return;
-        }
-        let [a, b, c] = *triangle;
-        let nodes = [node, a, b, c];
-        let [wa, wb, wc] = at.barycentric;
-        let weights = [1.0, -wa, -wb, -wc];
-        points.push(Point {
-            key: Key {
-                body: self.first.index,
-                partner: Partner::Body {
-                    body: self.second.index,
-                },
-                first: [node, NONE, NONE],
-                second: [NONE; 2],
-            },
-            nodes,
-            weights,
-            first: 1,
-            normal: *normal,
-            gap,
-            start_gap: gap - normal.dot(&moved(frame, &nodes, &weights)),
-            drift: Vector3::zeros(),
-            place: frame.now[node as usize],
-        });
     }
 }
 
@@ -294,18 +242,4 @@ fn is_beyond(p: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3], limit: f64) -> boo
         let (low, high) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
         low - p[k] > limit || p[k] - high > limit
     })
-}
-
-/// Within which distance from a body something is looked for \[m\].
-pub(crate) fn reach(second: &Body, frame: &Frame<'_>) -> f64 {
-    frame.reach + BAND * second.skin.mean_edge
-}
-
-/// By how much the sides moved against one another since the start of the step \[m\].
-pub(crate) fn moved(frame: &Frame<'_>, nodes: &[u32; 4], weights: &[f64; 4]) -> Vector3<f64> {
-    let mut sum = Vector3::zeros();
-    for (&node, &weight) in nodes.iter().zip(weights) {
-        sum += (frame.now[node as usize] - frame.start[node as usize]) * weight;
-    }
-    sum
 }

@@ -12,8 +12,8 @@ fn layer(thickness: f64) -> TetMesh {
     )
 }
 
-fn sphere(from: [f64; 3], way: [f64; 3]) -> CapsuleMotion {
-    capsule(from, from, RADIUS, way)
+fn sphere(from: [f64; 3], travel: [f64; 3]) -> CapsuleMotion {
+    capsule(from, from, RADIUS, travel)
 }
 
 fn of_nodes(points: &[Point], count: u8) -> Vec<&Point> {
@@ -92,18 +92,18 @@ fn points_that_are_still_apart_are_found_within_reach_on_the_near_side_only() {
 /// A wall of a tenth of the radius, met at up to 20 radii per step: all that the tool swept over is found on the side on which it was.
 #[test]
 fn a_fast_tool_does_not_get_through_a_thin_wall() {
-    for way in [0.5, 1.0, 2.0, 8.0] {
+    for travel in [0.5, 1.0, 2.0, 8.0] {
         for (from, direction) in [(0.6, -1.0), (-0.64, 1.0)] {
             let mut group = Group::with_tool(
                 &layer(0.04),
-                vec![sphere([0.1, 0.2, from], [0.0, 0.0, way * direction])],
+                vec![sphere([0.1, 0.2, from], [0.0, 0.0, travel * direction])],
             );
             let points = group.find();
             assert!(!points.is_empty());
             let surface = if direction < 0.0 { 0.0 } else { -0.04 };
             let deepest = points.iter().map(|p| p.gap).fold(0.0, f64::min);
-            // The face below the sphere has to follow it the whole way.
-            let expected = RADIUS + way - (from - surface).abs();
+            // The face below the sphere is in contact all along.
+            let expected = RADIUS + travel - (from - surface).abs();
             assert!((deepest + expected).abs() < 1e-12, "{deepest} {expected}");
             for point in &points {
                 assert!(point.normal.z * direction > 0.0, "{point:?}");
@@ -114,20 +114,20 @@ fn a_fast_tool_does_not_get_through_a_thin_wall() {
     }
 }
 
-/// The same when the wall moves and the tool stands: only relative motion counts.
+/// The same when the wall moves and the tool does not: only relative motion counts.
 #[test]
 fn fast_tissue_is_caught_as_a_fast_tool_is() {
-    let still = |way: f64| {
+    let still = |travel: f64| {
         let mut group = Group::with_tool(&layer(0.04), vec![sphere([0.1, 0.2, 0.6], [0.0; 3])]);
         for p in &mut group.now {
-            p.z += way;
+            p.z += travel;
         }
         group.find()
     };
-    for way in [0.5, 2.0, 8.0] {
-        let moving = sphere([0.1, 0.2, 0.6], [0.0, 0.0, -way]);
+    for travel in [0.5, 2.0, 8.0] {
+        let moving = sphere([0.1, 0.2, 0.6], [0.0, 0.0, -travel]);
         let expected = Group::with_tool(&layer(0.04), vec![moving]).find();
-        let found = still(way);
+        let found = still(travel);
         assert_eq!(found.len(), expected.len());
         for (a, b) in found.iter().zip(&expected) {
             assert_eq!(a.key, b.key);
@@ -139,18 +139,18 @@ fn fast_tissue_is_caught_as_a_fast_tool_is() {
 /// A tool that goes by, or along the surface without coming near, touches nothing.
 #[test]
 fn a_fast_tool_that_passes_by_touches_nothing() {
-    for (from, way) in [
+    for (from, travel) in [
         ([-3.0, 0.1, RADIUS + 0.01], [6.0, 0.0, 0.0]),
         ([-5.0, 0.0, 0.0], [0.0, 9.0, 0.0]),
         ([0.0, 0.0, 1.0], [1.0, 1.0, 5.0]),
         ([0.0, 0.0, -0.45], [0.0, 0.0, -5.0]),
     ] {
-        let mut group = Group::with_tool(&layer(0.04), vec![sphere(from, way)]);
-        assert!(group.find().is_empty(), "{from:?} {way:?}");
+        let mut group = Group::with_tool(&layer(0.04), vec![sphere(from, travel)]);
+        assert!(group.find().is_empty(), "{from:?} {travel:?}");
     }
 }
 
-/// Once a node has come past the axis, the memory tells the side, as long as there is one.
+/// Once a node has come past the axis, the last normal decides the side, as long as there is one.
 #[test]
 fn the_side_is_remembered_from_step_to_step() {
     let mut group = Group::with_tool(&layer(1.0), vec![sphere([0.0, 0.0, 0.3], [0.0, 0.0, -0.2])]);
@@ -196,7 +196,8 @@ fn a_tool_that_appears_inside_leaves_through_the_nearest_side() {
 /// Between two jaws each side has its own normal.
 #[test]
 fn two_jaws_with_tissue_between_touch_one_side_each() {
-    let jaw = |z: f64, way: f64| capsule([-1.0, 0.1, z], [1.0, 0.1, z], RADIUS, [0.0, 0.0, way]);
+    let jaw =
+        |z: f64, travel: f64| capsule([-1.0, 0.1, z], [1.0, 0.1, z], RADIUS, [0.0, 0.0, travel]);
     let mut group = Group::with_tool(&layer(0.3), vec![jaw(0.5, -0.2), jaw(-0.8, 0.2)]);
     let points = group.find();
     for point in &points {
@@ -210,11 +211,11 @@ fn two_jaws_with_tissue_between_touch_one_side_each() {
     assert_eq!(of_nodes(&points, 1).len() % 2, 0);
 }
 
-/// Half of the step's motion: half of the way.
+/// Half of the step's motion: half of the path.
 #[test]
 fn a_part_of_the_step_moves_the_tool_by_that_part() {
     let mut group = Group::with_tool(&layer(1.0), vec![sphere([0.2, 0.3, 0.5], [0.0, 0.0, -0.4])]);
-    group.way = 0.5;
+    group.fraction = 0.5;
     let gaps: Vec<f64> = of_nodes(&group.find(), 3).iter().map(|p| p.gap).collect();
     assert!((gaps[0] + 0.1).abs() < 1e-15);
     group.tools = vec![None];

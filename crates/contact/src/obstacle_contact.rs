@@ -1,27 +1,27 @@
-//! Rigid things that stand against the surface of a body.
+//! Obstacles against the surface of a body.
 //!
 //! Nodes by the signed distance; the edges of boxes and the sides of cylinders against edges of the surface, and the corners of boxes
-//! against its faces, so that none sinks into a triangle between its nodes. What was outside before the step keeps to the side on
-//! which it came in; what was inside from before, to the one that is remembered, else to the nearest.
+//! against its faces, so that none sinks into a triangle between its nodes. What was outside before the step stays on the side on
+//! which it entered; what was inside already, on the side of the last normal, else on the nearest one.
 //!
 //! Limitations: the rims of cylinders touch nodes only.
 
-use crate::body::{Body, Scratch};
-use crate::detector::Frame;
-use crate::outward;
+use crate::body::Body;
+use crate::features::Features;
+use crate::frame::Frame;
+use crate::obstacle::{ObstaclePart, ObstacleShape};
 use crate::point::{Key, Partner, Point};
-use crate::rigid::{Rigid, RigidShape};
-use crate::skin::NONE;
+use crate::surface::NONE;
 use microsim_geometry::{
     Aabb, TriangleFeature, closest_on_triangle, closest_segments, triangle_normal,
 };
 use nalgebra::Vector3;
 
-/// Steps of the search for the place where a node goes into a thing. At each the distance that is left shrinks by its own size; what grazes is
+/// Steps of the search for the place where a node enters an obstacle (sphere tracing). At each the distance that is left shrinks by its own size; what grazes is
 /// not in after these.
 const MARCH: usize = 64;
 
-/// A node is at the surface when it is closer than this share of its way in the step.
+/// A node is at the surface when it is closer than this fraction of its displacement in the step.
 const AT_SURFACE: f64 = 1e-9;
 
 /// Edges at a smaller sine² of their angle are parallel: their nodes touch.
@@ -31,49 +31,49 @@ const PARALLEL: f64 = 1e-6;
 const CONE: f64 = 1e-6;
 
 /// Whether [`find`] looks up triangles.
-pub(crate) fn asks_for_triangles(body: &Body, rigid: &Rigid, frame: &Frame<'_>) -> bool {
-    let bounds = rigid.bounds().inflated(frame.reach);
-    rigid.shape != RigidShape::HalfSpace && bounds.overlaps(&body.tree.bounds)
+pub(crate) fn needs_triangles(body: &Body, obstacle: &ObstaclePart, frame: &Frame<'_>) -> bool {
+    let bounds = obstacle.bounds().inflated(frame.reach);
+    obstacle.shape != ObstacleShape::HalfSpace && bounds.overlaps(&body.tree.bounds)
 }
 
-/// Adds the points of a body with a rigid thing.
+/// Adds the points of a body with a part of an obstacle.
 pub(crate) fn find(
     body: &Body,
-    (thing, rigid): (u32, &Rigid),
+    (part, obstacle): (u32, &ObstaclePart),
     frame: &Frame<'_>,
-    scratch: &mut Scratch,
+    features: &mut Features,
     points: &mut Vec<Point>,
 ) {
-    let bounds = rigid.bounds().inflated(frame.reach);
+    let bounds = obstacle.bounds().inflated(frame.reach);
     if !bounds.overlaps(&body.tree.bounds) {
         return;
     }
     let mut search = Search {
         body,
-        rigid,
-        partner: Partner::Rigid { thing },
+        obstacle,
+        partner: Partner::Obstacle { part },
         frame,
         points,
     };
-    for &node in &body.skin.nodes {
+    for &node in &body.surface.nodes {
         search.node(node, &bounds);
     }
-    match rigid.shape {
-        RigidShape::HalfSpace => {}
-        RigidShape::Cuboid {
+    match obstacle.shape {
+        ObstacleShape::HalfSpace => {}
+        ObstacleShape::Cuboid {
             half_size,
             rounding,
-        } => search.cuboid(&Vector3::from(half_size), rounding, scratch),
-        RigidShape::Cylinder {
+        } => search.cuboid(&Vector3::from(half_size), rounding, features),
+        ObstacleShape::Cylinder {
             radius,
             half_length,
-        } => search.cylinder(radius, half_length, scratch),
+        } => search.cylinder(radius, half_length, features),
     }
 }
 
 struct Search<'a> {
     body: &'a Body,
-    rigid: &'a Rigid,
+    obstacle: &'a ObstaclePart,
     partner: Partner,
     frame: &'a Frame<'a>,
     points: &'a mut Vec<Point>,
@@ -88,11 +88,11 @@ impl Search<'_> {
         if bounds.sides(&from) & bounds.sides(&to) != 0 {
             return;
         }
-        let (distance, own) = self.rigid.distance(&to);
-        let (before, _) = self.rigid.distance(&from);
-        let way = (to - from).norm();
-        // The distance changes by no more than the way.
-        let may_enter = before > 0.0 && before + distance < way;
+        let (distance, own) = self.obstacle.distance(&to);
+        let (before, _) = self.obstacle.distance(&from);
+        let travel = (to - from).norm();
+        // The distance changes by no more than the displacement.
+        let may_enter = before > 0.0 && before + distance < travel;
         if !(distance < self.frame.reach || may_enter) {
             return;
         }
@@ -104,40 +104,40 @@ impl Search<'_> {
             old.try_normalize(0.0).filter(|old| own.dot(old) < 0.5)
         };
         let (gap, normal) = match side {
-            Some(side) => (to.dot(&side) - self.rigid.support(&side), side),
+            Some(side) => (to.dot(&side) - self.obstacle.support(&side), side),
             None => (distance, own),
         };
         self.add(&[node], &[1.0], NONE, &normal, gap);
     }
 
-    /// The normal where the way between two points, of which the first is outside, goes in.
+    /// The normal where the segment between two points, of which the first is outside, enters.
     fn entry(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Option<Vector3<f64>> {
         let along = to - from;
-        let way = along.norm();
-        let mut share = 0.0;
+        let travel = along.norm();
+        let mut fraction = 0.0;
         for _ in 0..MARCH {
-            let (distance, normal) = self.rigid.distance(&(from + along * share));
-            if distance <= AT_SURFACE * way {
+            let (distance, normal) = self.obstacle.distance(&(from + along * fraction));
+            if distance <= AT_SURFACE * travel {
                 return Some(normal);
             }
-            share += distance / way;
-            let is_on_the_way = share < 1.0;
-            if !is_on_the_way {
+            fraction += distance / travel;
+            let is_on_path = fraction < 1.0;
+            if !is_on_path {
                 return None;
             }
         }
         None
     }
 
-    fn cuboid(&mut self, half: &Vector3<f64>, rounding: f64, scratch: &mut Scratch) {
+    fn cuboid(&mut self, half: &Vector3<f64>, rounding: f64, features: &mut Features) {
         let inner = half.add_scalar(-rounding);
-        let rotation = self.rigid.pose.orientation;
+        let rotation = self.obstacle.pose.orientation;
         let faces = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| rotation * axis);
         let corner = |signs: [f64; 3]| {
             let local = Vector3::new(inner.x * signs[0], inner.y * signs[1], inner.z * signs[2]);
-            self.rigid.pose.apply(&local)
+            self.obstacle.pose.apply(&local)
         };
-        let depth = self.rigid.half_thickness();
+        let depth = self.obstacle.half_thickness();
         let margin = (rounding + self.frame.reach).max(depth);
         const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
         let mut edges = [([Vector3::zeros(); 2], [Vector3::zeros(); 2]); 12];
@@ -158,8 +158,7 @@ impl Search<'_> {
             if !bounds.overlaps(&self.body.tree.bounds) {
                 continue;
             }
-            let features = &mut scratch.features;
-            features.find(&self.body.skin, &self.body.tree.triangles, &bounds);
+            features.find(&self.body.surface, &self.body.tree.triangles, &bounds);
             for &edge in &features.edges {
                 self.box_edge(edge, ends, cone, rounding, index as u32);
             }
@@ -174,8 +173,7 @@ impl Search<'_> {
             if !bounds.overlaps(&self.body.tree.bounds) {
                 continue;
             }
-            let features = &mut scratch.features;
-            features.find(&self.body.skin, &self.body.tree.triangles, &bounds);
+            features.find(&self.body.surface, &self.body.tree.triangles, &bounds);
             for &triangle in &features.triangles {
                 self.box_corner(triangle, &at, &cone, rounding, 12 + index);
             }
@@ -191,7 +189,7 @@ impl Search<'_> {
         rounding: f64,
         feature: u32,
     ) {
-        let nodes = self.body.skin.edges[edge as usize].nodes;
+        let nodes = self.body.surface.edges[edge as usize].nodes;
         let [p, q] = nodes.map(|node| self.frame.now[node as usize]);
         let (u, v) = (q - p, b - a);
         let across = u.cross(&v);
@@ -212,7 +210,7 @@ impl Search<'_> {
         };
         let gap = normal.dot(&(closest.first.point - closest.second.point)) - rounding;
         let is_outward = cone.iter().all(|face| normal.dot(face) >= -CONE);
-        if is_outward && gap > -self.rigid.half_thickness() {
+        if is_outward && gap > -self.obstacle.half_thickness() {
             self.add(&nodes, &[1.0 - s, s], feature, &normal, gap);
         }
     }
@@ -226,33 +224,32 @@ impl Search<'_> {
         rounding: f64,
         feature: u32,
     ) {
-        let skin = &self.body.skin;
-        let corners = outward::corners(skin, self.frame.now, triangle);
+        let surface = &self.body.surface;
+        let corners = surface.corners(self.frame.now, triangle);
         let Some(outward) = triangle_normal(&corners) else {
             return;
         };
         let gap = (at - corners[0]).dot(&outward) - rounding;
-        let limit = self.rigid.half_thickness().min(skin.mean_edge);
+        let limit = self.obstacle.half_thickness().min(surface.mean_edge);
         let is_outward = cone.iter().all(|face| outward.dot(face) <= CONE);
         if !(is_outward && gap > -limit && gap < self.frame.reach) {
             return;
         }
         let foot = closest_on_triangle(at, &corners);
         if foot.feature() == TriangleFeature::Face {
-            let nodes = skin.triangles[triangle as usize];
+            let nodes = surface.triangles[triangle as usize];
             self.add(&nodes, &foot.barycentric, feature, &-outward, gap);
         }
     }
 
     /// Edges of the surface across the side of a cylinder.
-    fn cylinder(&mut self, radius: f64, half_length: f64, scratch: &mut Scratch) {
+    fn cylinder(&mut self, radius: f64, half_length: f64, features: &mut Features) {
         let along = Vector3::z() * half_length;
-        let [a, b] = [-along, along].map(|end| self.rigid.pose.apply(&end));
+        let [a, b] = [-along, along].map(|end| self.obstacle.pose.apply(&end));
         let bounds = Aabb::of(&[a, b]).inflated(radius + self.frame.reach);
-        let features = &mut scratch.features;
-        features.find(&self.body.skin, &self.body.tree.triangles, &bounds);
+        features.find(&self.body.surface, &self.body.tree.triangles, &bounds);
         for &edge in &features.edges {
-            let nodes = self.body.skin.edges[edge as usize].nodes;
+            let nodes = self.body.surface.edges[edge as usize].nodes;
             let [p, q] = nodes.map(|node| self.frame.now[node as usize]);
             let closest = closest_segments(&p, &q, &a, &b);
             let (s, t) = (closest.first.t, closest.second.t);
@@ -286,9 +283,9 @@ impl Search<'_> {
         first[..nodes.len()].copy_from_slice(nodes);
         first.sort_unstable();
         let mut all = [nodes[0]; 4];
-        let mut shares = [0.0; 4];
+        let mut all_weights = [0.0; 4];
         all[..nodes.len()].copy_from_slice(nodes);
-        shares[..nodes.len()].copy_from_slice(weights);
+        all_weights[..nodes.len()].copy_from_slice(weights);
         let (mut place, mut before) = (Vector3::zeros(), Vector3::zeros());
         for (&node, &weight) in nodes.iter().zip(weights) {
             place += self.frame.now[node as usize] * weight;
@@ -302,7 +299,7 @@ impl Search<'_> {
                 second: [feature, NONE],
             },
             nodes: all,
-            weights: shares,
+            weights: all_weights,
             first: nodes.len() as u8,
             normal: *normal,
             gap,

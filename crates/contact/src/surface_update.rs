@@ -1,35 +1,35 @@
-//! A skin that follows cuts.
+//! The update of a contact surface after an edit of its mesh.
 //!
-//! What is found anew, edges and neighbours, goes with what a cut touches. One pass over all triangles and edges of the surface renumbers the others
+//! The search for edges and neighbours is proportional to what a cut touches. One pass over all triangles and edges of the surface renumbers the others
 //! and makes the triangles at each node; where it must be known what lies inside, all elements are copied.
 
 use crate::lists::Lists;
-use crate::skin::{NONE, Skin, SkinEdge};
+use crate::surface::{ContactSurface, NONE, SurfaceEdge};
 use microsim_mesh::{Surface, TetMesh};
 
 /// What became of a body and of its surface.
 #[derive(Clone, Copy)]
-pub struct SkinChange<'a> {
+pub struct SurfaceUpdate<'a> {
     /// The mesh now.
     pub mesh: &'a TetMesh,
     /// Its surface now.
     pub surface: &'a Surface,
     /// The number of its first node in the group now.
     pub offset: u32,
-    /// Where triangles stood that are gone, ascending.
+    /// Old indices of triangles that are gone, ascending.
     pub removed: &'a [u32],
-    /// Where new triangles stand now, ascending. All others have their nodes, and their order.
+    /// New indices of new triangles, ascending. All others have their nodes, and their order.
     pub added: &'a [u32],
     /// Nodes at which there are other elements now, or the same with other nodes. May have more, and numbers beyond all.
     pub touched: &'a [u32],
-    /// The elements at a node now. Asked for `touched` only.
+    /// The elements at a node now; called for `touched` only.
     pub elements_at: &'a dyn Fn(u32) -> &'a [u32],
 }
 
-impl Skin {
-    /// Follows a change: then it is the skin that would be made anew. Returns where each triangle stands now, [`u32::MAX`] for those that are gone.
-    pub(crate) fn follow(&mut self, change: &SkinChange<'_>) -> Vec<u32> {
-        let SkinChange {
+impl ContactSurface {
+    /// Updates the surface: the result equals a rebuilt one. Returns the new index of each triangle, [`u32::MAX`] for those that are gone.
+    pub(crate) fn update_after_edit(&mut self, change: &SurfaceUpdate<'_>) -> Vec<u32> {
+        let SurfaceUpdate {
             mesh,
             surface,
             offset,
@@ -60,20 +60,20 @@ impl Skin {
         }
         changed.sort_unstable();
         changed.dedup();
-        self.follow_edges(&to, key, &changed);
-        self.follow_inside(change);
+        self.update_edges(&to, key, &changed);
+        self.update_inside(change);
         to
     }
 
-    /// Edges once triangles are those of now: those of `changed` come anew, in the others the numbers alone change.
-    fn follow_edges(
+    /// Edges, once triangles are those of now: those of `changed` are searched for, in the others the numbers alone change.
+    fn update_edges(
         &mut self,
         to: &[u32],
         key: impl Fn([u32; 2]) -> [u32; 2],
         changed: &[[u32; 2]],
     ) {
         let old = std::mem::take(&mut self.edges);
-        let mut edges: Vec<SkinEdge> = Vec::with_capacity(old.len() + changed.len());
+        let mut edges: Vec<SurfaceEdge> = Vec::with_capacity(old.len() + changed.len());
         let mut renumbered = vec![NONE; old.len()];
         let mut anew = changed.iter().peekable();
         for (edge, renumbered) in old.iter().zip(&mut renumbered) {
@@ -85,7 +85,7 @@ impl Skin {
                 continue;
             }
             *renumbered = edges.len() as u32;
-            edges.push(SkinEdge {
+            edges.push(SurfaceEdge {
                 nodes,
                 triangles: edge.triangles.map(|triangle| match triangle {
                     NONE => NONE,
@@ -115,7 +115,7 @@ impl Skin {
     }
 
     /// The edge between two nodes, if a triangle has it.
-    fn edge(&self, nodes: [u32; 2]) -> Option<SkinEdge> {
+    fn edge(&self, nodes: [u32; 2]) -> Option<SurfaceEdge> {
         if nodes
             .iter()
             .any(|node| !self.range().contains(&(*node as usize)))
@@ -125,11 +125,11 @@ impl Skin {
         let at = self.triangles_at(nodes[0]).iter().copied();
         let mut at = at.filter(|&t| self.triangles[t as usize].contains(&nodes[1]));
         let triangles = [at.next()?, at.next().unwrap_or(NONE)];
-        Some(SkinEdge { nodes, triangles })
+        Some(SurfaceEdge { nodes, triangles })
     }
 
     /// What lies inside, where it is known.
-    fn follow_inside(&mut self, change: &SkinChange<'_>) {
+    fn update_inside(&mut self, change: &SurfaceUpdate<'_>) {
         if self.neighbours.is_empty() {
             return;
         }
@@ -163,8 +163,8 @@ fn side_nodes(triangle: &[u32; 3], side: usize) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Where each of `count` triangles stands now.
-fn places(count: usize, change: &SkinChange<'_>) -> Vec<u32> {
+/// The new index of each of `count` triangles.
+fn places(count: usize, change: &SurfaceUpdate<'_>) -> Vec<u32> {
     let mut removed = change.removed.iter().peekable();
     let mut added = change.added.iter().peekable();
     let mut now = 0;

@@ -1,6 +1,6 @@
 use super::*;
 
-const BODIES: Touch = Touch::Bodies {
+const BODIES: ContactPair = ContactPair::Bodies {
     body: 0,
     with: 1,
     ends: None,
@@ -193,8 +193,8 @@ fn the_order_of_elements_and_bodies_does_not_matter() {
     }
 }
 
-/// Two tubes end to end, turned and beside one another, that come 0.02 into one another in a step: whatever touches is pushed back the way
-/// it came, ridges as well as nodes, though for many a way to the side would be shorter. And so in the next step, which starts at the
+/// Two tubes end to end, turned and beside one another, that come 0.02 into one another in a step: whatever touches is pushed back
+/// against the direction in which it came, ridges as well as nodes, though for many the side would be nearer. And so in the next step, which starts at the
 /// surface to within what a solver leaves.
 #[test]
 fn ends_that_meet_are_pushed_back_the_way_they_came() {

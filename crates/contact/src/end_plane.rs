@@ -1,14 +1,14 @@
 //! The end-plane rule for the ends of two vessels that lie opposite to one another (dissertation 4.3, NUMERICS 6).
 //!
-//! The wall of a vessel is one or few layers of tetrahedra: of a node that is deep in the other vessel's end the way out may lead into
+//! The wall of a vessel is one or few layers of tetrahedra: the exit of a node that is deep in the other vessel's end may lead into
 //! the lumen, and the ends come to lie in one another. In a clamp they can only meet end to end; so the nodes of edges that collide
 //! there are brought before the plane of the other end.
 
 use crate::body::Body;
-use crate::detector::{Frame, VesselEnd};
-use crate::meshes::Meeting;
+use crate::body_pair::BodyPair;
+use crate::frame::Frame;
 use crate::near::Near;
-use crate::outward;
+use crate::pair::VesselEnd;
 use crate::point::Point;
 use microsim_geometry::{TrianglePoint, closest_on_triangle, edge_through_triangle};
 use nalgebra::Vector3;
@@ -48,16 +48,16 @@ impl<'a> EndPlane<'a> {
             end,
             centre,
             normal,
-            radius: radius + BESIDE * body.skin.mean_edge,
-            deepest: DEEPEST * body.skin.mean_edge,
+            radius: radius + BESIDE * body.surface.mean_edge,
+            deepest: DEEPEST * body.surface.mean_edge,
         })
     }
 
     /// How deep a node is behind the plane, if the rule is for it.
     fn depth(&self, p: &Vector3<f64>) -> Option<f64> {
-        let way = self.centre - p;
-        let depth = way.dot(&self.normal);
-        let beside = (way - self.normal * depth).norm();
+        let offset = self.centre - p;
+        let depth = offset.dot(&self.normal);
+        let beside = (offset - self.normal * depth).norm();
         (depth > 0.0 && depth < self.deepest && beside < self.radius).then_some(depth)
     }
 
@@ -72,7 +72,7 @@ impl<'a> EndPlane<'a> {
     }
 }
 
-impl Meeting<'_> {
+impl BodyPair<'_> {
     /// Adds the points of the nodes `inside` (ascending) and of edges that cross the other surface with the plane of the other body's end;
     /// replaces `caught` by these nodes, ascending.
     pub fn at_end(
@@ -90,10 +90,13 @@ impl Meeting<'_> {
         };
         caught.extend(inside);
         for &[edge, triangle] in &near.edge_triangles {
-            let nodes = self.first.skin.edges[edge as usize].nodes;
+            let nodes = self.first.surface.edges[edge as usize].nodes;
             let [p, q] = nodes.map(|node| now[node as usize]);
-            let corners = outward::corners(&self.second.skin, now, triangle);
-            let face = self.second.outward.face(&self.second.skin, now, triangle);
+            let corners = self.second.surface.corners(now, triangle);
+            let face = self
+                .second
+                .normals
+                .face(&self.second.surface, now, triangle);
             if !face.on_one_side(&[p - corners[0], q - corners[0]])
                 && edge_through_triangle(&p, &q, &corners).is_some()
             {

@@ -1,10 +1,10 @@
 use super::*;
-use crate::RigidShape;
+use crate::ObstacleShape;
 use microsim_geometry::Pose;
 use nalgebra::UnitQuaternion;
 
-fn thing(shape: RigidShape, position: [f64; 3]) -> Rigid {
-    Rigid {
+fn thing(shape: ObstacleShape, position: [f64; 3]) -> ObstaclePart {
+    ObstaclePart {
         shape,
         pose: Pose {
             position: position.into(),
@@ -13,23 +13,23 @@ fn thing(shape: RigidShape, position: [f64; 3]) -> Rigid {
     }
 }
 
-fn cuboid(half_size: [f64; 3], rounding: f64) -> RigidShape {
-    RigidShape::Cuboid {
+fn cuboid(half_size: [f64; 3], rounding: f64) -> ObstacleShape {
+    ObstacleShape::Cuboid {
         half_size,
         rounding,
     }
 }
 
-const PAIR: Touch = Touch::Rigid { body: 0, thing: 0 };
+const PAIR: ContactPair = ContactPair::Obstacle { body: 0, part: 0 };
 
 /// Distances of known points, and everywhere the normal is the gradient: the distance grows by the step along it.
 #[test]
 fn signed_distances_are_those_of_the_closed_forms() {
     let shapes = [
-        RigidShape::HalfSpace,
+        ObstacleShape::HalfSpace,
         cuboid([1.0, 2.0, 3.0], 0.0),
         cuboid([1.0, 2.0, 3.0], 0.25),
-        RigidShape::Cylinder {
+        ObstacleShape::Cylinder {
             radius: 1.0,
             half_length: 2.0,
         },
@@ -65,9 +65,9 @@ fn signed_distances_are_those_of_the_closed_forms() {
             // The surface point is on the surface.
             let (zero, _) = thing.distance(&(p - normal * distance));
             assert!(zero.abs() < 1e-12);
-            // No point of the thing is further along a direction than its support.
+            // No point of the obstacle is further along a direction than its support.
             let direction = random.vector().normalize();
-            if distance <= 0.0 && shape != RigidShape::HalfSpace {
+            if distance <= 0.0 && shape != ObstacleShape::HalfSpace {
                 assert!(p.dot(&direction) <= thing.support(&direction) + 1e-12);
             }
         }
@@ -78,7 +78,7 @@ fn signed_distances_are_those_of_the_closed_forms() {
 #[test]
 fn a_block_on_a_plane_touches_with_its_lower_nodes() {
     let mesh = block([0.0, 0.0, 1.0], [3, 3, 2]);
-    let plane = thing(RigidShape::HalfSpace, [0.0, 0.0, 0.01]);
+    let plane = thing(ObstacleShape::HalfSpace, [0.0, 0.0, 0.01]);
     let points = Group::new(&[&mesh], vec![plane], vec![PAIR]).find();
     assert_eq!(points.len(), 16);
     for point in points {
@@ -132,21 +132,24 @@ fn an_edge_of_a_box_and_an_edge_of_the_surface_meet_between_their_ends() {
 fn fast_tissue_does_not_get_through_a_thin_plate() {
     let mesh = block([0.0, 0.0, 1.0], [2, 2, 1]);
     let plate = thing(cuboid([3.0, 3.0, 0.05], 0.0), [0.0, 0.0, 0.3]);
-    for way in [0.17, 0.22, 0.3, 5.0] {
+    for depth in [0.17, 0.22, 0.3, 5.0] {
         let mut group = Group::new(&[&mesh], vec![plate], vec![PAIR]);
         for p in &mut group.now {
-            p.z -= way;
+            p.z -= depth;
         }
         let points = group.find();
-        let lowest: Vec<_> = points.iter().filter(|p| p.place.z < 0.6 - way).collect();
-        assert_eq!(lowest.len(), 9, "{way}");
+        let lowest: Vec<_> = points.iter().filter(|p| p.place.z < 0.6 - depth).collect();
+        assert_eq!(lowest.len(), 9, "{depth}");
         for point in lowest {
             assert!((point.normal - V3::z()).norm() < 1e-14);
-            assert!((point.gap - (0.15 - way)).abs() < 1e-14, "{way} {point:?}");
+            assert!(
+                (point.gap - (0.15 - depth)).abs() < 1e-14,
+                "{depth} {point:?}"
+            );
             assert!((point.start_gap - 0.15).abs() < 1e-14);
         }
     }
-    // Inside from before: the side that is remembered, though the other one is nearer.
+    // Inside from before: the side of the last normal, though the other one is nearer.
     let mut group = Group::new(&[&mesh], vec![plate], vec![PAIR]);
     for p in &mut group.now {
         p.z -= 0.22;
@@ -174,7 +177,7 @@ fn fast_tissue_does_not_get_through_a_thin_plate() {
 fn an_edge_lies_on_the_side_of_a_cylinder() {
     let mesh = sized([0.0, 0.0, 0.5], [4.0, 1.0, 1.0], [1, 1, 1]);
     let mut roller = thing(
-        RigidShape::Cylinder {
+        ObstacleShape::Cylinder {
             radius: 0.5,
             half_length: 2.0,
         },

@@ -2,13 +2,14 @@
 
 use crate::lists::Lists;
 use microsim_mesh::{Surface, TetMesh};
+use nalgebra::Vector3;
 
 /// No triangle.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// An edge of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SkinEdge {
+pub(crate) struct SurfaceEdge {
     /// Its nodes, ascending.
     pub nodes: [u32; 2],
     /// The triangles at it, the first two where there are more; [`NONE`] where there are fewer.
@@ -17,34 +18,34 @@ pub(crate) struct SkinEdge {
 
 /// The surface and the elements of a body, with what is next to what. Nodes have the numbers of the group that the body is in.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Skin {
+pub struct ContactSurface {
     pub(crate) offset: u32,
     pub(crate) node_count: u32,
     /// The nodes of the surface, ascending.
     pub(crate) nodes: Vec<u32>,
-    /// Outward triangles.
+    /// Normals triangles.
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The edges of each triangle, the first from its first corner to the second.
     pub(crate) triangle_edges: Vec<[u32; 3]>,
     /// The edges of the surface, ascending.
-    pub(crate) edges: Vec<SkinEdge>,
+    pub(crate) edges: Vec<SurfaceEdge>,
     pub(crate) tets: Vec<[u32; 4]>,
     pub(crate) node_triangles: Lists,
-    /// The nodes that share an edge of the mesh with each node, ascending, by their numbers in the body; none where nothing is known of the
+    /// The nodes at the other ends of the mesh edges of each node, ascending, by their numbers in the body; none where nothing is known of the
     /// body's inside.
     pub(crate) neighbours: Vec<Vec<u32>>,
     /// Mean length of the edges at rest \[m\].
     pub(crate) mean_edge: f64,
 }
 
-impl Skin {
+impl ContactSurface {
     /// Of a body whose first node is node `offset` of its group.
     pub fn new(mesh: &TetMesh, offset: u32) -> Self {
         Self::of_surface(mesh, &mesh.surface(), mesh.mean_edge_length(), offset, true)
     }
 
     /// [`new`](Self::new) of a mesh whose surface and characteristic length \[m\] are known. Without `inside` nothing is looked up that lies
-    /// inside the body: for one that touches tools and rigid things alone, in a time that goes with its surface.
+    /// inside the body: for one that touches tools and obstacles alone, in a time proportional to its surface.
     pub fn of_surface(
         mesh: &TetMesh,
         surface: &Surface,
@@ -67,13 +68,13 @@ impl Skin {
             }
         }
         sides.sort_unstable();
-        let mut edges: Vec<SkinEdge> = Vec::new();
+        let mut edges: Vec<SurfaceEdge> = Vec::new();
         let mut triangle_edges = vec![[NONE; 3]; triangles.len()];
         for (nodes, triangle, side) in sides {
             match edges.last_mut().filter(|edge| edge.nodes == nodes) {
                 Some(edge) if edge.triangles[1] == NONE => edge.triangles[1] = triangle,
                 Some(_) => {}
-                None => edges.push(SkinEdge {
+                None => edges.push(SurfaceEdge {
                     nodes,
                     triangles: [triangle, NONE],
                 }),
@@ -113,22 +114,34 @@ impl Skin {
         self.node_triangles.of(node - self.offset)
     }
 
-    /// The nodes that share an edge of the mesh with a node, ascending.
+    /// The corners of a triangle.
+    #[inline]
+    pub(crate) fn corners(&self, at: &[Vector3<f64>], triangle: u32) -> [Vector3<f64>; 3] {
+        self.triangles[triangle as usize].map(|node| at[node as usize])
+    }
+
+    /// The nodes at the other ends of the mesh edges of a node, ascending.
     #[inline]
     pub(crate) fn neighbours(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
         let list = self.neighbours[(node - self.offset) as usize].iter();
         list.map(|other| other + self.offset)
     }
 
-    /// Whether two nodes share an edge of the mesh.
+    /// Whether an edge of the mesh joins two nodes.
     #[inline]
     pub(crate) fn are_neighbours(&self, a: u32, b: u32) -> bool {
         let list = &self.neighbours[(a - self.offset) as usize];
         list.binary_search(&(b - self.offset)).is_ok()
     }
 
+    /// Whether two features of one body have a common node, or an edge of the mesh joins them.
+    pub(crate) fn is_close(&self, first: &[u32], second: &[u32]) -> bool {
+        let close = |a: u32, b: u32| a == b || self.are_neighbours(a, b);
+        first.iter().any(|&a| second.iter().any(|&b| close(a, b)))
+    }
+
     /// The node of a triangle at an edge that is not of the edge; one of the edge's where the triangle has no other.
-    pub(crate) fn opposite(&self, edge: &SkinEdge, side: usize) -> u32 {
+    pub(crate) fn opposite(&self, edge: &SurfaceEdge, side: usize) -> u32 {
         let nodes = self.triangles[edge.triangles[side] as usize];
         let other = nodes.into_iter().find(|node| !edge.nodes.contains(node));
         other.unwrap_or(edge.nodes[0])

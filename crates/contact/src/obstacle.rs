@@ -1,11 +1,11 @@
-//! Rigid things that stand: half-spaces, boxes, cylinders.
+//! Obstacles: half-spaces, boxes, cylinders that do not move.
 
 use microsim_geometry::{Aabb, Pose};
 use nalgebra::Vector3;
 
-/// The form of a rigid thing, in its own frame.
+/// The shape of a part of an obstacle, in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RigidShape {
+pub enum ObstacleShape {
     /// All that is below the plane z = 0.
     HalfSpace,
     /// A box around the origin.
@@ -24,28 +24,28 @@ pub enum RigidShape {
     },
 }
 
-/// A rigid thing that stands in the world. What is hollow, a tray or a clamp, is made of several.
+/// A part of an obstacle, a convex rigid shape that does not move. What is hollow, a tray or a clamp, has several.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rigid {
-    /// Its form.
-    pub shape: RigidShape,
-    /// `world_from_thing`.
+pub struct ObstaclePart {
+    /// Its shape.
+    pub shape: ObstacleShape,
+    /// `world_from_part`.
     pub pose: Pose,
 }
 
-impl Rigid {
+impl ObstaclePart {
     /// The signed distance of `p` \[m\], below 0 inside, and the unit vector along which it grows: the outward normal at the
     /// surface point that is nearest to `p`.
     pub fn distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let inverse = self.pose.orientation.inverse();
         let local = inverse * (p - self.pose.position);
         let (distance, normal) = match self.shape {
-            RigidShape::HalfSpace => (local.z, Vector3::z()),
-            RigidShape::Cuboid {
+            ObstacleShape::HalfSpace => (local.z, Vector3::z()),
+            ObstacleShape::Cuboid {
                 half_size,
                 rounding,
             } => cuboid(&local, &Vector3::from(half_size), rounding),
-            RigidShape::Cylinder {
+            ObstacleShape::Cylinder {
                 radius,
                 half_length,
             } => cylinder(&local, radius, half_length),
@@ -57,15 +57,15 @@ impl Rigid {
     pub(crate) fn support(&self, direction: &Vector3<f64>) -> f64 {
         let local = self.pose.orientation.inverse() * direction;
         let reach = match self.shape {
-            RigidShape::HalfSpace => 0.0,
-            RigidShape::Cuboid {
+            ObstacleShape::HalfSpace => 0.0,
+            ObstacleShape::Cuboid {
                 half_size,
                 rounding,
             } => {
                 let inner = Vector3::from(half_size).add_scalar(-rounding);
                 inner.dot(&local.abs()) + rounding
             }
-            RigidShape::Cylinder {
+            ObstacleShape::Cylinder {
                 radius,
                 half_length,
             } => {
@@ -79,9 +79,11 @@ impl Rigid {
     /// The smallest half of its thickness \[m\].
     pub(crate) fn half_thickness(&self) -> f64 {
         match self.shape {
-            RigidShape::HalfSpace => f64::INFINITY,
-            RigidShape::Cuboid { half_size, .. } => half_size.into_iter().fold(f64::MAX, f64::min),
-            RigidShape::Cylinder {
+            ObstacleShape::HalfSpace => f64::INFINITY,
+            ObstacleShape::Cuboid { half_size, .. } => {
+                half_size.into_iter().fold(f64::MAX, f64::min)
+            }
+            ObstacleShape::Cylinder {
                 radius,
                 half_length,
             } => radius.min(half_length),
@@ -91,14 +93,14 @@ impl Rigid {
     /// A box that holds it; without bounds for a half-space.
     pub fn bounds(&self) -> Aabb {
         let half = match self.shape {
-            RigidShape::HalfSpace => {
+            ObstacleShape::HalfSpace => {
                 return Aabb {
                     min: Vector3::repeat(f64::NEG_INFINITY),
                     max: Vector3::repeat(f64::INFINITY),
                 };
             }
-            RigidShape::Cuboid { half_size, .. } => Vector3::from(half_size),
-            RigidShape::Cylinder {
+            ObstacleShape::Cuboid { half_size, .. } => Vector3::from(half_size),
+            ObstacleShape::Cylinder {
                 radius,
                 half_length,
             } => Vector3::new(radius, radius, half_length),

@@ -1,26 +1,27 @@
 //! Capsules of tools against the surface of a body.
 //!
 //! Each feature of the surface has at most one point with a capsule: a node and the axis point closest to it, an edge and the
-//! axis where the closest point is within the edge, a face and an end of the axis whose foot is within the face. A feature keeps to
+//! axis where the closest point is within the edge, a face and an end of the axis whose foot is within the face. A feature stays on
 //! the side of the capsule on which it was: where it has come past the axis, the normal is that of the first contact in the step, or
-//! the one that is remembered. Only the front counts, the features that face the capsule: a tool above a thin layer does not
-//! touch the layer's other side. Of what a capsule was in from the start without a memory, it leaves through the nearest side.
+//! the last one of [`Sides`](crate::Sides). Only the front counts, the features that face the capsule: a tool above a thin layer does not
+//! touch the layer's other side. A capsule that was inside tissue from the start, without a last normal, exits through the nearest side.
 //!
 //! Limitations: a capsule that is so deep in tissue that no surface is within its radius touches nothing, until it comes out.
 
-use crate::body::{Body, Scratch};
+use crate::body::Body;
 use crate::capsule_motion::CapsuleMotion;
-use crate::detector::Frame;
-use crate::outward::{self, Outward};
+use crate::features::Features;
+use crate::frame::Frame;
+use crate::normals::Normals;
 use crate::point::{Key, Partner, Point};
-use crate::skin::{NONE, Skin};
+use crate::surface::{ContactSurface, NONE};
 use microsim_geometry::{
     Aabb, Capsule, Motion, TriangleFeature, closest_on_triangle, closest_segments,
     first_contact_edges, first_contact_point_triangle, triangle_normal,
 };
 use nalgebra::Vector3;
 
-/// A direction from a point that is closer to the axis than this share of the radius is noise.
+/// A direction from a point that is closer to the axis than this fraction of the radius is noise.
 const ON_AXIS: f64 = 1e-9;
 
 /// A feature whose outward normal has a larger cosine than this with the direction from the axis to it faces away. For the closest
@@ -31,13 +32,13 @@ const FACING: f64 = 0.1;
 /// it has grazed.
 const THROUGH: f64 = -0.5;
 
-/// Edges up to this share of the radius, and faces of such, are left to their nodes: between nodes on the capsule a chord is inside by an
-/// eighth of its length times this share, 1 % of it. A surface that lies close to a wide capsule would else be held off by that, at
+/// Edges up to this fraction of the radius, and faces of such, are left to their nodes: between nodes on the capsule a chord is inside by an
+/// eighth of its length times this fraction, 1 % of it. A surface that lies close to a wide capsule would else be held off by that, at
 /// places that jump with every small turn of its faces.
 const SMALL: f64 = 0.08;
 
 /// One capsule over the step, up to now.
-struct Passage {
+struct SweptCapsule {
     partner: Partner,
     start: Capsule,
     end: Capsule,
@@ -72,7 +73,7 @@ pub(crate) fn reach(body: &Body, motion: &CapsuleMotion, frame: &Frame<'_>) -> O
     if !motion.is_finite() {
         return None;
     }
-    let (start, end) = (motion.start, motion.at(frame.way));
+    let (start, end) = (motion.start, motion.at(frame.fraction));
     let bounds = start.swept_bounds(&end).inflated(frame.reach);
     bounds.overlaps(&body.tree.bounds).then_some(bounds)
 }
@@ -82,17 +83,17 @@ pub(crate) fn find(
     body: &Body,
     (tool, capsules): (u32, &[CapsuleMotion]),
     frame: &Frame<'_>,
-    scratch: &mut Scratch,
+    features: &mut Features,
+    inside: &mut Vec<Inside>,
     points: &mut Vec<Point>,
 ) {
     for (index, motion) in capsules.iter().enumerate() {
         let Some(bounds) = reach(body, motion, frame) else {
             continue;
         };
-        let (start, end) = (motion.start, motion.at(frame.way));
-        let features = &mut scratch.features;
-        features.find(&body.skin, &body.tree.triangles, &bounds);
-        let passage = Passage {
+        let (start, end) = (motion.start, motion.at(frame.fraction));
+        features.find(&body.surface, &body.tree.triangles, &bounds);
+        let swept = SweptCapsule {
             partner: Partner::Tool {
                 tool,
                 capsule: index as u32,
@@ -101,15 +102,15 @@ pub(crate) fn find(
             end,
             travel: (end.a - start.a).norm().max((end.b - start.b).norm()),
         };
-        scratch.inside.clear();
+        inside.clear();
         let mut search = Search {
-            skin: &body.skin,
+            surface: &body.surface,
             body: body.index,
-            outward: &body.outward,
+            normals: &body.normals,
             frame,
-            passage: &passage,
+            swept: &swept,
             front: f64::INFINITY,
-            inside: &mut scratch.inside,
+            inside: &mut *inside,
             points,
         };
         for &node in &features.nodes {
@@ -127,11 +128,11 @@ pub(crate) fn find(
 }
 
 struct Search<'a> {
-    skin: &'a Skin,
+    surface: &'a ContactSurface,
     body: u32,
-    outward: &'a Outward,
+    normals: &'a Normals,
     frame: &'a Frame<'a>,
-    passage: &'a Passage,
+    swept: &'a SweptCapsule,
     /// The smallest distance from the axis before the step, of features that face it and touch.
     front: f64,
     inside: &'a mut Vec<Inside>,
@@ -146,7 +147,7 @@ struct Places<'a> {
     now: Vector3<f64>,
     /// Where on the axis now.
     t: f64,
-    /// Shares of the nodes now.
+    /// Weights of the nodes now.
     weights: [f64; 2],
     /// How far the nodes go \[m\], at most.
     travel: f64,
@@ -154,7 +155,7 @@ struct Places<'a> {
 
 impl Search<'_> {
     fn node(&mut self, node: u32) {
-        let Passage { start, end, .. } = self.passage;
+        let SweptCapsule { start, end, .. } = self.swept;
         let (from, to) = (
             self.frame.start[node as usize],
             self.frame.now[node as usize],
@@ -172,15 +173,15 @@ impl Search<'_> {
             start: [from, from],
             end: [to, to],
         };
-        let (skin, now) = (self.skin, self.frame.now);
+        let (surface, now) = (self.surface, self.frame.now);
         self.point_or_edge(&places, &motion, |search| {
-            search.outward.of_node(skin, now, node)
+            search.normals.of_node(surface, now, node)
         });
     }
 
     fn edge(&mut self, edge: u32) {
-        let Passage { start, end, .. } = self.passage;
-        let nodes = self.skin.edges[edge as usize].nodes;
+        let SweptCapsule { start, end, .. } = self.swept;
+        let nodes = self.surface.edges[edge as usize].nodes;
         let from = nodes.map(|node| self.frame.start[node as usize]);
         if self.is_small(&from) {
             return;
@@ -200,15 +201,15 @@ impl Search<'_> {
             start: from,
             end: to,
         };
-        let (skin, now) = (self.skin, self.frame.now);
+        let (surface, now) = (self.surface, self.frame.now);
         self.point_or_edge(&places, &motion, |search| {
-            search.outward.of_edge(skin, now, edge)
+            search.normals.of_edge(surface, now, edge)
         });
     }
 
     /// Whether these corners are so near to one another that they suffice.
     fn is_small(&self, corners: &[Vector3<f64>]) -> bool {
-        let most = SMALL * self.passage.start.radius;
+        let most = SMALL * self.swept.start.radius;
         let mut others = corners.iter().enumerate();
         others.all(|(k, a)| {
             let rest = corners[k + 1..].iter();
@@ -224,11 +225,11 @@ impl Search<'_> {
         motion: &Motion<2>,
         outward: impl FnOnce(&mut Self) -> Vector3<f64>,
     ) {
-        let radius = self.passage.end.radius;
+        let radius = self.swept.end.radius;
         let (before, distance) = (places.start.norm(), places.now.norm());
-        let travel = places.travel + self.passage.travel;
+        let travel = places.travel + self.swept.travel;
         let near = distance - radius < self.frame.reach;
-        // The distance changes by no more than the way.
+        // The distance changes by no more than the displacements.
         let may_pass = before + distance - travel < 2.0 * radius;
         if !(near || may_pass) {
             return;
@@ -247,7 +248,7 @@ impl Search<'_> {
             // From outside to the other side of the axis it is further than the radius.
             if may_pass
                 && travel > radius
-                && let Some(first) = first_contact_edges(motion, &self.passage.axis(), radius)
+                && let Some(first) = first_contact_edges(motion, &self.swept.axis(), radius)
                 && let Some(entry) = first.normal
                 && own.is_none_or(|own| own.dot(&entry) < through)
             {
@@ -306,7 +307,7 @@ impl Search<'_> {
                     self.add(&touch, &own);
                 }
             }
-            // Across both lines there is one direction and its opposite.
+            // EdgePair both lines there is one direction and its opposite.
             Some(own) if both_inner => self.add(&touch, &-own),
             _ => self.add(&touch, &side),
         }
@@ -314,18 +315,18 @@ impl Search<'_> {
 
     /// Adds the point of the inside of a face with an end of the axis, if there is one.
     fn face(&mut self, triangle: u32, end: u32) {
-        let (skin, frame) = (self.skin, self.frame);
-        let (from, to) = self.passage.end(end);
-        let corners = outward::corners(skin, frame.now, triangle);
+        let (surface, frame) = (self.surface, self.frame);
+        let (from, to) = self.swept.end(end);
+        let corners = surface.corners(frame.now, triangle);
         let Some(normal) = triangle_normal(&corners) else {
             return;
         };
         let height = (to - corners[0]).dot(&normal);
-        let radius = self.passage.end.radius;
+        let radius = self.swept.end.radius;
         if height - radius >= frame.reach {
             return;
         }
-        let start = outward::corners(skin, frame.start, triangle);
+        let start = surface.corners(frame.start, triangle);
         if self.is_small(&start) {
             return;
         }
@@ -333,7 +334,7 @@ impl Search<'_> {
         let foot = closest_on_triangle(&to, &corners);
         let is_inner = foot.feature() == TriangleFeature::Face;
         let mut touch = Touching {
-            nodes: skin.triangles[triangle as usize],
+            nodes: surface.triangles[triangle as usize],
             weights: foot.barycentric,
             count: 3,
             t: f64::from(end),
@@ -404,22 +405,19 @@ impl Search<'_> {
     fn remembered(&self, touch: &Touching) -> Option<Vector3<f64>> {
         let mut sum = Vector3::zeros();
         for k in 0..touch.count {
-            let normal = self
-                .frame
-                .sides
-                .normal(&self.passage.partner, touch.nodes[k]);
+            let normal = self.frame.sides.normal(&self.swept.partner, touch.nodes[k]);
             sum += normal * touch.weights[k];
         }
         sum.try_normalize(0.0)
     }
 
     fn add(&mut self, touch: &Touching, normal: &Vector3<f64>) {
-        let Passage {
+        let SweptCapsule {
             partner,
             start,
             end,
             ..
-        } = self.passage;
+        } = self.swept;
         let axis = |capsule: &Capsule| capsule.a + (capsule.b - capsule.a) * touch.t;
         let (from, to) = (axis(start), axis(end));
         let (mut place, mut before) = (Vector3::zeros(), Vector3::zeros());
@@ -466,7 +464,7 @@ impl Touching {
     }
 }
 
-impl Passage {
+impl SweptCapsule {
     fn axis(&self) -> Motion<2> {
         Motion {
             start: [self.start.a, self.start.b],

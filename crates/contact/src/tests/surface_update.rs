@@ -1,13 +1,13 @@
 use super::*;
-use crate::SkinChange;
+use crate::SurfaceUpdate;
 use microsim_cutting::{Blade, Settings, Sheet, Stroke, SurfaceTriangle, Topology};
 use microsim_mesh::Surface;
 
-fn surface(triangles: &[SurfaceTriangle]) -> Surface {
+fn mesh_surface(triangles: &[SurfaceTriangle]) -> Surface {
     Surface::new(triangles.iter().map(|t| t.nodes).collect())
 }
 
-/// Where those of `one` stand that are not in `other`.
+/// Indices of those of `one` that are not in `other`.
 fn beyond(one: &[SurfaceTriangle], other: &[SurfaceTriangle]) -> Vec<u32> {
     let places = 0..one.len() as u32;
     places
@@ -15,10 +15,10 @@ fn beyond(one: &[SurfaceTriangle], other: &[SurfaceTriangle]) -> Vec<u32> {
         .collect()
 }
 
-/// Blocks that are cut by planes and patches again and again, crumbs and pieces that come off among them: a skin that follows is, list by
-/// list, the one that is made anew.
+/// Blocks that are cut by planes and patches again and again, crumbs and pieces that come off among them: an updated surface is, list by
+/// list, the rebuilt one.
 #[test]
-fn a_skin_that_follows_cuts_is_the_one_made_anew() {
+fn a_surface_updated_after_cuts_is_the_rebuilt_one() {
     let mut random = SplitMix64(11);
     let (mut cuts, mut removed_nodes) = (0, 0);
     for run in 0..12 {
@@ -31,9 +31,9 @@ fn a_skin_that_follows_cuts_is_the_one_made_anew() {
         let inside = run % 2 == 0;
         let mut offset = 0;
         let made = |mesh: &TetMesh, triangles: &[SurfaceTriangle], offset| {
-            Skin::of_surface(mesh, &surface(triangles), 1.0, offset, inside)
+            ContactSurface::of_surface(mesh, &mesh_surface(triangles), 1.0, offset, inside)
         };
-        let mut skin = made(&mesh, &triangles, offset);
+        let mut surface = made(&mesh, &triangles, offset);
         for _ in 0..20 {
             let (center, half) = (random.vector() * 1.5, [0.7, 10.0][random.below(2) as usize]);
             let [along, across] = [random.vector(), random.vector()].map(|v| v.normalize() * half);
@@ -66,16 +66,19 @@ fn a_skin_that_follows_cuts_is_the_one_made_anew() {
             let corners = changed.flat_map(|e| [before.get(e), mesh.tets.get(e)]);
             let touched: Vec<u32> = corners.flatten().flatten().copied().collect();
             offset = [offset, 7][random.below(2) as usize];
-            skin.follow(&SkinChange {
+            surface.update_after_edit(&SurfaceUpdate {
                 mesh: &mesh,
-                surface: &surface(&now),
+                surface: &mesh_surface(&now),
                 offset,
                 removed: &beyond(&triangles, &now),
                 added: &beyond(&now, &triangles),
                 touched: &touched,
                 elements_at: &|node| topology.elements_at(node),
             });
-            assert!(skin == made(&mesh, &now, offset), "run {run}, cut {cuts}");
+            assert!(
+                surface == made(&mesh, &now, offset),
+                "run {run}, cut {cuts}"
+            );
             triangles = now;
             cuts += 1;
             removed_nodes += cut.edit.removed_nodes.len();
