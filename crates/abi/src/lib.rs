@@ -41,8 +41,12 @@ use abi_stable::{
 };
 use std::ffi::c_void;
 
-/// The version of this contract. A library built for another one is refused before any of its code runs.
-pub const ABI_VERSION: u32 = 1;
+/// The version of this contract. A library built for another one is refused before its layout is looked at and before any
+/// of its code runs.
+pub const ABI_VERSION: u32 = 2;
+
+/// Name of the plain word (`u32`) that a library exports and that holds the [`ABI_VERSION`] it was built for. The host reads it first.
+pub const VERSION_SYMBOL: &str = "MICROSIM_ABI_VERSION";
 
 /// Name of the symbol that a library exports, as the loader of abi_stable looks for it. The macro
 /// `export_plugin!` of the SDK has to repeat it, because an attribute takes no constant.
@@ -187,8 +191,6 @@ pub type PluginBox = PluginObject_TO<'static, RBox<()>>;
 #[sabi(kind(Prefix(prefix_ref = PluginModule_Ref)))]
 #[sabi(missing_field(panic))]
 pub struct PluginModule {
-    /// [`ABI_VERSION`] at the time of the build; checked first.
-    pub abi_version: u32,
     /// The manifest's text, as embedded at the time of the build.
     pub manifest: extern "C" fn() -> RStr<'static>,
     /// Makes the plugin's object; called once, after the manifest has been checked.
@@ -206,7 +208,7 @@ impl RootModule for PluginModule_Ref {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn the_root_symbol_has_the_name_that_the_export_macro_writes() {
+    fn the_root_symbol_is_that_of_abi_stable() {
         assert_eq!(
             abi_stable::library::ROOT_MODULE_LOADER_NAME,
             super::ROOT_SYMBOL

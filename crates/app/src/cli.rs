@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand};
 use microsim_host::assemble::Input;
 use microsim_settings::Override;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
 ///
@@ -57,6 +57,18 @@ pub enum Command {
     Schema(SchemaArgs),
     /// Say what this machine has and lacks
     Doctor,
+}
+
+impl Command {
+    /// The file for a trace, if one is wanted.
+    pub fn trace(&self) -> Option<&Path> {
+        match self {
+            Self::Run(args) => args.trace.as_deref(),
+            Self::Replay(args) => args.trace.as_deref(),
+            Self::Simulate(args) => args.trace.as_deref(),
+            _ => None,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -125,6 +137,9 @@ pub struct RunArgs {
     /// Go on from a checkpoint of the same module, level, seed and input
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub resume: Option<PathBuf>,
+    /// Write where the time of every tick goes to this file (Chrome trace format, for Perfetto); it must not exist
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
+    pub trace: Option<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
@@ -170,6 +185,9 @@ pub struct SimulateArgs {
     /// Run although the step is beyond what the bodies allow
     #[arg(long)]
     pub any_step: bool,
+    /// Write where the time of every step goes to this file (Chrome trace format, for Perfetto); it must not exist
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
+    pub trace: Option<PathBuf>,
     /// Leave something out, to see what it does
     #[arg(long, value_name = "WHAT", value_parser = ["friction", "lonor"])]
     pub without: Vec<String>,
@@ -246,6 +264,9 @@ pub struct ReplayArgs {
     /// Threads for parallel work
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads: u16,
+    /// Write where the time of every tick goes to this file (Chrome trace format, for Perfetto); it must not exist
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
+    pub trace: Option<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,

@@ -17,6 +17,7 @@ mod cli;
 mod doctor;
 mod key_pictures;
 mod list;
+mod log;
 mod mesh_file;
 mod output;
 mod processor;
@@ -53,7 +54,10 @@ fn main() -> ExitCode {
             return code.into();
         }
     };
-    output::start_log();
+    let trace = match log::start(cli.command.trace()) {
+        Ok(trace) => trace,
+        Err(problem) => return ended(Err(problem)),
+    };
     silence_driver();
     let result = match &cli.command {
         Command::List(args) => list::list(&cli.place, args),
@@ -70,6 +74,13 @@ fn main() -> ExitCode {
         Command::Schema(args) => schema::schema(&cli.place, args),
         Command::Doctor => doctor::doctor(&cli.place),
     };
+    // Writes what is left of it.
+    drop(trace);
+    ended(result)
+}
+
+/// The exit status of a command; what it could not do goes to standard error.
+fn ended(result: Result<Exit, Problem>) -> ExitCode {
     match result {
         Ok(exit) => exit.into(),
         Err(Problem::BrokenPipe) => Exit::Done.into(),

@@ -1,7 +1,7 @@
 //! How the program ends and speaks: exit status, standard output, the log.
 
 use std::fmt::Display;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 /// Exit status.
@@ -60,17 +60,4 @@ pub fn say_if_read(text: impl Display) -> Result<(), Problem> {
 /// Writes a JSON document, and nothing else, to standard output.
 pub fn say_json(value: &serde_json::Value) -> Result<(), Problem> {
     say(format!("{value:#}"))
-}
-
-/// Logs go to standard error; `RUST_LOG` chooses how much (warnings if unset).
-pub fn start_log() {
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_target(false)
-        .without_time()
-        .init();
 }

@@ -87,7 +87,7 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
         state_hash: session
             .end
             .as_ref()
-            .map(|end| microsim_host::run::hex(&end.chain)),
+            .map(|end| microsim_host::record::hex(&end.chain)),
         complaint: session.complaint.clone(),
         failures: session.failures.iter().map(ToString::to_string).collect(),
         late_ticks: session.end.as_ref().map_or(0, |end| end.late_ticks),

@@ -76,7 +76,10 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     loop {
         // What is measured and exported is not counted.
         let before = cpu_seconds();
-        let sampled = scene.runner.compute(exec);
+        let sampled = {
+            let _span = tracing::debug_span!("sample", number = samples).entered();
+            scene.runner.compute(exec)
+        };
         cpu += cpu_seconds() - before;
         let goes_on = sampled && scene.runner.observe();
         values.add(samples, [scene.runner.scene().digest().as_slice()]);

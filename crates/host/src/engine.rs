@@ -7,6 +7,7 @@
 use crate::fault::Failure;
 use crate::parallel::Parallel;
 use crate::plan::{PluginKind, RunPlan};
+use crate::span;
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault, Output, PluginBox};
 use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router};
@@ -88,8 +89,8 @@ pub struct HostState {
     /// Frames that the host publishes in the next tick.
     #[serde(with = "serde_bytes")]
     pub controls: Vec<u8>,
-    /// When the module was told to end \[ns\].
-    pub told_to_end: Option<u64>,
+    /// Since when the module has to end \[ns\].
+    pub ending_since: Option<u64>,
 }
 
 struct Running {
@@ -467,6 +468,7 @@ impl Running {
         let Some(object) = &mut self.object else {
             return Ok(None);
         };
+        let _span = span::of_call(name, self.kind, &self.name).entered();
         call(object).into_result().map(Some).map_err(|fault| {
             self.object = None;
             Failure::from_abi(&self.name, name, tick, fault)

@@ -46,7 +46,7 @@ pub(crate) fn planned(
     let m = &manifest.settings;
     if m.abi != microsim_abi::ABI_VERSION {
         return refuse(format!(
-            "plugin \"{}\" ({}): its manifest says version {} of the plugin contract, this host has version {}",
+            "plugin \"{}\" ({}): its manifest has version {} of the plugin contract, this host has version {}",
             m.name,
             manifest.document.path().display(),
             m.abi,

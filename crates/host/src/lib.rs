@@ -15,6 +15,7 @@
 
 pub mod assemble;
 pub mod engine;
+mod error;
 pub mod fault;
 mod input;
 pub mod installation;
@@ -24,9 +25,12 @@ pub mod parallel;
 pub mod picture;
 pub mod plan;
 pub mod record;
+mod recorder;
 pub mod replay;
 pub mod request;
 pub mod run;
+mod span;
+mod subscriptions;
 
 pub use engine::{Checkpoint, Engine, Feed};
 pub use fault::Failure;

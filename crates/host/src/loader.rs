@@ -1,8 +1,11 @@
 //! Loads a plugin's library from an explicit path, after checking all that can be checked before its code runs.
 
 use crate::plan::PlannedPlugin;
-use abi_stable::library::{LibraryError, lib_header_from_path};
-use microsim_abi::{ABI_VERSION, FaultKind, PluginBox, PluginModule_Ref};
+use abi_stable::library::{AbiHeaderRef, LibraryError};
+use libloading::Library;
+use microsim_abi::{
+    ABI_VERSION, FaultKind, PluginBox, PluginModule_Ref, ROOT_SYMBOL, VERSION_SYMBOL,
+};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -36,31 +39,31 @@ pub fn file_hash(path: &Path) -> std::io::Result<String> {
     Ok(blake3::hash(&std::fs::read(path)?).to_hex().to_string())
 }
 
-/// Loads the library and constructs the plugin. Layout, ABI version and manifest are checked first, in this order.
+/// Opens the library and constructs the plugin. Checked before, in this order: the version of the contract, a plain word; the
+/// memory layout; the manifest.
 ///
-/// The library stays loaded until the process ends (abi_stable never unloads one).
+/// A library that is refused for its version, or because it exports no plugin, is closed again: none of its code has run. From the
+/// check of its layout on it stays open until the process ends: function tables, thread-local values and texts of a static lifetime
+/// that come from it may be in use for as long.
 pub fn load(plugin: &PlannedPlugin) -> Result<PluginBox, LoadError> {
+    let path = &plugin.library;
     let refuse = |reason: String| LoadError {
         plugin: plugin.name.clone(),
-        path: plugin.library.clone(),
+        path: path.clone(),
         reason,
     };
-    if !plugin.library.is_file() {
+    if !path.is_file() {
         return Err(refuse(
             "the library is not there; build it, or correct `library` in its manifest".into(),
         ));
     }
-    // `RootModule::load_from_file` would return the first plugin again for a second path; the header does not.
-    let header = lib_header_from_path(&plugin.library).map_err(|e| refuse(short(&e)))?;
+    let library = open(path).map_err(|e| refuse(format!("cannot be opened as a library: {e}")))?;
+    let header = header(&library).map_err(refuse)?;
+    std::mem::forget(library);
+    let header = header.upgrade().map_err(|e| refuse(short(&e)))?;
     let module = header
         .init_root_module::<PluginModule_Ref>()
         .map_err(|e| refuse(short(&e)))?;
-    let version = module.abi_version();
-    if version != ABI_VERSION {
-        return Err(refuse(format!(
-            "built for version {version} of the plugin contract, this host has version {ABI_VERSION}; build it again"
-        )));
-    }
     if module.manifest()().as_str() != plugin.manifest {
         return Err(refuse(
             "the manifest beside the library is not the one it was built with; build it again"
@@ -77,14 +80,52 @@ pub fn load(plugin: &PlannedPlugin) -> Result<PluginBox, LoadError> {
     })
 }
 
+/// Opens a library at an explicit path. All of its symbols are looked up now, so that one that is missing is found here and not in the
+/// middle of a run; its own symbols serve no other library, so that two plugins never get each other's.
+#[cfg(unix)]
+fn open(path: &Path) -> Result<Library, libloading::Error> {
+    use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+    // SAFETY: a plugin library has no initialisers but those of Rust's runtime, which need nothing. That a file of another kind
+    // lies here cannot be told before it is opened; the operator has put it there.
+    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Into::into)
+}
+
+/// Opens a library at an explicit path.
+#[cfg(not(unix))]
+fn open(path: &Path) -> Result<Library, libloading::Error> {
+    // SAFETY: a plugin library has no initialisers but those of Rust's runtime, which need nothing. That a file of another kind
+    // lies here cannot be told before it is opened; the operator has put it there.
+    unsafe { Library::new(path) }
+}
+
+/// The header of a library that was built for this version of the contract; otherwise why there is none.
+fn header(library: &Library) -> Result<AbiHeaderRef, String> {
+    let missing = |what: &str, symbol: &str| {
+        format!(
+            "exports no plugin (the {what} `{symbol}` is missing): does it call `export_plugin!`?"
+        )
+    };
+    // SAFETY: the symbol of this name is a `u32` by the contract, whatever its version.
+    let version = unsafe { library.get::<*const u32>(VERSION_SYMBOL.as_bytes()) };
+    let version = version.map_err(|_| missing("version", VERSION_SYMBOL))?;
+    // SAFETY: as above; the library is open.
+    let version = unsafe { **version };
+    if version != ABI_VERSION {
+        return Err(format!(
+            "built for version {version} of the plugin contract, this host has version {ABI_VERSION}; build it again"
+        ));
+    }
+    // SAFETY: the symbol of this name is the header that abi_stable defines, in this version of the contract.
+    let header = unsafe { library.get::<AbiHeaderRef>(ROOT_SYMBOL.as_bytes()) };
+    header
+        .map(|header| *header)
+        .map_err(|_| missing("root symbol", ROOT_SYMBOL))
+}
+
 /// The few lines of a library error that matter: a changed layout prints tens of kilobytes.
 fn short(error: &LibraryError) -> String {
     let text = error.to_string();
     match error {
-        LibraryError::OpenError { err, .. } => format!("cannot be opened as a library: {err}"),
-        LibraryError::GetSymbolError { .. } => {
-            "exports no plugin (the root symbol is missing): does it call `export_plugin!`?".into()
-        }
         LibraryError::AbiInstability(_) => format!(
             "its memory layout is not that of this host's plugin contract; build it again ({})",
             first_difference(&text)
@@ -111,12 +152,15 @@ fn short(error: &LibraryError) -> String {
 /// what it is.
 fn first_difference(text: &str) -> String {
     let innermost = text.rsplit("error(s)inside:").next().unwrap_or(text);
-    let (way, _) = innermost
+    let (path, _) = innermost
         .split_once("Layout of expected type:")
         .unwrap_or((innermost, ""));
     // The n-th from the end.
     let value = |key: &str, n| {
-        let values = way.lines().rev().filter_map(|l| l.trim().strip_prefix(key));
+        let values = path
+            .lines()
+            .rev()
+            .filter_map(|l| l.trim().strip_prefix(key));
         values.map(str::to_owned).nth(n)
     };
     let place = match (value("field_name:", 0), value("type:", 1)) {

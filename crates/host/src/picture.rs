@@ -1,8 +1,11 @@
 //! Pictures: the renderer on a thread of its own, on the latest snapshot, at its own rate. Nothing comes back into the
 //! run.
 
+use crate::error::RunError;
 use crate::fault::Failure;
-use crate::plan::PlannedPlugin;
+use crate::loader::load;
+use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
+use crate::span;
 use abi_stable::std_types::{ROption, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, PluginBox};
 use microsim_bus::{Block, Frames, kind_id};
@@ -109,14 +112,15 @@ impl Pictures {
         })
     }
 
-    /// Hears a tick and asks for a picture where one is due.
-    pub fn hear(
+    /// Takes over the messages of a tick and asks for a picture where one is due.
+    pub fn handle(
         &mut self,
         tick: u64,
         tick_ns: u64,
         log: &[u8],
         blocks: impl FnOnce() -> Vec<Block>,
     ) {
+        let _span = tracing::debug_span!("pictures").entered();
         for frame in Frames::new(log).filter_map(Result::ok) {
             if self.wanted.contains(&frame.header.kind) {
                 let mut bytes = Vec::new();
@@ -175,6 +179,22 @@ impl Pictures {
     }
 }
 
+/// Starts the picture thread of a plan, if it has a renderer and pictures are wanted.
+pub(crate) fn start_pictures(
+    plan: &RunPlan,
+    wanted: Option<PicturePlan>,
+    wait: bool,
+) -> Result<Option<Pictures>, RunError> {
+    let renderer = plan.plugins.iter().find(|p| p.kind == PluginKind::Renderer);
+    let (Some(wanted), Some(renderer)) = (wanted, renderer) else {
+        return Ok(None);
+    };
+    let folder = wanted.folder.display().to_string();
+    Pictures::start(renderer, load(renderer)?, wanted, wait)
+        .map(Some)
+        .map_err(|e| RunError::Host(format!("pictures in {folder}: {e}")))
+}
+
 fn draw(
     name: &str,
     object: &mut PluginBox,
@@ -205,6 +225,7 @@ fn draw(
             messages: RSlice::from_slice(&job.messages),
             blocks: RSlice::from_slice(&blocks),
         };
+        let _span = span::of_call("process", PluginKind::Renderer, name).entered();
         object
             .process(call)
             .into_result()

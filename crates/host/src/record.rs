@@ -92,6 +92,11 @@ pub fn record<T: Serialize>(kind: u8, tick: u64, content: &T) -> microsim_messag
     }
 }
 
+/// Hexadecimal text of a hash.
+pub fn hex(hash: &[u8]) -> String {
+    hash.iter().map(|b| format!("{b:02x}")).collect()
+}
+
 /// A session as it was read.
 #[derive(Clone, Debug)]
 pub struct Session {

@@ -1,14 +1,16 @@
-//! Recomputes a recorded session in this process: recorded inputs are fed by tick, everything else is computed anew
+//! Recomputes a recorded session in this process: recorded inputs are fed by tick, everything else is computed again
 //! and compared.
 
 use crate::engine::{Engine, Feed};
+use crate::error::RunError;
 use crate::fault::Failure;
 use crate::loader::load;
 use crate::parallel::Parallel;
-use crate::picture::{PicturePlan, PictureReport, Pictures};
+use crate::picture::{PicturePlan, PictureReport, Pictures, start_pictures};
 use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
-use crate::record::{Ended, Session, TickRecord};
-use crate::run::{RunError, hex, start_pictures};
+use crate::record::{Ended, Session, TickRecord, hex};
+use crate::span;
+
 use microsim_bus::Frames;
 
 /// How to replay.
@@ -118,12 +120,13 @@ fn recompute(
                 ),
             );
         }
+        let _tick = span::of_tick(*tick).entered();
         let output = match engine.tick(Feed::Recorded { log: &recorded.log }) {
             Ok(output) => output,
             Err(failure) => return Some(failed(failure)),
         };
         if let Some(pictures) = pictures {
-            pictures.hear(*tick, plan.tick_ns, &output.log, || engine.blocks());
+            pictures.handle(*tick, plan.tick_ns, &output.log, || engine.blocks());
         }
         // The hash alone is not enough: whoever changes a recorded message need not touch it.
         if output.chain.as_slice() != recorded.chain || output.log != recorded.log {
@@ -181,7 +184,7 @@ fn refail(
     Some(Difference { tick, what })
 }
 
-/// Says which message is the first that differs.
+/// Which message is the first that differs.
 fn describe(engine: &Engine, recorded: &TickRecord, log: &[u8]) -> String {
     let name = |frame: &microsim_bus::Frame<'_>| {
         let kind = engine.kind_name(frame.header.kind).unwrap_or("unknown");

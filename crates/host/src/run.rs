@@ -5,26 +5,24 @@
 //! ones follow without a pause until the lag is made up; a lag beyond [`Realtime::give_up`] moves the schedule, so that
 //! the simulation falls behind the wall clock instead of racing after it.
 
+pub use crate::error::RunError;
+
 use crate::engine::{Checkpoint, Engine, Feed, HostState, StateDigest, TickOutput};
 use crate::fault::Failure;
-use crate::loader::{LoadError, load};
+use crate::loader::load;
 use crate::parallel::Parallel;
-use crate::picture::{PicturePlan, PictureReport, Pictures};
-use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
-use crate::record::{EndRecord, Ended, Header, RECORD_FORMAT, TickRecord, kind, record};
-use abi_stable::std_types::{ROption, RSlice};
-use microsim_abi::{Call, PluginBox};
-use microsim_bus::{Frames, kind_id};
-use microsim_message::{
-    InputEnd, LevelControl, Log, LogLevel, Message, Progress, SessionRecord, TrainingResult,
-    decode, encode, push,
-};
+use crate::picture::{PicturePlan, PictureReport, Pictures, start_pictures};
+use crate::plan::{PluginKind, RunPlan};
+use crate::record::{EndRecord, Ended, Header, RECORD_FORMAT, TickRecord, hex, kind, record};
+use crate::recorder::Recorder;
+use crate::span;
+use crate::subscriptions::HostSubscriptions;
+use microsim_message::{LevelControl, Progress, TrainingResult, push};
 use microsim_session::Chain;
-use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
-/// Simulated time that a module has for its result after it was told to end \[ns\].
+/// Simulated time that a module has for its result once it has to end \[ns\].
 const ENDING_NS: u64 = 2_000_000_000;
 
 /// Pacing by the wall clock.
@@ -56,41 +54,6 @@ pub struct RunOptions<'a> {
     pub progress: &'a mut dyn FnMut(f64, Option<&Progress>),
 }
 
-/// A run that did not begin.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum RunError {
-    /// A library was refused.
-    Load(LoadError),
-    /// A plugin failed before the first tick.
-    Start(Failure),
-    /// The host itself could not start.
-    Host(String),
-}
-
-impl fmt::Display for RunError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Load(e) => e.fmt(f),
-            Self::Start(e) => e.fmt(f),
-            Self::Host(e) => f.write_str(e),
-        }
-    }
-}
-
-impl std::error::Error for RunError {}
-
-impl From<LoadError> for RunError {
-    fn from(error: LoadError) -> Self {
-        Self::Load(error)
-    }
-}
-
-impl From<Failure> for RunError {
-    fn from(failure: Failure) -> Self {
-        Self::Start(failure)
-    }
-}
-
 /// A run that ended.
 #[derive(Clone, Debug)]
 pub struct RunOutcome {
@@ -115,73 +78,6 @@ pub struct RunOutcome {
     pub checkpoint: Option<Checkpoint>,
 }
 
-/// Hexadecimal text of a hash.
-pub fn hex(hash: &[u8]) -> String {
-    hash.iter().map(|b| format!("{b:02x}")).collect()
-}
-
-/// Starts the picture thread of a plan, if it has a renderer and pictures are wanted.
-pub(crate) fn start_pictures(
-    plan: &RunPlan,
-    wanted: Option<PicturePlan>,
-    wait: bool,
-) -> Result<Option<Pictures>, RunError> {
-    let renderer = plan.plugins.iter().find(|p| p.kind == PluginKind::Renderer);
-    let (Some(wanted), Some(renderer)) = (wanted, renderer) else {
-        return Ok(None);
-    };
-    let folder = wanted.folder.display().to_string();
-    Pictures::start(renderer, load(renderer)?, wanted, wait)
-        .map(Some)
-        .map_err(|e| RunError::Host(format!("pictures in {folder}: {e}")))
-}
-
-/// The recorder, driven once per tick.
-struct Recorder {
-    name: String,
-    object: PluginBox,
-    tick_ns: u64,
-}
-
-impl Recorder {
-    fn start(planned: &PlannedPlugin) -> Result<Self, RunError> {
-        let mut recorder = Self {
-            name: planned.name.clone(),
-            object: load(planned)?,
-            tick_ns: planned.setup.tick_ns,
-        };
-        let setup = encode(&planned.setup);
-        let result = recorder
-            .object
-            .initialise(RSlice::from_slice(&setup), ROption::RNone);
-        let failure = |fault| Failure::from_abi(&recorder.name, "initialise", 0, fault);
-        result.into_result().map_err(failure)?;
-        Ok(recorder)
-    }
-
-    fn write(&mut self, record: &SessionRecord) -> Result<(), Failure> {
-        let mut messages = Vec::with_capacity(record.bytes.len() + 64);
-        push(&mut messages, record);
-        let call = Call {
-            tick: record.tick,
-            time_ns: (record.tick + 1) * self.tick_ns,
-            tick_ns: self.tick_ns,
-            steps: 0,
-            messages: RSlice::from_slice(&messages),
-            blocks: RSlice::from_slice(&[]),
-        };
-        let result = self.object.process(call).into_result();
-        result
-            .map(drop)
-            .map_err(|fault| Failure::from_abi(&self.name, "process", record.tick, fault))
-    }
-
-    fn stop(&mut self, tick: u64) -> Result<(), Failure> {
-        let result = self.object.stop().into_result();
-        result.map_err(|fault| Failure::from_abi(&self.name, "stop", tick, fault))
-    }
-}
-
 /// Paces ticks by the wall clock.
 struct Pace {
     rule: Realtime,
@@ -203,52 +99,6 @@ impl Pace {
             }
         }
         self.next += self.tick;
-    }
-}
-
-/// What the host hears in a tick that concerns itself.
-#[derive(Default)]
-struct Ears {
-    result: Option<TrainingResult>,
-}
-
-impl Ears {
-    fn hear(
-        &mut self,
-        engine: &Engine,
-        output: &TickOutput,
-        host: &mut HostState,
-        progress: &mut dyn FnMut(&Progress),
-    ) -> Result<(), Failure> {
-        for frame in Frames::new(&output.log).filter_map(Result::ok) {
-            let from = || engine.sender_name(frame.header.sender).to_owned();
-            if frame.header.kind == kind_id(InputEnd::KIND) {
-                if engine.is_source(frame.header.sender) {
-                    host.ended_sources.insert(frame.header.sender);
-                }
-            } else if let Some(result) = decode::<TrainingResult>(&frame) {
-                let tick = engine.tick_index() - 1;
-                let result =
-                    result.map_err(|e| Failure::found(&from(), "process", tick, e.to_string()))?;
-                self.result = Some(result);
-            } else if let Some(Ok(log)) = decode::<Log>(&frame) {
-                let (plugin, text) = (from(), log.text);
-                match log.level {
-                    LogLevel::Error => tracing::error!("{plugin}: {text}"),
-                    LogLevel::Warn => tracing::warn!("{plugin}: {text}"),
-                    LogLevel::Info => tracing::info!("{plugin}: {text}"),
-                    LogLevel::Debug => tracing::debug!("{plugin}: {text}"),
-                }
-            } else if let Some(Ok(share)) = decode::<Progress>(&frame) {
-                progress(&share);
-            }
-        }
-        for (subscriber, kind, n) in &output.dropped {
-            tracing::warn!(
-                "the queue of \"{subscriber}\" was full: {n} older \"{kind}\" were dropped"
-            );
-        }
-        Ok(())
     }
 }
 
@@ -288,13 +138,13 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
     if let Some(checkpoint) = &options.resume {
         recorder.write(&record(kind::CHECKPOINT, checkpoint.tick, checkpoint))?;
     }
-    let mut course = Course {
+    let mut run_loop = RunLoop {
         engine: &mut engine,
         recorder: &mut recorder,
         pictures: &mut pictures,
         values: Chain::new(),
     };
-    let (mut outcome, stopped) = course.run(plan, options);
+    let (mut outcome, stopped) = run_loop.run(plan, options);
     outcome
         .complaints
         .extend(engine.stop().iter().map(Failure::to_string));
@@ -320,7 +170,8 @@ fn recorded_plan(plan: &RunPlan) -> RunPlan {
     plan
 }
 
-struct Course<'a> {
+/// The loop of a run over its ticks.
+struct RunLoop<'a> {
     engine: &'a mut Engine,
     recorder: &'a mut Recorder,
     pictures: &'a mut Option<Pictures>,
@@ -328,8 +179,8 @@ struct Course<'a> {
     values: Chain,
 }
 
-impl Course<'_> {
-    /// Ticks until the end. Also tells whether the recorder itself has failed (and must not be called again).
+impl RunLoop<'_> {
+    /// Ticks until the end. The second value: whether the recorder itself has failed, and must not be called again.
     fn run(&mut self, plan: &RunPlan, options: RunOptions<'_>) -> (RunOutcome, bool) {
         let mut outcome = RunOutcome {
             result: None,
@@ -352,7 +203,7 @@ impl Course<'_> {
         let (ended, states) = match ended {
             Ok(ended) => ended,
             Err(failure) => {
-                let recorder_failed = failure.plugin == self.recorder.name;
+                let recorder_failed = failure.plugin == self.recorder.name();
                 let record = record(kind::FAILURE, self.engine.tick_index(), &failure);
                 outcome.failure = Some(failure);
                 if recorder_failed || self.recorder.write(&record).is_err() {
@@ -388,7 +239,7 @@ impl Course<'_> {
             .iter()
             .filter(|p| p.kind == PluginKind::Source)
             .count();
-        let mut ears = Ears::default();
+        let mut subscriptions = HostSubscriptions::default();
         let mut host = match options.resume {
             Some(checkpoint) => checkpoint.host,
             None => {
@@ -409,42 +260,43 @@ impl Course<'_> {
                 pace.wait();
                 outcome.late_ticks = pace.late;
             }
-            if options.stop.load(Ordering::Relaxed) && host.told_to_end.is_none() {
+            if options.stop.load(Ordering::Relaxed) && host.ending_since.is_none() {
                 push(&mut host.controls, &LevelControl::Abort);
-                host.told_to_end = Some(self.engine.time_ns());
+                host.ending_since = Some(self.engine.time_ns());
             }
             let arrival_ns = match &pace {
                 Some(pace) => base_ns.saturating_add(pace.start.elapsed().as_nanos() as u64),
                 None => self.engine.time_ns(),
             };
+            let _tick = span::of_tick(tick).entered();
             let controls = std::mem::take(&mut host.controls);
             let output = match self.engine.tick(Feed::Live { control: &controls }) {
                 Ok(output) => output,
                 Err(failure) => {
-                    self.keep_failed(tick, arrival_ns)?;
+                    self.record_failed(tick, arrival_ns)?;
                     return Err(failure);
                 }
             };
             outcome.ticks = self.engine.tick_index();
             let time = self.engine.time_ns();
-            self.keep(plan, tick, arrival_ns, &output)?;
+            self.record(plan, tick, arrival_ns, &output)?;
             let seconds = time as f64 * 1e-9;
-            ears.hear(self.engine, &output, &mut host, &mut |share| {
-                (options.progress)(seconds, Some(share))
+            subscriptions.handle(self.engine, &output, &mut host, &mut |reported| {
+                (options.progress)(seconds, Some(reported))
             })?;
             (options.progress)(seconds, None);
-            if let Some(result) = ears.result.take() {
+            if let Some(result) = subscriptions.result.take() {
                 outcome.result = Some(result);
                 return Ok(Ended::Result);
             }
-            match host.told_to_end {
+            match host.ending_since {
                 Some(since) if time > since + ENDING_NS => {
-                    let text = "was told to end and gave no result within 2 s of simulated time";
+                    let text = "was to end and gave no result within 2 s of simulated time";
                     return Err(Failure::found(&plan.module, "process", tick, text));
                 }
                 None if sources > 0 && host.ended_sources.len() == sources => {
                     push(&mut host.controls, &LevelControl::InputEnded);
-                    host.told_to_end = Some(time);
+                    host.ending_since = Some(time);
                 }
                 _ => {}
             }
@@ -470,7 +322,7 @@ impl Course<'_> {
     }
 
     /// Hands a tick to the recorder and to the pictures.
-    fn keep(
+    fn record(
         &mut self,
         plan: &RunPlan,
         tick: u64,
@@ -499,13 +351,13 @@ impl Course<'_> {
             self.add_values(None)?;
         }
         if let Some(pictures) = self.pictures {
-            pictures.hear(tick, plan.tick_ns, &output.log, || self.engine.blocks());
+            pictures.handle(tick, plan.tick_ns, &output.log, || self.engine.blocks());
         }
         Ok(())
     }
 
-    /// Records what was said in a tick until a plugin failed: the inputs that it failed on, above all.
-    fn keep_failed(&mut self, tick: u64, arrival_ns: u64) -> Result<(), Failure> {
+    /// Records what was published in a tick until a plugin failed: the inputs that it failed on, above all.
+    fn record_failed(&mut self, tick: u64, arrival_ns: u64) -> Result<(), Failure> {
         let log = self.engine.take_log();
         let chain = self.engine.chain().to_vec();
         self.recorder.write(&record(

@@ -82,7 +82,6 @@ macro_rules! export_plugin {
 
             fn module() -> $crate::export::PluginModule_Ref {
                 $crate::export::PrefixTypeTrait::leak_into_prefix($crate::export::PluginModule {
-                    abi_version: $crate::export::ABI_VERSION,
                     manifest,
                     create,
                 })
@@ -91,6 +90,10 @@ macro_rules! export_plugin {
             extern "C" fn load() -> $crate::export::RootModuleResult {
                 $crate::export::__call_root_module_loader(module)
             }
+
+            // SAFETY: the name belongs to plugin libraries alone (`microsim_abi::VERSION_SYMBOL`).
+            #[unsafe(export_name = "MICROSIM_ABI_VERSION")]
+            static VERSION: u32 = $crate::export::ABI_VERSION;
 
             // SAFETY: the name belongs to plugin libraries alone (`microsim_abi::ROOT_SYMBOL`), and `load` returns the
             // module that the header is made for.
@@ -103,4 +106,17 @@ macro_rules! export_plugin {
             };
         };
     };
+}
+
+#[cfg(test)]
+mod tests {
+    /// An attribute takes no constant, so that the macro repeats the names.
+    #[test]
+    fn the_export_macro_writes_the_symbols_of_the_contract() {
+        let source = include_str!("lib.rs");
+        for symbol in [microsim_abi::ROOT_SYMBOL, microsim_abi::VERSION_SYMBOL] {
+            let export = format!("#[unsafe(export_name = \"{symbol}\")]");
+            assert_eq!(source.matches(&export).count(), 1, "{symbol}");
+        }
+    }
 }

@@ -77,8 +77,8 @@ const CASES: [Case; 16] = [
     },
     Case {
         file: "plugins/translator/plugin.toml",
-        edit: ("abi = 1", "abi = \"1\""),
-        says: ":7: key `abi`: found the text `1`, expected a whole number from 1 to 65535",
+        edit: ("abi = 2", "abi = \"2\""),
+        says: ":7: key `abi`: found the text `2`, expected a whole number from 1 to 65535",
     },
     Case {
         file: SCRIPT,

@@ -144,7 +144,7 @@ impl Role {
             ""
         };
         format!(
-            "name = \"{name}\"\nkind = \"{kind}\"\nversion = \"0.1.0\"\nabi = 1\nlicence = \"MIT OR Apache-2.0\"\n\
+            "name = \"{name}\"\nkind = \"{kind}\"\nversion = \"0.1.0\"\nabi = 2\nlicence = \"MIT OR Apache-2.0\"\n\
              library = \"{library}\"\npublishes = [{publishes}]\nsubscribes = [{subscribes}]\n{plugins}\n\
              [title]\nde = \"Quer\"\nen = \"Awkward\"\n\n\
              [summary]\nde = \"Geht schief.\"\nen = \"Goes wrong.\"\n"

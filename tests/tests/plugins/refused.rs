@@ -33,7 +33,7 @@ fn assert_library_refused(package: &str, reason: &str) {
 #[test]
 fn library_of_another_abi_version() {
     let reason =
-        "built for version 999 of the plugin contract, this host has version 1; build it again";
+        "built for version 999 of the plugin contract, this host has version 2; build it again";
     assert_library_refused("microsim-fixture-other-abi", reason);
 }
 
@@ -47,7 +47,7 @@ fn library_with_a_changed_layout() {
 
 #[test]
 fn library_without_the_symbol() {
-    let reason = "exports no plugin (the root symbol is missing): does it call `export_plugin!`?";
+    let reason = "exports no plugin (the version `MICROSIM_ABI_VERSION` is missing): does it call `export_plugin!`?";
     assert_library_refused("microsim-fixture-not-a-plugin", reason);
 }
 
@@ -82,9 +82,9 @@ fn manifest_of_another_abi_version() {
     let installed = Installed::awkward(TRANSLATOR);
     let manifest = installed
         .tree
-        .edit("plugins/translator/plugin.toml", "abi = 1\n", "abi = 2\n");
+        .edit("plugins/translator/plugin.toml", "abi = 2\n", "abi = 3\n");
     let sentence = format!(
-        "plugin \"translator\" ({}): its manifest says version 2 of the plugin contract, this host has version 1",
+        "plugin \"translator\" ({}): its manifest has version 3 of the plugin contract, this host has version 2",
         manifest.display()
     );
     installed.run("", &[]).assert_refused(&sentence);

@@ -14,7 +14,7 @@ fn write(root: &Path, file: &str, text: &str) {
 fn plugin(name: &str, kind: &str) -> String {
     let texts = "title = {de='a', en='b'}\nsummary = {de='a', en='b'}";
     format!(
-        "name = '{name}'\nkind = '{kind}'\nversion = '0.1.0'\nabi = 1\nlicence = 'MIT'\nlibrary = 'x'\n{texts}\n"
+        "name = '{name}'\nkind = '{kind}'\nversion = '0.1.0'\nabi = 2\nlicence = 'MIT'\nlibrary = 'x'\n{texts}\n"
     )
 }
 
