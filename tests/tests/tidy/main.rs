@@ -4,7 +4,10 @@
 
 mod files;
 mod graph;
+mod modules;
+mod rust;
 mod sources;
+mod vocabulary;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,6 +33,24 @@ fn files_below(folder: &Path, suffix: &str) -> Vec<PathBuf> {
     }
     found.sort();
     found
+}
+
+/// All of our Rust sources.
+fn sources() -> Vec<PathBuf> {
+    let folders = ["crates", "plugins", "modules", "tests", "xtask"];
+    folders
+        .iter()
+        .flat_map(|folder| files_below(&microsim_tests::repository().join(folder), ".rs"))
+        .collect()
+}
+
+/// Sub-folders of a folder of the repository, sorted.
+fn folders(name: &str) -> Vec<PathBuf> {
+    let listing = fs::read_dir(microsim_tests::repository().join(name)).expect("a folder");
+    let paths = listing.map(|entry| entry.expect("an entry").path());
+    let mut folders: Vec<PathBuf> = paths.filter(|path| path.is_dir()).collect();
+    folders.sort();
+    folders
 }
 
 fn text(path: &Path) -> String {

@@ -106,7 +106,7 @@ fn complaints(find: impl Fn(&Path, &str) -> Option<String>) -> Vec<String> {
 }
 
 /// Where a word stands as a whole.
-fn has_word(code: &str, word: &str) -> bool {
+pub fn has_word(code: &str, word: &str) -> bool {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     code.match_indices(word).any(|(at, _)| {
         !code[..at].ends_with(is_word) && !code[at + word.len()..].starts_with(is_word)
