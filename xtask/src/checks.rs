@@ -1,19 +1,24 @@
 //! `cargo xtask test`: every check, the same here and on a server.
 
 use crate::child;
+use crate::dependencies;
 use crate::failure::Failure;
 use crate::setup::{self, Mode};
 use crate::tree;
 use crate::workspace::Workspace;
 use std::ffi::OsString;
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// What one phase came to.
-enum Outcome {
+#[derive(Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Nothing to complain about.
     Passed,
+    /// Something to know, in a sentence, that fails nothing.
+    Warned(String),
+    /// It has printed why.
     Failed,
-    Skipped(&'static str),
 }
 
 /// Runs all checks; a check that fails does not keep the next from running. `harness` goes to every test program.
@@ -24,6 +29,10 @@ pub fn check(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result
     })?;
     phases.run("build", || tree::build(workspace).map(|()| Outcome::Passed))?;
     phases.run("format", || format(workspace))?;
+    phases.run("clippy", || clippy(workspace))?;
+    phases.run("documentation", || documentation(workspace))?;
+    phases.run("licences", || dependencies::licences(workspace))?;
+    phases.run("advisories", || dependencies::advisories(workspace))?;
     phases.run("tests", || tests(workspace, quick, harness))?;
     phases.report();
     let failed = phases.failed();
@@ -34,16 +43,40 @@ pub fn check(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result
 }
 
 fn format(workspace: &Workspace) -> Result<Outcome, Failure> {
-    let mut version = workspace.cargo();
-    version
-        .args(["fmt", "--version"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
-    if !version.status().is_ok_and(|status| status.success()) {
-        return Ok(Outcome::Skipped("rustfmt is not installed"));
+    if !has_component(workspace, "fmt", "rustfmt") {
+        return Ok(Outcome::Failed);
+    }
+    outcome(workspace.cargo().args(["fmt", "--all", "--", "--check"]))
+}
+
+/// The table of lints in Cargo.toml, in all targets. The optimised profile shares procedural macros and build scripts with the build.
+fn clippy(workspace: &Workspace) -> Result<Outcome, Failure> {
+    if !has_component(workspace, "clippy", "clippy") {
+        return Ok(Outcome::Failed);
     }
     let mut cargo = workspace.cargo();
-    judge(cargo.args(["fmt", "--all", "--", "--check"]))
+    cargo.args(["clippy", "--release", "--workspace", "--all-targets"]);
+    outcome(cargo.args(["--", "-D", "warnings"]))
+}
+
+fn documentation(workspace: &Workspace) -> Result<Outcome, Failure> {
+    let mut cargo = workspace.cargo();
+    cargo.args(["doc", "--release", "--workspace", "--no-deps"]);
+    outcome(cargo.env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// Whether cargo has a component, asked by its subcommand; prints how to get it if not.
+fn has_component(workspace: &Workspace, subcommand: &str, component: &str) -> bool {
+    let mut version = workspace.cargo();
+    version
+        .args([subcommand, "--version"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    let has = version.status().is_ok_and(|status| status.success());
+    if !has {
+        eprintln!("error: {component} is not installed; rustup component add {component}");
+    }
+    has
 }
 
 fn tests(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result<Outcome, Failure> {
@@ -56,11 +89,12 @@ fn tests(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result<Out
     if !harness.is_empty() {
         cargo.arg("--").args(harness);
     }
-    judge(&mut cargo)
+    outcome(&mut cargo)
 }
 
-fn judge(command: &mut Command) -> Result<Outcome, Failure> {
-    let passed = child::run(command).map(|status: ExitStatus| status.success())?;
+/// Runs a check that prints its own complaints.
+pub fn outcome(command: &mut Command) -> Result<Outcome, Failure> {
+    let passed = child::run(command)?.success();
     Ok(if passed {
         Outcome::Passed
     } else {
@@ -109,12 +143,12 @@ impl Phases {
             let outcome = match outcome {
                 Outcome::Passed => "passed".to_owned(),
                 Outcome::Failed => "FAILED".to_owned(),
-                Outcome::Skipped(why) => format!("skipped: {why}"),
+                Outcome::Warned(what) => format!("passed, but {what}"),
             };
-            eprintln!("{name:<8} {:>8.1} s  {outcome}", taken.as_secs_f64());
+            eprintln!("{name:<13} {:>8.1} s  {outcome}", taken.as_secs_f64());
         }
         let all: Duration = self.0.iter().map(|(_, taken, _)| *taken).sum();
-        eprintln!("{:<8} {:>8.1} s", "all", all.as_secs_f64());
+        eprintln!("{:<13} {:>8.1} s", "all", all.as_secs_f64());
     }
 }
 
@@ -128,7 +162,7 @@ mod tests {
         assert_eq!(phases.run("format", || Ok(Outcome::Failed)), Ok(()));
         assert_eq!(phases.run("tests", || Ok(Outcome::Passed)), Ok(()));
         assert_eq!(
-            phases.run("skipped", || Ok(Outcome::Skipped("why"))),
+            phases.run("advisories", || Ok(Outcome::Warned("why".into()))),
             Ok(())
         );
         assert_eq!(phases.failed(), ["format"]);

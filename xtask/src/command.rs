@@ -56,7 +56,8 @@ cargo xtask COMMAND: builds, runs and checks MicroSim
   run [ARGS]         set-up, build, then `microsim run ARGS`; without ARGS a headless demonstration:
                      the recorded hand on touch-spheres, with report, pictures and a verified replay
   test [--quick] [-- ARGS]
-                     set-up, build, then every check; ARGS go to the test programs;
+                     set-up, build, then format, clippy, documentation, licences and advisories of the
+                     dependencies (installs cargo-deny if it is missing), and all tests; ARGS go to those;
                      --quick leaves out the integration tests (package microsim-tests)
   build              builds everything into target/microsim/, a tree that runs as it lies
   setup [--check]    checks what the system needs and installs it where it can; --check only reports

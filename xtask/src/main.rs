@@ -7,6 +7,7 @@ mod checks;
 mod child;
 mod command;
 mod demonstration;
+mod dependencies;
 mod failure;
 mod new_module;
 mod programs;

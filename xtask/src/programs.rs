@@ -85,7 +85,7 @@ pub const SOAKS: &[Program] = &[
         name: "digests",
         package: TESTS,
         example: "soak_digests",
-        shows: "the physics digest of every shipped script and scene, against the recorded ones",
+        shows: "physics digest of every shipped script and scene, against the recorded ones",
     },
     Program {
         name: "cuts",
@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, cuts, followers, stability, trainees"
+                "there is no \"kill\"; there are: kills, digests, cuts, followers, stability, trainees"
                     .into()
             )
         );
