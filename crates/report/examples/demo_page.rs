@@ -187,7 +187,7 @@ fn result(passed: bool) -> TrainingResult {
                 Some(58.3),
                 (None, Some(90.0)),
                 text(
-                    "Lege die Reihenfolge der Schritte fest, bevor du beginnst.",
+                    "Legen Sie die Reihenfolge der Schritte fest, bevor Sie beginnen.",
                     "Decide on the order of the steps before you begin.",
                 ),
             ),
@@ -198,7 +198,7 @@ fn result(passed: bool) -> TrainingResult {
                 Some(force),
                 (None, Some(0.05)),
                 text(
-                    "Nähere dich langsam und lass das Gewebe nachgeben.",
+                    "Nähern Sie sich langsam und lassen Sie das Gewebe nachgeben.",
                     "Approach slowly and let the tissue give way.",
                 ),
             ),
@@ -209,7 +209,7 @@ fn result(passed: bool) -> TrainingResult {
                 Some(-2.31),
                 (Some(-3.0), None),
                 text(
-                    "Beschleunige und bremse gleichmäßig.",
+                    "Beschleunigen und bremsen Sie gleichmäßig.",
                     "Speed up and slow down evenly.",
                 ),
             ),
@@ -231,7 +231,7 @@ fn result(passed: bool) -> TrainingResult {
                 Some(0.2874),
                 (None, None),
                 text(
-                    "Führe die Spitze auf direktem Weg zum Ziel.",
+                    "Führen Sie die Spitze auf direktem Weg zum Ziel.",
                     "Take the tip to the target directly.",
                 ),
             ),
@@ -271,7 +271,7 @@ fn main() -> std::io::Result<()> {
         level: 1,
         level_title: text("Langsam und flach", "Slow and shallow"),
         level_summary: text(
-            "Drücke den Streifen bis zur Marke, ohne ihn zu verletzen.",
+            "Drücken Sie den Streifen bis zur Marke, ohne ihn zu verletzen.",
             "Push the strip down to the mark without hurting it.",
         ),
         seed: 42,

@@ -49,7 +49,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         formula: Cow::Borrowed("time/1"),
         source: Cow::Borrowed("running time of the level without pauses"),
         advice: Text::new(
-            "Lege die Reihenfolge der Schritte fest, bevor du beginnst; Tempo kommt mit dem Ablauf.",
+            "Legen Sie die Reihenfolge der Schritte fest, bevor Sie beginnen; das Tempo kommt mit dem sicheren Ablauf.",
             "Decide on the order of the steps before you begin; speed comes with a fixed sequence.",
         ),
     },
@@ -67,8 +67,8 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "sum of |p(k+1) - p(k)| inside contiguous segments; correlates with global rating, r = -0.37 (Grober 2003)",
         ),
         advice: Text::new(
-            "Führe die Spitze auf direktem Weg zum Ziel und ruhe nahe am Arbeitsfeld.",
-            "Take the tip to the target directly and rest close to the field.",
+            "Führen Sie die Spitze auf direktem Weg zum Ziel und ruhen Sie nahe am Arbeitsfeld.",
+            "Move the tip to the target directly and rest close to the field.",
         ),
     },
     MetricDefinition {
@@ -83,7 +83,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         formula: Cow::Borrowed("economy/1"),
         source: Cow::Borrowed("shortest sensible path of the level / path length"),
         advice: Text::new(
-            "Sieh zum nächsten Ziel, bevor du dich bewegst, und vermeide Umwege.",
+            "Sehen Sie zum nächsten Ziel, bevor Sie sich bewegen, und vermeiden Sie Umwege.",
             "Look at the next target before you move, and avoid detours.",
         ),
     },
@@ -99,7 +99,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         formula: Cow::Borrowed("angular-path/1"),
         source: Cow::Borrowed("sum of 2 acos|q(k) q(k+1)| inside contiguous segments"),
         advice: Text::new(
-            "Richte das Instrument vor dem Kontakt aus und rolle es zwischen den Fingern, statt die Hand zu drehen.",
+            "Richten Sie das Instrument vor dem Kontakt aus und rollen Sie es zwischen den Fingern, statt die Hand zu drehen.",
             "Align the instrument before contact and roll it between the fingers instead of turning the hand.",
         ),
     },
@@ -115,7 +115,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         formula: Cow::Borrowed("working-volume-box/1"),
         source: Cow::Borrowed("volume of the axis-parallel box around all tip positions"),
         advice: Text::new(
-            "Bleibe mit der Spitze im Arbeitsfeld, auch zwischen zwei Schritten.",
+            "Bleiben Sie mit der Spitze im Arbeitsfeld, auch zwischen zwei Schritten.",
             "Keep the tip within the field, between two steps as well.",
         ),
     },
@@ -133,7 +133,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "share of time with a smoothed speed below v0; separates attendings from juniors (Lyon 2025)",
         ),
         advice: Text::new(
-            "Plane den nächsten Schritt, während du den jetzigen beendest.",
+            "Planen Sie den nächsten Schritt, während Sie den jetzigen beenden.",
             "Plan the next step while you finish the present one.",
         ),
     },
@@ -151,7 +151,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "upward crossings of v_th by the smoothed speed, hysteresis v_th/2 (ICSAD idea); correlates with global rating, r = -0.47 (Grober 2003)",
         ),
         advice: Text::new(
-            "Mache aus mehreren kleinen Korrekturen eine ruhige Bewegung.",
+            "Machen Sie aus mehreren kleinen Korrekturen eine ruhige Bewegung.",
             "Make one calm movement out of several small corrections.",
         ),
     },
@@ -169,8 +169,8 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "spectral arc length of the speed, 10 Hz, threshold 0.05 (Balasubramanian 2012/2015)",
         ),
         advice: Text::new(
-            "Beschleunige und bremse gleichmäßig, ohne Halt auf dem Weg.",
-            "Speed up and slow down evenly, without stops on the way.",
+            "Beschleunigen und bremsen Sie gleichmäßig, ohne Halt auf dem Weg.",
+            "Accelerate and brake evenly, without stops in between.",
         ),
     },
     MetricDefinition {
@@ -185,7 +185,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         formula: Cow::Borrowed("ldlj/1"),
         source: Cow::Borrowed("log dimensionless jerk of the speed (Balasubramanian 2015)"),
         advice: Text::new(
-            "Stütze die Hand ab und halte das Instrument locker, damit es nicht ruckt.",
+            "Stützen Sie die Hand ab und halten Sie das Instrument locker, damit es nicht ruckt.",
             "Support your hand and hold the instrument lightly, so that it does not jerk.",
         ),
     },
@@ -203,7 +203,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "detrended, Hann window, power density of x, y, z summed, root of the integral over 8..12 Hz; 49 µm RMS still (Riviere 1997)",
         ),
         advice: Text::new(
-            "Lege Handkante und Unterarm auf, atme ruhig und greife mit weniger Kraft.",
+            "Legen Sie Handkante und Unterarm auf, atmen Sie ruhig und greifen Sie mit weniger Kraft.",
             "Rest the edge of the hand and the forearm, breathe calmly and grip with less force.",
         ),
     },
@@ -221,8 +221,8 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "share of the common time in which the smoothed speeds of both tools are at least v0",
         ),
         advice: Text::new(
-            "Lass die andere Hand mitarbeiten: sie richtet aus, während die erste sich nähert.",
-            "Let the other hand take part: it presents while the first one approaches.",
+            "Lassen Sie die andere Hand mitarbeiten: Sie stellt das Gewebe ein, während die erste sich nähert.",
+            "Let the other hand take part: it presents the tissue while the first one approaches.",
         ),
     },
     MetricDefinition {
@@ -239,7 +239,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "Pearson's correlation of the smoothed speeds of both tools over their common time",
         ),
         advice: Text::new(
-            "Übe, beide Hände zugleich zu bewegen und zugleich ruhen zu lassen.",
+            "Üben Sie, beide Hände zugleich zu bewegen und zugleich ruhen zu lassen.",
             "Practise moving both hands together and resting them together.",
         ),
     },
@@ -257,7 +257,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
             "|L1 - L2| / (L1 + L2) of the path lengths of both tools; 0 is even, 1 one hand alone",
         ),
         advice: Text::new(
-            "Verteile die Arbeit auf beide Hände, wie die Aufgabe es verlangt.",
+            "Verteilen Sie die Arbeit auf beide Hände, wie die Aufgabe es verlangt.",
             "Share the work between both hands as the task demands.",
         ),
     },
