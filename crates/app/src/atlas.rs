@@ -3,13 +3,10 @@
 use crate::chart::{machine, thread_seconds};
 use crate::cli::AtlasArgs;
 use crate::output::{Exit, Problem, say};
+use crate::progress::StatusLine;
 use microsim_study::PageInfo;
 use microsim_study::atlas::{Atlas, Extent};
-use std::io::{IsTerminal, Write};
-use std::time::{Duration, Instant};
-
-/// Time between two lines of progress where there is no terminal.
-const PROGRESS: Duration = Duration::from_secs(10);
+use std::time::Instant;
 
 /// Makes the atlas.
 pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
@@ -20,22 +17,11 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     } else {
         Extent::Full
     };
-    let terminal = std::io::stderr().is_terminal();
-    let mut last: Option<Instant> = None;
+    let status = StatusLine::new();
     let atlas = Atlas::make(extent, &thread_seconds, &mut |what| {
-        if terminal || last.is_none_or(|last| last.elapsed() >= PROGRESS) {
-            last = Some(Instant::now());
-            let line = format!("{:.0} s: {what}", start.elapsed().as_secs_f64());
-            // Progress that nobody reads is no reason to stop.
-            let _ = match terminal {
-                true => write!(std::io::stderr(), "\r\x1b[K{line}"),
-                false => writeln!(std::io::stderr(), "{line}"),
-            };
-        }
+        status.show(|| format!("{:.0} s: {what}", start.elapsed().as_secs_f64()));
     });
-    if terminal {
-        eprint!("\r\x1b[K");
-    }
+    status.finish();
     let info = PageInfo {
         machine: machine(),
         command: format!("microsim atlas{}", if args.quick { " --quick" } else { "" }),

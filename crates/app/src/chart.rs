@@ -2,6 +2,7 @@
 
 use crate::cli::{ChartArgs, Place};
 use crate::output::{Exit, Problem, say};
+use crate::progress::StatusLine;
 use crate::scene_file::folder;
 use microsim_scene::{Serial, scene_spec};
 use microsim_settings::{self as settings, Chart, Override};
@@ -9,14 +10,10 @@ use microsim_study::{
     Context, Group, GroupResult, LoadedScene, PageInfo, Results, Step, groups, panel_svg, run_group,
 };
 use rustix::time::{ClockId, clock_gettime};
-use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-/// Time between two lines of progress where there is no terminal.
-const PROGRESS: Duration = Duration::from_secs(10);
+use std::time::Instant;
 
 /// Makes the chart.
 pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
@@ -88,7 +85,7 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         }
         work();
     });
-    progress.finish();
+    progress.status.finish();
     // Which thread made a group does not matter.
     let ordered = |list: Mutex<Vec<(usize, GroupResult)>>| {
         let mut list = list.into_inner().unwrap_or_else(|e| e.into_inner());
@@ -210,12 +207,12 @@ pub fn machine() -> String {
     format!("{model}, {cores} cores, one thread per run")
 }
 
-/// How far it is, on standard error.
+/// How far the runs are.
 struct Progress {
     start: Instant,
     total: f64,
-    state: Mutex<(f64, Option<Instant>)>,
-    terminal: bool,
+    done: Mutex<f64>,
+    status: StatusLine,
 }
 
 impl Progress {
@@ -224,41 +221,29 @@ impl Progress {
         Self {
             start: Instant::now(),
             total: groups.iter().map(of).sum(),
-            state: Mutex::new((0.0, None)),
-            terminal: std::io::stderr().is_terminal(),
+            done: Mutex::new(0.0),
+            status: StatusLine::new(),
         }
     }
 
     fn step(&self, chart: &Chart, group: &Group, step: &Step<'_>) {
-        let mut state = lock(&self.state);
-        state.0 += weight(chart, group);
-        let often = if self.terminal {
-            Duration::from_millis(200)
-        } else {
-            PROGRESS
+        let done = {
+            let mut done = lock(&self.done);
+            *done += weight(chart, group);
+            *done
         };
-        if matches!(step, Step::LeftOut(_)) || state.1.is_some_and(|last| last.elapsed() < often) {
+        if matches!(step, Step::LeftOut(_)) {
             return;
         }
-        state.1 = Some(Instant::now());
-        let elapsed = self.start.elapsed().as_secs_f64();
-        let left = elapsed * (self.total - state.0) / state.0;
-        let line = format!(
-            "{:3.0} %, {elapsed:.0} s, about {left:.0} s left: {}",
-            100.0 * state.0 / self.total,
-            name(chart, group)
-        );
-        let mut err = std::io::stderr();
-        let _ = match self.terminal {
-            true => write!(err, "\r\x1b[K{line}"),
-            false => writeln!(err, "{line}"),
-        };
-    }
-
-    fn finish(&self) {
-        if self.terminal {
-            let _ = write!(std::io::stderr(), "\r\x1b[K");
-        }
+        self.status.show(|| {
+            let elapsed = self.start.elapsed().as_secs_f64();
+            let left = elapsed * (self.total - done) / done;
+            format!(
+                "{:3.0} %, {elapsed:.0} s, about {left:.0} s left: {}",
+                100.0 * done / self.total,
+                name(chart, group)
+            )
+        });
     }
 }
 

@@ -21,6 +21,7 @@ mod log;
 mod mesh_file;
 mod output;
 mod processor;
+mod progress;
 mod replay;
 mod report;
 mod run;

@@ -3,9 +3,9 @@
 use crate::cli::{Place, RunArgs};
 use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, say, say_json};
+use crate::progress;
 use crate::report::{files_beside, page_language, summary, verdict_word, write_beside};
 use crate::session_file::{installation, is_session, read, report_of};
-use indicatif::{ProgressBar, ProgressStyle};
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
 use microsim_host::picture::{PicturePlan, PictureReport, PictureTimes};
@@ -14,7 +14,6 @@ use microsim_host::run::{Realtime, RunOptions, RunOutcome, run as run_plan};
 use microsim_message::{decode_bytes, encode};
 use microsim_report::{Page, Report};
 use serde_json::json;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -170,7 +169,8 @@ fn carry_out(
         signal_hook::flag::register_conditional_shutdown(signal, 2, Arc::clone(&stop))?;
         signal_hook::flag::register(signal, Arc::clone(&stop))?;
     }
-    let bar = progress_bar();
+    let template = "{spinner} {pos} tenths of a second simulated, {elapsed} passed {msg}";
+    let bar = progress::bar(None, template);
     let late = installation.host.late;
     let options = RunOptions {
         threads: args.threads.into(),
@@ -200,20 +200,6 @@ fn carry_out(
     let outcome = run_plan(plan, options);
     bar.finish_and_clear();
     Ok(outcome?)
-}
-
-/// Simulated time so far, at a terminal only.
-fn progress_bar() -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template(
-        "{spinner} {pos} tenths of a second simulated, {elapsed} passed {msg}",
-    ) {
-        bar.set_style(style);
-    }
-    bar
 }
 
 fn read_checkpoint(path: &Path) -> Result<Checkpoint, Problem> {

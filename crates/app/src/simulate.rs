@@ -9,17 +9,17 @@ mod table;
 
 use crate::cli::{Place, SimulateArgs};
 use crate::output::{Exit, Problem, say_if_read as say};
+use crate::progress;
 use crate::scene_file::{SceneFile, find};
 use cpu::cpu_seconds;
 use document::{Result as Outcome, document};
 use frames::Frames;
-use indicatif::{ProgressBar, ProgressStyle};
 use microsim_scene::{End, Executor, Serial};
 use microsim_session::Chain;
 use pictures::Pictures;
 use pool::Pool;
 use std::fs::File;
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
@@ -70,7 +70,10 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         Some(folder) => Some(Pictures::new(folder, &scene)?),
         None => None,
     };
-    let bar = progress_bar();
+    let bar = progress::bar(
+        Some(PROGRESS),
+        "{wide_bar} {percent} % of the time, {elapsed} passed",
+    );
     let mut cpu = 0.0;
     let (mut values, mut samples) = (Chain::new(), 0);
     loop {
@@ -150,17 +153,4 @@ fn folder_of(given: &Path, scene: &Path) -> PathBuf {
     let mut name = scene.file_stem().unwrap_or_default().to_os_string();
     name.push("-vtu");
     name.into()
-}
-
-fn progress_bar() -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(PROGRESS);
-    if let Ok(style) =
-        ProgressStyle::with_template("{wide_bar} {percent} % of the time, {elapsed} passed")
-    {
-        bar.set_style(style);
-    }
-    bar
 }

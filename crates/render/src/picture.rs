@@ -1,6 +1,15 @@
 //! What to draw: a view and a list of items. Plain data, checked once before it is drawn.
 
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::FRAC_PI_2;
+
+/// The background of the field: the colour of a wet drape, sRGB.
+pub const DRAPE: [f32; 3] = [0.07, 0.16, 0.17];
+
+/// From the main lens to the focus \[m\]: a usual focal length of surgical microscopes.
+const WORKING_DISTANCE: f64 = 0.25;
+/// Half the width, and half the thickness, of the slab that stands for a half-space, in fields of view.
+const SLAB: [f64; 2] = [2.0, 0.02];
 
 /// One picture: size, view, items.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +41,19 @@ pub struct View {
     pub tilt: f64,
 }
 
-/// One thing to see.
+impl View {
+    /// A view with the focal length of a usual surgical microscope, or a longer one where the field needs it.
+    pub fn of_microscope(centre: [f64; 3], field_diameter: f64, tilt: f64) -> Self {
+        Self {
+            centre,
+            field_diameter,
+            working_distance: WORKING_DISTANCE.max(field_diameter),
+            tilt,
+        }
+    }
+}
+
+/// One object to see.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
     /// Its form, in the item's own frame.
@@ -60,6 +81,40 @@ impl Item {
             finish,
             opacity: 1.0,
         }
+    }
+
+    /// This item at a position \[m\] and orientation (quaternion x, y, z, w) in the field frame.
+    pub fn at(self, position: [f64; 3], orientation: [f64; 4]) -> Self {
+        Self {
+            position,
+            orientation,
+            ..self
+        }
+    }
+
+    /// This item, moved along its own z axis \[m\].
+    pub fn raised(self, by: f64) -> Self {
+        let [x, y, z, w] = self.orientation;
+        let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        let position = Vector3::from(self.position) + turn * (Vector3::z() * by);
+        Self {
+            position: position.into(),
+            ..self
+        }
+    }
+
+    /// The half-space below z = 0 of a pose, as a slab wider than a field of this diameter \[m\].
+    pub fn half_space(
+        position: [f64; 3],
+        orientation: [f64; 4],
+        field_diameter: f64,
+        colour: [f32; 3],
+        finish: Finish,
+    ) -> Self {
+        let [width, thickness] = SLAB.map(|part| part * field_diameter);
+        let half = [width, width, thickness];
+        let slab = Self::new(Shape::Box { half }, position, colour, finish);
+        slab.at(position, orientation).raised(-thickness)
     }
 
     /// Tissue in the field frame: what was outside from the start, and, a shade nearer to flesh and with a sharp rim, what a cut has opened

@@ -24,6 +24,13 @@ pub struct Colour {
     pub blue: u8,
 }
 
+impl Colour {
+    /// Its three parts, each 0..1.
+    pub fn srgb(self) -> [f64; 3] {
+        [self.red, self.green, self.blue].map(|part| f64::from(part) / 255.0)
+    }
+}
+
 impl TryFrom<String> for Colour {
     type Error = String;
 

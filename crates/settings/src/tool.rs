@@ -68,6 +68,18 @@ pub enum Jaw {
     Right,
 }
 
+impl Jaw {
+    /// The turn of a part about +y through the hinge \[rad\] when the jaws are open by `opening` \[rad\], half of which
+    /// each of them takes; `None` for a part of the shaft. Below the hinge a right-handed turn about +y moves towards −x.
+    pub fn angle(self, opening: f64) -> Option<f64> {
+        match self {
+            Self::Fixed => None,
+            Self::Left => Some(-(opening / 2.0)),
+            Self::Right => Some(opening / 2.0),
+        }
+    }
+}
+
 /// The keys of a part.
 pub(crate) fn capsule_keys() -> Vec<Key> {
     vec![

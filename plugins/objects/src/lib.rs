@@ -134,7 +134,7 @@ impl Objects {
                     position: place.apply(&part.centre.into()).into(),
                     orientation: thing.orientation,
                 },
-                colour: colour(thing.colour),
+                colour: thing.colour.srgb(),
             });
         }
     }
@@ -146,10 +146,6 @@ fn finish(finish: microsim_settings::Finish) -> Finish {
         microsim_settings::Finish::Moist => Finish::Moist,
         microsim_settings::Finish::Metal => Finish::Metal,
     }
-}
-
-fn colour(c: microsim_settings::Colour) -> Colour {
-    [c.red, c.green, c.blue].map(|v| f64::from(v) / 255.0)
 }
 
 impl Plugin for Objects {
@@ -189,7 +185,7 @@ impl Plugin for Objects {
                         position: object.position,
                         orientation: object.orientation,
                     },
-                    colour: colour(object.colour),
+                    colour: object.colour.srgb(),
                 });
             }
         }

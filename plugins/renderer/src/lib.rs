@@ -1,13 +1,13 @@
-//! Pictures of the microscope's field, off-screen: a thin adapter over the crate `render`. It hears the latest objects,
-//! tools and tissue, and writes a PNG file when the host asks for one. It observes; nothing comes back.
+//! Pictures of the microscope's field, off-screen: a thin adapter over the crate `render`. It reads the latest
+//! objects, tools and tissue, and writes a PNG file when the host asks for one. It publishes nothing.
 //!
-//! The graphics driver is looked for at the first call; without one the plugin says so and the run goes on.
+//! The graphics driver is looked for at the first call; without one the plugin reports that and the run goes on.
 
 #![forbid(unsafe_code)]
 
 use microsim_geometry::Pose as Place;
 use microsim_gpu::Gpu;
-use microsim_render::{Finish, Item, Picture, Renderer, Shape, View};
+use microsim_render::{DRAPE, Finish, Item, Picture, Renderer, Shape, View};
 use microsim_sdk::message::{
     self, ObjectScene, ObjectState, PictureRequest, TISSUE_SNAPSHOT, ToolState, ToolStates,
     ToolStatus,
@@ -17,13 +17,6 @@ use microsim_settings::{self as settings, BodyLook, RendererConfig};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::path::Path;
 
-/// What shows where nothing lies: the colour of a wet drape.
-const BACKGROUND: [f32; 3] = [0.07, 0.16, 0.17];
-/// From the main lens to the focus \[m\]: a usual focal length of surgical microscopes.
-const WORKING_DISTANCE: f64 = 0.25;
-/// Half the width, and half the thickness, of what stands for a half-space, in fields of view.
-const PLANE: f64 = 2.0;
-const PLANE_THICKNESS: f64 = 0.02;
 /// Opacity of a tool whose pose is not up to date.
 const LOST_OPACITY: f32 = 0.35;
 
@@ -35,7 +28,7 @@ pub struct PictureRenderer {
 }
 
 fn colour(colour: settings::Colour) -> [f32; 3] {
-    [colour.red, colour.green, colour.blue].map(|c| f32::from(c) / 255.0)
+    colour.srgb().map(|c| c as f32)
 }
 
 fn finish(finish: settings::Finish) -> Finish {
@@ -46,62 +39,43 @@ fn finish(finish: settings::Finish) -> Finish {
     }
 }
 
-/// What stands in the field of view of this diameter \[m\].
+/// An object in the field of view of this diameter \[m\].
 fn object(object: &ObjectState, field: f64) -> Item {
-    // Of a shape whose origin is not where the renderer's is: along its own z axis \[m\].
-    let mut raised = 0.0;
-    let shape = match object.shape {
-        message::Shape::Sphere { radius } => Shape::Sphere { radius },
-        message::Shape::Capsule { radius, length } => Shape::Capsule {
+    let (position, orientation) = (object.pose.position, object.pose.orientation);
+    let colour = object.colour.map(|c| c as f32);
+    let finish = match object.finish {
+        message::Finish::Matte => Finish::Matte,
+        message::Finish::Moist => Finish::Moist,
+        message::Finish::Metal => Finish::Metal,
+    };
+    let item = |shape| Item::new(shape, position, colour, finish).at(position, orientation);
+    match object.shape {
+        message::Shape::Sphere { radius } => item(Shape::Sphere { radius }),
+        message::Shape::Capsule { radius, length } => item(Shape::Capsule {
             a: [0.0, 0.0, -0.5 * length],
             b: [0.0, 0.0, 0.5 * length],
             radius,
-        },
-        message::Shape::Box { half_size } => Shape::Box { half: half_size },
-        message::Shape::Ring { radius, tube } => Shape::Ring {
+        }),
+        message::Shape::Box { half_size } => item(Shape::Box { half: half_size }),
+        message::Shape::Ring { radius, tube } => item(Shape::Ring {
             radius,
             tube,
             fraction: 1.0,
-        },
-        message::Shape::HalfSpace => {
-            let half = [PLANE * field, PLANE * field, PLANE_THICKNESS * field];
-            raised = -half[2];
-            Shape::Box { half }
-        }
+        }),
+        message::Shape::HalfSpace => Item::half_space(position, orientation, field, colour, finish),
         message::Shape::Cylinder { radius, length } => {
-            raised = -0.5 * length;
-            Shape::Cylinder {
-                radius,
-                height: length,
-            }
+            let height = length;
+            item(Shape::Cylinder { radius, height }).raised(-0.5 * length)
         }
-    };
-    let place = Place::from_arrays(object.pose.position, object.pose.orientation);
-    Item {
-        shape,
-        position: place.apply(&Vector3::new(0.0, 0.0, raised)).into(),
-        orientation: object.pose.orientation,
-        colour: object.colour.map(|c| c as f32),
-        finish: match object.finish {
-            message::Finish::Matte => Finish::Matte,
-            message::Finish::Moist => Finish::Moist,
-            message::Finish::Metal => Finish::Metal,
-        },
-        opacity: 1.0,
     }
 }
 
 /// A tool as its capsules; jaws turned about the hinge, each by half of the opening.
 fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
     let world = Place::from_arrays(state.pose.position, state.pose.orientation);
-    let half = 0.5 * model.opening_angle.unwrap_or_default() * state.opening;
+    let open = model.opening_angle.unwrap_or_default() * state.opening;
     let items = model.capsule.iter().map(|part| {
-        let angle = match part.jaw {
-            settings::Jaw::Fixed => 0.0,
-            // Below the hinge a right-handed turn about +y moves the jaw towards -x; the left one opens towards +x.
-            settings::Jaw::Left => -half,
-            settings::Jaw::Right => half,
-        };
+        let angle = part.jaw.angle(open).unwrap_or_default();
         let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
         let hinge = Vector3::from(model.hinge.unwrap_or_default());
         let posed = |p: [f64; 3]| {
@@ -178,13 +152,8 @@ impl PictureRenderer {
         Ok(Picture {
             width: config.width,
             height: config.height,
-            view: View {
-                centre: config.view.centre,
-                field_diameter: config.view.field,
-                working_distance: WORKING_DISTANCE.max(config.view.field),
-                tilt: config.view.tilt,
-            },
-            background: BACKGROUND,
+            view: View::of_microscope(config.view.centre, config.view.field, config.view.tilt),
+            background: DRAPE,
             items,
         })
     }

@@ -2,25 +2,18 @@
 
 use crate::scene_file::SceneFile;
 use microsim_gpu::Gpu;
-use microsim_render::{Finish, Item, Picture, Renderer, Shape, View};
-use microsim_scene::{ObstacleSpec, Runner, Scene};
+use microsim_render::{DRAPE, Finish, Item, Picture, Renderer, Shape, View};
+use microsim_scene::{ObstaclePart, ObstacleShape, ObstacleSpec, Runner, Scene};
 use microsim_settings as settings;
 use std::path::{Path, PathBuf};
 
 /// Width and height \[pixels\].
 const SIZE: u32 = 960;
-/// From the main lens to the focus \[m\]: a usual focal length of surgical microscopes.
-const WORKING_DISTANCE: f64 = 0.25;
-/// The field and the tilt \[rad\] of a scene that does not say them: the field is so many times as wide as its bodies are long.
+/// The field and the tilt \[rad\] of a scene that does not state them: the field is this many times as wide as its bodies are long.
 const FIELD: f64 = 1.3;
 const TILT: f64 = 0.9;
-/// What shows where nothing lies.
-const BACKGROUND: [f32; 3] = [0.07, 0.16, 0.17];
 /// Tools, as the shipped ones are.
 const METAL: [f32; 3] = [0.83, 0.85, 0.86];
-/// Half the width of what stands for a plane, in fields.
-const PLANE: f64 = 2.0;
-
 /// A folder into which a run is drawn.
 pub struct Pictures {
     folder: PathBuf,
@@ -42,12 +35,12 @@ impl Pictures {
         let renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
         let settings = &scene.loaded.settings;
         let view = view(settings.view, scene.runner.scene());
-        let things = settings.rigid.iter().zip(&scene.spec.obstacles);
+        let obstacles = settings.rigid.iter().zip(&scene.spec.obstacles);
         let mut pictures = Self {
             folder: folder.to_path_buf(),
             renderer,
-            rigid: things
-                .flat_map(|(told, thing)| rigid(told, thing, view.field_diameter))
+            rigid: obstacles
+                .flat_map(|(given, obstacle)| rigid(given, obstacle, view.field_diameter))
                 .collect(),
             view,
             bodies: settings
@@ -90,7 +83,7 @@ impl Pictures {
             width: SIZE,
             height: SIZE,
             view: self.view,
-            background: BACKGROUND,
+            background: DRAPE,
             items: self
                 .rigid
                 .iter()
@@ -114,9 +107,9 @@ impl Pictures {
     }
 }
 
-/// What the scene says, or all bodies as they lie at the start.
-fn view(said: Option<settings::View>, scene: &Scene) -> View {
-    let said = said.unwrap_or_else(|| {
+/// The view that the scene states, or all bodies as they lie at the start.
+fn view(given: Option<settings::View>, scene: &Scene) -> View {
+    let given = given.unwrap_or_else(|| {
         let bodies = 0..scene.body_count();
         let all = || bodies.clone().flat_map(|body| scene.positions(body));
         let mut low = [f64::INFINITY; 3];
@@ -134,59 +127,35 @@ fn view(said: Option<settings::View>, scene: &Scene) -> View {
             tilt: TILT,
         }
     });
-    View {
-        centre: said.centre,
-        field_diameter: said.field,
-        working_distance: WORKING_DISTANCE.max(said.field),
-        tilt: said.tilt,
-    }
+    View::of_microscope(given.centre, given.field, given.tilt)
 }
 
 /// The parts of an obstacle.
-fn rigid(told: &settings::Rigid, thing: &ObstacleSpec, field: f64) -> Vec<Item> {
-    let item = |part: &microsim_scene::ObstaclePart| {
-        let (shape, sunk) = match part.shape {
-            microsim_scene::ObstacleShape::HalfSpace => {
-                let half = PLANE * field;
-                (
-                    Shape::Box {
-                        half: [half, half, 0.01 * half],
-                    },
-                    0.01 * half,
-                )
+fn rigid(given: &settings::Rigid, obstacle: &ObstacleSpec, field: f64) -> Vec<Item> {
+    let (colour, finish) = (colour(given.colour), finish(given.finish));
+    let item = |part: &ObstaclePart| {
+        let turn = part.pose.orientation.coords;
+        let (position, orientation) = (part.pose.position.into(), turn.into());
+        let item = |shape| Item::new(shape, position, colour, finish).at(position, orientation);
+        match part.shape {
+            ObstacleShape::HalfSpace => {
+                Item::half_space(position, orientation, field, colour, finish)
             }
-            microsim_scene::ObstacleShape::Cuboid { half_size, .. } => {
-                (Shape::Box { half: half_size }, 0.0)
-            }
-            microsim_scene::ObstacleShape::Cylinder {
+            ObstacleShape::Cuboid { half_size, .. } => item(Shape::Box { half: half_size }),
+            ObstacleShape::Cylinder {
                 radius,
                 half_length,
-            } => (
-                Shape::Cylinder {
-                    radius,
-                    height: 2.0 * half_length,
-                },
-                half_length,
-            ),
-        };
-        let down = part.pose.orientation * nalgebra::Vector3::z() * sunk;
-        let turn = part.pose.orientation.coords;
-        let position = part.pose.position - down;
-        Item {
-            orientation: [turn.x, turn.y, turn.z, turn.w],
-            ..Item::new(
-                shape,
-                position.into(),
-                colour(told.colour),
-                finish(told.finish),
-            )
+            } => {
+                let height = 2.0 * half_length;
+                item(Shape::Cylinder { radius, height }).raised(-half_length)
+            }
         }
     };
-    thing.parts.iter().map(item).collect()
+    obstacle.parts.iter().map(item).collect()
 }
 
 fn colour(colour: settings::Colour) -> [f32; 3] {
-    [colour.red, colour.green, colour.blue].map(|c| f32::from(c) / 255.0)
+    colour.srgb().map(|c| c as f32)
 }
 
 fn finish(finish: settings::Finish) -> Finish {

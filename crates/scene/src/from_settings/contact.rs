@@ -20,22 +20,20 @@ pub(super) fn capsules(
     hinge: Option<[f64; 3]>,
     opening_angle: Option<f64>,
 ) -> Vec<CapsuleSpec> {
-    let half = opening_angle.unwrap_or_default() / 2.0;
-    let about = |angle| {
-        hinge.map(|pivot| HingeSpec {
+    let opening = opening_angle.unwrap_or_default();
+    let touching = parts.iter().filter(|part| part.touches);
+    let capsules = touching.map(|part| {
+        let jaw = match part.jaw {
+            settings::Jaw::Fixed => None,
+            settings::Jaw::Left => Some(Jaw::Left),
+            settings::Jaw::Right => Some(Jaw::Right),
+        };
+        let about = |(pivot, angle)| HingeSpec {
             pivot,
             axis: [0.0, 1.0, 0.0],
             angle,
-        })
-    };
-    let touching = parts.iter().filter(|part| part.touches);
-    let capsules = touching.map(|part| {
-        // Below the hinge a right-handed turn about +y moves the jaw towards −x.
-        let (hinge, jaw) = match part.jaw {
-            settings::Jaw::Fixed => (None, None),
-            settings::Jaw::Left => (about(-half), Some(Jaw::Left)),
-            settings::Jaw::Right => (about(half), Some(Jaw::Right)),
         };
+        let hinge = hinge.zip(part.jaw.angle(opening)).map(about);
         CapsuleSpec {
             a: part.a,
             b: part.b,
