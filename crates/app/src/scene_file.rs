@@ -265,16 +265,20 @@ pub fn shortened(mut sentences: Vec<String>) -> Vec<String> {
 /// The step if it is longer than the bodies allow, and what helps.
 fn step_too_long(document: &Document, runner: &Runner) -> Option<String> {
     let scene = runner.scene();
-    let slowest = (0..scene.body_count())
-        .min_by(|a, b| scene.stable_step(*a).total_cmp(&scene.stable_step(*b)))?;
-    let stable = scene.stable_step(slowest);
+    let slowest = (0..scene.body_count()).min_by(|a, b| {
+        scene
+            .body(*a)
+            .stable_step()
+            .total_cmp(&scene.body(*b).stable_step())
+    })?;
+    let stable = scene.body(slowest).stable_step();
     (runner.step() > stable).then(|| {
         format!(
             "{}: a step of {} is beyond what {} allows for body '{}', {}: use a shorter step or an implicit method",
             document.place(&KeyPath::root().key("run").key("step")),
             microseconds(runner.step()),
             scene.method().name(),
-            scene.body_name(slowest),
+            scene.body(slowest).name(),
             microseconds(stable),
         )
     })

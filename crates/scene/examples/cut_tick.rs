@@ -261,13 +261,13 @@ fn run(spec: &SceneSpec, edge: f64, height: f64, touches: Touches) -> Vec<Tick> 
                 opening_to: 0.0,
                 active: true,
             });
-            let before = scene.cut_tally(0).divided;
+            let before = scene.body(0).cut_tally().divided;
             let start = cpu();
             let report = scene.tick(motion.as_slice(), TICK, 1, &Serial);
             let time = (cpu() - start) * 1e3;
             let substeps = report.expect("a tick").substeps;
             assert_eq!(substeps, 1, "a tick is one step");
-            let divided = scene.cut_tally(0).divided - before;
+            let divided = scene.body(0).cut_tally().divided - before;
             all.push(Tick {
                 pass,
                 cuts,

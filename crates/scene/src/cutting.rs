@@ -3,149 +3,22 @@
 //! What is here: when the edits of a tick are made (after it was accepted, so that none is ever taken back), what follows an edit and in
 //! which order. What is not: which line cuts (`lonor`), how elements are divided (crate `cutting`), how elements of a model follow (crate `tissue`).
 
-use crate::boundary::Renewed;
-use crate::error::SceneError;
-use crate::group::Member;
-use crate::jaws;
-use crate::lonor::{Ability, BladeMemory, Case, EdgeLoads, Path};
-use crate::pairs::{Pair, PairPartner};
+use crate::body::Body;
+use crate::cut_pairs::CutPair;
+use crate::edits::{Edit, renumbering};
+use crate::lonor::{BladeState, Case, EdgeLoads, Path};
+use crate::member::Member;
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
-use crate::scene::{Body, Scene};
-use crate::spec::{BodySpec, SceneSpec};
+use crate::scene::Scene;
+use crate::surface_edits::SurfaceDiff;
 use crate::tool::{Line, ToolMotion};
 use microsim_cutting::{self as cutting, Blade};
 use microsim_geometry::{
     Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
 };
-use microsim_mesh::{NewNode, TetMesh, TopologyEdit};
-use microsim_tissue::{Method, ModelChange, ModelEdit, State, stability};
+use microsim_mesh::TopologyEdit;
+use microsim_tissue::State;
 use nalgebra::Vector3;
-use std::collections::BTreeSet;
-
-/// A tool that cuts a body.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Cut {
-    pub body: usize,
-    pub tool: usize,
-    pub ability: Ability,
-}
-
-/// An edit of a body's mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Edit {
-    pub body: usize,
-    /// Number of nodes before it.
-    pub nodes: usize,
-    pub edit: TopologyEdit,
-}
-
-/// Why tissue cannot be cut with a method.
-fn uncuttable(method: &Method) -> Option<&'static str> {
-    match method {
-        Method::QuasiStatic(_) => Some(
-            "quasi-static tissue has no inertia, so that a piece which comes off could not fall: use another method",
-        ),
-        Method::ExplicitEuler => Some(
-            "explicit-euler is held by damping alone, which the stiffer elements that a cut leaves would need more of: use another method",
-        ),
-        _ => None,
-    }
-}
-
-/// The cuts of a description.
-pub(crate) fn cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<Cut>, SceneError> {
-    let uncuttable = uncuttable(&spec.method);
-    let torn = |body: &&BodySpec| !body.tear_strains.is_empty();
-    if let (Some(reason), Some(body)) = (uncuttable, spec.bodies.iter().find(torn)) {
-        return Err(SceneError::Value {
-            body: body.name.clone(),
-            what: "cutting",
-            index: 0,
-            reason,
-        });
-    }
-    let mut cuts: Vec<Cut> = Vec::new();
-    for (index, cut) in spec.cuts.iter().enumerate() {
-        let wrong = |reason| SceneError::Cuts {
-            index,
-            body: cut.body.clone(),
-            tool: cut.tool.clone(),
-            reason,
-        };
-        let body = spec.bodies.iter().position(|body| body.name == cut.body);
-        let body = body.ok_or_else(|| wrong("no such body"))?;
-        let tool = spec.tools.iter().position(|tool| tool.name == cut.tool);
-        let tool = tool.ok_or_else(|| wrong("no such tool"))?;
-        if cuts.iter().any(|cut| (cut.body, cut.tool) == (body, tool)) {
-            return Err(wrong("stands twice"));
-        }
-        if !spec.tools[tool].capsules.iter().any(|part| part.lonor) {
-            return Err(wrong("the tool has no line of no return"));
-        }
-        if !jaws::fit(&spec.tools[tool].capsules) {
-            return Err(wrong(
-                "lines of no return of both jaws must be as many, from the tips to the hinge, and b of one must meet a of the next",
-            ));
-        }
-        if let Some(reason) = uncuttable {
-            return Err(wrong(reason));
-        }
-        let touch = |pair: &Pair| pair.body == body && pair.with == PairPartner::Tool(tool);
-        let (of_body, of_tool) = (&spec.bodies[body], &spec.tools[tool]);
-        cuts.push(Cut {
-            body,
-            tool,
-            ability: Ability::new(
-                of_tool.sharpness,
-                of_body.toughness,
-                of_body.brittleness,
-                !pairs.iter().any(touch),
-            ),
-        });
-    }
-    Ok(cuts)
-}
-
-/// Where each node is after an edit of a mesh that had `old` nodes; `None` for one that leaves with it.
-pub(crate) fn renumbering(edit: &TopologyEdit, old: usize) -> impl Fn(u32) -> Option<u32> + '_ {
-    let moves = edit.node_moves(old);
-    move |node| {
-        let stays = edit.removed_nodes.binary_search(&node).is_err();
-        // What has come from the back may be at the back again.
-        let follow = |node, (from, to): &(u32, u32)| if node == *from { *to } else { node };
-        stays.then(|| moves.iter().fold(node, follow))
-    }
-}
-
-/// What becomes of a selection of nodes: a new node is in it if both nodes are that it comes from. Ascending.
-pub(crate) fn follow_nodes(
-    nodes: impl IntoIterator<Item = u32>,
-    edit: &TopologyEdit,
-    old: usize,
-) -> Vec<u32> {
-    follow_nodes_by(nodes, edit, old, |all, _, node| {
-        node.between.iter().all(|parent| all.contains(parent))
-    })
-}
-
-/// What becomes of a selection of nodes: a new node is in it if `joins` says so of what is in it already, the node's number before any leaves, and
-/// what it comes from. Ascending.
-pub(crate) fn follow_nodes_by(
-    nodes: impl IntoIterator<Item = u32>,
-    edit: &TopologyEdit,
-    old: usize,
-    joins: impl Fn(&BTreeSet<u32>, u32, &NewNode) -> bool,
-) -> Vec<u32> {
-    let mut all: BTreeSet<u32> = nodes.into_iter().collect();
-    for (new, node) in (old as u32..).zip(&edit.nodes) {
-        if joins(&all, new, node) {
-            all.insert(new);
-        }
-    }
-    let mut all: Vec<u32> = all.into_iter().filter_map(renumbering(edit, old)).collect();
-    all.sort_unstable();
-    all
-}
 
 impl Scene {
     /// The single edges that touch what they can cut, as they are at the end of the tick, each with its tool.
@@ -153,7 +26,7 @@ impl Scene {
         let mut edges = Vec::new();
         for motion in motions {
             let touching =
-                |cut: &Cut| cut.tool == motion.tool && cut.ability.line_force.is_finite();
+                |cut: &CutPair| cut.tool == motion.tool && cut.ability.line_force.is_finite();
             if self.cuts.iter().any(touching) {
                 let lines = self.tools[motion.tool].lines(motion, 1.0);
                 let single = lines.into_iter().filter(|line| line.edge.is_some());
@@ -164,7 +37,7 @@ impl Scene {
     }
 
     /// Lets parts of tools through that are in what they cut.
-    pub(crate) fn let_through(&mut self, motions: &[ToolMotion]) {
+    pub(crate) fn exempt_blades(&mut self, motions: &[ToolMotion]) {
         if self.cuts.is_empty() {
             return;
         }
@@ -177,7 +50,7 @@ impl Scene {
             }
         }
         for (group, passed) in self.groups.iter_mut().zip(passed) {
-            if let Some(touching) = &mut group.touching {
+            if let Some(touching) = &mut group.contact {
                 touching.passed = passed;
             }
         }
@@ -207,17 +80,17 @@ impl Scene {
         let (mut reports, mut rejected) = (Vec::new(), Vec::new());
         let mut before: Vec<Option<Vec<Vector3<f64>>>> = vec![None; self.bodies.len()];
         for index in 0..self.cuts.len() {
-            let Cut {
+            let CutPair {
                 body,
                 tool,
                 ability,
             } = self.cuts[index].clone();
             let Some(motion) = motions.iter().find(|motion| motion.tool == tool) else {
                 // A tool that is away is out of the tissue.
-                self.state.blades[index] = BladeMemory::default();
+                self.state.blades[index] = BladeState::default();
                 continue;
             };
-            self.renew_surfaces();
+            self.update_surfaces();
             let inside = self.state.blades[index].inside.clone();
             let reaching = self.reaching(body, motion, &inside);
             let case = Case {
@@ -239,7 +112,7 @@ impl Scene {
                     Ok(Some(cut)) => sum.add(cut),
                     Ok(None) => {}
                     Err(why) => {
-                        self.state.blades[index].take_back(path);
+                        self.state.blades[index].revert(path);
                         self.bodies[body].tally.rejected += 1;
                         rejected.push(RejectedCut {
                             body,
@@ -264,7 +137,7 @@ impl Scene {
             }
             reports.extend(sum.report(body, None, 0.0));
         }
-        self.renew_surfaces();
+        self.update_surfaces();
         (reports, rejected)
     }
 
@@ -321,13 +194,13 @@ impl Scene {
             return Ok(None);
         };
         made.edit.carry_nodes(before);
-        self.tell_strokes(body, Some((cut, path.line)), &made.edit);
+        self.update_strokes(body, Some((cut, path.line)), &made.edit);
         let pieces = self.follow(body, &made);
         Ok(Some((made, pieces)))
     }
 
     /// Tells the other lines that are under way in a body of an edit that one of them (cut and line) has made, before the body follows it.
-    pub(crate) fn tell_strokes(
+    pub(crate) fn update_strokes(
         &mut self,
         body: usize,
         own: Option<(usize, u32)>,
@@ -354,8 +227,8 @@ impl Scene {
         let change = change.expect("the edit was made for this mesh, of which the model is");
         self.state.bodies[body].edit(&change);
         let of = &mut self.bodies[body];
-        let waiting = of.waiting.get_or_insert_default();
-        waiting.add(&made.surface, &change.touched);
+        let surface_edits = of.surface_edits.get_or_insert_default();
+        surface_edits.add(&made.surface, &change.touched);
         let pieces = of.pieces.number(&made.pieces, &of.mesh.tets);
         of.tally.divided += made.divided as u64;
         of.tally.lost_volume += made.lost_volume;
@@ -375,7 +248,7 @@ impl Scene {
         let new = self.bodies[body].mesh.positions.len() as u32;
         let end = first + old as u32;
         let number = renumbering(edit, old);
-        self.state.memories[group].renumber(|node| match node {
+        self.state.contacts[group].renumber(|node| match node {
             node if node < first => Some(node),
             node if node < end => number(node - first).map(|node| node + first),
             node => Some(node - end + first + new),
@@ -384,9 +257,9 @@ impl Scene {
     }
 
     /// Brings surfaces to where the edits since the last time have brought the meshes, and what is made of them: solvers, contact.
-    fn renew_surfaces(&mut self) {
-        let renewed = self.bodies.iter_mut().map(Body::renew_surface);
-        let renewed: Vec<Option<Renewed>> = renewed.collect();
+    fn update_surfaces(&mut self) {
+        let renewed = self.bodies.iter_mut().map(Body::update_surface);
+        let renewed: Vec<Option<SurfaceDiff>> = renewed.collect();
         for group in &mut self.groups {
             let changed = |member: &Member| renewed[member.body].is_some();
             if group.members.iter().any(changed) {
@@ -394,78 +267,7 @@ impl Scene {
             }
         }
     }
-
-    /// The bodies as they were before the first edit.
-    pub(crate) fn undo_edits(&mut self) {
-        if let Some(uncut) = &self.uncut {
-            let (bodies, groups) = &**uncut;
-            // Without an edit marks of topologies may have changed.
-            self.bodies.clone_from(bodies);
-            if !self.edits.is_empty() {
-                self.groups.clone_from(groups);
-                self.edits.clear();
-            }
-            self.bodies.iter_mut().for_each(Body::prepare_edits);
-        }
-    }
 }
-
-/// An edit that does not fit a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Misfit;
-
-impl Body {
-    /// Makes what edits look up, and room for what they add: else the first ones wait for it.
-    pub(crate) fn prepare_edits(&mut self) {
-        let Some(topology) = &mut self.topology else {
-            return;
-        };
-        topology.make_room();
-        self.model.prepare_edits();
-        let TetMesh {
-            positions,
-            node_ids,
-            tets,
-            element_ids,
-            regions,
-            ..
-        } = &mut self.mesh;
-        let (nodes, elements) = (positions.len() / 2, tets.len() / 2);
-        positions.reserve(nodes);
-        node_ids.reserve(nodes);
-        tets.reserve(elements);
-        element_ids.reserve(elements);
-        regions.reserve(elements);
-    }
-
-    /// Follows an edit: mesh, model, what drives it. Its surface is then still that of the mesh before. After an error the body is of no
-    /// use any more.
-    pub(crate) fn follow(
-        &mut self,
-        edit: &TopologyEdit,
-        method: &Method,
-    ) -> Result<ModelChange, Misfit> {
-        let old = self.mesh.positions.len();
-        self.mesh.apply(edit).map_err(|_| Misfit)?;
-        // The model is still that of the mesh before.
-        self.pieces.follow(edit, self.model.tets());
-        let edit_of_model = ModelEdit::new(&self.mesh, edit, self.model.clamped());
-        let change = self.model.edit(&edit_of_model);
-        let change = change.map_err(|_| Misfit)?;
-        let (model, touched) = (&mut self.model, &change.touched);
-        stability::floor_nodes(model, touched, method, self.stable_step, FLOOR);
-        self.start.edit(&change);
-        self.drive
-            .follow(edit, old, &self.mesh, self.model.clamped());
-        for nodes in &mut self.end_nodes {
-            *nodes = follow_nodes(nodes.iter().copied(), edit, old);
-        }
-        Ok(change)
-    }
-}
-
-/// Share of the stability limit at the longest step of a body that the mass floor keeps after a cut (NUMERICS 3.5 c).
-const FLOOR: f64 = 0.9;
 
 /// Whether a segment goes through an element, or begins in it.
 fn is_within(corners: &[Vector3<f64>; 4], segment: [Vector3<f64>; 2]) -> bool {

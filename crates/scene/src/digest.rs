@@ -56,7 +56,7 @@ impl Scene {
             digest.u32s(body.mesh.element_ids.iter().copied());
             digest.u32s(body.mesh.tets.as_flattened().iter().copied());
             digest.u32s(body.surface.triangles.as_flattened().iter().copied());
-            digest.u32s(body.inner.iter().map(|inner| u32::from(*inner)));
+            digest.u32s(body.opened.iter().map(|inner| u32::from(*inner)));
             digest.u32s(body.pieces.of_nodes.iter().copied());
             digest.vectors(&state.positions);
             digest.vectors(&state.velocities);
@@ -65,7 +65,7 @@ impl Scene {
             digest.f64s(&state.internal);
             digest.f64(*stable_step);
         }
-        for memory in &self.state.memories {
+        for memory in &self.state.contacts {
             digest.count(memory.forces.len());
             for force in &memory.forces {
                 let partner = match force.key.partner {

@@ -1,6 +1,6 @@
 //! What drives the bodies from step to step: moving clamps, grips that let go, loads that grow.
 
-use crate::cutting::{follow_nodes, follow_nodes_by, renumbering};
+use crate::edits::{nodes_after_edit, nodes_after_edit_by, renumbering};
 use crate::spec::{ClampSpec, LoadKind, LoadSpec, MotionSpec};
 use microsim_mesh::{Surface, TetMesh, TopologyEdit};
 use microsim_tissue::{Control, NodeTarget, Pressure};
@@ -121,7 +121,7 @@ impl Drive {
             let held = clamp.nodes.iter().map(|held| held.node);
             let is_held =
                 |node: u32| now(node).is_some_and(|now| clamped.binary_search(&now).is_ok());
-            let nodes = follow_nodes_by(held, edit, old, |all, new, node| {
+            let nodes = nodes_after_edit_by(held, edit, old, |all, new, node| {
                 all.contains(&node.between[0]) && is_held(new)
             });
             let nodes = nodes.into_iter().filter_map(|node| {
@@ -132,16 +132,16 @@ impl Drive {
         }
         self.clamped = clamped.len();
         for grip in &mut self.grips {
-            let nodes = follow_nodes(grip.nodes.iter().map(|(node, _)| *node), edit, old);
+            let nodes = nodes_after_edit(grip.nodes.iter().map(|(node, _)| *node), edit, old);
             grip.nodes = nodes.into_iter().map(|node| (node, rest(node))).collect();
         }
         for load in &mut self.loads {
-            load.nodes = follow_nodes(load.nodes.iter().copied(), edit, old);
+            load.nodes = nodes_after_edit(load.nodes.iter().copied(), edit, old);
         }
     }
 
     /// The triangles of loads once the surface has changed: those `outside` that no cut has opened, outward.
-    pub fn renew_loads(&mut self, mesh: &TetMesh, outside: &[[u32; 3]]) {
+    pub fn update_loads(&mut self, mesh: &TetMesh, outside: &[[u32; 3]]) {
         for load in &mut self.loads {
             let of_load = outside.iter().copied();
             let of_load =

@@ -1,11 +1,12 @@
 //! Bodies that can touch one another are advanced together: one model, one solver, one state while a tick runs.
 
-use crate::boundary::Renewed;
-use crate::containment::Divergence;
+use crate::body::Body;
+use crate::divergence::Divergence;
 use crate::error::SceneError;
+use crate::group_contact::GroupContact;
+use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
-use crate::scene::Body;
-use crate::touching::GroupTouching;
+use crate::surface_edits::SurfaceDiff;
 use microsim_contact::ObstaclePart;
 use microsim_tissue::{
     Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
@@ -21,18 +22,9 @@ pub(crate) struct Group {
     union: Option<TissueModel>,
     pub solver: Box<dyn Solver>,
     /// What is touched; `None` where nothing is.
-    pub touching: Option<GroupTouching>,
+    pub contact: Option<GroupContact>,
     /// Iterations of the solver since the scene was built; no part of what evolves.
     pub iterations: u64,
-}
-
-/// A body of a group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Member {
-    /// Index of the body in the scene.
-    pub body: usize,
-    /// Number of its first node in the group.
-    pub first_node: usize,
 }
 
 impl Group {
@@ -91,7 +83,7 @@ impl Group {
         })?;
         Ok(Self {
             solver,
-            touching: GroupTouching::new(&members, bodies, pairs, obstacles, method, model),
+            contact: GroupContact::new(&members, bodies, pairs, obstacles, method, model),
             members,
             union,
             iterations: 0,
@@ -108,7 +100,7 @@ impl Group {
     }
 
     /// The model and the solver of bodies whose meshes have changed.
-    fn follow_models(&mut self, bodies: &[Body]) {
+    fn update_models(&mut self, bodies: &[Body]) {
         let models = self.members.iter().map(|member| &bodies[member.body].model);
         let models: Vec<&TissueModel> = models.collect();
         self.union = (models.len() > 1).then(|| TissueModel::union(&models));
@@ -116,10 +108,10 @@ impl Group {
     }
 
     /// Follows edits of bodies, after which their surfaces have been renewed.
-    pub fn follow(&mut self, bodies: &[Body], renewed: &[Option<Renewed>]) {
-        self.follow_models(bodies);
-        if let Some(touching) = &mut self.touching {
-            touching.follow(&self.members, bodies, renewed);
+    pub fn follow(&mut self, bodies: &[Body], renewed: &[Option<SurfaceDiff>]) {
+        self.update_models(bodies);
+        if let Some(contact) = &mut self.contact {
+            contact.follow(&self.members, bodies, renewed);
         }
     }
 
@@ -132,9 +124,9 @@ impl Group {
         method: &Method,
     ) {
         self.renumber(bodies);
-        self.follow_models(bodies);
+        self.update_models(bodies);
         let model = self.model(bodies);
-        self.touching = GroupTouching::new(&self.members, bodies, pairs, obstacles, method, model);
+        self.contact = GroupContact::new(&self.members, bodies, pairs, obstacles, method, model);
     }
 
     /// The model of its bodies.
@@ -152,13 +144,13 @@ impl Group {
     ) -> (
         &'a TissueModel,
         &'a mut dyn Solver,
-        Option<&'a mut GroupTouching>,
+        Option<&'a mut GroupContact>,
     ) {
         let model = match &self.union {
             Some(union) => union,
             None => &bodies[self.members[0].body].model,
         };
-        (model, self.solver.as_mut(), self.touching.as_mut())
+        (model, self.solver.as_mut(), self.contact.as_mut())
     }
 
     /// The body to which a failure of the solver belongs, and the failure in its own numbers of nodes.

@@ -6,17 +6,23 @@
 
 #![forbid(unsafe_code)]
 
-mod boundary;
+mod body;
 mod check;
 mod containment;
+mod cut_pairs;
 mod cutting;
 mod digest;
+mod divergence;
 mod drive;
+mod edits;
 mod error;
+mod exemption;
 mod from_settings;
 mod group;
+mod group_contact;
 mod jaws;
 mod lonor;
+mod member;
 mod overlap;
 mod pairs;
 mod pieces;
@@ -26,14 +32,17 @@ mod save;
 mod scene;
 mod select;
 mod spec;
+mod state;
 mod stress;
+mod surface_edits;
 mod tally;
 mod tear;
 mod tick;
 mod tool;
-mod touching;
+mod view;
 
-pub use containment::{Diverged, Divergence};
+pub use body::CutTally;
+pub use divergence::{Diverged, Divergence};
 pub use error::SceneError;
 pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
@@ -50,7 +59,7 @@ pub use report::{
 };
 pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;
-pub use scene::{CutTally, Scene};
+pub use scene::Scene;
 pub use spec::{
     BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, HingeSpec, Jaw,
     LoadKind, LoadSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec, SceneSpec, Selection,
@@ -58,6 +67,7 @@ pub use spec::{
 };
 pub use stress::von_mises;
 pub use tool::ToolMotion;
+pub use view::BodyView;
 
 #[cfg(test)]
 mod tests;

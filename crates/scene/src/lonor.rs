@@ -13,10 +13,11 @@
 //!
 //! What is in a blade is not touched by it: contact with those parts of the capsules is left out, as long as they cut.
 
+use crate::exemption::Exemption;
+use crate::group_contact::GroupContact;
 use crate::jaws::{self, Jaws};
 use crate::tool::{Line, Tool, ToolMotion};
-use crate::touching::GroupTouching;
-use microsim_contact::{CapsuleMotion, Partner, Point};
+use microsim_contact::{CapsuleMotion, Partner};
 use microsim_cutting::{Stroke, Sweep};
 
 /// Cosine of the angle around the edge within which a blade is sharp.
@@ -52,7 +53,7 @@ impl Ability {
 
 /// What is remembered of a tool that cuts a body.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct BladeMemory {
+pub(crate) struct BladeState {
     /// Capsules whose single edge is in the tissue, ascending.
     pub inside: Vec<u32>,
     /// Per couple of jaws' lines, in their order: the part along the lines, from 0 (`a`) to 1 (`b`), that is closed.
@@ -72,40 +73,6 @@ pub(crate) struct Path {
     pub sweeps: Vec<Sweep>,
     /// Of jaws, what was closed before.
     pub closed: Option<Vec<Option<[f64; 2]>>>,
-}
-
-/// Part of a capsule that touches nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Passed {
-    /// The body, by its place in its group.
-    pub body: u32,
-    pub tool: u32,
-    pub capsule: u32,
-    /// Range along the axis, from 0 to 1; all of it if it goes beyond.
-    pub range: [f64; 2],
-}
-
-impl Passed {
-    /// Whether a point of contact at the share `way` of the tools' motion is of this part.
-    pub fn has(&self, point: &Point, tools: &[Option<Vec<CapsuleMotion>>], way: f64) -> bool {
-        let partner = Partner::Tool {
-            tool: self.tool,
-            capsule: self.capsule,
-        };
-        if point.key.body != self.body || point.key.partner != partner {
-            return false;
-        }
-        let capsules = tools.get(self.tool as usize).and_then(Option::as_ref);
-        let Some(motion) = capsules.and_then(|all| all.get(self.capsule as usize)) else {
-            return false;
-        };
-        let [a, b] = [
-            motion.start.a.lerp(&motion.end.a, way),
-            motion.start.b.lerp(&motion.end.b, way),
-        ];
-        let along = (point.place - a).dot(&(b - a)) / (b - a).norm_squared();
-        self.range[0] <= along && along <= self.range[1]
-    }
 }
 
 /// What single edges press with over a tick.
@@ -136,12 +103,12 @@ impl EdgeLoads {
     pub fn add(
         &mut self,
         group: usize,
-        touching: &GroupTouching,
+        of: &GroupContact,
         tools: &[Option<Vec<CapsuleMotion>>],
         edges: &[(u32, Line)],
         h: f64,
     ) {
-        for (point, contact) in touching.points.iter().zip(&touching.contacts) {
+        for (point, contact) in of.points.iter().zip(&of.contacts) {
             let Partner::Tool { tool, capsule } = point.key.partner else {
                 continue;
             };
@@ -206,7 +173,7 @@ pub(crate) struct Case<'a> {
     pub reach: &'a [u32],
 }
 
-impl BladeMemory {
+impl BladeState {
     /// Decides what a tick has brought over a line: the ways that cut, in order.
     pub fn decide(&mut self, case: &Case<'_>) -> Vec<Path> {
         let lines = [0.0, 1.0].map(|t| case.tool.lines(case.motion, t));
@@ -306,7 +273,7 @@ impl BladeMemory {
     }
 
     /// A path that was not cut: jaws go on from what was closed before it, so that the next one holds it.
-    pub fn take_back(&mut self, path: Path) {
+    pub fn revert(&mut self, path: Path) {
         if let Some(closed) = path.closed {
             self.closed = closed;
             self.leaving.retain(|line| *line != path.line);
@@ -331,15 +298,15 @@ impl BladeMemory {
     }
 
     /// The parts of a tool's capsules that touch nothing, as what they cut lies around them.
-    pub fn passed(&self, body: u32, tool: u32, lines: &[Line]) -> Vec<Passed> {
-        let part = |capsule, range| Passed {
+    pub fn passed(&self, body: u32, tool: u32, lines: &[Line]) -> Vec<Exemption> {
+        let part = |capsule, range| Exemption {
             body,
             tool,
             capsule,
             range,
         };
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
-        let mut parts: Vec<Passed> = self.inside.iter().map(|&c| part(c, ALL)).collect();
+        let mut parts: Vec<Exemption> = self.inside.iter().map(|&c| part(c, ALL)).collect();
         let jaws = Jaws::new(lines);
         // Jaws that have closed on nothing are as solid as before.
         if jaws.line().is_some_and(|line| self.is_under_way(line)) {

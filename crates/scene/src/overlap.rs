@@ -2,6 +2,7 @@
 
 use crate::pairs::PairPartner;
 use crate::scene::Scene;
+use crate::view::BodyView;
 use microsim_geometry::{
     Aabb, Capsule, closest_on_triangle, edge_through_triangle, point_in_tetrahedron,
 };
@@ -19,33 +20,34 @@ pub struct Overlap {
     pub depth: f64,
 }
 
-impl Scene {
-    /// Overlap of a body with the other bodies, the obstacles and the tools that it touches; of tools only those that have a
-    /// motion of their own.
-    pub fn overlap(&self, body: usize) -> Overlap {
-        let nodes = &self.surface(body).nodes;
-        let mut depths = vec![0.0f64; self.positions(body).len()];
-        for pair in &self.pairs {
+impl BodyView<'_> {
+    /// Overlap with the other bodies, the obstacles and the tools that the body touches; of tools only those that have a motion of
+    /// their own.
+    pub fn overlap(&self) -> Overlap {
+        let (scene, body) = (self.scene, self.index);
+        let (nodes, positions) = (&self.surface().nodes, self.positions());
+        let mut depths = vec![0.0f64; positions.len()];
+        for pair in &scene.pairs {
             match &pair.with {
                 PairPartner::Body(other) if pair.body == body => {
-                    self.depths_in(body, *other, &mut depths);
+                    scene.depths_in(body, *other, &mut depths);
                 }
                 PairPartner::Body(other) if *other == body => {
-                    self.depths_in(body, pair.body, &mut depths);
+                    scene.depths_in(body, pair.body, &mut depths);
                 }
                 PairPartner::Obstacle { parts, .. } if pair.body == body => {
-                    for part in &self.obstacle_parts[parts.clone()] {
+                    for part in &scene.obstacle_parts[parts.clone()] {
                         for &node in nodes {
-                            let (distance, _) = part.distance(&self.positions(body)[node as usize]);
+                            let (distance, _) = part.distance(&positions[node as usize]);
                             let depth = &mut depths[node as usize];
                             *depth = depth.max(-distance);
                         }
                     }
                 }
                 PairPartner::Tool(tool) if pair.body == body => {
-                    for capsule in self.own_capsules(*tool) {
+                    for capsule in scene.own_capsules(*tool) {
                         for &node in nodes {
-                            let p = &self.positions(body)[node as usize];
+                            let p = &positions[node as usize];
                             let depth = &mut depths[node as usize];
                             *depth = depth.max(-capsule.signed_distance(p));
                         }
@@ -54,13 +56,15 @@ impl Scene {
                 _ => {}
             }
         }
-        let least = INSIDE * self.mean_edge_length(body);
+        let least = INSIDE * self.mean_edge_length();
         Overlap {
             nodes: depths.iter().filter(|depth| **depth > least).count(),
             depth: depths.iter().copied().fold(0.0, f64::max),
         }
     }
+}
 
+impl Scene {
     /// The capsules of a tool with a motion of its own, as they are now.
     pub fn own_capsules(&self, tool: usize) -> Vec<Capsule> {
         let motions = self.own_motions(self.time(), self.time());
@@ -71,24 +75,24 @@ impl Scene {
 
     /// Deepens `depths` by how far the nodes of a body are inside another one \[m\].
     fn depths_in(&self, body: usize, other: usize, depths: &mut [f64]) {
-        let (nodes, within) = (self.positions(body), self.positions(other));
+        let (nodes, within) = (self.body(body).positions(), self.body(other).positions());
         let Some(common) = common_box(nodes, within) else {
             return;
         };
-        let tets = self.tets(other).iter();
+        let tets = self.body(other).tets().iter();
         let tets = tets.map(|tet| tet.map(|node| within[node as usize]));
         let tets: Vec<(Aabb, [Vector3<f64>; 4])> = tets
             .map(|corners| (Aabb::of(&corners), corners))
             .filter(|(bounds, _)| bounds.overlaps(&common))
             .collect();
-        for &node in &self.surface(body).nodes {
+        for &node in &self.body(body).surface().nodes {
             let p = &nodes[node as usize];
             let inside = common.contains(p)
                 && tets.iter().any(|(bounds, corners)| {
                     bounds.contains(p) && point_in_tetrahedron(p, corners).is_some()
                 });
             if inside {
-                let distances = self.surface(other).triangles.iter().map(|triangle| {
+                let distances = self.body(other).surface().triangles.iter().map(|triangle| {
                     let corners = triangle.map(|node| within[node as usize]);
                     (closest_on_triangle(p, &corners).point - p).norm()
                 });
@@ -104,18 +108,19 @@ impl Scene {
     }
 
     fn edges_through(&self, one: usize, other: usize) -> usize {
-        let (of_edges, of_triangles) = (self.positions(one), self.positions(other));
+        let (of_edges, of_triangles) = (self.body(one).positions(), self.body(other).positions());
         let Some(common) = common_box(of_edges, of_triangles) else {
             return 0;
         };
-        let triangles = self.surface(other).triangles.iter();
+        let triangles = self.body(other).surface().triangles.iter();
         let triangles: Vec<(Aabb, [Vector3<f64>; 3])> = triangles
             .map(|triangle| triangle.map(|node| of_triangles[node as usize]))
             .map(|corners| (Aabb::of(&corners), corners))
             .filter(|(bounds, _)| bounds.overlaps(&common))
             .collect();
         let sides = self
-            .surface(one)
+            .body(one)
+            .surface()
             .triangles
             .iter()
             .flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);

@@ -1,6 +1,6 @@
 //! What a tick tells.
 
-use crate::containment::Divergence;
+use crate::divergence::Divergence;
 
 /// The report of one tick.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,7 +69,7 @@ pub struct ContactReport {
     /// How long the force was above the limit of the pair \[s\].
     pub over_limit_s: f64,
     /// Share of the normal force that acted where nothing slid, 0 (all slides, or there is no friction) to 1 (all sticks).
-    pub stick_share: f64,
+    pub stick_fraction: f64,
     /// Force with which both jaws of a tool squeezed the body between them, mean over the tick \[N\]: the smaller of what each pushed
     /// it towards the other one, without friction; 0 where they pushed the same way.
     pub grip_n: f64,

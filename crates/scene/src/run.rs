@@ -6,7 +6,7 @@
 mod feature;
 mod probe;
 
-use crate::containment::Diverged;
+use crate::divergence::Diverged;
 use crate::overlap::Overlap;
 use crate::report::{CutReport, Recovery, RejectedCut, TickReport};
 use crate::scene::Scene;
@@ -32,7 +32,7 @@ pub struct Series {
     /// Momentum of all bodies \[kg m/s\].
     pub momentum: Vec<[f64; 3]>,
     /// Share of all nodes that are inside what their bodies touch ([`Overlap`](crate::Overlap)); empty without contact.
-    pub inside_share: Vec<f64>,
+    pub inside_fraction: Vec<f64>,
     /// Depth of the deepest of them \[m\]; empty without contact.
     pub max_depth: Vec<f64>,
     /// The forces between two that touch, in the order of the settings.
@@ -51,7 +51,7 @@ pub struct ContactSeries {
     /// Time with a force above the limit in it \[s\].
     pub over_limit: Vec<f64>,
     /// Share of the normal force that acted where nothing slid.
-    pub stick_share: Vec<f64>,
+    pub stick_fraction: Vec<f64>,
     /// Force with which both jaws squeezed the body between them, mean over the sample before \[N\].
     pub grip: Vec<f64>,
     /// Largest mean pressure of a jaw \[Pa\].
@@ -304,7 +304,7 @@ impl Runner {
             sum.impulse += Vector3::from(contact.force_on_tissue) * length;
             sum.peak = sum.peak.max(contact.peak_force_n);
             sum.over_limit += contact.over_limit_s;
-            sum.stick += contact.stick_share * contact.impulse_ns;
+            sum.stick += contact.stick_fraction * contact.impulse_ns;
             sum.weight += contact.impulse_ns;
             sum.grip += contact.grip_n * length;
             sum.pressure = sum.pressure.max(contact.jaw_pressure_pa);
@@ -366,7 +366,7 @@ impl Runner {
     }
 
     fn positions(&self) -> impl Iterator<Item = &[Vector3<f64>]> {
-        (0..self.scene.body_count()).map(|body| self.scene.positions(body))
+        (0..self.scene.body_count()).map(|body| self.scene.body(body).positions())
     }
 
     /// Whether no node is faster than `speed`, now and on the mean over the last sample. A body that swings stands still for a
@@ -385,7 +385,7 @@ impl Runner {
         let mut bodies = self.positions().zip(before).enumerate();
         bodies.all(|(body, (now, before))| {
             let moved = now.iter().zip(before).any(|(a, b)| (a - b).norm() > way);
-            let velocities = self.scene.velocities(body).iter();
+            let velocities = self.scene.body(body).velocities().iter();
             !moved && velocities.map(|v| v.norm()).all(|v| v <= speed)
         })
     }
@@ -394,22 +394,25 @@ impl Runner {
         self.series.time.push(self.scene.time());
         let (mut kinetic, mut elastic, mut momentum) = (0.0, 0.0, Vector3::zeros());
         for body in 0..self.scene.body_count() {
-            let energies = self.scene.energies(body);
+            let energies = self.scene.body(body).energies();
             kinetic += energies.kinetic;
             elastic += energies.elastic();
-            momentum += self.scene.momentum(body);
+            momentum += self.scene.body(body).momentum();
         }
         self.series.kinetic.push(kinetic);
         self.series.elastic.push(elastic);
         self.series.momentum.push(momentum.into());
         if self.scene.pair_count() > 0 {
             let bodies = 0..self.scene.body_count();
-            let overlaps: Vec<Overlap> = bodies.map(|body| self.scene.overlap(body)).collect();
+            let overlaps: Vec<Overlap> =
+                bodies.map(|body| self.scene.body(body).overlap()).collect();
             let inside: usize = overlaps.iter().map(|overlap| overlap.nodes).sum();
             let nodes: usize = self.positions().map(<[_]>::len).sum();
             let depths = overlaps.iter().map(|overlap| overlap.depth);
             let depth = depths.fold(0.0, f64::max);
-            self.series.inside_share.push(inside as f64 / nodes as f64);
+            self.series
+                .inside_fraction
+                .push(inside as f64 / nodes as f64);
             self.series.max_depth.push(depth);
         }
         for (series, contact) in self.series.contacts.iter_mut().zip(&self.contacts) {
@@ -418,7 +421,7 @@ impl Runner {
             series.over_limit.push(contact.over_limit);
             let share = contact.stick / contact.weight;
             series
-                .stick_share
+                .stick_fraction
                 .push(if contact.weight > 0.0 { share } else { 0.0 });
             series.grip.push(contact.grip / self.sample);
             series.grip_pressure.push(contact.pressure);

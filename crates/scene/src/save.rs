@@ -9,10 +9,13 @@
 
 mod edits;
 
-use crate::cutting::Edit;
-use crate::group::{Group, Member};
-use crate::scene::{Body, Scene, SceneState};
-use crate::touching::{ContactMemory, Remembered};
+use crate::body::Body;
+use crate::edits::Edit;
+use crate::group::Group;
+use crate::group_contact::{ContactForce, ContactState};
+use crate::member::Member;
+use crate::scene::Scene;
+use crate::state::SceneState;
 use microsim_contact::{Key, Partner, Sides};
 use microsim_tissue::State;
 use nalgebra::Vector3;
@@ -94,8 +97,8 @@ impl Scene {
                 .for_each(|a| put_vector(&mut bytes, a));
             body.internal.iter().for_each(|&i| put_f64(&mut bytes, i));
         }
-        put_u32(&mut bytes, self.state.memories.len() as u32);
-        for memory in &self.state.memories {
+        put_u32(&mut bytes, self.state.contacts.len() as u32);
+        for memory in &self.state.contacts {
             let entries = memory.sides.entries();
             put_u32(&mut bytes, entries.len() as u32);
             for (partner, node, normal) in entries {
@@ -177,7 +180,7 @@ impl Scene {
             return Err(RestoreError::OtherScene);
         }
         reader.expect(self.groups.len())?;
-        let mut memories = Vec::with_capacity(self.groups.len());
+        let mut contacts = Vec::with_capacity(self.groups.len());
         for _ in &self.groups {
             let mut entries = Vec::new();
             for _ in 0..reader.u32()? {
@@ -187,10 +190,10 @@ impl Scene {
             for _ in 0..reader.u32()? {
                 forces.push(reader.force()?);
             }
-            if !forces.is_sorted_by(|a: &Remembered, b| a.key < b.key) {
+            if !forces.is_sorted_by(|a: &ContactForce, b| a.key < b.key) {
                 return Err(RestoreError::OtherScene);
             }
-            memories.push(ContactMemory {
+            contacts.push(ContactState {
                 sides: Sides::from_entries(entries),
                 forces,
             });
@@ -215,7 +218,7 @@ impl Scene {
         self.bodies.iter_mut().for_each(Body::prepare_edits);
         self.state = SceneState {
             bodies,
-            memories,
+            contacts,
             stable_steps,
             blades,
             time,
@@ -324,12 +327,12 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn force(&mut self) -> Result<Remembered, RestoreError> {
+    fn force(&mut self) -> Result<ContactForce, RestoreError> {
         let body = self.u32()?;
         let partner = self.partner()?;
         let first = [self.u32()?, self.u32()?, self.u32()?];
         let second = [self.u32()?, self.u32()?];
-        Ok(Remembered {
+        Ok(ContactForce {
             key: Key {
                 body,
                 partner,

@@ -1,9 +1,10 @@
 //! What the pairs sum up over a tick: forces in newtons, with direction and place.
 
+use crate::body::Body;
 use crate::group::Group;
 use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactPartner, ContactReport};
-use crate::scene::{Body, Scene};
+use crate::scene::Scene;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::Partner;
 use nalgebra::Vector3;
@@ -80,11 +81,11 @@ pub(crate) fn sum_up(
     tallies: &mut [Tally],
     works: &mut [Work],
 ) {
-    let Some(touching) = &group.touching else {
+    let Some(of) = &group.contact else {
         return;
     };
-    for (point, contact) in touching.points.iter().zip(&touching.contacts) {
-        let Some((index, own)) = touching.pair(&point.key) else {
+    for (point, contact) in of.points.iter().zip(&of.contacts) {
+        let Some((index, own)) = of.pair(&point.key) else {
             continue;
         };
         let gap = contact.gap(end);
@@ -109,7 +110,7 @@ pub(crate) fn sum_up(
                 continue;
             }
             let side = usize::from(k >= first);
-            way[side] += (end[node] - touching.start[node]) * weight;
+            way[side] += (end[node] - of.start[node]) * weight;
             if side == 0 {
                 place += end[node] * weight;
             }
@@ -205,8 +206,8 @@ impl Tally {
         if self.nodes.is_empty() {
             return None;
         }
-        let positions = scene.positions(body);
-        let rest = scene.rest_positions(body);
+        let positions = scene.body(body).positions();
+        let rest = scene.body(body).rest_positions();
         let direction = self
             .impulse
             .try_normalize(0.0)
@@ -229,7 +230,7 @@ impl Tally {
             let pushes = self.jaws.map(|sum| sum.push);
             squeeze(pushes, motion.to.orientation * Vector3::x())
         });
-        let of_nodes = scene.pieces(body);
+        let of_nodes = scene.body(body).pieces();
         let pieces: BTreeSet<u32> = self.nodes.iter().map(|&n| of_nodes[n as usize]).collect();
         Some(ContactReport {
             body,
@@ -243,7 +244,7 @@ impl Tally {
             nodes: self.nodes.len(),
             pieces: pieces.into_iter().collect(),
             over_limit_s: self.over_limit,
-            stick_share: match self.normal_impulse > 0.0 {
+            stick_fraction: match self.normal_impulse > 0.0 {
                 true => self.stick_impulse / self.normal_impulse,
                 false => 0.0,
             },

@@ -4,7 +4,8 @@
 //! region bears; between two regions the weaker one counts. Of the faces that do in one tick only those near the worst give way:
 //! what is torn takes the load off the others.
 
-use crate::scene::{Body, Scene};
+use crate::body::Body;
+use crate::scene::Scene;
 use microsim_cutting::Topology;
 use nalgebra::{Matrix3, Vector3};
 
@@ -24,7 +25,7 @@ impl Scene {
         let settings = microsim_cutting::Settings::default();
         let torn = topology.tear(&of.mesh, &faces, current, &settings);
         let torn = torn.expect("inner faces of this mesh")?;
-        self.tell_strokes(body, None, &torn.edit);
+        self.update_strokes(body, None, &torn.edit);
         let pieces = self.follow(body, &torn);
         Some((torn, pieces))
     }

@@ -123,9 +123,10 @@ fn run(scene: &mut Scene, ticks: std::ops::Range<usize>, exec: &dyn Executor) ->
 
 fn momentum(scene: &Scene) -> Vector3<f64> {
     scene
-        .velocities(0)
+        .body(0)
+        .velocities()
         .iter()
-        .zip(scene.masses(0))
+        .zip(scene.body(0).masses())
         .map(|(v, m)| v * *m)
         .sum()
 }
@@ -155,8 +156,8 @@ fn no_surface_node_is_ever_inside_the_probe() {
                 b: centre + top,
                 radius: RADIUS,
             };
-            for &node in &scene.surface(0).nodes {
-                let distance = probe.signed_distance(&scene.positions(0)[node as usize]);
+            for &node in &scene.body(0).surface().nodes {
+                let distance = probe.signed_distance(&scene.body(0).positions()[node as usize]);
                 assert!(
                     distance > -1e-12 * RADIUS,
                     "lying {lying}, depth {at}: node {node} at {distance}"
@@ -189,11 +190,11 @@ fn at_rest_the_probe_carries_what_clamps_and_weight_do_not() {
         let force = Vector3::from(contact.force_on_tissue);
 
         // Balance: contact + weight = what the clamps hold + dP/dt + drag.
-        let weight = Vector3::from([0.0, 0.0, -9.81]) * scene.masses(0).iter().sum::<f64>();
-        let forces = scene.forces(0);
+        let weight = Vector3::from([0.0, 0.0, -9.81]) * scene.body(0).masses().iter().sum::<f64>();
+        let forces = scene.body(0).forces();
         let held: Vector3<f64> = forces
             .iter()
-            .zip(scene.clamped(0))
+            .zip(scene.body(0).clamped())
             .filter(|(_, clamped)| *clamped)
             .map(|(f, _)| f)
             .sum();
@@ -257,8 +258,8 @@ fn the_strip_comes_back_when_the_probe_leaves() {
     for _ in 0..60 {
         scene.tick(&[], TICK, steps, &Serial).unwrap();
     }
-    let sagged = scene.positions(0).to_vec();
-    assert!((scene.volume(0) / 80e-9 - 1.0).abs() < 0.01);
+    let sagged = scene.body(0).positions().to_vec();
+    assert!((scene.body(0).volume() / 80e-9 - 1.0).abs() < 0.01);
     run(&mut scene, 0..30, &Serial);
     for k in 0..90 {
         let (from, to) = (
@@ -268,7 +269,7 @@ fn the_strip_comes_back_when_the_probe_leaves() {
         scene.tick(&[push(from, to)], TICK, steps, &Serial).unwrap();
     }
     // The slowest mode decays with e^(−ct/2), c = 100/s: after 0.5 s less than e^(−25) is left.
-    for (now, then) in scene.positions(0).iter().zip(&sagged) {
+    for (now, then) in scene.body(0).positions().iter().zip(&sagged) {
         assert!((now - then).norm() < 1e-9 * 20e-3);
     }
 }
@@ -361,21 +362,30 @@ fn damaged_bytes_are_refused_and_change_nothing() {
 #[test]
 fn accessors_agree_with_the_description() {
     let scene = Scene::new(&strip([20, 4, 1], false)).unwrap();
-    assert_eq!((scene.body_count(), scene.body_name(0)), (1, "strip"));
+    assert_eq!((scene.body_count(), scene.body(0).name()), (1, "strip"));
     assert_eq!((scene.tool_count(), scene.tool_name(0)), (1, "probe"));
     assert_eq!(
-        (scene.positions(0).len(), scene.element_count(0)),
+        (
+            scene.body(0).positions().len(),
+            scene.body(0).element_count()
+        ),
         (21 * 5 * 2, 20 * 4 * 6)
     );
     assert_eq!(
-        (scene.node_ids(0).len(), scene.element_ids(0).len()),
+        (
+            scene.body(0).node_ids().len(),
+            scene.body(0).element_ids().len()
+        ),
         (210, 480)
     );
-    assert_eq!(scene.clamped(0).iter().filter(|c| **c).count(), 20);
-    assert_eq!(scene.surface(0).triangles.len(), 4 * (20 * 4 + 4 + 20));
-    assert_eq!(scene.generation(0), 0);
+    assert_eq!(scene.body(0).clamped().iter().filter(|c| **c).count(), 20);
+    assert_eq!(
+        scene.body(0).surface().triangles.len(),
+        4 * (20 * 4 + 4 + 20)
+    );
+    assert_eq!(scene.body(0).generation(), 0);
     // ρV = 1060 kg/m³ · 80 mm³.
-    assert!((scene.masses(0).iter().sum::<f64>() / 84.8e-6 - 1.0).abs() < 1e-12);
-    assert!((scene.volume(0) / 80e-9 - 1.0).abs() < 1e-12);
-    assert!(scene.energies(0).total() < 1e-25, "at rest");
+    assert!((scene.body(0).masses().iter().sum::<f64>() / 84.8e-6 - 1.0).abs() < 1e-12);
+    assert!((scene.body(0).volume() / 80e-9 - 1.0).abs() < 1e-12);
+    assert!(scene.body(0).energies().total() < 1e-25, "at rest");
 }

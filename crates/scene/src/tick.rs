@@ -1,14 +1,16 @@
 //! One tick: sub-steps, contact, solver, containment.
 
-use crate::containment::{self, Diverged, Divergence, Failure, Watch};
+use crate::body::{Body, stable_step};
+use crate::containment::{self, Failure, Watch};
+use crate::divergence::{Diverged, Divergence};
 use crate::group::Group;
+use crate::group_contact::ContactState;
 use crate::lonor::EdgeLoads;
 use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, TickReport};
-use crate::scene::{Body, Scene};
+use crate::scene::Scene;
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
-use crate::touching::ContactMemory;
 use microsim_contact::CapsuleMotion;
 use microsim_geometry::Aabb;
 use microsim_tissue::{ContactStep, Executor, State, StepFailure, flow};
@@ -101,9 +103,17 @@ impl Scene {
     /// Forgets where tissue was to these tools, which have jumped.
     fn forget(&mut self, tools: &[usize]) {
         for &tool in tools {
-            let memories = self.state.memories.iter_mut();
-            memories.for_each(|memory| memory.forget_tool(tool as u32));
+            let memories = self.state.contacts.iter_mut();
+            memories.for_each(|memory| memory.remove_tool(tool as u32));
         }
+    }
+
+    /// Computes the longest stable step of a body with its internal variables as they are now. It never grows again.
+    fn update_stable_step(&mut self, body: usize) {
+        let of = &self.bodies[body];
+        let step = stable_step(&self.method, &of.model, &self.state.bodies[body]);
+        let now = &mut self.state.stable_steps[body];
+        *now = now.min(step);
     }
 
     /// Whether plastic flow has shortened the stable step of a body.
@@ -179,7 +189,7 @@ impl Scene {
         let start = self.state.bodies.clone();
         let edges = self.edges(motions);
         let mut loads = EdgeLoads::default();
-        self.let_through(motions);
+        self.exempt_blades(motions);
         // Without containment nobody asks what was there at the start: energies of all elements are not free.
         let watched = match self.containment {
             true => self.bodies.as_slice(),
@@ -208,7 +218,7 @@ impl Scene {
                 let stepped = step_group(
                     group,
                     &self.bodies,
-                    &mut self.state.memories[index],
+                    &mut self.state.contacts[index],
                     state,
                     &tools,
                     &self.gravity,
@@ -235,8 +245,7 @@ impl Scene {
                                 watch.add(work, &self.bodies[member.body]);
                             }
                         }
-                        if let Some(touching) =
-                            group.touching.as_ref().filter(|_| !edges.is_empty())
+                        if let Some(touching) = group.contact.as_ref().filter(|_| !edges.is_empty())
                         {
                             loads.add(index, touching, &tools, &edges, h);
                         }
@@ -254,7 +263,7 @@ impl Scene {
         for (index, body) in self.bodies.iter().enumerate() {
             let end = &self.state.bodies[index];
             let found = match watches.get(index) {
-                Some(watch) => watch.judge(
+                Some(watch) => watch.evaluate(
                     body,
                     &start[index],
                     end,
@@ -273,7 +282,7 @@ impl Scene {
         }
         for (group, _) in stiffer.iter().enumerate().filter(|(_, stiffer)| **stiffer) {
             for member in 0..self.groups[group].members.len() {
-                self.renew_stable_step(self.groups[group].members[member].body);
+                self.update_stable_step(self.groups[group].members[member].body);
             }
         }
         Ok((self.contact_reports(&tallies, motions, tick_s), loads))
@@ -285,7 +294,7 @@ impl Scene {
 fn step_group(
     group: &mut Group,
     bodies: &[Body],
-    memory: &mut ContactMemory,
+    memory: &mut ContactState,
     state: &mut State,
     tools: &[Option<Vec<CapsuleMotion>>],
     gravity: &Vector3<f64>,

@@ -166,7 +166,7 @@ fn a_grip_slips_at_friction_times_its_normal_force() {
         (carried / wanted - 1.0).abs() < 1e-3,
         "{carried}, not {wanted}"
     );
-    assert_eq!(series.contacts[0].stick_share[last], 0.0);
+    assert_eq!(series.contacts[0].stick_fraction[last], 0.0);
 }
 
 /// Contact keeps the momentum of two free bodies, and neither gets into the other.
@@ -187,7 +187,7 @@ fn two_tubes_stay_apart_and_keep_their_momentum() {
         let wall = 2e-3;
         let deepest = series.max_depth.iter().copied().fold(0.0, f64::max);
         assert!(deepest < 0.05 * wall, "{method}: {deepest} m");
-        let first: f64 = runner.scene().masses(0).iter().sum();
+        let first: f64 = runner.scene().body(0).masses().iter().sum();
         let force = series.contacts[0].peak.iter().copied().fold(0.0, f64::max);
         assert!(force > 0.0, "{method}: they meet");
         let worst = series
@@ -236,12 +236,12 @@ fn the_beginnings_of_long_scenes_keep_bodies_apart() {
         );
         let scene = runner.scene();
         for body in 0..scene.body_count() {
-            let limit = 0.02 * scene.mean_edge_length(body);
-            let depth = scene.overlap(body).depth;
+            let limit = 0.02 * scene.body(body).mean_edge_length();
+            let depth = scene.body(body).overlap().depth;
             assert!(
                 depth < limit,
                 "{name}: {depth} m in {}",
-                scene.body_name(body)
+                scene.body(body).name()
             );
         }
     }
@@ -284,14 +284,20 @@ fn a_cut_lies_where_the_blade_went() {
         let scene = runner.scene();
         let normal = Vector3::from(direction).cross(&Vector3::y()).normalize();
         let (mut most, mut sum, mut count) = (0.0, 0.0, 0);
-        for (triangle, inner) in scene.surface(0).triangles.iter().zip(scene.inner(0)) {
+        for (triangle, inner) in scene
+            .body(0)
+            .surface()
+            .triangles
+            .iter()
+            .zip(scene.body(0).opened())
+        {
             for node in triangle.iter().filter(|_| *inner) {
-                let place = scene.rest_positions(0)[*node as usize] - Vector3::from(point);
+                let place = scene.body(0).rest_positions()[*node as usize] - Vector3::from(point);
                 let distance = place.dot(&normal).abs();
                 (most, sum, count) = (f64::max(most, distance), sum + distance, count + 1);
             }
         }
-        let edge = scene.mean_edge_length(0);
+        let edge = scene.body(0).mean_edge_length();
         assert!(count > 0 && most < 0.5 * edge, "{name}: {most} of {edge}");
         assert!(sum / f64::from(count) < 0.1 * edge, "{name}: {sum} {count}");
     }
@@ -305,7 +311,11 @@ fn scissors_and_edges_cut_and_brittle_tissue_is_pinched_off() {
         ("edge-press", "tool.0.capsule.0.edge=[0,0,1]"),
     ] {
         let runner = run(name, &[opposite]);
-        assert_eq!(runner.scene().piece_count(0), 1, "{name} with {opposite}");
+        assert_eq!(
+            runner.scene().body(0).piece_count(),
+            1,
+            "{name} with {opposite}"
+        );
         assert!(runner.remarks().cuts.is_empty(), "{name} with {opposite}");
     }
 }
@@ -333,7 +343,7 @@ fn blades_of_two_parts_leave_no_bridge_where_they_meet() {
             "run.duration=0.26 s",
         ];
         let runner = run("scissors-strip", &overrides);
-        assert_eq!(runner.scene().piece_count(0), 2, "tips at {tip}");
+        assert_eq!(runner.scene().body(0).piece_count(), 2, "tips at {tip}");
         let cuts = &runner.remarks().cuts;
         assert!(cuts.iter().all(|(_, cut)| cut.area > 0.0), "tips at {tip}");
     }
@@ -351,9 +361,15 @@ fn the_outer_layer_of_a_vessel_tears_off() {
     );
     let (scene, cuts) = (runner.scene(), &runner.remarks().cuts);
     assert!(!cuts.is_empty() && cuts.iter().all(|(_, cut)| cut.tool.is_none()));
-    for (triangle, inner) in scene.surface(0).triangles.iter().zip(scene.inner(0)) {
+    for (triangle, inner) in scene
+        .body(0)
+        .surface()
+        .triangles
+        .iter()
+        .zip(scene.body(0).opened())
+    {
         for node in triangle.iter().filter(|_| *inner) {
-            let rest = scene.rest_positions(0)[*node as usize];
+            let rest = scene.body(0).rest_positions()[*node as usize];
             assert!(rest.x > 0.0, "{rest}");
             // The polygon of 20 sides lies within its circle by 1.3 %.
             assert!(
@@ -363,7 +379,11 @@ fn the_outer_layer_of_a_vessel_tears_off() {
         }
     }
     let piece_at = |place: Vector3<f64>| {
-        let nodes = scene.rest_positions(0).iter().zip(scene.pieces(0));
+        let nodes = scene
+            .body(0)
+            .rest_positions()
+            .iter()
+            .zip(scene.body(0).pieces());
         let near =
             nodes.min_by(|(a, _), (b, _)| (*a - place).norm().total_cmp(&(*b - place).norm()));
         near.map(|(_, piece)| *piece)

@@ -246,7 +246,7 @@ pub(crate) fn ready(
     loaded.spec.containment = false;
     let scene = Scene::new(&loaded.spec).map_err(|e| e.to_string())?;
     let elements = (0..scene.body_count())
-        .map(|b| scene.element_count(b))
+        .map(|b| scene.body(b).element_count())
         .sum();
     let run = &mut loaded.settings.run;
     match step {
@@ -276,7 +276,7 @@ pub(crate) fn ready(
 
 /// The estimated stability limit of a scene \[s\], without a safety factor; infinite for a method without one.
 pub(crate) fn stability_limit(scene: &Scene) -> f64 {
-    let steps = (0..scene.body_count()).map(|body| scene.stable_step(body));
+    let steps = (0..scene.body_count()).map(|body| scene.body(body).stable_step());
     steps.fold(f64::INFINITY, f64::min) / stability::SAFETY
 }
 

@@ -522,8 +522,8 @@ fn judge(
 /// For each body the free node that is furthest from what is held, in the body's frame, and a way of the body's size upwards.
 fn yanked_node(scene: &Scene) -> Vec<([f64; 3], [f64; 3])> {
     let of_body = |body: usize| {
-        let rest = scene.rest_positions(body);
-        let clamped = scene.clamped(body);
+        let rest = scene.body(body).rest_positions();
+        let clamped = scene.body(body).clamped();
         let held: Vec<_> = rest
             .iter()
             .zip(&clamped)
@@ -539,7 +539,7 @@ fn yanked_node(scene: &Scene) -> Vec<([f64; 3], [f64; 3])> {
         let far = free.max_by(|a, b| (*a - from).norm().total_cmp(&(*b - from).norm()));
         let far = far.unwrap_or(&rest[0]);
         let size = rest.iter().map(|p| (p - from).norm()).fold(0.0, f64::max);
-        ((far - scene.origin(body)).into(), [0.0, 0.0, size])
+        ((far - scene.body(body).origin()).into(), [0.0, 0.0, size])
     };
     (0..scene.body_count()).map(of_body).collect()
 }

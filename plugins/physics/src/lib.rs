@@ -95,18 +95,32 @@ impl Physics {
         let time = tick.time_ns();
         let scene = self.scene()?;
         for body in 0..scene.body_count() {
-            let positions = scene.positions(body).iter().flat_map(|p| [p.x, p.y, p.z]);
-            let triangles = scene.surface(body).triangles.iter().flatten().copied();
-            let inner = scene.inner(body).iter().map(|inner| u32::from(*inner));
+            let positions = scene
+                .body(body)
+                .positions()
+                .iter()
+                .flat_map(|p| [p.x, p.y, p.z]);
+            let triangles = scene
+                .body(body)
+                .surface()
+                .triangles
+                .iter()
+                .flatten()
+                .copied();
+            let inner = scene
+                .body(body)
+                .opened()
+                .iter()
+                .map(|inner| u32::from(*inner));
             let block = BlockBuilder::new(
                 TISSUE_SNAPSHOT,
-                scene.body_name(body),
-                scene.generation(body),
+                scene.body(body).name(),
+                scene.body(body).generation(),
                 time,
             )
-            .u32s("node_id", scene.node_ids(body).iter().copied())
+            .u32s("node_id", scene.body(body).node_ids().iter().copied())
             .f64s("position", positions)
-            .u32s("piece", scene.pieces(body).iter().copied())
+            .u32s("piece", scene.body(body).pieces().iter().copied())
             .u32s("triangle", triangles)
             .u32s("inner", inner);
             tick.publish_block(block.finish());
@@ -118,12 +132,12 @@ impl Physics {
 /// A contact as a message.
 fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
     let with = match contact.with {
-        ContactPartner::Itself => scene.body_name(contact.body),
+        ContactPartner::Itself => scene.body(contact.body).name(),
         other => scene.partner_name(other),
     };
     ContactForce {
         tool: with.into(),
-        body: scene.body_name(contact.body).into(),
+        body: scene.body(contact.body).name().into(),
         force: contact.force_on_tissue,
         peak: contact.peak_force_n,
         impulse: contact.impulse_ns,
@@ -131,7 +145,7 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
         depth: contact.max_depth_m,
         indentation: contact.indentation_m,
         over_limit: contact.over_limit_s,
-        stick: contact.stick_share,
+        stick: contact.stick_fraction,
         grip: contact.grip_n,
         pieces: contact.pieces.clone(),
     }
@@ -222,7 +236,7 @@ impl Plugin for Physics {
         }
         for cut in &report.cuts {
             tick.publish(&TissueCut {
-                body: scene.body_name(cut.body).to_owned(),
+                body: scene.body(cut.body).name().to_owned(),
                 tool: cut
                     .tool
                     .map_or_else(String::new, |tool| scene.tool_name(tool).to_owned()),
@@ -236,7 +250,7 @@ impl Plugin for Physics {
             });
         }
         for cut in &report.rejected {
-            let (body, tool) = (scene.body_name(cut.body), scene.tool_name(cut.tool));
+            let (body, tool) = (scene.body(cut.body).name(), scene.tool_name(cut.tool));
             tick.log(
                 LogLevel::Warn,
                 format!("body \"{body}\", tool \"{tool}\": {}", cut.why),
@@ -251,7 +265,7 @@ impl Plugin for Physics {
             );
         }
         for recovery in &report.recoveries {
-            let body = scene.body_name(recovery.body).to_owned();
+            let body = scene.body(recovery.body).name().to_owned();
             tick.publish(&TissueRecovery {
                 body,
                 cause: recovery.what.to_string(),

@@ -176,7 +176,7 @@ struct Compliance {
 
 impl Compliance {
     fn new(scene: &Scene) -> Self {
-        let model = scene.model(0);
+        let model = scene.body(0).model();
         let mut system = System::new(model);
         system.assemble(model, &State::at_rest(model), Tangent::Exact);
         let fixed: Vec<bool> = (0..model.node_count())

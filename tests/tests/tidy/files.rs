@@ -9,7 +9,6 @@ use std::path::PathBuf;
 const PENDING: &[&str] = &[
     "tissue/src/newton.rs",
     "tissue/src/newton/gaps.rs",
-    "scene/src/scene.rs",
     "coordination/tests/contract.rs",
 ];
 

@@ -19,7 +19,6 @@ const PENDING: &[&str] = &[
     "crates/message",
     "crates/render",
     "crates/report",
-    "crates/scene",
     "crates/sdk",
     "crates/session",
     "crates/settings",

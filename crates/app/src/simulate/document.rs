@@ -66,7 +66,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
         "came_to_rest": runner.end() == Some(&End::Rest),
         "recoveries": runner.recoveries().iter().map(|(time, recovery)| json!({
             "time": time,
-            "body": scene.body_name(recovery.body),
+            "body": scene.body(recovery.body).name(),
             "what": recovery.what.to_string(),
             "factor": recovery.factor,
         })).collect::<Vec<_>>(),
@@ -105,7 +105,7 @@ fn series_of(runner: &Runner) -> Value {
         entries.insert(key.to_owned(), value);
     }
     if runner.scene().pair_count() > 0 {
-        entries.insert("inside_share".to_owned(), json!(series.inside_share));
+        entries.insert("inside_share".to_owned(), json!(series.inside_fraction));
         entries.insert("max_depth_m".to_owned(), json!(series.max_depth));
     }
     Value::Object(entries)
@@ -124,13 +124,13 @@ fn contacts(runner: &Runner) -> Vec<Value> {
             ContactPartner::Itself => "self",
         };
         json!({
-            "body": scene.body_name(body),
+            "body": scene.body(body).name(),
             "with": scene.partner_name(with),
             "kind": kind,
             "force_N": series.force,
             "peak_N": series.peak,
             "over_limit_s": series.over_limit,
-            "stick_share": series.stick_share,
+            "stick_share": series.stick_fraction,
             "grip_N": series.grip,
             "grip_pressure_Pa": series.grip_pressure,
         })
@@ -145,21 +145,21 @@ fn cut(runner: &Runner) -> Value {
         return Value::Null;
     }
     let bodies = || 0..scene.body_count();
-    let tallies = || bodies().map(|body| scene.cut_tally(body));
-    let mass: f64 = bodies().flat_map(|body| scene.masses(body)).sum();
-    let start_mass: f64 = bodies().map(|body| scene.uncut(body).1).sum();
+    let tallies = || bodies().map(|body| scene.body(body).cut_tally());
+    let mass: f64 = bodies().flat_map(|body| scene.body(body).masses()).sum();
+    let start_mass: f64 = bodies().map(|body| scene.body(body).uncut().1).sum();
     let remarks = runner.remarks();
     let named = |body, tool: Option<usize>| {
         let tool = tool.map(|tool| scene.tool_name(tool));
-        json!({"body": scene.body_name(body), "tool": tool})
+        json!({"body": scene.body(body).name(), "tool": tool})
     };
     json!({
         "divided": tallies().map(|tally| tally.divided).sum::<u64>(),
         "rejected": tallies().map(|tally| tally.rejected).sum::<u64>(),
         "lost_volume_m3": tallies().map(|tally| tally.lost_volume).sum::<f64>(),
         "lost_mass_kg": start_mass - mass,
-        "added_inertia_kg": bodies().flat_map(|body| scene.model(body).added_inertia()).sum::<f64>(),
-        "start_volume_m3": bodies().map(|body| scene.uncut(body).0).sum::<f64>(),
+        "added_inertia_kg": bodies().flat_map(|body| scene.body(body).model().added_inertia()).sum::<f64>(),
+        "start_volume_m3": bodies().map(|body| scene.body(body).uncut().0).sum::<f64>(),
         "start_mass_kg": start_mass,
         "cuts": remarks.cuts.iter().map(|(time, cut)| json!({
             "time": time,
@@ -193,24 +193,24 @@ fn crossings(scene: &Scene) -> usize {
 fn of_body(file: &SceneFile, body: usize) -> Value {
     let scene = file.runner.scene();
     let described = &file.loaded.document.value()["body"][body];
-    let energies = scene.energies(body);
+    let energies = scene.body(body).energies();
     json!({
-        "name": scene.body_name(body),
+        "name": scene.body(body).name(),
         "material": described["material"],
         "colour": described["colour"],
         "finish": described["finish"],
-        "rest": points(scene.rest_positions(body)),
-        "start": points(scene.start_positions(body)),
-        "nodes": points(scene.positions(body)),
-        "velocities": points(scene.velocities(body)),
-        "tets": scene.tets(body),
-        "regions": scene.mesh(body).regions,
-        "surface": scene.surface(body).triangles,
-        "inner": scene.inner(body),
-        "piece": scene.pieces(body),
-        "masses": scene.masses(body),
-        "clamped": scene.model(body).clamped(),
-        "volume": scene.volume(body),
+        "rest": points(scene.body(body).rest_positions()),
+        "start": points(scene.body(body).start_positions()),
+        "nodes": points(scene.body(body).positions()),
+        "velocities": points(scene.body(body).velocities()),
+        "tets": scene.body(body).tets(),
+        "regions": scene.body(body).mesh().regions,
+        "surface": scene.body(body).surface().triangles,
+        "inner": scene.body(body).opened(),
+        "piece": scene.body(body).pieces(),
+        "masses": scene.body(body).masses(),
+        "clamped": scene.body(body).model().clamped(),
+        "volume": scene.body(body).volume(),
         "energy": {
             "kinetic": energies.kinetic,
             "length": energies.length,

@@ -82,11 +82,15 @@ impl Frames {
 /// A body as it is now.
 fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
     let scene = runner.scene();
-    let (now, rest) = (scene.positions(index), scene.rest_positions(index));
+    let (now, rest) = (
+        scene.body(index).positions(),
+        scene.body(index).rest_positions(),
+    );
     let displacement: Vec<Vector3<f64>> = now.iter().zip(rest).map(|(a, b)| a - b).collect();
-    let rest_volumes = scene.model(index).rest_volumes();
+    let rest_volumes = scene.body(index).model().rest_volumes();
     let ratio: Vec<f64> = scene
-        .tets(index)
+        .body(index)
+        .tets()
         .iter()
         .zip(rest_volumes)
         .map(|(tet, rest)| {
@@ -94,7 +98,7 @@ fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
             signed_volume(a, b, c, d) / rest
         })
         .collect();
-    let stress = von_mises(body, scene.mesh(index), now);
+    let stress = von_mises(body, scene.body(index).mesh(), now);
     let mut of_elements = vec![Field {
         name: "volume ratio",
         values: FieldValues::Scalars(&ratio),
@@ -112,11 +116,11 @@ fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
         },
         Field {
             name: "velocity [m/s]",
-            values: FieldValues::Vectors(scene.velocities(index)),
+            values: FieldValues::Vectors(scene.body(index).velocities()),
         },
     ];
     write_vtu(
-        scene.mesh(index),
+        scene.body(index).mesh(),
         now,
         &of_nodes,
         &of_elements,

@@ -65,10 +65,16 @@ impl Pictures {
         }
         self.next = time + self.interval;
         let bodies = self.bodies.iter().enumerate().flat_map(|(body, look)| {
-            let positions = scene.positions(body).iter();
+            let positions = scene.body(body).positions().iter();
             let positions = positions.map(|p| p.map(|c| c as f32).into()).collect();
-            let triangles = &scene.surface(body).triangles;
-            Item::tissue(positions, triangles, scene.inner(body), look.0, look.1)
+            let triangles = &scene.body(body).surface().triangles;
+            Item::tissue(
+                positions,
+                triangles,
+                scene.body(body).opened(),
+                look.0,
+                look.1,
+            )
         });
         let capsules = (0..scene.tool_count()).flat_map(|tool| scene.own_capsules(tool));
         let tools = capsules.map(|capsule| {
@@ -111,7 +117,7 @@ impl Pictures {
 fn view(given: Option<settings::View>, scene: &Scene) -> View {
     let given = given.unwrap_or_else(|| {
         let bodies = 0..scene.body_count();
-        let all = || bodies.clone().flat_map(|body| scene.positions(body));
+        let all = || bodies.clone().flat_map(|body| scene.body(body).positions());
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         for p in all() {

@@ -19,8 +19,8 @@ pub fn heading(file: &SceneFile, path: &Path) -> String {
         lines.push(format!(
             "  body      {}: {} tetrahedra, {} nodes",
             body.name,
-            built.element_count(index),
-            built.rest_positions(index).len()
+            built.body(index).element_count(),
+            built.body(index).rest_positions().len()
         ));
         let values = &file.loaded.document.value()["body"][index]["material"];
         for (material, value) in body

@@ -1,6 +1,6 @@
 //! Probes: numbers taken from a scene.
 
-use crate::cutting::{Edit, follow_nodes};
+use crate::edits::{Edit, nodes_after_edit};
 use crate::from_settings::selections;
 use crate::report::ContactPartner;
 use crate::scene::Scene;
@@ -47,17 +47,6 @@ impl std::fmt::Display for ProbeError {
 
 impl std::error::Error for ProbeError {}
 
-impl Scene {
-    /// Whether each node of a body is held now: by a clamp, or by a grip that has not let go.
-    fn held(&self, body: usize) -> Vec<bool> {
-        let mut held = self.clamped(body);
-        for target in self.bodies[body].drive.targets(self.time()) {
-            held[target.node as usize] = true;
-        }
-        held
-    }
-}
-
 impl Probe {
     pub fn new(
         index: usize,
@@ -69,11 +58,11 @@ impl Probe {
             name: settings.name.clone(),
             reason,
         };
-        let body = (0..scene.body_count()).find(|&body| scene.body_name(body) == settings.body);
+        let body = (0..scene.body_count()).find(|&body| scene.body(body).name() == settings.body);
         let body = body.ok_or_else(|| wrong("is for a body that is not there"))?;
-        let mut nodes: Vec<u32> = (0..scene.rest_positions(body).len() as u32).collect();
+        let mut nodes: Vec<u32> = (0..scene.body(body).rest_positions().len() as u32).collect();
         for selection in selections(&settings.nodes) {
-            let selected = scene.select(body, &selection);
+            let selected = scene.body(body).select(&selection);
             nodes.retain(|node| selected.binary_search(node).is_ok());
         }
         if nodes.is_empty() {
@@ -88,7 +77,7 @@ impl Probe {
             nodes,
             quantity: settings.quantity,
             direction: vector(settings.direction),
-            point: scene.origin(body) + vector(settings.point),
+            point: scene.body(body).origin() + vector(settings.point),
             axis: vector(settings.axis),
             other: 0,
             pair: (0, 1.0),
@@ -98,7 +87,7 @@ impl Probe {
         match settings.quantity {
             Quantity::Gap | Quantity::Crossings => {
                 let mut bodies = 0..scene.body_count();
-                let other = bodies.find(|&body| scene.body_name(body) == with);
+                let other = bodies.find(|&body| scene.body(body).name() == with);
                 probe.other =
                     other.ok_or_else(|| wrong("is for another body that is not there"))?;
             }
@@ -107,7 +96,7 @@ impl Probe {
                     let (of, partner) = scene.pair(index);
                     let own = of == body && scene.partner_name(partner) == with;
                     let turned =
-                        partner == ContactPartner::Body(body) && scene.body_name(of) == with;
+                        partner == ContactPartner::Body(body) && scene.body(of).name() == with;
                     (own || turned).then_some((index, if own { 1.0 } else { -1.0 }))
                 });
                 probe.pair = found.ok_or_else(|| wrong("is for two that do not touch"))?;
@@ -115,8 +104,8 @@ impl Probe {
             _ => {}
         }
         probe.reference = match settings.quantity {
-            Quantity::Radius => probe.mean_radius(scene.rest_positions(body)),
-            Quantity::Volume => scene.model(body).rest_volumes().iter().sum(),
+            Quantity::Radius => probe.mean_radius(scene.body(body).rest_positions()),
+            Quantity::Volume => scene.body(body).model().rest_volumes().iter().sum(),
             _ => 0.0,
         };
         Ok(probe)
@@ -124,7 +113,10 @@ impl Probe {
 
     /// The value now, in SI; `forces` are those of the pairs and of the jaws since the last sample \[N\].
     pub fn value(&self, scene: &Scene, forces: &[(Vector3<f64>, f64)]) -> f64 {
-        let (now, rest) = (scene.positions(self.body), scene.rest_positions(self.body));
+        let (now, rest) = (
+            scene.body(self.body).positions(),
+            scene.body(self.body).rest_positions(),
+        );
         let moved = |node: &u32| now[*node as usize] - rest[*node as usize];
         let count = self.nodes.len() as f64;
         match self.quantity {
@@ -137,7 +129,7 @@ impl Probe {
                 sum / count
             }
             Quantity::Centre => {
-                let masses = scene.masses(self.body);
+                let masses = scene.body(self.body).masses();
                 let (mut sum, mut mass) = (0.0, 0.0);
                 for node in &self.nodes {
                     let m = masses[*node as usize];
@@ -153,16 +145,16 @@ impl Probe {
                 .map(|n| moved(n).norm())
                 .fold(0.0, f64::max),
             Quantity::Force => {
-                let forces = scene.forces(self.body);
-                let held = scene.held(self.body);
+                let forces = scene.body(self.body).forces();
+                let held = scene.body(self.body).held();
                 let nodes = self.nodes.iter().filter(|n| held[**n as usize]);
                 -nodes
                     .map(|n| forces[*n as usize].dot(&self.direction))
                     .sum::<f64>()
             }
             Quantity::Torque => {
-                let forces = scene.forces(self.body);
-                let held = scene.held(self.body);
+                let forces = scene.body(self.body).forces();
+                let held = scene.body(self.body).held();
                 let nodes = self.nodes.iter().filter(|n| held[**n as usize]);
                 let torque: Vector3<f64> = nodes
                     .map(|n| (now[*n as usize] - self.point).cross(&forces[*n as usize]))
@@ -177,31 +169,36 @@ impl Probe {
             Quantity::Gap => {
                 let along = |p: &Vector3<f64>| p.dot(&self.direction);
                 let own = self.nodes.iter().map(|n| along(&now[*n as usize]));
-                let others = scene.positions(self.other).iter().map(along);
+                let others = scene.body(self.other).positions().iter().map(along);
                 others.fold(f64::INFINITY, f64::min) - own.fold(f64::NEG_INFINITY, f64::max)
             }
-            Quantity::Inside => scene.overlap(self.body).nodes as f64 / now.len() as f64,
-            Quantity::Depth => scene.overlap(self.body).depth,
+            Quantity::Inside => scene.body(self.body).overlap().nodes as f64 / now.len() as f64,
+            Quantity::Depth => scene.body(self.body).overlap().depth,
             Quantity::Crossings => scene.crossings(self.body, self.other) as f64,
-            Quantity::Pieces => f64::from(scene.piece_count(self.body)),
-            Quantity::Volume => scene.volume(self.body) / self.reference - 1.0,
+            Quantity::Pieces => f64::from(scene.body(self.body).piece_count()),
+            Quantity::Volume => scene.body(self.body).volume() / self.reference - 1.0,
             Quantity::SmallestVolume => {
-                let rest = scene.model(self.body).rest_volumes();
-                let shares = scene.tets(self.body).iter().zip(rest).map(|(tet, rest)| {
-                    let [a, b, c, d] = tet.map(|node| &now[node as usize]);
-                    signed_volume(a, b, c, d) / rest
-                });
+                let rest = scene.body(self.body).model().rest_volumes();
+                let shares = scene
+                    .body(self.body)
+                    .tets()
+                    .iter()
+                    .zip(rest)
+                    .map(|(tet, rest)| {
+                        let [a, b, c, d] = tet.map(|node| &now[node as usize]);
+                        signed_volume(a, b, c, d) / rest
+                    });
                 shares.fold(f64::INFINITY, f64::min)
             }
             Quantity::Energy => {
-                let masses = scene.masses(self.body);
+                let masses = scene.body(self.body).masses();
                 let gravity = scene.gravity();
                 let fallen: f64 = self
                     .nodes
                     .iter()
                     .map(|n| masses[*n as usize] * gravity.dot(&moved(n)))
                     .sum();
-                scene.energies(self.body).total() - fallen
+                scene.body(self.body).energies().total() - fallen
             }
         }
     }
@@ -211,11 +208,11 @@ impl Probe {
         if edit.body != self.body {
             return;
         }
-        self.nodes = follow_nodes(self.nodes.iter().copied(), &edit.edit, edit.nodes);
+        self.nodes = nodes_after_edit(self.nodes.iter().copied(), &edit.edit, edit.nodes);
         // New nodes have a mean distance from the axis of their own.
-        let last = edit.edit.generation + 1 == scene.generation(self.body);
+        let last = edit.edit.generation + 1 == scene.body(self.body).generation();
         if last && self.quantity == Quantity::Radius {
-            self.reference = self.mean_radius(scene.rest_positions(self.body));
+            self.reference = self.mean_radius(scene.body(self.body).rest_positions());
         }
     }
 

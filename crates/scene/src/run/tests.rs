@@ -171,7 +171,8 @@ fn a_divergence_ends_the_run_and_its_expectations() {
     assert!(
         runner
             .scene()
-            .positions(0)
+            .body(0)
+            .positions()
             .iter()
             .all(|p| p.iter().all(|x| x.is_finite()))
     );
@@ -187,7 +188,8 @@ fn samples_do_not_disturb() {
         let times = format!("duration='20 ms'\nstep='0.2 ms'\nsample='{sample}'");
         run(&beam("stoermer-verlet", &times, ""))
             .scene()
-            .positions(0)
+            .body(0)
+            .positions()
             .to_vec()
     };
     let (often, seldom) = (end("0.2 ms"), end("20 ms"));

@@ -1,10 +1,10 @@
 //! Exact bytes of edits of meshes, of strokes and of the marks of cut surfaces.
 
 use super::{Reader, RestoreError, put_f64, put_u32, put_vector};
-use crate::cutting::Edit;
-use crate::lonor::BladeMemory;
+use crate::body::{Body, CutTally};
+use crate::edits::Edit;
+use crate::lonor::BladeState;
 use crate::pieces::Pieces;
-use crate::scene::{Body, CutTally};
 use microsim_cutting::{Stroke, Topology, TopologyState, check};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +86,7 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
 }
 
 /// What decides and what is under way of a cut: capsules in tissue (u32), closed parts (u32 whether there is one, 2 × f64), strokes.
-pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeMemory) {
+pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState) {
     put_list(bytes, &blade.inside, |bytes, capsule| {
         put_u32(bytes, *capsule)
     });
@@ -114,8 +114,8 @@ pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeMemory) {
     });
 }
 
-pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeMemory, RestoreError> {
-    Ok(BladeMemory {
+pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeState, RestoreError> {
+    Ok(BladeState {
         inside: reader.list(Reader::u32)?,
         closed: reader.list(|r| {
             let there = r.u32()? != 0;
@@ -187,7 +187,7 @@ pub(super) fn cut(reader: &mut Reader<'_>, body: &mut Body) -> Result<(), Restor
     }
     body.topology = Some(topology);
     body.pieces = Pieces::new(of_nodes, count, &body.mesh.tets);
-    body.make_surface();
+    body.rebuild_surface();
     Ok(())
 }
 

@@ -101,17 +101,17 @@ fn bars() -> SceneSpec {
 fn check_boundaries(scene: &Scene, what: &str) {
     for body in &scene.bodies {
         let mut anew = body.clone();
-        anew.make_surface();
-        assert!(body.waiting.is_none(), "{what}");
+        anew.rebuild_surface();
+        assert!(body.surface_edits.is_none(), "{what}");
         assert_eq!(body.triangles, anew.triangles, "{what}");
         assert_eq!(body.surface, anew.surface, "{what}");
-        assert_eq!(body.inner, anew.inner, "{what}");
+        assert_eq!(body.opened, anew.opened, "{what}");
         let bits = |areas: &[f64]| areas.iter().map(|a| a.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&body.node_areas), bits(&anew.node_areas), "{what}");
         // The load is that of the skin that was there from the start: everything that no cut has opened.
         let area = |inner: bool| {
             let all = body.surface.area_vectors(&body.mesh.positions);
-            let of = all.iter().zip(&body.inner).filter(|(_, i)| **i == inner);
+            let of = all.iter().zip(&body.opened).filter(|(_, i)| **i == inner);
             of.map(|(a, _)| a.norm()).sum::<f64>()
         };
         // A bar of 5 × 2 × 1 mm.
@@ -180,9 +180,9 @@ fn what_follows_cuts_is_what_is_made_anew() {
         }
     }
     assert!(
-        divided > 1000 && scene.piece_count(0) > 4,
+        divided > 1000 && scene.body(0).piece_count() > 4,
         "{divided}, {}",
-        scene.piece_count(0)
+        scene.body(0).piece_count()
     );
 }
 
@@ -225,7 +225,7 @@ fn a_solver_that_follows_is_the_one_that_was_restored() {
         scene.tick(&[motion(k)], 1e-3, 1, &Serial).unwrap();
         saved.push(scene.save());
     }
-    assert_eq!(scene.piece_count(0), 2);
+    assert_eq!(scene.body(0).piece_count(), 2);
     let mut again = Scene::new(&spec).unwrap();
     for k in 1..3 {
         again.restore(&saved[k - 1]).unwrap();

@@ -188,9 +188,9 @@ fn check_blade(body: BodySpec, method: Method) {
         method.name(),
         scene.bodies[0].model.sets()[0].kind()
     );
-    let (volume, mass) = scene.uncut(0);
+    let (volume, mass) = scene.body(0).uncut();
     let reports = through(&mut scene, 0.37e-3, 20);
-    assert_eq!(scene.piece_count(0), 2, "{what}");
+    assert_eq!(scene.body(0).piece_count(), 2, "{what}");
     let pieces: Vec<u32> = reports
         .iter()
         .flat_map(|r| &r.cuts)
@@ -202,7 +202,11 @@ fn check_blade(body: BodySpec, method: Method) {
     let opened = area(&reports);
     assert!((opened / 2e-6 - 1.0).abs() < 0.05, "{what}: {opened}");
     for (piece, side) in [(0, -1.0), (1, 1.0)] {
-        let of = scene.pieces(0).iter().zip(scene.rest_positions(0));
+        let of = scene
+            .body(0)
+            .pieces()
+            .iter()
+            .zip(scene.body(0).rest_positions());
         let x = of
             .filter(|(p, _)| **p == piece)
             .map(|(_, r)| side * (r.x - 0.37e-3));
@@ -212,18 +216,18 @@ fn check_blade(body: BodySpec, method: Method) {
     let of = &scene.bodies[0];
     let measures = check(&of.mesh, of.topology.as_ref().unwrap()).unwrap();
     assert!((measures.volume / volume - 1.0).abs() < 1e-12, "{what}");
-    let now: f64 = scene.masses(0).iter().sum();
+    let now: f64 = scene.body(0).masses().iter().sum();
     assert!((now / mass - 1.0).abs() < 1e-12, "{what}");
     let mesh = &of.mesh;
     assert_eq!(of.model.tets(), mesh.tets, "{what}");
     assert_eq!(of.model.rest_positions(), mesh.positions, "{what}");
-    assert_eq!(scene.positions(0).len(), mesh.positions.len());
+    assert_eq!(scene.body(0).positions().len(), mesh.positions.len());
     // Both sides of the cut are open, and nothing else.
     let sides = of
         .surface
         .triangles
         .iter()
-        .zip(&of.inner)
+        .zip(&of.opened)
         .filter(|(_, inner)| **inner);
     let sides: f64 = sides
         .map(|(t, _)| {
@@ -237,9 +241,9 @@ fn check_blade(body: BodySpec, method: Method) {
     );
     // Nothing was pushed: what moves has got its energy from rounding alone.
     assert!(
-        scene.energies(0).total() < 1e-9 * of.energy_scale,
+        scene.body(0).energies().total() < 1e-9 * of.energy_scale,
         "{what}: {:?}",
-        scene.energies(0)
+        scene.body(0).energies()
     );
 }
 
@@ -265,7 +269,7 @@ fn a_cut_that_is_under_way_is_saved() {
             scene.tick(&motion(k), 1e-3, steps, &Serial).unwrap();
         }
         let end = scene.save();
-        assert!(scene.piece_count(0) == 2 && end.len() > start.len());
+        assert!(scene.body(0).piece_count() == 2 && end.len() > start.len());
         for from in [3, 7, 12] {
             let mut again = fresh();
             again.restore(&saved[from]).unwrap();
@@ -303,21 +307,35 @@ fn clamps_and_weight_after_a_cut() {
     );
     of.gravity = [0.0, 0.0, -9.81];
     let mut scene = Scene::new(&of).unwrap();
-    let free = scene.clamped(0).iter().filter(|held| !**held).count();
+    let free = scene
+        .body(0)
+        .clamped()
+        .iter()
+        .filter(|held| !**held)
+        .count();
     through(&mut scene, -2.7e-3, 20);
-    assert_eq!(scene.piece_count(0), 2);
+    assert_eq!(scene.body(0).piece_count(), 2);
     // All nodes that the cut made come from held ones.
-    assert_eq!(scene.clamped(0).iter().filter(|held| !**held).count(), free);
+    assert_eq!(
+        scene
+            .body(0)
+            .clamped()
+            .iter()
+            .filter(|held| !**held)
+            .count(),
+        free
+    );
     through(&mut scene, 0.1e-3, 20);
     let (mut fallen, mut count) = (0.0, 0);
     for _ in 0..20 {
         scene.tick(&[], 1e-3, 1, &Serial).unwrap();
     }
     for ((piece, now), start) in scene
-        .pieces(0)
+        .body(0)
+        .pieces()
         .iter()
-        .zip(scene.positions(0))
-        .zip(scene.start_positions(0))
+        .zip(scene.body(0).positions())
+        .zip(scene.body(0).start_positions())
     {
         if *piece == 2 {
             (fallen, count) = (fallen + now.z - start.z, count + 1);
@@ -351,15 +369,15 @@ fn an_edge_pushes_until_it_cuts() {
             let height = |k: usize| 0.7e-3 - 4e-5 * k as f64;
             let motion = down(0.3e-3, [height(k), height(k + 1)], [0.0; 2]);
             let report = scene.tick(&[motion], 4e-3, 2, &Serial).unwrap();
-            if scene.piece_count(0) == 1 && report.cuts.is_empty() {
+            if scene.body(0).piece_count() == 1 && report.cuts.is_empty() {
                 for contact in &report.contacts {
                     force = f64::max(force, Vector3::from(contact.force_on_tissue).norm());
                 }
-                let lows = scene.positions(0).iter().map(|p| p.z);
+                let lows = scene.body(0).positions().iter().map(|p| p.z);
                 lowest = lows.fold(lowest, f64::min);
             }
         }
-        (scene.piece_count(0), force, lowest)
+        (scene.body(0).piece_count(), force, lowest)
     };
     let down = [0.0, 0.0, -1.0];
     let (pieces, force, _) = pressed(4.0, 0.8, down, true);
@@ -401,7 +419,7 @@ fn jaws_cut_by_sharpness_or_brittleness() {
             let motion = down(0.3e-3, [0.0; 2], [opening(k), opening(k + 1)]);
             scene.tick(&[motion], 4e-3, 2, &Serial).unwrap();
         }
-        scene.piece_count(0)
+        scene.body(0).piece_count()
     };
     for (sharpness, brittleness, lonor, pieces) in [
         (0.0, 0.6, true, 2),
@@ -448,9 +466,10 @@ fn jaws_cut_again_and_not_when_they_were_closed_before() {
             scene.tick(&[motion], 4e-3, 2, &Serial).unwrap();
         }
         (
-            scene.piece_count(0),
+            scene.body(0).piece_count(),
             scene
-                .positions(0)
+                .body(0)
+                .positions()
                 .iter()
                 .map(|p| p.z)
                 .fold(f64::INFINITY, f64::min),
@@ -505,7 +524,7 @@ fn tissue_tears_by_strain() {
         let mut torn_at = None;
         for _ in 0..60 {
             scene.tick(&[], 2e-3, 1, &Serial).unwrap();
-            if torn_at.is_none() && scene.generation(0) > 0 {
+            if torn_at.is_none() && scene.body(0).generation() > 0 {
                 torn_at = Some(scene.time());
             }
         }
@@ -513,7 +532,7 @@ fn tissue_tears_by_strain() {
         if let Some(topology) = &of.topology {
             check(&of.mesh, topology).unwrap();
         }
-        (torn_at, scene.energies(0).elastic())
+        (torn_at, scene.body(0).energies().elastic())
     };
     let (never, whole) = pulled(Vec::new());
     assert_eq!(never, None);

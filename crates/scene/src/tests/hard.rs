@@ -168,13 +168,17 @@ fn survive(
             }
         }
         for body in 0..scene.body_count() {
-            let both = scene.positions(body).iter().zip(scene.rest_positions(body));
+            let both = scene
+                .body(body)
+                .positions()
+                .iter()
+                .zip(scene.body(body).rest_positions());
             let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
             assert!(
                 worst < reach,
                 "{case}, tick {tick}: a node is {worst} m away"
             );
-            assert!(scene.body_state(body).is_finite(), "{case}, tick {tick}");
+            assert!(scene.body(body).state().is_finite(), "{case}, tick {tick}");
         }
     }
     went
@@ -182,7 +186,7 @@ fn survive(
 
 fn speed(scene: &Scene) -> f64 {
     let bodies = 0..scene.body_count();
-    let all = bodies.flat_map(|body| scene.velocities(body).iter().map(|v| v.norm()));
+    let all = bodies.flat_map(|body| scene.body(body).velocities().iter().map(|v| v.norm()));
     all.fold(0.0, f64::max)
 }
 
@@ -221,7 +225,11 @@ fn a_tool_that_appears_inside_tissue() {
         assert!(went.touched > 0, "{case}: {went:?}");
         let went = survive(&mut scene, 60, SIDE, case, |_| Vec::new());
         assert_eq!(went.failed, 0, "{case}");
-        let both = scene.positions(0).iter().zip(scene.rest_positions(0));
+        let both = scene
+            .body(0)
+            .positions()
+            .iter()
+            .zip(scene.body(0).rest_positions());
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
         assert!(worst < 0.05 * SIDE, "{case}: {worst} m from rest");
     }
@@ -251,7 +259,11 @@ fn two_tools_cross_with_tissue_between() {
         });
         assert!(went.touched > 0, "{case}: {went:?}");
         survive(&mut scene, 120, 40e-3, case, |_| Vec::new());
-        let both = scene.positions(0).iter().zip(scene.rest_positions(0));
+        let both = scene
+            .body(0)
+            .positions()
+            .iter()
+            .zip(scene.body(0).rest_positions());
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
         assert!(worst < 1e-3, "{case}: {worst} m from rest");
     }
@@ -337,7 +349,11 @@ fn tissue_squeezed_to_nothing_between_jaws() {
         });
         assert!(went.touched > 0, "{case}: {went:?}");
         survive(&mut scene, 100, 20e-3, case, |_| Vec::new());
-        let both = scene.positions(0).iter().zip(scene.rest_positions(0));
+        let both = scene
+            .body(0)
+            .positions()
+            .iter()
+            .zip(scene.body(0).rest_positions());
         let worst = both.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max);
         assert!(worst < 0.1 * SIDE, "{case}: {worst} m from rest");
     }
@@ -397,7 +413,8 @@ fn a_hundred_layers_of_self_contact() {
         }
         // Eight nodes per plate; the middle of each is above that of the one before.
         let middles: Vec<f64> = scene
-            .positions(0)
+            .body(0)
+            .positions()
             .chunks(8)
             .map(|nodes| nodes.iter().map(|p| p.z).sum::<f64>() / 8.0)
             .collect();
@@ -430,7 +447,7 @@ fn a_high_pile_in_a_step_that_is_too_long() {
         }
     }
     assert!(speed(&scene) < 0.5, "{} m/s", speed(&scene));
-    let depth = scene.overlap(0).depth;
+    let depth = scene.body(0).overlap().depth;
     assert!(depth < 1e-2 * PLATE, "{depth} m inside");
 }
 
@@ -504,7 +521,7 @@ fn exactly_touching_bodies_rest() {
         assert!(went.touched > 0 && went.failed == 0, "{case}: {went:?}");
         assert!(speed(&scene) < 2e-3, "{case}: {}", speed(&scene));
         for body in 0..2 {
-            let depth = scene.overlap(body).depth;
+            let depth = scene.body(body).overlap().depth;
             assert!(depth < 2e-3 * 1e-3, "{case}: {depth} m inside");
         }
     }

@@ -7,7 +7,7 @@ use microsim_tissue::elements::Plasticity;
 fn a_step_beyond_the_limit_is_refused_with_the_number_that_is_enough() {
     let scene = Scene::new(&strip([10, 2, 1], false)).unwrap();
     let required = scene.required_steps(TICK);
-    assert_eq!(required, (TICK / scene.stable_step(0)).ceil() as u32);
+    assert_eq!(required, (TICK / scene.body(0).stable_step()).ceil() as u32);
     assert_eq!(scene.check_step(TICK, required), Ok(()));
     let error = scene.check_step(TICK, required - 1).unwrap_err();
     assert!(
@@ -50,7 +50,12 @@ fn a_diverging_tick_is_repeated_with_shorter_steps_and_reported() {
         "{recoveries:?}"
     );
     // The strip never left the neighbourhood of its rest shape: it sags by less than half a millimetre.
-    for (p, rest) in scene.positions(0).iter().zip(scene.rest_positions(0)) {
+    for (p, rest) in scene
+        .body(0)
+        .positions()
+        .iter()
+        .zip(scene.body(0).rest_positions())
+    {
         assert!((p - rest).norm() < 0.5e-3);
     }
 }
@@ -101,7 +106,8 @@ fn a_tool_that_jumps_does_not_break_the_strip() {
             }
             assert!(
                 scene
-                    .positions(0)
+                    .body(0)
+                    .positions()
                     .iter()
                     .all(|p| p.iter().all(|c| c.is_finite()))
             );
@@ -111,9 +117,10 @@ fn a_tool_that_jumps_does_not_break_the_strip() {
             scene.tick(&[], TICK, steps, &Serial).unwrap();
         }
         let worst = scene
-            .positions(0)
+            .body(0)
+            .positions()
             .iter()
-            .zip(scene.rest_positions(0))
+            .zip(scene.body(0).rest_positions())
             .map(|(p, rest)| (p - rest).norm())
             .fold(0.0, f64::max);
         assert!(worst < 0.5e-3, "lying {lying}: {worst}");
@@ -344,14 +351,14 @@ fn a_hardening_body_needs_more_steps_and_is_saved_exactly() {
     spec.bodies[0].materials[0].1.behaviour = Behaviour::Springs(constants);
     let mut scene = Scene::new(&spec).unwrap();
     let steps = scene.required_steps(TICK);
-    let at_rest = scene.stable_step(0);
+    let at_rest = scene.body(0).stable_step();
     let push = |scene: &mut Scene, k: usize| {
         let motion = push(depth(k), depth(k + 1));
         scene.tick(&[motion], TICK, steps, &Serial).unwrap()
     };
     let reports: Vec<_> = (0..30).map(|k| push(&mut scene, k)).collect();
     let stiffened = reports.iter().any(|report| report.stiffened);
-    assert!(stiffened && scene.stable_step(0) < at_rest);
+    assert!(stiffened && scene.body(0).stable_step() < at_rest);
 
     let mut copy = Scene::new(&spec).unwrap();
     copy.restore(&scene.save()).unwrap();
@@ -386,7 +393,12 @@ fn a_tool_does_not_move_what_a_grip_holds() {
                 .all(|c| c.force_on_tissue == [0.0; 3])
         );
     }
-    for (p, rest) in scene.positions(0).iter().zip(scene.rest_positions(0)) {
+    for (p, rest) in scene
+        .body(0)
+        .positions()
+        .iter()
+        .zip(scene.body(0).rest_positions())
+    {
         assert!((p - rest).norm() < 1e-15, "{p} {rest}");
     }
 }

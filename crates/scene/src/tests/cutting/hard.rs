@@ -48,7 +48,7 @@ fn explicit_methods_stay_stable_after_cuts_of_viscous_tissue() {
         }];
         let blade = tool("blade", 0.0, vec![line(1e-4, None)]);
         let mut scene = Scene::new(&spec(bar, blade, false, method)).unwrap();
-        let tick = 20.0 * scene.stable_step(0);
+        let tick = 20.0 * scene.body(0).stable_step();
         let steps = scene.required_steps(tick);
         let mut next = numbers();
         for index in 0..100 {
@@ -56,12 +56,12 @@ fn explicit_methods_stay_stable_after_cuts_of_viscous_tissue() {
             let motions: &[ToolMotion] = if index < 30 { &[motion] } else { &[] };
             scene.tick(motions, tick, steps, &Serial).unwrap();
         }
-        let CutTally { divided, .. } = scene.cut_tally(0);
-        let floored = scene.model(0).added_inertia().iter();
+        let CutTally { divided, .. } = scene.body(0).cut_tally();
+        let floored = scene.body(0).model().added_inertia().iter();
         let floored = floored.filter(|added| **added > 0.0).count();
         assert!(divided > 500 && floored > 50, "{divided} {floored}");
         // Nothing drives it: in waves that meet, velocities add up, and viscosity takes them away.
-        let speeds = scene.velocities(0).iter().map(|v| v.norm());
+        let speeds = scene.body(0).velocities().iter().map(|v| v.norm());
         let fastest = speeds.fold(0.0, f64::max);
         assert!(fastest < 3.0 * SPEED, "{}: {fastest} m/s", method.name());
     }
@@ -106,7 +106,7 @@ fn what_was_not_cut_is_cut_in_the_next_tick() {
                 scene.cut(&[motion], &before, &loads, &[], TICK);
             }
         }
-        (scene.piece_count(0), rejections)
+        (scene.body(0).piece_count(), rejections)
     };
     assert_eq!(left_behind(None), (2, 0));
     let mut rejected = 0;
@@ -148,7 +148,7 @@ fn what_reaches_into_tissue_is_what_a_look_at_all_of_it_finds() {
         let motion = anywhere(&mut next);
         let edges = [0, 1, 3];
         let reaching = scene.reaching(0, &motion, &edges);
-        let (positions, mesh) = (scene.positions(0), scene.mesh(0));
+        let (positions, mesh) = (scene.body(0).positions(), scene.body(0).mesh());
         let corners = |tet: &[u32; 4]| tet.map(|node| positions[node as usize]);
         let lines = scene.tools[0].lines(&motion, 1.0);
         let expected = edges.into_iter().filter(|edge| {
@@ -158,7 +158,7 @@ fn what_reaches_into_tissue_is_what_a_look_at_all_of_it_finds() {
                 closest_segment_triangle(&line.a, &line.b, &triangle).distance() < line.radius
             };
             // What is near no triangle is inside with its whole length, or outside.
-            scene.surface(0).triangles.iter().any(near)
+            scene.body(0).surface().triangles.iter().any(near)
                 || mesh
                     .tets
                     .iter()
@@ -169,7 +169,7 @@ fn what_reaches_into_tissue_is_what_a_look_at_all_of_it_finds() {
         found[0] += reaching.len();
         found[1] += edges.len() - reaching.len();
     }
-    assert!(scene.cut_tally(0).divided > 100);
+    assert!(scene.body(0).cut_tally().divided > 100);
     assert!(found.iter().all(|count| *count > 100), "{found:?}");
 }
 
@@ -189,7 +189,7 @@ fn a_scene_that_was_not_cut_since_goes_back() {
         let mut scene = Scene::new(&of).unwrap();
         let tick = match touches {
             true => 4e-3,
-            false => 20.0 * scene.stable_step(0),
+            false => 20.0 * scene.body(0).stable_step(),
         };
         let steps = scene.required_steps(tick).max(2);
         let go = |scene: &mut Scene, ticks: std::ops::Range<usize>| {
@@ -211,7 +211,7 @@ fn a_scene_that_was_not_cut_since_goes_back() {
         };
         // Into the cut.
         let mut middle = 0;
-        while scene.generation(0) < 1 {
+        while scene.body(0).generation() < 1 {
             go(&mut scene, middle..middle + 1);
             middle += 1;
             assert!(middle < 68, "{}", method.name());

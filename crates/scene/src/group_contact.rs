@@ -1,10 +1,10 @@
 //! From points of contact to what a solver keeps: friction, remembered forces, how much of an old overlap is undone.
 
-use crate::boundary::Renewed;
-use crate::group::Member;
-use crate::lonor::Passed;
+use crate::body::Body;
+use crate::exemption::Exemption;
+use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
-use crate::scene::Body;
+use crate::surface_edits::SurfaceDiff;
 use microsim_contact::{
     CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Key, ObstaclePart, Partner, Point,
     Sides, SurfaceUpdate, VesselEnd,
@@ -22,16 +22,16 @@ const REACH_IMPLICIT: f64 = 0.3;
 
 /// What contact remembers from step to step, of one group.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct ContactMemory {
+pub(crate) struct ContactState {
     /// On which side of things nodes are.
     pub sides: Sides,
     /// The forces that the last step ended with, ascending by key; those that are zero are left out.
-    pub forces: Vec<Remembered>,
+    pub forces: Vec<ContactForce>,
 }
 
 /// The force of a point of contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Remembered {
+pub(crate) struct ContactForce {
     pub key: Key,
     /// Along the normal \[N\].
     pub normal_force: f64,
@@ -39,26 +39,26 @@ pub(crate) struct Remembered {
     pub friction_force: Vector3<f64>,
 }
 
-impl ContactMemory {
+impl ContactState {
     /// Nothing is touched.
     pub fn clear(&mut self) {
         self.sides = Sides::new();
         self.forces.clear();
     }
 
-    fn find(&self, key: &Key) -> Option<&Remembered> {
+    fn find(&self, key: &Key) -> Option<&ContactForce> {
         let place = self.forces.binary_search_by_key(key, |force| force.key);
         place.ok().map(|place| &self.forces[place])
     }
 
     /// Remembers what a step ended with.
-    fn remember(&mut self, points: &[Point], contacts: &[Contact]) {
+    fn store(&mut self, points: &[Point], contacts: &[Contact]) {
         let touched = |contact: &Contact| contact.normal_force > 0.0;
         self.forces.clear();
         let both = || points.iter().zip(contacts);
         let acting = both().filter(|(_, contact)| touched(contact));
         self.forces
-            .extend(acting.map(|(point, contact)| Remembered {
+            .extend(acting.map(|(point, contact)| ContactForce {
                 key: point.key,
                 normal_force: contact.normal_force,
                 friction_force: contact.friction_force,
@@ -87,7 +87,7 @@ impl ContactMemory {
             }
             Some(force)
         });
-        let mut forces: Vec<Remembered> = forces.collect();
+        let mut forces: Vec<ContactForce> = forces.collect();
         forces.sort_unstable_by_key(|force| force.key);
         self.forces = forces;
         let entries = self.sides.entries().iter();
@@ -97,7 +97,7 @@ impl ContactMemory {
     }
 
     /// Forgets a tool that has jumped: from its new place it pushes to the nearest side.
-    pub fn forget_tool(&mut self, tool: u32) {
+    pub fn remove_tool(&mut self, tool: u32) {
         let of_tool =
             |partner: &Partner| matches!(partner, Partner::Tool { tool: t, .. } if *t == tool);
         self.forces.retain(|force| !of_tool(&force.key.partner));
@@ -109,7 +109,7 @@ impl ContactMemory {
 
 /// Contact of a group: what finds it, and working memory.
 #[derive(Clone, Debug)]
-pub(crate) struct GroupTouching {
+pub(crate) struct GroupContact {
     detector: Detector,
     /// The pair that a point belongs to, by the body of its first side and its partner (of a tool without the capsule), and
     /// whether the first side is the pair's body.
@@ -132,10 +132,10 @@ pub(crate) struct GroupTouching {
     pub contacts: Vec<Contact>,
     guesses: Vec<(Key, f64)>,
     /// Parts of tools that touch nothing, as they are in what they cut.
-    pub passed: Vec<Passed>,
+    pub passed: Vec<Exemption>,
 }
 
-impl GroupTouching {
+impl GroupContact {
     /// Of the pairs that concern these bodies; `None` where there is none.
     pub fn new(
         members: &[Member],
@@ -232,7 +232,7 @@ impl GroupTouching {
     }
 
     /// Follows cuts of bodies: then it is what would be made anew.
-    pub fn follow(&mut self, members: &[Member], bodies: &[Body], renewed: &[Option<Renewed>]) {
+    pub fn follow(&mut self, members: &[Member], bodies: &[Body], renewed: &[Option<SurfaceDiff>]) {
         let first = members
             .iter()
             .position(|member| renewed[member.body].is_some());
@@ -246,7 +246,7 @@ impl GroupTouching {
                 None => &[],
             };
             let (removed, added, touched) = match &renewed[member.body] {
-                Some(Renewed {
+                Some(SurfaceDiff {
                     removed,
                     added,
                     touched,
@@ -299,7 +299,7 @@ impl GroupTouching {
         &'a mut self,
         start: &[Vector3<f64>],
         tools: &'a [Option<Vec<CapsuleMotion>>],
-        memory: &'a ContactMemory,
+        memory: &'a ContactState,
     ) -> Source<'a> {
         self.start.clear();
         self.start.extend_from_slice(start);
@@ -312,14 +312,14 @@ impl GroupTouching {
     }
 
     /// Takes over what the solver made of the contacts.
-    pub fn finish(&mut self, contacts: Vec<Contact>, memory: &mut ContactMemory) {
+    pub fn finish(&mut self, contacts: Vec<Contact>, memory: &mut ContactState) {
         assert_eq!(
             contacts.len(),
             self.points.len(),
             "a solver gives back the contacts that it was given last"
         );
         self.contacts = contacts;
-        memory.remember(&self.points, &self.contacts);
+        memory.store(&self.points, &self.contacts);
     }
 }
 
@@ -365,9 +365,9 @@ fn facing_ends(both: [(&Body, Member); 2]) -> [VesselEnd; 2] {
 
 /// Finds the contacts of one step.
 pub(crate) struct Source<'a> {
-    of: &'a mut GroupTouching,
+    of: &'a mut GroupContact,
     tools: &'a [Option<Vec<CapsuleMotion>>],
-    memory: &'a ContactMemory,
+    memory: &'a ContactState,
 }
 
 impl ContactSource for Source<'_> {
@@ -377,7 +377,7 @@ impl ContactSource for Source<'_> {
         positions: &[Vector3<f64>],
         contacts: &mut Vec<Contact>,
     ) {
-        let GroupTouching {
+        let GroupContact {
             detector,
             pair_of,
             friction,

@@ -1,0 +1,218 @@
+//! A body of a scene: its constant parts and working memory, built from its description.
+
+mod edit;
+mod surface;
+
+use crate::check;
+use crate::drive::Drive;
+use crate::error::SceneError;
+use crate::pieces::Pieces;
+use crate::select;
+use crate::spec::{BodySpec, Selection};
+use crate::surface_edits::{SurfaceEdits, node_areas};
+use microsim_cutting::{SurfaceTriangle, Topology};
+use microsim_mesh::{Surface, TetMesh};
+use microsim_tissue::elements::{CouplingConstants, couple};
+use microsim_tissue::{Elements, Method, State, TissueModel, build_model, stability};
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
+
+/// A body: constant parts and working memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub name: String,
+    pub mesh: TetMesh,
+    pub surface: Surface,
+    pub model: TissueModel,
+    pub drive: Drive,
+    /// Where it is at the start.
+    pub start: State,
+    /// Origin of the body's frame in the world \[m\].
+    pub origin: Vector3<f64>,
+    /// Longest step with safety factor \[s\]; infinite for a method without a limit.
+    pub stable_step: f64,
+    /// Energy below which growth is not worth a look \[J\]: that of the whole body stretched by 1 %.
+    pub energy_scale: f64,
+    /// Young's modulus times the square of an edge \[N\].
+    pub force_scale: f64,
+    /// A third of the area of the surface's triangles at each node, at rest \[m²\].
+    pub node_areas: Vec<f64>,
+    /// The faces at the open ends of a vessel.
+    pub ends: Vec<Vec<[u32; 3]>>,
+    /// The nodes of each, ascending.
+    pub end_nodes: Vec<Vec<u32>>,
+    /// Who is next to whom, of a body that can be cut.
+    pub topology: Option<Topology>,
+    pub tear_strains: Vec<(u32, f64)>,
+    /// The triangles of the surface with their elements, of a body that can be cut.
+    pub triangles: Vec<SurfaceTriangle>,
+    /// What edits have changed in it since it was renewed.
+    pub surface_edits: Option<SurfaceEdits>,
+    /// Of each triangle of the surface whether a cut has opened it.
+    pub opened: Vec<bool>,
+    pub pieces: Pieces,
+    pub tally: CutTally,
+}
+
+/// What cuts have done to a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CutTally {
+    /// Elements that were divided.
+    pub divided: u64,
+    /// Cuts that could not be made.
+    pub rejected: u64,
+    /// Rest volume of the crumbs that were taken away \[m³\].
+    pub lost_volume: f64,
+}
+
+impl Body {
+    /// Builds a body; every value of `spec` is checked. `touched` and `cut`: whether anything may touch it, and cut or tear it.
+    pub fn new(
+        spec: &BodySpec,
+        method: &Method,
+        touched: bool,
+        cut: bool,
+    ) -> Result<Self, SceneError> {
+        check::check(spec)?;
+        let name = spec.name.clone();
+        let (mesh, origin) = (&spec.mesh, Vector3::from(spec.origin));
+        let surface = mesh.surface();
+        let selected = |what: &'static str, index: usize, selection: &Selection| {
+            let nodes = select::nodes(mesh, &origin, selection);
+            if nodes.is_empty() {
+                let body = name.clone();
+                return Err(SceneError::Empty { body, what, index });
+            }
+            Ok(nodes)
+        };
+
+        let mut clamps = Vec::new();
+        let mut clamped = vec![false; mesh.positions.len()];
+        for (index, clamp) in spec.clamps.iter().enumerate() {
+            let nodes = selected("clamp", index, &clamp.nodes)?;
+            if clamp.release.is_none() {
+                nodes.iter().for_each(|&node| clamped[node as usize] = true);
+            }
+            clamps.push((clamp, nodes));
+        }
+        let held: Vec<Vec<u32>> = clamps.iter().map(|(_, nodes)| nodes.clone()).collect();
+        check::check_holders(spec, &held)?;
+        let mut loads = Vec::new();
+        for (index, load) in spec.loads.iter().enumerate() {
+            let nodes = selected("load", index, &load.surface)?;
+            let triangles = select::triangles(&surface.triangles, &nodes);
+            if triangles.is_empty() {
+                let (body, what) = (name.clone(), "load");
+                return Err(SceneError::Empty { body, what, index });
+            }
+            loads.push((load, triangles));
+        }
+        let model = build_model(mesh, &spec.materials, &clamped, spec.drag, couplings(spec)?)
+            .map_err(|source| SceneError::Build {
+                body: name.clone(),
+                source,
+            })?;
+        let drive = Drive::new(mesh, &origin, &clamps, &loads, model.clamped());
+        if touched && !method.keeps_gaps() {
+            return Err(SceneError::Contact {
+                body: name,
+                method: method.name(),
+            });
+        }
+        if drive.has_grips() && !method.leads_nodes() {
+            return Err(SceneError::Grip {
+                body: name,
+                method: method.name(),
+            });
+        }
+        let mut start = State::at_rest(&model);
+        for (index, part) in spec.start.iter().enumerate() {
+            let matrix = Matrix3::from_fn(|row, column| part.matrix[row][column]);
+            let pivot = origin + Vector3::from(part.pivot);
+            for node in selected("start", index, &part.nodes)? {
+                let node = node as usize;
+                if !model.is_clamped(node) {
+                    let from_pivot = start.positions[node] - pivot;
+                    start.positions[node] = pivot + matrix * from_pivot + Vector3::from(part.shift);
+                    start.velocities[node] += Vector3::from(part.velocity);
+                }
+            }
+        }
+        let stable_step = stable_step(method, &model, &State::at_rest(&model));
+        let (energy_scale, force_scale) = scales(&model);
+        let mut body = Self {
+            opened: vec![false; surface.triangles.len()],
+            energy_scale,
+            force_scale,
+            node_areas: node_areas(&surface, mesh),
+            end_nodes: spec
+                .ends
+                .iter()
+                .map(|end| Surface::new(end.clone()).nodes)
+                .collect(),
+            ends: spec.ends.clone(),
+            surface,
+            drive,
+            start,
+            origin,
+            stable_step,
+            name,
+            tear_strains: spec.tear_strains.clone(),
+            topology: cut.then(|| Topology::new(mesh)),
+            pieces: Pieces::new(vec![0; mesh.positions.len()], 1, &mesh.tets),
+            triangles: Vec::new(),
+            surface_edits: None,
+            tally: CutTally::default(),
+            mesh: spec.mesh.clone(),
+            model,
+        };
+        // In the order in which a cut leaves it.
+        body.rebuild_surface();
+        Ok(body)
+    }
+}
+
+/// The longest step \[s\] with safety factor of a method on a body with the internal variables of `state`, its nodes at rest;
+/// infinite for a method without a limit, 0 for one that is never stable.
+pub(crate) fn stable_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
+    if !method.is_explicit() {
+        return f64::INFINITY;
+    }
+    let at_rest = State {
+        internal: state.internal.clone(),
+        ..State::at_rest(model)
+    };
+    let step = stability::stable_step_at(model, &at_rest, stability::SAFETY);
+    // h = 2s/√λ for a body without viscosity; a viscous one has a shorter step, hence a larger λ here, on the safe side.
+    let lambda = 4.0 * stability::SAFETY * stability::SAFETY / (step * step);
+    step.min(stability::SAFETY * stability::limit(method, lambda, model.drag()))
+}
+
+/// Energy of a body stretched by 1 % along x \[J\], and the modulus that it has by that times the square of an edge \[N\].
+fn scales(model: &TissueModel) -> (f64, f64) {
+    const STRAIN: f64 = 0.01;
+    let mut state = State::at_rest(model);
+    state.positions.iter_mut().for_each(|p| p.x *= 1.0 + STRAIN);
+    let energy = state.energies(model).elastic();
+    let volume: f64 = model.rest_volumes().iter().sum();
+    let modulus = 2.0 * energy / (STRAIN * STRAIN * volume);
+    let edge = model.mean_edge_length();
+    (energy, modulus * edge * edge)
+}
+
+/// The couplings of a body as sets of elements.
+fn couplings(spec: &BodySpec) -> Result<Vec<Arc<dyn Elements>>, SceneError> {
+    let sets = spec.couplings.iter().map(|coupling| {
+        let constants = CouplingConstants {
+            stiffness_per_area: coupling.stiffness,
+            break_distance: coupling.break_distance,
+        };
+        let set = couple(&spec.mesh, coupling.from, coupling.to, &constants);
+        let set = set.map_err(|source| SceneError::Couple {
+            body: spec.name.clone(),
+            source,
+        })?;
+        Ok(Arc::new(set) as Arc<dyn Elements>)
+    });
+    sets.collect()
+}

@@ -1,0 +1,20 @@
+//! What evolves in a scene.
+
+use crate::group_contact::ContactState;
+use crate::lonor::BladeState;
+use microsim_tissue::State;
+
+/// All that evolves. A copy of it is all that is needed to go back.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SceneState {
+    /// One per body.
+    pub bodies: Vec<State>,
+    /// One per group of bodies.
+    pub contacts: Vec<ContactState>,
+    /// Longest step of each body as it is now \[s\]: plastic flow makes it shorter.
+    pub stable_steps: Vec<f64>,
+    /// One per cut.
+    pub blades: Vec<BladeState>,
+    /// Simulated time \[s\].
+    pub time: f64,
+}
