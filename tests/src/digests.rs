@@ -45,7 +45,8 @@ impl Subject {
         }
     }
 
-    fn from_name(name: &str) -> Option<Self> {
+    /// The opposite of [`Self::name`].
+    pub fn from_name(name: &str) -> Option<Self> {
         let (folder, name) = name.split_once('/')?;
         Some(match folder {
             "scenes" => Self::Scene(name.to_owned()),
