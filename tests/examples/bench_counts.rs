@@ -1,10 +1,10 @@
 //! `cargo xtask bench counts`: instructions per tetrahedron of the kernels that solvers spend their time in, counted by
-//! `valgrind --tool=callgrind` and compared with `tests/results/counts.csv`. `-- --record` writes that file anew.
+//! `valgrind --tool=callgrind` and compared with `tests/results/counts.csv`. `-- --record` writes that file again.
 //!
 //! The program runs itself under callgrind, each kernel with no repetition and with some: the difference is the kernel alone.
 //! Mesh S of the reference beam (810 tetrahedra), one thread, bent so that no branch is that of the rest shape.
 //!
-//! Exit status: 0 within the margin (`microsim_tests::counts`), or recorded by another compiler, which the program then says;
+//! Exit status: 0 within the margin (`microsim_tests::counts`), or recorded by another compiler, which the program then reports;
 //! 1 beyond it; 2 could not count.
 
 use microsim_mesh::{Block, CellSplit};
@@ -129,15 +129,15 @@ fn count() -> Result<Counts, String> {
 /// Compiler and instruction set.
 fn build() -> Result<String, String> {
     let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let said = Command::new(&rustc).arg("--version").output();
-    let said = said.map_err(|e| format!("{} cannot be asked: {e}", rustc.display()))?;
+    let printed = Command::new(&rustc).arg("--version").output();
+    let printed = printed.map_err(|e| format!("{} cannot be asked: {e}", rustc.display()))?;
     let set = match cfg!(all(target_feature = "avx2", target_feature = "fma")) {
         true => "AVX2 and FMA",
         false => "without AVX2 and FMA",
     };
     Ok(format!(
         "{}, {set}",
-        String::from_utf8_lossy(&said.stdout).trim()
+        String::from_utf8_lossy(&printed.stdout).trim()
     ))
 }
 
@@ -154,10 +154,10 @@ fn instructions(program: &Path, kernel: &str, repetitions: u32) -> Result<u64, S
             "valgrind cannot be started ({error}): install it, on Debian and Ubuntu with `apt-get install valgrind`"
         )
     })?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    match collected(&said) {
+    let printed = String::from_utf8_lossy(&output.stderr);
+    match collected(&printed) {
         Some(count) if output.status.success() => Ok(count),
-        _ => Err(format!("{kernel}: callgrind did not count: {said}")),
+        _ => Err(format!("{kernel}: callgrind did not count: {printed}")),
     }
 }
 

@@ -69,7 +69,7 @@ impl Row {
     }
 }
 
-/// A plugin that hears and says nothing.
+/// A plugin that subscribes to nothing and publishes nothing.
 struct Silent;
 
 impl Plugin for Silent {

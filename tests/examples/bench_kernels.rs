@@ -5,7 +5,7 @@
 //! neo-Hookean laws on M and on a beam that no cache holds, with one thread and two. Bodies are bent and stretched a little
 //! so that no branch is that of the rest shape.
 //!
-//! All rows are taken in turn, round after round, so that all see the same machine; the fastest round counts, and the page says
+//! All rows are taken in turn, round after round, so that all see the same machine; the fastest round counts, and the page states
 //! how far the median lies above it. That is what a library would add here: criterion and divan measure one row after the
 //! other, which leaves a machine that slows down in the ratios. Nothing is asserted about time.
 
@@ -68,7 +68,7 @@ impl Executor for Pool {
     }
 }
 
-/// Times of one thing in all rounds \[s\].
+/// Times of one row in all rounds \[s\].
 #[derive(Default)]
 struct Times(Vec<f64>);
 

@@ -18,7 +18,7 @@ const MAX_LOSS: f64 = 0.1;
 /// Time for which the source of a run gives samples \[s\].
 const LENGTH: f64 = 1.5;
 
-/// Where results are kept.
+/// Where results are written.
 fn results() -> PathBuf {
     repository().join("tests").join("results")
 }
@@ -72,7 +72,7 @@ impl Cutting {
         self.runs.iter().filter(|(_, _, in_cut, _)| *in_cut).count()
     }
 
-    /// Everything was kept, and enough kills fell into ticks that cut.
+    /// Everything was preserved, and enough kills fell into ticks that cut.
     fn is_good(&self) -> bool {
         let sound = |r: &Remains| r.readable && r.verified && r.lost() <= 1;
         self.whole_verified

@@ -1,8 +1,8 @@
 //! `cargo xtask soak trainees -- MODULE LEVEL N`: N synthetic experts and N novices on a level, two at a time; of each metric, each
-//! category and the score mean and standard deviation of both groups, the effect size, and whether it points the intended way. Writes
+//! category and the score mean and standard deviation of both groups, the effect size, and whether it has the intended sign. Writes
 //! `tests/results/trainees.md`, where each level has a section, unless a run shows a force that cannot be.
 //!
-//! The groups differ by the numbers in `config/trainees.toml`. That a metric tells them apart shows that it measures what it should in
+//! The groups differ by the numbers in `config/trainees.toml`. That a metric separates them shows that it measures what it should in
 //! these motions; that people differ so, it does not show.
 
 use microsim_tests::statistics::{Group, effect_error, effect_size};
@@ -99,11 +99,11 @@ impl Run {
         };
         let mut all = trainees::scores(report, &[]);
         let total = all.pop().map_or(f64::NAN, |(_, total)| total);
-        let said = report["score"].as_f64().unwrap_or(f64::NAN);
+        let printed = report["score"].as_f64().unwrap_or(f64::NAN);
         // Sums of a dozen numbers up to 100.
         assert!(
-            (total - said).abs() < 1e-9,
-            "{name}: the score is {said}, formed again {total}"
+            (total - printed).abs() < 1e-9,
+            "{name}: the score is {printed}, formed again {total}"
         );
         for (title, score) in all {
             let shown = format!("*{title}*");

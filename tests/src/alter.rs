@@ -1,4 +1,4 @@
-//! Sessions written anew, every checksum right, with one thing changed: as a forger would, or a fault in memory.
+//! Sessions written again, every checksum right, with one value changed: as a forger would, or a fault in memory.
 
 use microsim_bus::Frames;
 use microsim_bus::frame::push_stamped;

@@ -68,7 +68,7 @@ pub fn tree(behaviour: &Value) -> LiveTree {
     LiveTree::with_level(behaviour, Some(&level))
 }
 
-/// The cuts that a session tells of, each with its tick.
+/// The cuts that a session holds, each with its tick.
 ///
 /// # Panics
 /// If the session cannot be read.

@@ -1,17 +1,17 @@
-//! Instruction counts of kernels: read from callgrind, kept in a table, compared with it.
+//! Instruction counts of kernels: read from callgrind, recorded in a table, compared with it.
 //!
 //! Times differ from run to run; the number of instructions of a build does not, so that a kernel that has become slower by a
 //! few per cent shows. What instructions cost is not in it: a cache miss counts nothing.
 
 use std::fmt::Write as _;
 
-/// Largest share by which a count may differ from the recorded one. The same build counts the same to the fourth digit but for
+/// Largest relative difference of a count from the recorded one. The same build counts the same to the fourth digit but for
 /// the copying and clearing of memory by the C library. [`PLAIN_COPIES`] keeps that from depending on the processor; what is
 /// left is another version of the library. Between its plain and its wide copies the kernel that copies most differs by 3.4 %,
 /// so half of that is more than two versions of the plain ones will.
 pub const MARGIN: f64 = 0.017;
 
-/// Setting of the GNU C library, variable and value, with which it copies memory in the same way on every processor.
+/// Setting of the GNU C library, variable and value, with which it copies memory by the same instructions on every processor.
 pub const PLAIN_COPIES: (&str, &str) = (
     "GLIBC_TUNABLES",
     "glibc.cpu.hwcaps=-AVX2,-AVX512F,-AVX512VL,-AVX_Fast_Unaligned_Load,-ERMS,-FSRM",
@@ -124,7 +124,7 @@ impl Counts {
     }
 }
 
-/// The number of instructions in what callgrind says on standard error.
+/// The number of instructions that callgrind prints on standard error.
 pub fn collected(callgrind: &str) -> Option<u64> {
     let line = callgrind.lines().find_map(|line| {
         let (_, after) = line.split_once("Collected :")?;
@@ -151,7 +151,7 @@ mod tests {
         let recorded = counts(&[("forces, springs", 100.0), ("factor", 2000.0)]);
         let within = counts(&[("forces, springs", 101.6), ("factor", 1967.0)]);
         assert_eq!(within.compare(&recorded).beyond, Vec::<String>::new());
-        for (changed, said) in [
+        for (changed, printed) in [
             ([101.8, 2000.0], "forces, springs: +1.80 %"),
             ([98.2, 2000.0], "forces, springs: -1.80 %"),
             ([100.0, 2035.0], "factor: +1.75 %"),
@@ -160,7 +160,7 @@ mod tests {
             let now = counts(&[("forces, springs", changed[0]), ("factor", changed[1])]);
             let beyond = now.compare(&recorded).beyond;
             assert!(
-                beyond.len() == 1 && beyond[0].starts_with(said),
+                beyond.len() == 1 && beyond[0].starts_with(printed),
                 "{beyond:?}"
             );
         }
@@ -204,11 +204,11 @@ mod tests {
         assert_eq!(Counts::from_csv(&builds), Err(3));
     }
 
-    /// As valgrind 3.19 says it.
+    /// As valgrind 3.19 prints it.
     #[test]
     fn callgrind_is_understood() {
-        let said = "==7== Events    : Ir\n==7== Collected : 35791894\n==7== \n==7== I   refs:      35,791,894\n";
-        assert_eq!(collected(said), Some(35_791_894));
+        let printed = "==7== Events    : Ir\n==7== Collected : 35791894\n==7== \n==7== I   refs:      35,791,894\n";
+        assert_eq!(collected(printed), Some(35_791_894));
         assert_eq!(collected("valgrind: no such program"), None);
     }
 }

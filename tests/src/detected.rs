@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
 
-/// At most this share of an edge of an old overlap is undone in one step.
+/// At most this fraction of an edge of an old overlap is undone in one step.
 const OVERLAP_PER_STEP: f64 = 0.2;
 
 /// The contacts of bodies whose nodes are numbered body after body, all with one coefficient of friction.
@@ -28,7 +28,7 @@ pub struct Detected {
 }
 
 impl Detected {
-    /// For these bodies, pairs and tools. Points are found from `reach` on, a share of the mean edge length `edge` \[m\].
+    /// For these bodies, pairs and tools. Points are found from `reach` on, a multiple of the mean edge length `edge` \[m\].
     pub fn new(
         bodies: &[&TetMesh],
         pairs: Vec<ContactPair>,

@@ -61,14 +61,14 @@ impl Subject {
     pub fn run(&self, folder: &Path, threads: usize) -> Row {
         let threads = threads.to_string();
         let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
-        let (said, result) = match self {
+        let (printed, result) = match self {
             Self::Scene(name) => {
                 let args = ["simulate", name, "--threads", &threads, "--json", "-"];
                 let output = command(args).output().expect("the program starts");
-                let said: serde_json::Value = serde_json::from_slice(&output.stdout)
+                let printed: serde_json::Value = serde_json::from_slice(&output.stdout)
                     .unwrap_or_else(|e| panic!("scene {name}: {e}"));
-                let result = text(&said["status"]);
-                (said, result)
+                let result = text(&printed["status"]);
+                (printed, result)
             }
             Self::Script(module, script) => {
                 let path = repository().join(format!("modules/{module}/scripts/{script}.toml"));
@@ -77,15 +77,15 @@ impl Subject {
                 let level: String = level.chars().take_while(char::is_ascii_digit).collect();
                 let session = folder.join(format!("{module}-{script}-{threads}.session"));
                 let args = ["--level", &level, "--input", &input, "--threads", &threads];
-                let said = run(module, &session, &args);
-                let result = format!("{} {}", text(&said["verdict"]), said["score"]);
-                (said, result)
+                let printed = run(module, &session, &args);
+                let result = format!("{} {}", text(&printed["verdict"]), printed["score"]);
+                (printed, result)
             }
         };
         Row {
             subject: self.clone(),
-            physics_digest: text(&said["physics_digest"]),
-            state_hash: text(&said["state_hash"]),
+            physics_digest: text(&printed["physics_digest"]),
+            state_hash: text(&printed["state_hash"]),
             result,
         }
     }

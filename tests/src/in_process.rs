@@ -34,7 +34,7 @@ pub fn engine(plan: &RunPlan) -> Engine {
     started.expect("the plugins start")
 }
 
-/// One tick, as the host does it: the level is told to begin with the first.
+/// One tick, as the host does it: the level begins with the first.
 pub fn tick(engine: &mut Engine) -> TickOutput {
     let mut control = Vec::new();
     if engine.tick_index() == 0 {

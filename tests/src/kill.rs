@@ -38,7 +38,7 @@ pub struct Remains {
     pub on_file: u64,
     /// Between the last write to the session and the kill, by the file's modification time \[s\].
     pub silence: f64,
-    /// What the reader says of the end of the file.
+    /// What the reader reports of the end of the file.
     pub complaint: String,
     /// Whether a fresh process recomputes what is left to the bit.
     pub verified: bool,

@@ -1,9 +1,9 @@
 //! The harness of the integration tests: they run the built program on the built tree, as a user would.
 //!
-//! The tree is what `cargo xtask build` makes; `cargo xtask test` builds it first and says where it lies.
+//! The tree is what `cargo xtask build` makes; `cargo xtask test` builds it first and passes its place on.
 //!
-//! - here: running the program and hearing what it says;
-//! - [`alter`]: sessions written anew with one thing changed;
+//! - here: running the program and reading its output;
+//! - [`alter`]: sessions written again with one value changed;
 //! - [`comb`]: a band that is cut a hundred times;
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
 //! - [`detected`]: contact for a solver without a scene;
@@ -94,9 +94,9 @@ pub fn fixture_library(package: &str) -> PathBuf {
     })
 }
 
-/// What the program said.
+/// The output of the program.
 #[derive(Clone, Debug)]
-pub struct Said {
+pub struct Finished {
     /// Exit status; `None` if a signal ended it.
     pub code: Option<i32>,
     /// Standard output.
@@ -105,7 +105,7 @@ pub struct Said {
     pub err: String,
 }
 
-impl From<Output> for Said {
+impl From<Output> for Finished {
     fn from(output: Output) -> Self {
         Self {
             code: output.status.code(),
@@ -115,7 +115,7 @@ impl From<Output> for Said {
     }
 }
 
-impl Said {
+impl Finished {
     /// The one JSON document on standard output.
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e} in: {self:?}"))
@@ -141,39 +141,39 @@ where
 }
 
 /// Runs a command to its end.
-pub fn hear(command: &mut Command) -> Said {
+pub fn finish(command: &mut Command) -> Finished {
     command.output().expect("the built program starts").into()
 }
 
 /// Runs the program in the repository's root.
-pub fn microsim<I, S>(args: I) -> Said
+pub fn microsim<I, S>(args: I) -> Finished
 where
     I: IntoIterator<Item = S>,
     S: AsRef<std::ffi::OsStr>,
 {
-    hear(&mut command(args))
+    finish(&mut command(args))
 }
 
-/// `microsim run MODULE ARGS… --session SESSION --json`; what it said on standard output.
+/// `microsim run MODULE ARGS… --session SESSION --json`; its standard output.
 #[track_caller]
 pub fn run(module: &str, session: &Path, args: &[&str]) -> serde_json::Value {
     let mut command = command(["run", module, "--json", "--session"]);
-    hear(command.arg(session).args(args)).expect(0).json()
+    finish(command.arg(session).args(args)).expect(0).json()
 }
 
 /// `microsim replay SESSION --verify --json ARGS…`.
-pub fn verify(session: &Path, args: &[&str]) -> Said {
+pub fn verify(session: &Path, args: &[&str]) -> Finished {
     let mut command = command(["replay", "--verify", "--json"]);
-    hear(command.arg(session).args(args))
+    finish(command.arg(session).args(args))
 }
 
 /// Fails the test unless a fresh process recomputes the session to the bit, to its very end.
 #[track_caller]
 pub fn assert_verified(session: &Path) {
-    let said = verify(session, &[]).expect(0).json();
-    assert_eq!(said["verified"], true, "{said}");
-    assert_eq!(said["complaint"], serde_json::Value::Null, "{said}");
-    assert_eq!(said["state_hash"], said["recorded_hash"], "{said}");
+    let printed = verify(session, &[]).expect(0).json();
+    assert_eq!(printed["verified"], true, "{printed}");
+    assert_eq!(printed["complaint"], serde_json::Value::Null, "{printed}");
+    assert_eq!(printed["state_hash"], printed["recorded_hash"], "{printed}");
 }
 
 /// The report that `run` has left beside its session.

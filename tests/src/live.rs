@@ -1,6 +1,6 @@
 //! The built tree with one more plugin: the fixture `timer-source`, whose samples come when they like.
 
-use crate::{Said, command, fixture_library, hear, repository, scratch, tree};
+use crate::{Finished, command, finish, fixture_library, repository, scratch, tree};
 use serde_json::Value;
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -37,7 +37,7 @@ fn link_all(from: &Path, to: &Path, but: &str) {
 }
 
 impl LiveTree {
-    /// The built tree, its folders as links, and the fixture. `behaviour`: what the fixture's `behaviour.json` says.
+    /// The built tree, its folders as links, and the fixture. `behaviour`: the fixture's `behaviour.json`.
     ///
     /// # Panics
     /// If the folder cannot be made.
@@ -121,8 +121,8 @@ impl LiveTree {
     }
 
     /// `microsim replay SESSION --verify --json` on this tree.
-    pub fn verify(&self, session: &Path) -> Said {
+    pub fn verify(&self, session: &Path) -> Finished {
         let mut command = command(["replay", "--verify", "--json"]);
-        hear(command.arg(session).arg("--root").arg(self.root()))
+        finish(command.arg(session).arg("--root").arg(self.root()))
     }
 }

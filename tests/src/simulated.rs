@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-/// Runs `microsim simulate SCENE --json` with these overrides; the error is what it said.
+/// Runs `microsim simulate SCENE --json` with these overrides; the error is its standard error.
 pub fn simulate(scene: &str, set: &[String]) -> Result<Value, String> {
     let mut command = crate::command(["simulate", scene, "--json"]);
     for set in set {

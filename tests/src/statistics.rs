@@ -1,10 +1,10 @@
 //! Percentiles of measurements, and how far two groups of them lie apart.
 
-/// The value below which `share` (0…1) of the values lie, by nearest rank; NaN without values.
-pub fn percentile(values: &[f64], share: f64) -> f64 {
+/// The value below which `fraction` (0…1) of the values lie, by nearest rank; NaN without values.
+pub fn percentile(values: &[f64], fraction: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let rank = (share * sorted.len() as f64).ceil() as usize;
+    let rank = (fraction * sorted.len() as f64).ceil() as usize;
     sorted
         .get(rank.saturating_sub(1))
         .copied()

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct System {
     /// The stiffness that was assembled last.
     pub matrix: BlockMatrix,
-    /// What solves, in the way of the pattern.
+    /// The linear solver that the pattern chooses.
     pub solver: LinearSolver,
     /// Where each set of elements adds its blocks.
     slots: Vec<Slots>,

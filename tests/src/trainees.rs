@@ -1,4 +1,4 @@
-//! Synthetic trainees: made by the program from the passing script of a level, run, and what their reports say.
+//! Synthetic trainees: made by the program from the passing script of a level, run, and their reports.
 
 use crate::{microsim, tree};
 use serde_json::Value;
@@ -24,7 +24,7 @@ pub fn make(module: &str, level: u32, profile: &str, seed: u64, folder: &Path) -
     out
 }
 
-/// Runs a script beside which the session and its report are written; gives the session, what was said, and the report.
+/// Runs a script beside which the session and its report are written; gives the session, the output, and the report.
 #[track_caller]
 pub fn run(module: &str, level: u32, script: &Path) -> (PathBuf, Value, Value) {
     let session = script.with_extension("session");
@@ -41,10 +41,14 @@ pub fn run(module: &str, level: u32, script: &Path) -> (PathBuf, Value, Value) {
         text(&session),
         "--json",
     ];
-    let said = microsim(args).expect(0).json();
+    let printed = microsim(args).expect(0).json();
     let report = std::fs::read_to_string(script.with_extension("json"))
         .expect("a report beside the session");
-    (session, said, serde_json::from_str(&report).expect("JSON"))
+    (
+        session,
+        printed,
+        serde_json::from_str(&report).expect("JSON"),
+    )
 }
 
 fn text(path: &Path) -> &str {
@@ -66,7 +70,7 @@ pub fn largest_force(report: &Value) -> f64 {
 const JUMP: f64 = 0.03;
 
 /// Ticks with a force or grip of a tool of at least 30 mN that is three times that of the tick before and of the one after: no hand is
-/// so quick within 8 ms, the computation is at fault. Before and after a contact there is no force; what the last tick of a session
+/// so fast within 8 ms, the computation is at fault. Before and after a contact there is no force; what the last tick of a session
 /// is followed by is not known.
 pub fn jumps(report: &Value) -> usize {
     let tick = report["session"]["tick_s"].as_f64().unwrap_or(f64::NAN);
@@ -102,7 +106,7 @@ fn numbers(list: &Value) -> Vec<f64> {
 pub const TIME_METRICS: [&str; 2] = ["time", "idle-share"];
 
 /// Scores of a report by category, and their mean at the end, formed again from the points of its metrics without those of `left_out`:
-/// a category is the mean of its points times the share of the targets, and absent without points. Target achievement is never absent.
+/// a category is the mean of its points times the fraction of the targets, and absent without points. Target achievement is never absent.
 pub fn scores(report: &Value, left_out: &[&str]) -> Vec<(String, f64)> {
     let share = report["targets_done"].as_f64().unwrap_or(f64::NAN)
         / report["targets"].as_f64().unwrap_or(f64::NAN);

@@ -1,8 +1,8 @@
-//! The model error that levels state: measured anew it is what the files say, and a level whose tissue or mesh was changed without
+//! The model error that levels state: measured again it is what the files state, and a level whose tissue or mesh was changed without
 //! a new figure is found out. `microsim tune --verify` compares with the exact solution on a mesh of three times the cells along each
 //! edge, whose values are in the file, and these with a mesh of twice the cells, which it computes.
 
-use microsim_tests::{command, hear, microsim, scratch, tree};
+use microsim_tests::{command, finish, microsim, scratch, tree};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -40,11 +40,11 @@ fn the_model_error_of_every_level_is_what_its_file_states() {
     for (module, levels) in [(MODULE, 6), ("push-strip", 4)] {
         for level in 1..=levels {
             let level = level.to_string();
-            let said = microsim(["tune", module, "--level", &level, "--verify"]).expect(0);
+            let printed = microsim(["tune", module, "--level", &level, "--verify"]).expect(0);
             assert!(
-                said.out.contains("confirmed"),
+                printed.out.contains("confirmed"),
                 "{module}, level {level}: {}",
-                said.out
+                printed.out
             );
         }
     }
@@ -58,7 +58,7 @@ fn a_level_that_was_changed_without_a_new_figure_is_found_out() {
     let original = fs::read_to_string(&file).expect("a level");
     let verify = || {
         let mut command = command(["tune", MODULE, "--level", "1", "--verify"]);
-        hear(command.arg("--root").arg(folder.path()))
+        finish(command.arg("--root").arg(folder.path()))
     };
     verify().expect(0);
     for (from, to) in [
@@ -74,7 +74,11 @@ fn a_level_that_was_changed_without_a_new_figure_is_found_out() {
         let changed = original.replacen(from, to, 1);
         assert_ne!(changed, original, "the level has no `{from}`");
         fs::write(&file, changed).expect("a changed level");
-        let said = verify().expect(1);
-        assert!(said.out.contains("NOT CONFIRMED"), "{to}: {}", said.out);
+        let printed = verify().expect(1);
+        assert!(
+            printed.out.contains("NOT CONFIRMED"),
+            "{to}: {}",
+            printed.out
+        );
     }
 }

@@ -2,8 +2,8 @@
 //! doing nothing. Modules, levels and scripts are found, not listed: a new module is tested as it is.
 
 use microsim_tests::{
-    RECORDING, Said, assert_verified, command, hear, microsim, report_beside, repository, run,
-    scratch, tree,
+    Finished, RECORDING, assert_verified, command, finish, microsim, report_beside, repository,
+    run, scratch, tree,
 };
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -69,9 +69,9 @@ impl Level {
 
     /// Plays a script, and computes the session again.
     fn run(&self, folder: &Path, name: &str, script: &Path, args: &[&str]) -> Value {
-        let (said, session) = self.play(folder, name, script, args);
+        let (printed, session) = self.play(folder, name, script, args);
         assert_verified(&session);
-        said
+        printed
     }
 
     fn play(&self, folder: &Path, name: &str, script: &Path, args: &[&str]) -> (Value, PathBuf) {
@@ -108,22 +108,22 @@ fn script_does_what_it_is_for(level: &Level, reason: Option<&str>, script: &Path
     // A level may have several that pass.
     let name = script.file_stem().and_then(|name| name.to_str());
     let name = name.expect("it was listed by its name");
-    let said = level.run(folder, name, script, &[]);
-    let what = format!("{}: {said}", script.display());
-    assert_eq!(said["counts"], true, "{what}");
+    let printed = level.run(folder, name, script, &[]);
+    let what = format!("{}: {printed}", script.display());
+    assert_eq!(printed["counts"], true, "{what}");
     match reason {
         None => {
-            assert_eq!(said["verdict"], "passed", "{what}");
-            assert_eq!(said["failed"], json!([]), "{what}");
-            assert_eq!(said["targets_done"], said["targets"], "{what}");
+            assert_eq!(printed["verdict"], "passed", "{what}");
+            assert_eq!(printed["failed"], json!([]), "{what}");
+            assert_eq!(printed["targets_done"], printed["targets"], "{what}");
             assert!(
-                said["score"].as_f64().is_some_and(|score| score > 0.0),
+                printed["score"].as_f64().is_some_and(|score| score > 0.0),
                 "{what}"
             );
         }
         Some(reason) => {
-            assert_eq!(said["verdict"], "failed", "{what}");
-            assert_eq!(said["failed"], json!([reason]), "{what}");
+            assert_eq!(printed["verdict"], "failed", "{what}");
+            assert_eq!(printed["failed"], json!([reason]), "{what}");
         }
     }
 }
@@ -160,10 +160,10 @@ fn doing_nothing_scores_nothing() {
     let script = folder.path().join("idle.toml");
     fs::write(&script, IDLE).expect("a script");
     for level in levels() {
-        let said = level.run(folder.path(), "idle", &script, &[]);
-        assert_eq!(said["verdict"], "failed", "{said}");
-        assert_eq!(said["score"], 0.0, "{said}");
-        assert_eq!(said["targets_done"], 0, "{said}");
+        let printed = level.run(folder.path(), "idle", &script, &[]);
+        assert_eq!(printed["verdict"], "failed", "{printed}");
+        assert_eq!(printed["score"], 0.0, "{printed}");
+        assert_eq!(printed["targets_done"], 0, "{printed}");
     }
 }
 
@@ -183,10 +183,10 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held_nor_cut() {
             .filter(|(reason, _)| reason.is_none())
         {
             let done_without = |what: &str| {
-                let (said, _) = level.play(folder.path(), what, &script, &["--without", what]);
-                assert_eq!(said["verdict"], "failed", "{said}");
-                assert_eq!(said["counts"], false, "{said}");
-                said["targets_done"].as_u64().expect("a number")
+                let (printed, _) = level.play(folder.path(), what, &script, &["--without", what]);
+                assert_eq!(printed["verdict"], "failed", "{printed}");
+                assert_eq!(printed["counts"], false, "{printed}");
+                printed["targets_done"].as_u64().expect("a number")
             };
             assert_eq!(done_without("physics"), 0);
             tried[0] += 1;
@@ -225,10 +225,13 @@ fn coordination_is_not_passed_without_what_its_levels_use() {
             let mut fails = |what: &'static str| {
                 let script = passing.file_stem().unwrap_or_default().to_string_lossy();
                 let name = format!("{script}-without-{what}");
-                let (said, _) = level.play(folder.path(), &name, &passing, &["--without", what]);
+                let (printed, _) = level.play(folder.path(), &name, &passing, &["--without", what]);
                 let script = passing.display().to_string();
-                assert_eq!(said["verdict"], "failed", "{script} without {what}: {said}");
-                assert_eq!(said["counts"], false, "{said}");
+                assert_eq!(
+                    printed["verdict"], "failed",
+                    "{script} without {what}: {printed}"
+                );
+                assert_eq!(printed["counts"], false, "{printed}");
                 tried.insert((script, what));
             };
             fails("physics");
@@ -262,8 +265,8 @@ fn the_report_has_the_recordings_raw_numbers() {
     assert!((path - 1109.963).abs() < 0.001, "{path} mm");
 
     // `report` finds the same as `run` has written.
-    let said = microsim(["report".as_ref(), session.as_os_str(), "--json".as_ref()]).expect(0);
-    assert_eq!(said.json()["input"], report["input"]);
+    let printed = microsim(["report".as_ref(), session.as_os_str(), "--json".as_ref()]).expect(0);
+    assert_eq!(printed.json()["input"], report["input"]);
 }
 
 /// Names of the folders in a folder of the repository.
@@ -326,8 +329,8 @@ fn modules_and_levels_speak_both_languages() {
 
 fn explained(module: &str, args: &[&str]) -> (Vec<String>, Value) {
     let mut command = command(["run", module, "--explain", "--json"]);
-    let said: Said = hear(command.args(args)).expect(0);
-    let plan = said.json();
+    let printed: Finished = finish(command.args(args)).expect(0);
+    let plan = printed.json();
     let plugins = plan["plugins"].as_array().expect("plugins").iter();
     let names = plugins
         .map(|p| p["name"].as_str().expect("a name").to_owned())
@@ -475,12 +478,12 @@ fn explain_lists_the_parts_of_every_level_of_coordination() {
 fn the_json_of_a_run_has_its_fields() {
     let folder = scratch();
     let session = folder.path().join("run.session");
-    let said = run(
+    let printed = run(
         "touch-spheres",
         &session,
         &["--input", "script:level1-pass.toml"],
     );
-    let fields: BTreeSet<&str> = said
+    let fields: BTreeSet<&str> = printed
         .as_object()
         .expect("an object")
         .keys()
@@ -506,8 +509,8 @@ fn the_json_of_a_run_has_its_fields() {
         "verdict",
     ];
     assert_eq!(fields, expected.into());
-    assert_eq!(said["session"].as_str(), session.to_str());
-    assert_eq!(said["state_hash"].as_str().map(str::len), Some(64));
+    assert_eq!(printed["session"].as_str(), session.to_str());
+    assert_eq!(printed["state_hash"].as_str().map(str::len), Some(64));
     for file in ["html", "json", "metrics.csv", "series.csv"] {
         assert!(session.with_extension(file).is_file(), "{file}");
     }
@@ -515,8 +518,8 @@ fn the_json_of_a_run_has_its_fields() {
     // The pass that was asked for is there, or it is not: the exit status says so.
     let mut passing = command(["run", "touch-spheres", "--require-pass", "--session"]);
     passing.arg(folder.path().join("pass.session"));
-    hear(passing.args(["--input", "script:level1-pass.toml"])).expect(0);
+    finish(passing.args(["--input", "script:level1-pass.toml"])).expect(0);
     let mut failing = command(["run", "touch-spheres", "--require-pass", "--session"]);
     failing.arg(folder.path().join("fail.session"));
-    hear(failing.args(["--input", "script:level1-fail-wrong-angle.toml"])).expect(1);
+    finish(failing.args(["--input", "script:level1-fail-wrong-angle.toml"])).expect(1);
 }

@@ -1,8 +1,8 @@
-//! Ways for a run to end: told to stop, or killed.
+//! How a run can end early: stopped by a signal, or killed.
 
 use microsim_host::record::{Ended, Session};
 use microsim_tests::kill::{Moment, Target, moments};
-use microsim_tests::{Said, assert_verified, comb, command, report_beside, scratch};
+use microsim_tests::{Finished, assert_verified, comb, command, report_beside, scratch};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -55,16 +55,16 @@ fn ends_in_order(signal_name: &str) {
     wait_for(&session, 50);
     signal(&child, signal_name);
     let start = Instant::now();
-    let said: Said = child.wait_with_output().expect("the run ends").into();
+    let printed: Finished = child.wait_with_output().expect("the run ends").into();
     assert!(start.elapsed() < PATIENCE, "{signal_name} was not heard");
-    let said = said.expect(0).json();
-    assert_eq!(said["verdict"], "aborted", "{said}");
-    assert_eq!(said["counts"], false, "{said}");
+    let printed = printed.expect(0).json();
+    assert_eq!(printed["verdict"], "aborted", "{printed}");
+    assert_eq!(printed["counts"], false, "{printed}");
 
     let read = Session::read(&fs::read(&session).expect("a session")).expect("a session");
     assert_eq!(read.complaint, None);
     assert_eq!(read.end.map(|end| end.ended), Some(Ended::Result));
-    assert_eq!(said["ticks"].as_u64(), Some(read.ticks.len() as u64));
+    assert_eq!(printed["ticks"].as_u64(), Some(read.ticks.len() as u64));
     let report = report_beside(&session);
     assert_eq!(report["verdict"], "aborted");
     assert_eq!(report["failed"], serde_json::json!(["aborted"]));

@@ -1,4 +1,4 @@
-//! A small sample of synthetic trainees: what is true of all of them by the way they are made. How groups of them differ is measured by
+//! A small sample of synthetic trainees: what is true of all of them by construction. How groups of them differ is measured by
 //! `cargo xtask soak trainees`, and shows nothing about people.
 
 use microsim_tests::{microsim, trainees};
@@ -7,7 +7,7 @@ use std::path::Path;
 /// A level that costs little, and one of a surgical module; numbers of trainees.
 const SAMPLES: [(&str, u32, &[u64]); 2] = [("push-strip", 3, &[1, 2]), ("coordination", 2, &[1])];
 
-/// Both kinds come to an end with a verdict, are labelled in session, page, tables and whatever the program says, and replay to the bit;
+/// Both kinds come to an end with a verdict, are labelled in session, page, tables and all output, and replay to the bit;
 /// on coordination they press no harder than a hand can. The same number gives the same bytes, another one others.
 #[test]
 fn trainees_run_are_labelled_and_replay() {
@@ -39,14 +39,14 @@ fn trainees_run_are_labelled_and_replay() {
     }
 }
 
-/// One run of a trainee made as `made` says.
+/// One run of a trainee made as `made` prescribes.
 fn runs(module: &str, level: u32, script: &Path, made: &str) {
-    let (session, said, report) = trainees::run(module, level, script);
+    let (session, printed, report) = trainees::run(module, level, script);
     let verdict = &report["verdict"];
     assert!(verdict == "passed" || verdict == "failed", "{verdict}");
     let label = format!("{made}, from level{level}-pass.toml");
     assert_eq!(report["session"]["synthetic"], *label);
-    assert_eq!(said["synthetic"], *label);
+    assert_eq!(printed["synthetic"], *label);
     let read = |extension: &str| {
         let path = script.with_extension(extension);
         std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
@@ -75,8 +75,8 @@ fn runs(module: &str, level: u32, script: &Path, made: &str) {
         let played = script.with_extension("played.session");
         let input = format!("recording:{}", session.display());
         let level = level.to_string();
-        let said = microsim_tests::run(module, &played, &["--level", &level, "--input", &input]);
-        assert_eq!(said["synthetic"], *label);
+        let printed = microsim_tests::run(module, &played, &["--level", &level, "--input", &input]);
+        assert_eq!(printed["synthetic"], *label);
     }
 }
 
@@ -89,8 +89,8 @@ fn what_cannot_be_made_is_refused() {
     let other = folder.path().join("other.toml");
     let other = other.to_str().expect("UTF-8");
     let make = |plan: &str, profile: &str, out: &str| {
-        let said = microsim(["trainee", plan, "--profile", profile, "--out", out]);
-        said.expect(2).err
+        let printed = microsim(["trainee", plan, "--profile", profile, "--out", out]);
+        printed.expect(2).err
     };
     assert!(make(script, "expert", other).contains("synthetic trainee already"));
     let plan = "modules/push-strip/scripts/level1-pass.toml";

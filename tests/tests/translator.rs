@@ -1,8 +1,8 @@
-//! The instrument and the tool know nothing of each other: config alone says which device drives what.
+//! The instrument and the tool know nothing of each other: config alone decides which device drives what.
 
 use microsim_host::record::Session;
 use microsim_message::{ToolSample, ToolStates, decode};
-use microsim_tests::{RECORDING, hear, repository, scratch, tree};
+use microsim_tests::{RECORDING, finish, repository, scratch, tree};
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
@@ -54,7 +54,7 @@ fn played(root: &Path) -> (Vec<ToolStates>, Vec<ToolSample>) {
         "--session",
     ])
     .arg(&session);
-    hear(&mut run).expect(0);
+    finish(&mut run).expect(0);
     let session = Session::read(&fs::read(&session).expect("read")).expect("a session");
     let frames = |log: &[u8]| -> Vec<(Option<ToolStates>, Option<ToolSample>)> {
         let frames = microsim_bus::Frames::new(log).filter_map(Result::ok);

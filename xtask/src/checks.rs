@@ -22,7 +22,7 @@ pub enum Outcome {
 }
 
 /// Runs all checks; a check that fails does not keep the next from running. `harness` goes to every test program.
-pub fn check(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result<(), Failure> {
+pub fn check(workspace: &Workspace, short: bool, harness: &[OsString]) -> Result<(), Failure> {
     let mut phases = Phases::default();
     phases.run("set-up", || {
         setup::setup(Mode::Install).map(|()| Outcome::Passed)
@@ -33,7 +33,7 @@ pub fn check(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result
     phases.run("documentation", || documentation(workspace))?;
     phases.run("licences", || dependencies::licences(workspace))?;
     phases.run("advisories", || dependencies::advisories(workspace))?;
-    phases.run("tests", || tests(workspace, quick, harness))?;
+    phases.run("tests", || tests(workspace, short, harness))?;
     phases.report();
     let failed = phases.failed();
     if failed.is_empty() {
@@ -79,11 +79,11 @@ fn has_component(workspace: &Workspace, subcommand: &str, component: &str) -> bo
     has
 }
 
-fn tests(workspace: &Workspace, quick: bool, harness: &[OsString]) -> Result<Outcome, Failure> {
+fn tests(workspace: &Workspace, short: bool, harness: &[OsString]) -> Result<Outcome, Failure> {
     let mut cargo = workspace.cargo_with_tree();
     // One failing crate does not hide the others' results.
     cargo.args(["test", "--release", "--workspace", "--no-fail-fast"]);
-    if quick {
+    if short {
         cargo.args(["--exclude", "microsim-tests"]);
     }
     if !harness.is_empty() {

@@ -1,4 +1,4 @@
-//! Starts other programs and says on standard error which.
+//! Starts other programs and prints their command lines on standard error.
 
 use crate::failure::Failure;
 use std::ffi::OsStr;
@@ -12,7 +12,7 @@ pub fn run(command: &mut Command) -> Result<ExitStatus, Failure> {
     command.status().map_err(|e| not_started(command, &e))
 }
 
-/// Runs a program that has to succeed; if it does not, it has said why.
+/// Runs a program that has to succeed; if it does not, it has printed why.
 pub fn must(command: &mut Command) -> Result<(), Failure> {
     let status = run(command)?;
     if status.success() {

@@ -16,7 +16,7 @@ pub enum Command {
     /// All checks.
     Test {
         /// Without the integration tests.
-        quick: bool,
+        short: bool,
         /// For the test programs.
         harness: Vec<OsString>,
     },
@@ -96,7 +96,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Command, Strin
         "build" => Command::Build,
         "test" => Command::Test {
             harness: after_dashes(&mut rest),
-            quick: flag(&mut rest, "--quick"),
+            short: flag(&mut rest, "--quick"),
         },
         "setup" => Command::Setup {
             check: flag(&mut rest, "--check"),
@@ -125,7 +125,7 @@ fn after_dashes(words: &mut Vec<OsString>) -> Vec<OsString> {
     after
 }
 
-/// Takes a flag; says whether it was there.
+/// Takes a flag; returns whether it was there.
 fn flag(words: &mut Vec<OsString>, name: &str) -> bool {
     let at = words.iter().position(|word| word == name);
     at.map(|at| words.remove(at)).is_some()
@@ -191,10 +191,10 @@ mod tests {
                 r#"Run(["push-strip", "--help", "--", "x"])"#,
             ),
             ("build", "Build"),
-            ("test", "Test { quick: false, harness: [] }"),
+            ("test", "Test { short: false, harness: [] }"),
             (
                 "test --quick -- --quick a",
-                r#"Test { quick: true, harness: ["--quick", "a"] }"#,
+                r#"Test { short: true, harness: ["--quick", "a"] }"#,
             ),
             ("setup", "Setup { check: false }"),
             ("setup --check", "Setup { check: true }"),
@@ -223,7 +223,7 @@ mod tests {
             ("help", "Help"),
             ("--help", "Help"),
             ("test -h", "Help"),
-            ("test -- -h", r#"Test { quick: false, harness: ["-h"] }"#),
+            ("test -- -h", r#"Test { short: false, harness: ["-h"] }"#),
         ] {
             assert_eq!(parsed(line), expected, "{line}");
         }

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 /// The version that is installed; one of the same name on the PATH will do as well.
 const VERSION: &str = "0.20.2";
 
-/// Where advisories are published: a git repository, the one thing of the checks that does not come from crates.io.
+/// Where advisories are published: a git repository, the only source of the checks that does not come from crates.io.
 const ADVISORIES: &str = "https://github.com/RustSec/advisory-db";
 
 /// Fails where a dependency has a licence or comes from a place that `deny.toml` does not list.

@@ -10,7 +10,7 @@ pub enum Failure {
     Check(String),
     /// What was asked for could not be done: 2.
     Cannot(String),
-    /// A program that was started said itself why it stops: its own code.
+    /// A program that was started has printed why it stops: its own code.
     Child(u8),
 }
 

@@ -1,5 +1,5 @@
 //! `cargo xtask`: one program that builds, runs and checks MicroSim, the same for people and for servers. Needs nothing
-//! but cargo; [`command`] says what it can do.
+//! but cargo; [`command`] lists what it can do.
 
 #![forbid(unsafe_code)]
 
@@ -57,7 +57,7 @@ fn act(command: Command) -> Result<(), Failure> {
             }
         }
         Command::Build => tree::build(&workspace),
-        Command::Test { quick, harness } => checks::check(&workspace, quick, &harness),
+        Command::Test { short, harness } => checks::check(&workspace, short, &harness),
         Command::Setup { check: true } => setup::setup(Mode::Report),
         Command::Setup { check: false } => setup::setup(Mode::InstallAloud),
         Command::NewModule { name, folder } => new_module::create(&workspace, &name, folder),

@@ -9,7 +9,7 @@ use std::ffi::OsString;
 /// A program with a name.
 #[derive(Debug)]
 pub struct Program {
-    /// As the command line says it.
+    /// On the command line.
     pub name: &'static str,
     /// The package that has it.
     pub package: &'static str,
@@ -113,7 +113,7 @@ pub const SOAKS: &[Program] = &[
     },
 ];
 
-/// The program of a name; all of them without one. An unknown name is told the known ones.
+/// The program of a name; all of them without one. The error of an unknown name lists the known ones.
 pub fn select(
     programs: &'static [Program],
     name: Option<&str>,

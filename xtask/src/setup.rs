@@ -1,7 +1,7 @@
 //! `cargo xtask setup`: what the system has to bring, and getting it where that is possible.
 //!
 //! The program itself needs nothing but a linker to be built. Pictures need a Vulkan driver (a software one does);
-//! without it everything else runs, so a missing driver is said and is no failure.
+//! without it everything else runs, so a missing driver is reported and is no failure.
 
 use crate::failure::Failure;
 use std::env;
@@ -40,11 +40,11 @@ const DRIVER_VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 /// How far the set-up goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Installs what is missing, if this user may, and says only what is or was missing.
+    /// Installs what is missing, if this user may, and prints only what is or was missing.
     Install,
-    /// As `Install`, and says what is there too.
+    /// As `Install`, and prints what is there too.
     InstallAloud,
-    /// Says what is there and what is missing; installs nothing.
+    /// Prints what is there and what is missing; installs nothing.
     Report,
 }
 
@@ -204,14 +204,14 @@ fn install() -> Result<(), Missing> {
         Err(_) => apt(&["update", "-qq"]).and_then(|()| apt(&install)),
         done => done,
     };
-    installed.map_err(|said| {
+    installed.map_err(|printed| {
         Missing::package(format!(
-            "no Vulkan driver, and apt-get could not install one ({said})"
+            "no Vulkan driver, and apt-get could not install one ({printed})"
         ))
     })
 }
 
-/// Runs apt-get silently; the error is the last line that it said.
+/// Runs apt-get silently; the error is the last line that it printed.
 fn apt(arguments: &[&str]) -> Result<(), String> {
     let output = Command::new("apt-get")
         .args(arguments)
@@ -222,8 +222,11 @@ fn apt(arguments: &[&str]) -> Result<(), String> {
     if output.status.success() {
         return Ok(());
     }
-    let said = String::from_utf8_lossy(&output.stderr);
-    let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
+    let printed = String::from_utf8_lossy(&output.stderr);
+    let last = printed
+        .lines()
+        .map(str::trim)
+        .rfind(|line| !line.is_empty());
     Err(last.unwrap_or("it did not say why").to_owned())
 }
 

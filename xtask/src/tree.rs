@@ -150,7 +150,7 @@ fn names(folder: &Path) -> Result<Vec<String>, Failure> {
     Ok(names)
 }
 
-/// Makes the tree hold what the plan says; returns how many files were written and removed.
+/// Makes the tree hold what the plan lists; returns how many files were written and removed.
 fn apply(plan: &Plan, tree: &Path) -> Result<(usize, usize), Failure> {
     let mut removed = 0;
     for folder in FOLDERS.map(PathBuf::from) {
@@ -184,7 +184,7 @@ fn remove_stale(plan: &Plan, tree: &Path, folder: &Path) -> Result<usize, Failur
     Ok(removed)
 }
 
-/// Copies a file if the target's content differs; says whether it did. Whoever has the old one open keeps it.
+/// Copies a file if the target's content differs; returns whether it did. Whoever has the old one open retains it.
 fn update(from: &Path, to: &Path) -> Result<bool, Failure> {
     let new = fs::read(from).map_err(|e| cannot("read", from, &e))?;
     if fs::read(to).is_ok_and(|old| old == new) {

@@ -1,11 +1,11 @@
-//! Where things lie: the repository, cargo's target folder and the tree that is assembled there.
+//! Where everything lies: the repository, cargo's target folder and the tree that is assembled there.
 
 use crate::failure::Failure;
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Name under which the integration tests are told where the assembled tree lies.
+/// Environment variable that names the assembled tree to the integration tests.
 pub const TREE_VARIABLE: &str = "MICROSIM_TREE";
 
 /// The folders of this workspace.
@@ -18,7 +18,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Of the running program. Cargo put it into `<target>/release`, so CARGO_TARGET_DIR and every other way to name
+    /// Of the running program. Cargo put it into `<target>/release`, so CARGO_TARGET_DIR and every other means to name
     /// the target folder is honoured.
     pub fn here() -> Result<Self, Failure> {
         let program = env::current_exe()

@@ -26,7 +26,7 @@ const SECTIONS: [Section; 4] = [
     ("size", |text| size::measure(text).map(|()| None)),
 ];
 
-/// Measures the sections of these names, or all of them, and prints them. Only all together are kept.
+/// Measures the sections of these names, or all of them, and prints them. Only all together are written to a file.
 fn measure(names: &[String]) -> Result<(), String> {
     let known = |name: &&String| SECTIONS.iter().all(|(section, _)| section != name);
     if let Some(unknown) = names.iter().find(known) {

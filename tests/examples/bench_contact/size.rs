@@ -153,7 +153,7 @@ impl Meeting {
         }
     }
 
-    /// Time of finding points while lists hold, and when they have to be made anew \[s\].
+    /// Time of finding points while lists hold, and when they have to be rebuilt \[s\].
     fn detection(&mut self) -> [f64; 2] {
         let mut places = [self.start.positions.clone(), self.start.positions.clone()];
         let mut times = [0.0; 2];

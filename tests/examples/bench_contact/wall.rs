@@ -12,7 +12,7 @@ const END: f64 = -2.0e-3;
 const SPEEDS: [f64; 6] = [0.01, 0.05, 0.2, 0.5, 1.0, 2.0];
 const TICKS: [u32; 5] = [1, 2, 4, 8, 16];
 
-/// Way of the probe \[m\].
+/// Displacement of the probe \[m\].
 const WAY: f64 = 3.05e-3;
 
 const METHODS: [(&str, &str); 4] = [

@@ -3,7 +3,7 @@
 /// The peak is the largest sag before the curve has fallen for this time \[s\]; given up after the second one.
 const FALLEN: f64 = 0.05;
 const NO_PEAK: f64 = 0.6;
-/// At rest: within this share of the exact sag, for this time \[s\] and number of steps.
+/// At rest: within this fraction of the exact sag, for this time \[s\] and number of steps.
 const BAND: f64 = 0.01;
 const STAYS: (f64, usize) = (0.5, 5);
 
@@ -83,7 +83,7 @@ impl Resting {
         }
     }
 
-    /// The error of a reading \[m\], as a share of the exact sag.
+    /// The error of a reading \[m\], relative to the exact sag.
     pub fn error(&self, sag: f64) -> f64 {
         sag / self.exact - 1.0
     }

@@ -64,7 +64,7 @@ fn reference() -> Result<impl Fn(&str, &str) -> [Option<f64>; 3], String> {
     })
 }
 
-/// Computes all values, says how far they are from the reference, and writes them.
+/// Computes all values, prints how far they are from the reference, and writes them.
 pub fn write() -> Result<(), String> {
     let reference = reference()?;
     let mut table = json!({});

@@ -1,6 +1,6 @@
 //! The virtual environment of the other engines, and what is installed in it.
 
-use crate::peers::{Engine, said};
+use crate::peers::{Engine, printed};
 use microsim_tests::repository;
 use std::fs;
 use std::io::ErrorKind;
@@ -36,7 +36,7 @@ pub fn environment(folder: &Path) -> Result<PathBuf, String> {
         }
     }
     let mut venv = Command::new("python3");
-    said(venv.args(["-m", "venv"]).arg(&environment)).map_err(|why| {
+    printed(venv.args(["-m", "venv"]).arg(&environment)).map_err(|why| {
         // What was begun would be taken for an environment the next time.
         let _ = fs::remove_dir_all(&environment);
         format!("Python makes no virtual environment, so its module `venv` or `ensurepip` is missing (Debian: `apt install python3-venv`): {why}")
@@ -44,7 +44,7 @@ pub fn environment(folder: &Path) -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// Installs what an engine needs, unless it is there. The error says in one sentence why it is not.
+/// Installs what an engine needs, unless it is there. The error states in one sentence why it is not.
 pub fn install(engine: &Engine, python: &Path, folder: &Path) -> Result<(), String> {
     let wanted = repository().join(format!("tests/peers/requirements-{}.txt", engine.name));
     let wanted_text =
@@ -93,7 +93,7 @@ fn why_not_installed(complaint: &str) -> String {
 mod tests {
     use super::*;
 
-    /// As `pip` 24 says it without a network, and with one for a version that has no wheel.
+    /// As `pip` 24 prints it without a network, and with one for a version that has no wheel.
     #[test]
     fn no_network_and_no_wheel_are_told_apart() {
         let offline = "WARNING: Retrying (Retry(total=0, connect=None)) after connection broken by 'NewConnectionError('\

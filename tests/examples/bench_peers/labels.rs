@@ -1,6 +1,6 @@
 //! Where labels go: beside their line, where they cover the least of what is there.
 
-/// Size of letters of labels, and width of one as a share of it.
+/// Size of letters of labels, and width of one relative to it.
 pub const LETTER: f64 = 12.0;
 const LETTER_WIDTH: f64 = 0.5;
 

@@ -6,7 +6,7 @@
 //! asserted about time.
 //!
 //! Arguments: `--all` makes the slow runs too; `--only ENGINE` makes those of one engine (`ours`, `mujoco`, `drake`, `pypbd`) and
-//! writes nothing; `--exact` computes `tests/peers/exact.json` anew, by small explicit steps, and compares it with the reference.
+//! writes nothing; `--exact` computes `tests/peers/exact.json` again, by small explicit steps, and compares it with the reference.
 
 mod beam;
 mod curve;

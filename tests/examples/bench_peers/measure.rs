@@ -39,7 +39,7 @@ const NO_REST: f64 = 20.0;
 /// A run is repeated until it has taken this CPU time \[s\], at most so often; the fastest counts.
 const REPEAT: (f64, usize) = (1.0, 7);
 
-/// A body under way.
+/// A body in motion.
 struct Run<'a> {
     beam: &'a Beam,
     solver: Box<dyn Solver>,
@@ -64,7 +64,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Makes steps, the only thing whose time counts; returns the sag.
+    /// Makes steps, the only part whose time counts; returns the sag.
     fn advance(&mut self, steps: usize) -> Result<f64, String> {
         let Beam { model, control, .. } = self.beam;
         let start = cpu_seconds();
@@ -129,7 +129,7 @@ pub fn to_rest(
     }
 }
 
-/// A measure repeated; `cost` says which one is the fastest.
+/// A measure repeated; `cost` decides which one is the fastest.
 pub fn repeated<T>(
     mut measure: impl FnMut() -> Result<T, String>,
     cost: impl Fn(&T) -> f64,

@@ -14,7 +14,7 @@ pub const ENGINE: &str = "ours";
 enum Steps {
     /// In milliseconds.
     Milliseconds(&'static [f64]),
-    /// At a share of the stability limit of explicit methods.
+    /// At a fraction of the stability limit of explicit methods.
     OfLimit(f64),
 }
 

@@ -38,7 +38,7 @@ const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_N
 /// A run is ended after this time, by default and if everything is asked for.
 const LIMITS: [Duration; 2] = [Duration::from_secs(240), Duration::from_secs(3600)];
 
-/// All runs of an engine, by the interpreter of the environment in `folder`. The error says in one sentence why there are none.
+/// All runs of an engine, by the interpreter of the environment in `folder`. The error states in one sentence why there are none.
 pub fn measure(
     engine: &Engine,
     python: &Path,
@@ -54,7 +54,7 @@ pub fn measure(
         command.envs(ONE_THREAD.map(|name| (name, "1")));
         command
     };
-    let runs = said(&mut script(&["list"]))
+    let runs = printed(&mut script(&["list"]))
         .map_err(|why| format!("it is installed but does not start: {why}"))?;
     let mut rows = Vec::new();
     for line in runs.lines() {
@@ -65,7 +65,11 @@ pub fn measure(
             Some(why) if !all => row.note = format!("left out without --all: {why}"),
             _ => {
                 let command = &mut script(&["run", line, &folder.to_string_lossy()]);
-                let told = limited(command, &folder.join("said.txt"), LIMITS[usize::from(all)]);
+                let told = limited(
+                    command,
+                    &folder.join("printed.txt"),
+                    LIMITS[usize::from(all)],
+                );
                 let taken = told.and_then(|told| {
                     row.fill(&told)
                         .map_err(|why| format!("its result cannot be read: {why}"))
@@ -81,8 +85,8 @@ pub fn measure(
     Ok(rows)
 }
 
-/// What a program said, if it ended well; if not, the last line of its complaint.
-pub fn said(command: &mut Command) -> Result<String, String> {
+/// The output of a program, if it ended well; if not, the last line of its complaint.
+pub fn printed(command: &mut Command) -> Result<String, String> {
     let output = command
         .output()
         .map_err(|e| format!("{}: {e}", command.get_program().display()))?;
@@ -107,7 +111,7 @@ fn complaint(streams: &[&[u8]]) -> Option<String> {
     })
 }
 
-/// The last line with a JSON object that a program prints before `limit`. `log` takes what it says.
+/// The last line with a JSON object that a program prints before `limit`. `log` takes the rest of its output.
 fn limited(command: &mut Command, log: &Path, limit: Duration) -> Result<String, String> {
     let create = |path: &Path| File::create(path).map_err(|e| format!("{}: {e}", path.display()));
     let error_log = log.with_extension("error");
@@ -153,7 +157,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let run = |script, seconds| {
             let limit = Duration::from_secs_f64(seconds);
-            limited(&mut shell(script), &folder.path().join("said.txt"), limit)
+            limited(
+                &mut shell(script),
+                &folder.path().join("printed.txt"),
+                limit,
+            )
         };
         let told = run("echo hello; echo '{\"a\": 1}'; echo bye", 60.0);
         assert_eq!(told, Ok("{\"a\": 1}".into()));
@@ -167,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_program_that_is_not_there_is_named() {
-        let why = said(&mut Command::new("no-such-program")).unwrap_err();
+        let why = printed(&mut Command::new("no-such-program")).unwrap_err();
         assert!(why.starts_with("no-such-program: "), "{why}");
     }
 }

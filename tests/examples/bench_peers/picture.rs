@@ -1,6 +1,6 @@
 //! The picture: CPU time against error of the first peak on each mesh, and CPU time to rest against size.
 //!
-//! An engine is told by colour (Okabe and Ito's, which stay apart for colour-blind eyes), form of its markers and a label at
+//! An engine is recognised by colour (Okabe and Ito's, which stay apart for colour-blind eyes), form of its markers and a label at
 //! each of its lines. A line joins the steps of one method with one set of settings; it is faint where none of them is right.
 
 use crate::beam::{MESHES, TETRAHEDRA};

@@ -32,7 +32,7 @@ pub struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The method; what its name has in brackets is told in the table.
+    /// The method; what its name has in brackets is explained in the table.
     fn name(&self) -> &str {
         self.key[1].split(" (").next().unwrap_or_default()
     }

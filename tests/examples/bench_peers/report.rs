@@ -176,7 +176,7 @@ pub fn step(row: &Row) -> String {
     format!("{} ms", (row.step * 1e6).round() / 1e3)
 }
 
-/// A share in percent, or a dash.
+/// A fraction in percent, or a dash.
 pub fn percent(share: Option<f64>) -> String {
     share.map_or("–".into(), |v| format!("{:+.2} %", 100.0 * v))
 }

@@ -1,4 +1,4 @@
-//! One measured run, how the scripts tell it, and the table of all of them as CSV.
+//! One measured run, how the scripts print it, and the table of all of them as CSV.
 
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -19,13 +19,13 @@ pub struct Row {
     pub asks: [bool; 2],
     /// CPU time per simulated time, from release until the first peak is over.
     pub cpu_s_per_s: Option<f64>,
-    /// Height of the first peak against the exact one of the same mesh and material, as a share of it.
+    /// Height of the first peak against the exact one of the same mesh and material, relative to it.
     pub peak_error: Option<f64>,
     /// The same of its time.
     pub peak_time_error: Option<f64>,
     /// CPU time from release until the sag is at rest \[s\].
     pub cpu_s_to_rest: Option<f64>,
-    /// The sag in the end against the exact one, as a share of it.
+    /// The sag in the end against the exact one, relative to it.
     pub rest_error: Option<f64>,
     pub settings: String,
     pub note: String,

@@ -147,7 +147,7 @@ fn phases(text: &mut String, csv: &mut String) {
     }
 }
 
-/// The way of a model, its phases \[s\], and bytes per tetrahedron.
+/// The linear solver of a model, its phases \[s\], and bytes per tetrahedron.
 fn phases_of(model: &TissueModel, large: bool) -> (&'static str, [f64; 8], f64) {
     let repetitions = if large { 5 } else { 20 };
     let state = bent(model);

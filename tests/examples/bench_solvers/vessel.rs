@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// Length of a picture \[s\], of the pull, the hold and the rest after it \[pictures\], and its way \[m\]. The tool lets go between pictures:
+/// Length of a picture \[s\], of the pull, the hold and the rest after it \[pictures\], and its path length \[m\]. The tool lets go between pictures:
 /// it is read once in each.
 const PICTURE: f64 = 0.016;
 const PULL: usize = 19;
@@ -102,7 +102,7 @@ fn run(model: &TissueModel, method: Method, parts: usize) -> Vec<(Positions, f64
     (0..PULL + HOLD + REST).map(picture).collect()
 }
 
-/// The largest distance of a node in any picture, as a share of the largest displacement in `exact`; and the picture.
+/// The largest distance of a node in any picture, relative to the largest displacement in `exact`; and the picture.
 fn worst(
     model: &TissueModel,
     run: &[(Positions, f64)],
@@ -144,7 +144,7 @@ pub fn measure(text: &mut String, csv: &mut String) {
         text,
         "\n## A vessel\n\n`config/scenes/vessel-pull.toml`: 1 mm, two layers, ν = 0.45, {} tetrahedra; {} pictures of 16 ms, the wall pulled by \
          0.5 mm in {PULL}, held for {HOLD}, let go. Error: the largest distance of a node from the solution of backward Euler with 1/16 of the \
-         step to 1e-8, as a share of the largest displacement (that solution itself: the same against 1/32). Times of a picture, each the \
+         step to 1e-8, relative to the largest displacement (that solution itself: the same against 1/32). Times of a picture, each the \
          fastest of {RUNS} runs.\n\n| discretisation | method | iterations | error | in picture | mean [ms] | while pulled [ms] | largest [ms] \
          |\n|---|---|---|---|---|---|---|---|\n",
         coarse.tets.len(),

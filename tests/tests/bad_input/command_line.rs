@@ -2,7 +2,7 @@
 
 use crate::tree::Tree;
 use crate::{assert_refused, run, tree};
-use microsim_tests::{Said, hear};
+use microsim_tests::{Finished, finish};
 use std::process::Command;
 
 #[test]
@@ -30,17 +30,17 @@ fn sources_that_are_none() {
             "trackers on the network are not there yet; expected script:FILE",
         ),
     ] {
-        let said = run(&tree, input, &[]);
+        let printed = run(&tree, input, &[]);
         let sentence = format!("error: invalid value '{input}' for '--input <SOURCE>': {reason}");
-        assert_eq!(said.code, Some(2), "{said:?}");
+        assert_eq!(printed.code, Some(2), "{printed:?}");
         assert!(
-            said.err.starts_with(&sentence) && said.out.is_empty(),
-            "{said:?}"
+            printed.err.starts_with(&sentence) && printed.out.is_empty(),
+            "{printed:?}"
         );
     }
     assert_refused(&tree, "plugin:no-such", "no plugin \"no-such\" below");
-    let said = tree.microsim(&["run", "touch-spheres"]).expect(2);
-    assert!(said.err.contains("--input <SOURCE>"), "{said:?}");
+    let printed = tree.microsim(&["run", "touch-spheres"]).expect(2);
+    assert!(printed.err.contains("--input <SOURCE>"), "{printed:?}");
 }
 
 #[test]
@@ -90,17 +90,18 @@ fn modules_and_levels_that_are_not_there() {
             "error: invalid value '4294967296' for '--level <N>': ",
         ),
     ] {
-        let said = tree.microsim(&args(module, level)).expect(2);
+        let printed = tree.microsim(&args(module, level)).expect(2);
         assert!(
-            said.err.starts_with(reason) && said.out.is_empty(),
-            "expected {reason:?} in {said:?}"
+            printed.err.starts_with(reason) && printed.out.is_empty(),
+            "expected {reason:?} in {printed:?}"
         );
     }
-    let said = tree.microsim(&args("touch-sphere", "1"));
+    let printed = tree.microsim(&args("touch-sphere", "1"));
     assert!(
-        said.err
+        printed
+            .err
             .contains("; there are: coordination, push-strip, touch-spheres\n"),
-        "{said:?}"
+        "{printed:?}"
     );
     assert!(!tree.path("x.session").exists());
 }
@@ -108,23 +109,24 @@ fn modules_and_levels_that_are_not_there() {
 #[test]
 fn places_where_nothing_is_installed() {
     let empty = microsim_tests::scratch();
-    let said =
+    let printed =
         microsim_tests::microsim(["--root".as_ref(), empty.path().as_os_str(), "list".as_ref()])
             .expect(2);
     assert!(
-        said.err.starts_with("microsim: no plugins/ below ") && said.err.contains("--root"),
-        "{said:?}"
+        printed.err.starts_with("microsim: no plugins/ below ") && printed.err.contains("--root"),
+        "{printed:?}"
     );
-    let said = microsim_tests::microsim([
+    let printed = microsim_tests::microsim([
         "--config".as_ref(),
         empty.path().as_os_str(),
         "list".as_ref(),
     ])
     .expect(2);
     assert!(
-        said.err
+        printed
+            .err
             .contains("host.toml: found no such file, expected the settings of the host"),
-        "{said:?}"
+        "{printed:?}"
     );
 }
 
@@ -132,9 +134,9 @@ fn places_where_nothing_is_installed() {
 fn sessions_that_cannot_be_written() {
     let tree = tree();
     tree.write("x.session", "mine");
-    let said = run(&tree, "script:short.toml", &[]).expect(2);
+    let printed = run(&tree, "script:short.toml", &[]).expect(2);
     assert_eq!(
-        said.err,
+        printed.err,
         "microsim: session x.session exists already; nothing is overwritten\n"
     );
     assert_eq!(
@@ -169,11 +171,11 @@ fn sessions_that_cannot_be_written() {
         "directory = \"sessions\"",
         "directory = \"short.toml\"",
     );
-    let said = tree
+    let printed = tree
         .microsim(&["run", "touch-spheres", "--input", "script:short.toml"])
         .expect(2);
     let sentence = format!("microsim: {}: ", tree.path("short.toml").display());
-    assert!(said.err.starts_with(&sentence), "{said:?}");
+    assert!(printed.err.starts_with(&sentence), "{printed:?}");
     let doctor = tree.microsim(&["doctor"]).expect(1);
     assert!(doctor.out.contains("cannot be written"), "{doctor:?}");
 }
@@ -213,13 +215,13 @@ fn json_is_one_document_whatever_the_answer() {
 }
 
 /// `microsim ARGS | head -n 1`; the status is the program's.
-fn through_head(tree: &Tree, args: &str) -> Said {
+fn through_head(tree: &Tree, args: &str) -> Finished {
     let mut shell = Command::new("bash");
     shell.current_dir(tree.path(""));
     shell.arg("-c").arg(format!(
         "set -o pipefail; \"$0\" --root . {args} | head -n 1"
     ));
-    hear(shell.arg(microsim_tests::program()))
+    finish(shell.arg(microsim_tests::program()))
 }
 
 #[test]
@@ -234,20 +236,20 @@ fn a_reader_that_goes_away_is_no_error() {
         "schema level",
         "--help",
     ] {
-        let said = through_head(&tree, args).expect(0);
+        let printed = through_head(&tree, args).expect(0);
         assert_eq!(
-            (said.out.lines().count(), said.err.as_str()),
+            (printed.out.lines().count(), printed.err.as_str()),
             (1, ""),
             "{args}"
         );
     }
     // The session is complete, though nobody reads what is said.
-    let said = through_head(
+    let printed = through_head(
         &tree,
         "run touch-spheres --input script:short.toml --session z.session",
     )
     .expect(0);
-    assert_eq!(said.out.lines().count(), 1);
+    assert_eq!(printed.out.lines().count(), 1);
     tree.microsim(&["check", "z.session"]).expect(0);
 }
 
@@ -264,11 +266,12 @@ fn a_full_standard_output_is_an_error() {
         .stdout(full)
         .output()
         .expect("the program starts");
-    let said = Said::from(output);
-    assert_eq!(said.code, Some(2), "{said:?}");
+    let printed = Finished::from(output);
+    assert_eq!(printed.code, Some(2), "{printed:?}");
     assert!(
-        said.err
+        printed
+            .err
             .starts_with("microsim: standard output: No space left on device"),
-        "{said:?}"
+        "{printed:?}"
     );
 }

@@ -12,10 +12,10 @@ mod settings;
 #[path = "../plugins/tree.rs"]
 mod tree;
 
-use microsim_tests::Said;
+use microsim_tests::Finished;
 use tree::Tree;
 
-/// A tool that sinks by 2 mm in 48 ms: six ticks of 8 ms, and one in which the module hears of the end.
+/// A tool that sinks by 2 mm in 48 ms: six ticks of 8 ms, and one in which the module handles the end of the input.
 const SHORT: &str = r#"
 rate = "62.5 Hz"
 
@@ -41,7 +41,7 @@ fn tree() -> Tree {
 }
 
 /// Runs touch-spheres on the installation; the session is `x.session` in it.
-fn run(tree: &Tree, input: &str, more: &[&str]) -> Said {
+fn run(tree: &Tree, input: &str, more: &[&str]) -> Finished {
     let args = [
         "run",
         "touch-spheres",
@@ -56,15 +56,19 @@ fn run(tree: &Tree, input: &str, more: &[&str]) -> Said {
 /// The run did not begin: exit status 2, nothing on standard output, one complaint, no session.
 #[track_caller]
 fn assert_refused(tree: &Tree, input: &str, complaint: &str) {
-    let said = run(tree, input, &[]);
-    assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{said:?}");
-    let text = said
+    let printed = run(tree, input, &[]);
+    assert_eq!(
+        (printed.code, printed.out.as_str()),
+        (Some(2), ""),
+        "{printed:?}"
+    );
+    let text = printed
         .err
         .strip_prefix("microsim: ")
-        .unwrap_or_else(|| panic!("{said:?}"));
+        .unwrap_or_else(|| panic!("{printed:?}"));
     assert!(
         text.contains(complaint),
-        "expected {complaint:?} in {said:?}"
+        "expected {complaint:?} in {printed:?}"
     );
-    assert!(!tree.path("x.session").exists(), "{said:?}");
+    assert!(!tree.path("x.session").exists(), "{printed:?}");
 }

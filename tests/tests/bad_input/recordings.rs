@@ -149,10 +149,10 @@ fn a_million_rows() {
         "max = \"120 s\"\nfull = \"30 s\"",
         "max = \"2 s\"\nfull = \"1 s\"",
     );
-    let said = run(&tree, "recording:hand.csv", &["--json"])
+    let printed = run(&tree, "recording:hand.csv", &["--json"])
         .expect(0)
         .json();
-    assert_eq!(said["failed"], serde_json::json!(["too-slow"]));
+    assert_eq!(printed["failed"], serde_json::json!(["too-slow"]));
     // The clock starts at the end of the first tick, 8 ms; 2.016 s is the first end of a tick that is more than 2 s later.
-    assert_eq!(said["ticks"], 252);
+    assert_eq!(printed["ticks"], 252);
 }

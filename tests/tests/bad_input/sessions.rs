@@ -122,9 +122,9 @@ fn cut_sessions_through_the_command_line() {
         let session = match Session::read(&bytes[..cut]) {
             Ok(session) => session,
             Err(error) => {
-                let said = tree.microsim(&["report", &file]).expect(2);
+                let printed = tree.microsim(&["report", &file]).expect(2);
                 assert_eq!(
-                    (said.out, said.err),
+                    (printed.out, printed.err),
                     (
                         String::new(),
                         format!("microsim: session {file}: {error}\n")
@@ -218,11 +218,11 @@ fn files_that_are_no_sessions() {
     for (content, complaint) in cases {
         tree.write("bad.session", content);
         for command in ["report", "replay", "bus"] {
-            let said = tree.microsim(&[command, "bad.session", "--json"]).expect(2);
+            let printed = tree.microsim(&[command, "bad.session", "--json"]).expect(2);
             let expected = format!("microsim: session bad.session: {complaint}");
             assert!(
-                said.err.starts_with(&expected) && said.out.is_empty(),
-                "{said:?}"
+                printed.err.starts_with(&expected) && printed.out.is_empty(),
+                "{printed:?}"
             );
         }
         let check = tree.microsim(&["check", "bad.session"]).expect(1);
@@ -231,19 +231,21 @@ fn files_that_are_no_sessions() {
             "{check:?}"
         );
     }
-    let said = tree.microsim(&["report", "no.session"]).expect(2);
+    let printed = tree.microsim(&["report", "no.session"]).expect(2);
     assert!(
-        said.err
+        printed
+            .err
             .starts_with("microsim: session no.session: No such file"),
-        "{said:?}"
+        "{printed:?}"
     );
     tree.write("bad.checkpoint", "no checkpoint");
     std::fs::remove_file(tree.path("x.session")).expect("removed");
-    let said = run(&tree, "script:short.toml", &["--resume", "bad.checkpoint"]).expect(2);
+    let printed = run(&tree, "script:short.toml", &["--resume", "bad.checkpoint"]).expect(2);
     assert!(
-        said.err
+        printed
+            .err
             .starts_with("microsim: checkpoint bad.checkpoint: "),
-        "{said:?}"
+        "{printed:?}"
     );
     assert!(!tree.path("x.session").exists());
 }
@@ -255,15 +257,15 @@ fn a_cut_session_as_input() {
     let cut = frames(&bytes)[5].offset;
     std::fs::remove_file(tree.path("x.session")).expect("removed");
     tree.write("cut.session", &bytes[..cut]);
-    let said = run(&tree, "recording:cut.session", &["--json"])
+    let printed = run(&tree, "recording:cut.session", &["--json"])
         .expect(0)
         .json();
-    assert_eq!(said["verdict"], "failed");
+    assert_eq!(printed["verdict"], "failed");
     let again =
         Session::read(&std::fs::read(tree.path("x.session")).expect("read")).expect("a session");
     assert_eq!(again.complaint, None);
     tree.write("none.session", &bytes[..PRELUDE]);
-    let said = tree.microsim(&[
+    let printed = tree.microsim(&[
         "run",
         "touch-spheres",
         "--input",
@@ -271,10 +273,11 @@ fn a_cut_session_as_input() {
         "--session",
         "y.session",
     ]);
-    assert_eq!(said.code, Some(2));
+    assert_eq!(printed.code, Some(2));
     assert!(
-        said.err
+        printed
+            .err
             .starts_with("microsim: none.session: it has no complete header"),
-        "{said:?}"
+        "{printed:?}"
     );
 }

@@ -1,4 +1,4 @@
-//! Unknown keys, wrong units and missing files, in every kind of TOML file. What a sentence says of all other mistakes is
+//! Unknown keys, wrong units and missing files, in every kind of TOML file. What a sentence states of all other mistakes is
 //! tested in the crate `settings`; here it has to arrive.
 
 use crate::tree::Tree;
@@ -108,8 +108,8 @@ const CSV: &str = "t_s,x_mm,y_mm,z_mm,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n0.016,1,0,0,
 /// The recording's map as the program itself proposes it.
 fn write_recording(tree: &Tree) {
     tree.write("hand.csv", CSV);
-    let said = run(tree, "recording:hand.csv", &[]);
-    let (_, map) = said.err.split_once("\n\n").expect("a proposal");
+    let printed = run(tree, "recording:hand.csv", &[]);
+    let (_, map) = printed.err.split_once("\n\n").expect("a proposal");
     tree.write(MAP, map);
 }
 
@@ -194,27 +194,31 @@ fn missing_files() {
 fn a_missing_level() {
     let tree = tree();
     std::fs::remove_file(tree.path("modules/touch-spheres/levels/level2.toml")).expect("removed");
-    let said = run(&tree, "script:short.toml", &["--level", "2"]);
+    let printed = run(&tree, "script:short.toml", &["--level", "2"]);
     let hole = tree.path("modules/touch-spheres/levels/level3.toml");
     let sentence = format!(
         "microsim: module \"touch-spheres\" has levels 1 to 1, not 2\n{}: found level 3, expected level2.toml before it, as \
          levels are numbered from 1 without holes\n",
         hole.display()
     );
-    assert_eq!((said.code, said.err), (Some(2), sentence));
+    assert_eq!((printed.code, printed.err), (Some(2), sentence));
     run(&tree, "script:short.toml", &["--level", "1"]).expect(0);
 }
 
-/// A file of another kind has a mistake in each line: the first ones are said.
+/// A file of another kind has a mistake in each line: the first ones are reported.
 #[test]
 fn a_file_of_another_kind() {
     let tree = tree();
     let rows: String = (0..1000).map(|i| format!("{i},0,0\n")).collect();
     tree.write("rows.csv", rows);
-    let said = run(&tree, "script:rows.csv", &[]);
-    assert_eq!(said.code, Some(2), "{said:?}");
-    let lines: Vec<&str> = said.err.lines().collect();
-    assert_eq!((lines.len(), lines[20]), (21, "and 980 more"), "{said:?}");
+    let printed = run(&tree, "script:rows.csv", &[]);
+    assert_eq!(printed.code, Some(2), "{printed:?}");
+    let lines: Vec<&str> = printed.err.lines().collect();
+    assert_eq!(
+        (lines.len(), lines[20]),
+        (21, "and 980 more"),
+        "{printed:?}"
+    );
 }
 
 /// One broken module hides itself and nothing else; `list --json` stays one document.
@@ -226,8 +230,8 @@ fn a_broken_module_hides_itself_alone() {
         "kind = \"module\"",
         "kind = \"modul\"",
     );
-    let said = tree.microsim(&["list", "--json"]).expect(0);
-    let modules: Vec<_> = said.json()["modules"]
+    let printed = tree.microsim(&["list", "--json"]).expect(0);
+    let modules: Vec<_> = printed.json()["modules"]
         .as_array()
         .expect("a list")
         .iter()
@@ -235,9 +239,10 @@ fn a_broken_module_hides_itself_alone() {
         .collect();
     assert_eq!(modules, ["coordination", "push-strip"]);
     assert!(
-        said.err
+        printed
+            .err
             .contains("touch-spheres/module.toml:2:8: key `kind`: found the text `modul`"),
-        "{said:?}"
+        "{printed:?}"
     );
     let check = tree.microsim(&["check", "--json"]).expect(1).json();
     assert_eq!(

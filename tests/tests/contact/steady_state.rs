@@ -136,7 +136,7 @@ impl World {
         }
     }
 
-    /// Starts anew.
+    /// Starts again at zero.
     fn reset(&mut self) {
         // Into the memory that is there.
         self.state.positions.copy_from_slice(&self.rest.positions);

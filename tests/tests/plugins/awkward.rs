@@ -2,11 +2,11 @@
 
 use crate::tree::Tree;
 use microsim_host::record::{Ended, Session};
-use microsim_tests::{Said, fixture_library, hear};
+use microsim_tests::{Finished, finish, fixture_library};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A tool that sinks by 2 mm in 0.8 s: 101 ticks of 8 ms with the one that hears of the input's end.
+/// A tool that sinks by 2 mm in 0.8 s: 101 ticks of 8 ms with the one in which the end of the input is handled.
 pub const SCRIPT: &str = r#"
 rate = "62.5 Hz"
 
@@ -179,7 +179,7 @@ impl Installed {
         Self { tree, role }
     }
 
-    /// The program on this installation, with the plugin told what to do.
+    /// The program on this installation, with the plugin's misbehaviour prescribed.
     pub fn command(&self, told: &str, args: &[&str]) -> Command {
         let mut command = self.tree.command(args);
         command.env("MICROSIM_AWKWARD", told);
@@ -190,7 +190,7 @@ impl Installed {
         command
     }
 
-    /// Runs the role's module with the plugin told what to do; the session file is named after that.
+    /// Runs the role's module with the plugin's misbehaviour prescribed; the session file is named after that.
     pub fn run(&self, told: &str, more: &[&str]) -> Run {
         let session = self
             .tree
@@ -202,7 +202,7 @@ impl Installed {
             .arg("--session")
             .arg(&session);
         Run {
-            said: hear(&mut command),
+            output: finish(&mut command),
             session,
         }
     }
@@ -211,7 +211,7 @@ impl Installed {
 /// A run that was tried.
 #[derive(Debug)]
 pub struct Run {
-    pub said: Said,
+    pub output: Finished,
     pub session: PathBuf,
 }
 
@@ -225,26 +225,26 @@ impl Run {
     /// The run did not begin: exit status 2, one sentence, no session.
     #[track_caller]
     pub fn assert_refused(&self, sentence: &str) {
-        assert_eq!(self.said.code, Some(2), "{self:?}");
-        assert_eq!(self.said.out, "", "{self:?}");
-        let said: Vec<&str> = self.complaints();
-        assert_eq!(said.len(), 1, "{self:?}");
+        assert_eq!(self.output.code, Some(2), "{self:?}");
+        assert_eq!(self.output.out, "", "{self:?}");
+        let printed: Vec<&str> = self.complaints();
+        assert_eq!(printed.len(), 1, "{self:?}");
         assert!(
-            said[0].contains(sentence),
+            printed[0].contains(sentence),
             "expected {sentence:?} in {self:?}"
         );
         assert!(!self.session.exists(), "{self:?}");
     }
 
     /// The run ended by a failure after `ticks` ticks: exit status 2, the plugin named in one sentence, and a closed
-    /// session that holds all these ticks and the failure; `report` shows them. What it says of the verdict comes back.
+    /// session that holds all these ticks and the failure; `report` shows them. Returns what it reports of the verdict.
     #[track_caller]
-    pub fn assert_kept(&self, ticks: u64, sentence: &str) -> serde_json::Value {
-        assert_eq!(self.said.code, Some(2), "{self:?}");
-        let said = self.complaints();
-        assert_eq!(said.len(), 1, "{self:?}");
+    pub fn assert_preserved(&self, ticks: u64, sentence: &str) -> serde_json::Value {
+        assert_eq!(self.output.code, Some(2), "{self:?}");
+        let printed = self.complaints();
+        assert_eq!(printed.len(), 1, "{self:?}");
         let safe = format!("; the session so far is safe in {}", self.session.display());
-        let reason = said[0]
+        let reason = printed[0]
             .strip_prefix("microsim: ")
             .and_then(|s| s.strip_suffix(&safe));
         let reason = reason.unwrap_or_else(|| panic!("{self:?}"));
@@ -275,9 +275,9 @@ impl Run {
         report["verdict"].clone()
     }
 
-    /// What the program itself said on standard error; the log has other lines.
+    /// What the program itself printed on standard error; the log has other lines.
     fn complaints(&self) -> Vec<&str> {
-        self.said
+        self.output
             .err
             .lines()
             .filter(|line| line.starts_with("microsim: "))

@@ -16,7 +16,7 @@ fn setup() -> Setup {
     }
 }
 
-/// Panics, or answers with a fault, wherever it can; `PANICS` says which.
+/// Panics, or answers with a fault, wherever it can; `PANICS` selects which.
 struct Bad<const PANICS: bool>;
 
 impl<const PANICS: bool> Bad<PANICS> {
@@ -146,7 +146,7 @@ fn the_test_host_hands_faults_over() {
     assert_eq!(new.err(), Some(Fault::new("bad in initialise")));
 }
 
-/// Says how many ticks it has seen; saves that only if `SAVES`.
+/// Publishes how many ticks it has seen; saves that only if `SAVES`.
 struct Counting<const SAVES: bool>(u64);
 
 impl<const SAVES: bool> Plugin for Counting<SAVES> {

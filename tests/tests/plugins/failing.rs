@@ -4,7 +4,7 @@ use crate::awkward::{Installed, MODULE, OBJECTS, PHYSICS, Role, SOURCE, TRANSLAT
 use microsim_bus::Frames;
 use microsim_host::record::Session;
 use microsim_message::{InputSample, decode};
-use microsim_tests::hear;
+use microsim_tests::finish;
 use serde_json::json;
 
 /// Every kind that computes.
@@ -41,7 +41,7 @@ fn before_the_first_tick() {
         );
         let run = installed.run("panic new", &[]);
         run.assert_refused(&create);
-        assert!(run.said.err.ends_with(": awkward in new\n"), "{run:?}");
+        assert!(run.output.err.ends_with(": awkward in new\n"), "{run:?}");
         for how in ["panic", "fault"] {
             let sentence = sentence(role, how, "initialise", 0, "initialise");
             installed
@@ -58,18 +58,18 @@ fn in_a_tick() {
         // A bomb is a panic whose content panics once more when it is dropped.
         for how in ["panic", "fault", "bomb"] {
             let run = installed.run(&format!("{how} process 20"), &[]);
-            let verdict = run.assert_kept(20, &sentence(role, how, "process", 20, "process"));
+            let verdict = run.assert_preserved(20, &sentence(role, how, "process", 20, "process"));
             assert_eq!(verdict, "incomplete", "{run:?}");
             assert_eq!(
-                run.said.err.contains("awkward in process"),
+                run.output.err.contains("awkward in process"),
                 how != "bomb",
                 "{run:?}"
             );
         }
         // The very first tick: the session holds the header and the failure.
         let run = installed.run("panic process 0", &["--json"]);
-        run.assert_kept(0, &sentence(role, "panic", "process", 0, "process"));
-        let json = run.said.json();
+        run.assert_preserved(0, &sentence(role, "panic", "process", 0, "process"));
+        let json = run.output.json();
         assert_eq!(json["verdict"], "incomplete", "{run:?}");
         assert!(
             json["failure"]
@@ -87,15 +87,15 @@ fn in_a_part_of_a_parallel_loop() {
         for how in ["panic", "bomb"] {
             let told = format!("{how} part 20");
             let run = installed.run(&told, &["--threads", threads]);
-            run.assert_kept(20, &sentence(PHYSICS, how, "process", 20, "part"));
+            run.assert_preserved(20, &sentence(PHYSICS, how, "process", 20, "part"));
             assert_eq!(
-                run.said.err.contains("awkward in part"),
+                run.output.err.contains("awkward in part"),
                 how == "panic",
                 "{run:?}"
             );
             // Nothing else is said, by the thread that panicked, say.
             assert_eq!(
-                run.said
+                run.output
                     .err
                     .lines()
                     .filter(|l| l.contains("panicked"))
@@ -114,7 +114,7 @@ fn while_saving() {
         let installed = Installed::awkward(role);
         let run = installed.run("panic save 20", &[]);
         // The tick itself is done and kept.
-        let verdict = run.assert_kept(
+        let verdict = run.assert_preserved(
             FIRST_SAVE,
             &sentence(role, "panic", "save", FIRST_SAVE, "save"),
         );
@@ -128,11 +128,11 @@ fn while_saving_at_the_end() {
     for role in ROLES {
         let installed = Installed::awkward(role);
         let good = installed.run("", &["--json"]);
-        let ticks = good.said.json()["ticks"].as_u64().expect("a number");
+        let ticks = good.output.json()["ticks"].as_u64().expect("a number");
         let last_save = ticks / FIRST_SAVE * FIRST_SAVE;
         let run = installed.run(&format!("panic save {}", last_save + 1), &[]);
-        let verdict = run.assert_kept(ticks, &sentence(role, "panic", "save", ticks, "save"));
-        assert_eq!(verdict, good.said.json()["verdict"], "{run:?}");
+        let verdict = run.assert_preserved(ticks, &sentence(role, "panic", "save", ticks, "save"));
+        assert_eq!(verdict, good.output.json()["verdict"], "{run:?}");
     }
 }
 
@@ -140,7 +140,7 @@ fn while_saving_at_the_end() {
 fn while_restoring() {
     let installed = Installed::awkward(TRANSLATOR);
     let stopped = installed.run("", &["--stop-at", "0.4", "--checkpoint", "half.checkpoint"]);
-    stopped.said.clone().expect(0);
+    stopped.output.clone().expect(0);
     for how in ["panic", "fault"] {
         let run = installed.run(&format!("{how} restore"), &["--resume", "half.checkpoint"]);
         run.assert_refused(&sentence(TRANSLATOR, how, "restore", 50, "restore"));
@@ -149,7 +149,7 @@ fn while_restoring() {
         "panic save",
         &["--stop-at", "0.1", "--checkpoint", "other.checkpoint"],
     );
-    run.assert_kept(13, &sentence(TRANSLATOR, "panic", "save", 13, "save"));
+    run.assert_preserved(13, &sentence(TRANSLATOR, "panic", "save", 13, "save"));
     assert!(!installed.tree.path("other.checkpoint").exists());
 }
 
@@ -158,7 +158,7 @@ fn while_restoring() {
 fn while_stopping() {
     for role in ROLES {
         let installed = Installed::awkward(role);
-        let good = installed.run("", &["--json"]).said.expect(0).json();
+        let good = installed.run("", &["--json"]).output.expect(0).json();
         for told in [
             "panic stop",
             "fault stop",
@@ -167,7 +167,7 @@ fn while_stopping() {
             "bomb drop",
         ] {
             let run = installed.run(told, &["--json"]);
-            let json = run.said.clone().expect(0).json();
+            let json = run.output.clone().expect(0).json();
             for key in ["verdict", "failed", "score", "ticks", "state_hash"] {
                 assert_eq!(json[key], good[key], "{key}: {run:?}");
             }
@@ -186,7 +186,7 @@ fn while_stopping() {
                 place,
             );
             assert_eq!(
-                run.said.err.contains(&complaint),
+                run.output.err.contains(&complaint),
                 place == "stop",
                 "{run:?}"
             );
@@ -199,20 +199,20 @@ fn while_stopping() {
 fn a_plugin_that_ends_the_process() {
     let installed = Installed::awkward(TRANSLATOR);
     let run = installed.run("abort process 20", &[]);
-    assert_eq!(run.said.code, None, "{run:?}");
+    assert_eq!(run.output.code, None, "{run:?}");
     let session = read(&run.session);
     assert_eq!(session.ticks.len(), 20);
     let complaint = session.complaint.expect("not closed");
     assert_eq!(complaint, "the session has no end: its process was killed");
     let mut report = installed.tree.command(&["report", "--json"]);
-    let report = hear(report.arg(&run.session)).expect(0).json();
+    let report = finish(report.arg(&run.session)).expect(0).json();
     assert_eq!(
         (&report["verdict"], &report["session"]["complaint"]),
         (&json!("incomplete"), &json!(complaint))
     );
 }
 
-/// The tick that a plugin failed in is on file with its inputs, so that a replay meets the same failure, and says so when
+/// The tick that a plugin failed in is on file with its inputs, so that a replay meets the same failure, and reports it when
 /// it does not.
 #[test]
 fn a_failure_can_be_replayed() {
@@ -231,7 +231,7 @@ fn a_failure_can_be_replayed() {
         inputs.filter_map(|f| decode::<InputSample>(&f)).count() > 0,
         "its inputs"
     );
-    let verify = |told: &str| hear(&mut installed.command(told, &["replay", path, "--verify"]));
+    let verify = |told: &str| finish(&mut installed.command(told, &["replay", path, "--verify"]));
     verify("panic process 21").expect(0);
     let healed = verify("").expect(1);
     assert!(

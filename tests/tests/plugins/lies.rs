@@ -10,7 +10,7 @@ fn assert_stopped(role: Role, told: &str, reason: &str) {
         "plugin \"{}\" failed in `process` at tick 20: {reason}",
         role.name
     );
-    assert_eq!(run.assert_kept(20, &sentence), "incomplete", "{run:?}");
+    assert_eq!(run.assert_preserved(20, &sentence), "incomplete", "{run:?}");
 }
 
 #[test]
@@ -44,15 +44,15 @@ fn a_flood_of_events() {
     assert_stopped(SOURCE, "publish flood 20", reason);
 }
 
-/// Of states the newest are what counts: a full queue loses the oldest, says how many, and the run goes on.
+/// Of states the newest are what counts: a full queue loses the oldest, reports how many, and the run goes on.
 #[test]
 fn a_flood_of_states() {
     let installed = Installed::awkward(TRANSLATOR);
     let run = installed.run("publish states 20", &[]);
-    run.said.clone().expect(0);
+    run.output.clone().expect(0);
     // 5000 of them, and config/host.toml gives a queue 4096 places.
     let warning = "the queue of \"touch-spheres\" was full: 904 older \"tool.states\" were dropped";
-    assert_eq!(run.said.err.matches(warning).count(), 1, "{run:?}");
+    assert_eq!(run.output.err.matches(warning).count(), 1, "{run:?}");
     let session = read(&run.session);
     assert!(session.complaint.is_none() && session.failures.is_empty());
 }
@@ -63,5 +63,5 @@ fn a_kind_with_other_content() {
     let installed = Installed::awkward(SOURCE);
     let run = installed.run("publish content 20", &[]);
     let sentence = "plugin \"translator\" failed in `process` at tick 20: \"input.sample\": invalid type: integer `7`";
-    run.assert_kept(20, sentence);
+    run.assert_preserved(20, sentence);
 }

@@ -3,15 +3,15 @@
 use crate::awkward::{Installed, RECORDER, RENDERER, SCRIPT, read};
 use crate::tree::Tree;
 use microsim_host::record::Ended;
-use microsim_tests::{Said, hear};
+use microsim_tests::{Finished, finish};
 use serde_json::json;
 use std::process::Command;
 
-/// Pictures are off and say why; the run and its state hash are those of a run without pictures.
+/// Pictures are off, with the reason in the log; the run and its state hash are those of a run without pictures.
 #[test]
 fn a_renderer_that_fails_changes_nothing() {
     let installed = Installed::awkward(RENDERER);
-    let without = installed.run("", &["--json"]).said.expect(0).json();
+    let without = installed.run("", &["--json"]).output.expect(0).json();
     assert_eq!(without["pictures"], json!(null));
     let cases = [
         (
@@ -48,7 +48,7 @@ fn a_renderer_that_fails_changes_nothing() {
             told,
             &["--json", "--frames", "pictures", "--frame-rate", "20"],
         );
-        let json = run.said.clone().expect(0).json();
+        let json = run.output.clone().expect(0).json();
         for key in ["verdict", "score", "ticks", "state_hash"] {
             assert_eq!(json[key], without[key], "{key}: {run:?}");
         }
@@ -65,7 +65,7 @@ fn a_renderer_that_fails_changes_nothing() {
         "panic drop",
         &["--json", "--frames", "pictures", "--frame-rate", "20"],
     );
-    let json = run.said.expect(0).json();
+    let json = run.output.expect(0).json();
     assert_eq!(
         (&json["state_hash"], &json["pictures"]["off"]),
         (&without["state_hash"], &json!(null))
@@ -82,7 +82,7 @@ fn a_recorder_that_cannot_begin() {
 }
 
 /// A run of the built recorder whose files may have this many KiB, as on a full disk.
-fn limited(tree: &Tree, kib: u32) -> Said {
+fn limited(tree: &Tree, kib: u32) -> Finished {
     let program = microsim_tests::program();
     let mut shell = Command::new("bash");
     shell.current_dir(tree.path(""));
@@ -91,7 +91,7 @@ fn limited(tree: &Tree, kib: u32) -> Said {
         "trap '' XFSZ; ulimit -f {kib}; exec \"$0\" --root . run touch-spheres --input script:script.toml --session \
          {kib}.session"
     ));
-    hear(shell.arg(program))
+    finish(shell.arg(program))
 }
 
 #[test]
@@ -110,17 +110,17 @@ fn a_recorder_that_fails_midway() {
     let full = read(&tree.path("full.session"));
     let mut seen = Vec::new();
     for kib in [24, 36, 48] {
-        let said = limited(&tree, kib);
-        assert_eq!(said.code, Some(2), "{said:?}");
+        let printed = limited(&tree, kib);
+        assert_eq!(printed.code, Some(2), "{printed:?}");
         let name = format!("{kib}.session");
         let session = read(&tree.path(&name));
         let ticks = session.ticks.len();
-        let last = said.err.lines().last().unwrap_or_default();
+        let last = printed.err.lines().last().unwrap_or_default();
         let sentence = format!(
             "microsim: plugin \"recorder\" failed in `process` at tick {ticks}: cannot write {name}: File too large (os error \
              27); what was written before is safe; the session so far is safe in {name}"
         );
-        assert_eq!(last, sentence, "{said:?}");
+        assert_eq!(last, sentence, "{printed:?}");
         // All that fitted is there, to the bit, and the file says that it breaks off.
         assert!(session.ticks == full.ticks[..ticks], "{kib} KiB");
         assert!(session.end.is_none());

@@ -2,7 +2,7 @@
 
 use crate::awkward::{Installed, MODULE, Role, SOURCE, TRANSLATOR};
 use crate::tree::Tree;
-use microsim_tests::hear;
+use microsim_tests::finish;
 
 /// A library in the place of the translator.
 #[track_caller]
@@ -16,9 +16,9 @@ fn assert_library_refused(package: &str, reason: &str) {
         path.display()
     ));
     // A person has to read it, and a changed layout alone prints tens of kilobytes.
-    assert!(run.said.err.len() < 1000, "{}", run.said.err);
+    assert!(run.output.err.len() < 1000, "{}", run.output.err);
     // `check` finds the same and goes on with the rest.
-    let check = hear(&mut installed.command("", &["check", "--json"]))
+    let check = finish(&mut installed.command("", &["check", "--json"]))
         .expect(1)
         .json();
     let problems = check["problems"].as_array().expect("a list");
@@ -100,7 +100,7 @@ fn manifest_that_is_not_the_one_of_the_build() {
         r#"["input.sample"]"#,
         r#"["input.sample", "input.end"]"#,
     );
-    let said = tree.microsim(&[
+    let printed = tree.microsim(&[
         "run",
         "touch-spheres",
         "--input",
@@ -114,7 +114,7 @@ fn manifest_that_is_not_the_one_of_the_build() {
          again\n",
         library.display()
     );
-    assert_eq!((said.code, said.err), (Some(2), sentence));
+    assert_eq!((printed.code, printed.err), (Some(2), sentence));
     assert!(!tree.path("x.session").exists());
 }
 
@@ -125,7 +125,7 @@ fn two_plugins_of_one_name() {
     let manifest =
         std::fs::read_to_string(tree.path("plugins/translator/plugin.toml")).expect("read");
     let second = tree.write("plugins/zweiter/plugin.toml", manifest);
-    let said = tree.microsim(&[
+    let printed = tree.microsim(&[
         "run",
         "touch-spheres",
         "--input",
@@ -139,7 +139,7 @@ fn two_plugins_of_one_name() {
         tree.path("plugins/translator/plugin.toml").display()
     );
     assert_eq!(
-        (said.code, said.err),
+        (printed.code, printed.err),
         (Some(2), format!("microsim: {sentence}\n"))
     );
     assert!(!tree.path("x.session").exists());
@@ -194,7 +194,7 @@ fn topics_that_nobody_brings() {
 #[test]
 fn a_plugin_that_is_no_source_as_input() {
     let tree = Tree::new();
-    let said = tree.microsim(&[
+    let printed = tree.microsim(&[
         "run",
         "touch-spheres",
         "--input",
@@ -206,5 +206,5 @@ fn a_plugin_that_is_no_source_as_input() {
         "microsim: plugin \"physics\" ({}): it is of kind `physics`, an input has to be a `source`\n",
         tree.path("plugins/physics/plugin.toml").display()
     );
-    assert_eq!((said.code, said.err), (Some(2), sentence));
+    assert_eq!((printed.code, printed.err), (Some(2), sentence));
 }

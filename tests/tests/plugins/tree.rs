@@ -1,6 +1,6 @@
 //! An installation of its own for a test, so that it can be spoilt.
 
-use microsim_tests::Said;
+use microsim_tests::Finished;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -55,7 +55,7 @@ impl Tree {
     }
 
     /// Runs the program on this installation.
-    pub fn microsim(&self, args: &[&str]) -> Said {
+    pub fn microsim(&self, args: &[&str]) -> Finished {
         self.command(args)
             .output()
             .expect("the program starts")

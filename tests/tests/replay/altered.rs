@@ -10,17 +10,17 @@ use microsim_tests::{scratch, verify};
 use std::fs;
 use std::path::Path;
 
-/// Fails the test unless the replay of these bytes names `tick`; returns what it says.
+/// Fails the test unless the replay of these bytes names `tick`; returns its output.
 #[track_caller]
 fn first_difference(folder: &Path, bytes: &[u8], tick: u64) -> String {
     let session = folder.join("altered.session");
     fs::write(&session, bytes).expect("a file");
-    let said = verify(&session, &[]).expect(1).json();
-    assert_eq!(said["verified"], false, "{said}");
+    let printed = verify(&session, &[]).expect(1).json();
+    assert_eq!(printed["verified"], false, "{printed}");
     // The file itself is in order: only the recomputation can find the change.
-    assert_eq!(said["complaint"], serde_json::Value::Null, "{said}");
-    let difference = &said["first_difference"];
-    assert_eq!(difference["tick"], tick, "{said}");
+    assert_eq!(printed["complaint"], serde_json::Value::Null, "{printed}");
+    let difference = &printed["first_difference"];
+    assert_eq!(difference["tick"], tick, "{printed}");
     difference["what"].as_str().unwrap_or_default().to_owned()
 }
 
@@ -50,7 +50,7 @@ fn one_altered_input_sample_is_named_by_its_tick() {
     one_altered_sample_is_named(pushed_strip());
 }
 
-/// Writing a session anew without a change is no change: what the other tests find is what they have altered.
+/// Writing a session again without a change is no change: what the other tests find is what they have altered.
 #[test]
 fn a_session_written_anew_is_the_same_file() {
     let bytes = recorded_hand();

@@ -2,7 +2,7 @@
 
 use crate::{PUSH_STRIP, TOUCH_SPHERES};
 use microsim_host::record::{EndRecord, Session, TickRecord};
-use microsim_tests::{assert_verified, command, hear, report_beside, scratch, verify};
+use microsim_tests::{assert_verified, command, finish, report_beside, scratch, verify};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::path::Path;
 const RUNS: usize = 20;
 
 /// All that must not differ between two runs of the same.
-fn outcome(said: &Value, report: &Value) -> Value {
+fn outcome(printed: &Value, report: &Value) -> Value {
     let keys = [
         "state_hash",
         "verdict",
@@ -21,7 +21,7 @@ fn outcome(said: &Value, report: &Value) -> Value {
         "targets_done",
     ];
     json!({
-        "said": (keys.map(|key| said[key].clone())),
+        "printed": (keys.map(|key| printed[key].clone())),
         "metrics": report["metrics"],
         "categories": report["categories"],
     })
@@ -51,13 +51,16 @@ fn one_outcome(module: &str, args: &[&str]) {
                 .arg(frames)
                 .args(["--frame-rate", "0.1"]);
         }
-        let said = hear(&mut run).expect(0).json();
-        let outcome = (outcome(&said, &report_beside(&session)), history(&session));
+        let printed = finish(&mut run).expect(0).json();
+        let outcome = (
+            outcome(&printed, &report_beside(&session)),
+            history(&session),
+        );
         let first = first.get_or_insert_with(|| outcome.clone());
         assert_eq!(outcome.0, first.0, "run {n}");
         assert!(outcome.1 == first.1, "run {n}: another history");
         if draws {
-            let drawn = &said["pictures"];
+            let drawn = &printed["pictures"];
             if let Some(off) = drawn["off"].as_str() {
                 println!("{module}: pictures are left out of this comparison: {off}");
             } else {

@@ -4,7 +4,7 @@ use crate::{PUSH_STRIP, TOUCH_SPHERES, pushed_strip};
 use microsim_bus::Frames;
 use microsim_host::record::{Session, TickRecord};
 use microsim_message::{ContactForces, decode};
-use microsim_tests::{assert_verified, command, hear, run, scratch};
+use microsim_tests::{assert_verified, command, finish, run, scratch};
 use std::path::Path;
 
 fn path(path: &Path) -> &str {
@@ -80,21 +80,21 @@ fn a_checkpoint_of_another_run_is_refused() {
     for (n, args) in others.into_iter().enumerate() {
         let session = folder.path().join(format!("{n}.session"));
         let mut command = command(["run", "touch-spheres", "--resume", path(&checkpoint)]);
-        let said = hear(command.arg("--session").arg(&session).args(args)).expect(2);
+        let printed = finish(command.arg("--session").arg(&session).args(args)).expect(2);
         assert!(
-            said.err.contains("belongs to another module, level, "),
-            "{said:?}"
+            printed.err.contains("belongs to another module, level, "),
+            "{printed:?}"
         );
     }
 
     // The first checkpoint is not written over either.
     let again = folder.path().join("again.session");
     let mut command = command(["run", "touch-spheres", "--session"]);
-    let said = hear(command.arg(again).args(TOUCH_SPHERES).args(stop)).expect(2);
-    assert!(said.err.contains("there.checkpoint"), "{said:?}");
+    let printed = finish(command.arg(again).args(TOUCH_SPHERES).args(stop)).expect(2);
+    assert!(printed.err.contains("there.checkpoint"), "{printed:?}");
 }
 
-/// The host itself remembers that the input has ended and what it has told the module: every tick around the end.
+/// The host itself remembers that the input has ended and what it has published to the module: every tick around the end.
 #[test]
 fn the_last_ticks_go_on_as_well() {
     let args = ["--input", "script:level1-fail-dwell-too-short.toml"];

@@ -3,7 +3,7 @@
 use microsim_host::record::Session;
 use microsim_tests::live::LiveTree;
 use microsim_tests::statistics::percentile;
-use microsim_tests::{hear, scratch};
+use microsim_tests::{finish, scratch};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use std::time::Instant;
 const TICK: f64 = 0.008;
 
 fn paced(tree: &LiveTree, session: &Path) -> Value {
-    hear(&mut tree.run("touch-spheres", session, &["--realtime"]))
+    finish(&mut tree.run("touch-spheres", session, &["--realtime"]))
         .expect(0)
         .json()
 }
@@ -37,12 +37,12 @@ fn a_source_with_its_own_timer_replays_to_the_hash_of_its_live_run() {
     let mut hashes = Vec::new();
     for n in 0..2 {
         let session = folder.path().join(format!("{n}.session"));
-        let said = paced(&tree, &session);
+        let printed = paced(&tree, &session);
         let replayed = tree.verify(&session).expect(0).json();
-        assert_eq!(replayed["state_hash"], said["state_hash"]);
-        assert_eq!(replayed["recorded_hash"], said["state_hash"]);
-        assert_eq!(replayed["ticks"], said["ticks"]);
-        hashes.push(said["state_hash"].clone());
+        assert_eq!(replayed["state_hash"], printed["state_hash"]);
+        assert_eq!(replayed["recorded_hash"], printed["state_hash"]);
+        assert_eq!(replayed["ticks"], printed["ticks"]);
+        hashes.push(printed["state_hash"].clone());
     }
     assert_ne!(
         hashes[0], hashes[1],
@@ -58,7 +58,7 @@ fn a_paced_run_goes_with_the_wall_clock() {
     let session = folder.path().join("paced.session");
     let tree = LiveTree::new(&json!({ "duration": 1.5, "delay": 8 }));
     let start = Instant::now();
-    let said = paced(&tree, &session);
+    let printed = paced(&tree, &session);
     let wall = start.elapsed().as_secs_f64();
     let lags = arrivals(&session)
         .into_iter()
@@ -69,12 +69,12 @@ fn a_paced_run_goes_with_the_wall_clock() {
         "lag: median {:.2} ms, p99 {:.2} ms; {} ticks late",
         1e3 * percentile(&lags, 0.5),
         1e3 * percentile(&lags, 0.99),
-        said["late_ticks"]
+        printed["late_ticks"]
     );
     assert!(lags.iter().all(|lag| *lag >= 0.0), "{lags:?}");
     assert!(percentile(&lags, 0.5) < 3.0 * TICK, "{lags:?}");
     // The source gives samples for 1.5 s of the wall clock, some of which pass before the first tick.
-    let simulated = said["ticks"].as_f64().unwrap_or_default() * TICK;
+    let simulated = printed["ticks"].as_f64().unwrap_or_default() * TICK;
     assert!(
         (1.0..wall + TICK).contains(&simulated),
         "{simulated} s simulated in {wall} s"
@@ -88,9 +88,9 @@ fn late_ticks_are_counted_and_made_up() {
     let folder = scratch();
     let session = folder.path().join("late.session");
     let tree = LiveTree::new(&json!({ "duration": 1.0, "delay": 8, "hold_tick": 30, "hold": 60 }));
-    let said = paced(&tree, &session);
-    let late = said["late_ticks"].as_u64().unwrap_or_default();
-    assert!(late >= 7, "{said}");
+    let printed = paced(&tree, &session);
+    let late = printed["late_ticks"].as_u64().unwrap_or_default();
+    assert!(late >= 7, "{printed}");
     let arrivals = arrivals(&session);
     assert!(arrivals[31] >= 30.0 * TICK + 0.060, "{arrivals:?}");
     // Made up: some later tick began in its own time.
@@ -106,9 +106,9 @@ fn after_a_long_hold_the_schedule_moves() {
     let folder = scratch();
     let session = folder.path().join("moved.session");
     let tree = LiveTree::new(&json!({ "duration": 1.0, "delay": 8, "hold_tick": 30, "hold": 600 }));
-    let said = paced(&tree, &session);
-    let late = said["late_ticks"].as_u64().unwrap_or_default();
-    assert!((1..75).contains(&late), "{said}");
+    let printed = paced(&tree, &session);
+    let late = printed["late_ticks"].as_u64().unwrap_or_default();
+    assert!((1..75).contains(&late), "{printed}");
     let arrivals = arrivals(&session);
     let behind = |n: usize| arrivals[n] - n as f64 * TICK;
     // By the hold, less the part of its own tick in which the next one was not yet due.

@@ -18,7 +18,7 @@ struct Flips {
     refused: usize,
     /// It saves the flipped state again: the hash must see it.
     kept: usize,
-    /// It saves the state as it was: the bit belonged to the notation (a name of a field that may be missing, say).
+    /// It saves the state as it was: the bit belonged to the notation (a name of a field that may be missing, for example).
     notation: usize,
 }
 

@@ -1,15 +1,15 @@
-//! A run without physics is no result, and says so everywhere.
+//! A run without physics is no result, and is labelled so everywhere.
 
 use crate::{PUSH_STRIP, pushed_strip};
-use microsim_tests::{assert_verified, hear, microsim, report_beside, run, scratch};
+use microsim_tests::{assert_verified, finish, microsim, report_beside, run, scratch};
 
 #[test]
 fn a_run_without_physics_is_no_result_and_replays() {
     let folder = scratch();
     let session = folder.path().join("without.session");
     let without = [&PUSH_STRIP[..], &["--without", "physics"]].concat();
-    let said = run("push-strip", &session, &without);
-    assert_eq!(said["counts"], false, "{said}");
+    let printed = run("push-strip", &session, &without);
+    assert_eq!(printed["counts"], false, "{printed}");
     let report = report_beside(&session);
     assert_eq!(report["counts"], false);
     assert_eq!(report["session"]["without"], serde_json::json!(["physics"]));
@@ -38,5 +38,5 @@ fn without_physics_nothing_is_passed() {
         .args(PUSH_STRIP)
         .args(["--require-pass", "--session"])
         .arg(session);
-    hear(&mut command).expect(1);
+    finish(&mut command).expect(1);
 }

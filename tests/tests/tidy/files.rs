@@ -25,7 +25,7 @@ fn no_source_is_too_long() {
     assert_none(&long.collect::<Vec<_>>());
 }
 
-/// Every source says first what it is for; unit tests in a file of their own are said in the file that they test.
+/// Every source begins with what it is for; unit tests in a file of their own are described in the file that they test.
 #[test]
 fn every_source_begins_with_what_it_is_for() {
     let silent = sources()
@@ -35,8 +35,8 @@ fn every_source_begins_with_what_it_is_for() {
     assert_none(&silent.collect::<Vec<_>>());
 }
 
-/// The compiler refuses unsafe code in all crates but those that allow it at their root and say why; it requires all that the table
-/// of lints says.
+/// The compiler refuses unsafe code in all crates but those that allow it at their root with a reason; it requires all that the table
+/// of lints holds.
 #[test]
 fn every_package_takes_the_lints_and_forbids_unsafe_code_or_says_why() {
     let mut complaints = Vec::new();
@@ -110,10 +110,10 @@ fn every_recording_has_its_notice_and_column_map() {
     assert!(!recordings.is_empty());
     for recording in recordings {
         let notice = text(&recording.join("README.md"));
-        for said in ["Origin:", "licensed under", "Changes:", "Limits:"] {
+        for printed in ["Origin:", "licensed under", "Changes:", "Limits:"] {
             assert!(
-                notice.contains(said),
-                "{}: no \"{said}\" in its notice",
+                notice.contains(printed),
+                "{}: no \"{printed}\" in its notice",
                 recording.display()
             );
         }

@@ -1,6 +1,6 @@
 //! The modules of each crate and who uses whom: no cycles, and the map in `crates/MODULES.md`.
 //!
-//! A module is a source file. A path leads to the module that defines what it names: re-exports and imports on the way are
+//! A module is a source file. A path leads to the module that defines what it names: re-exports and imports in between are
 //! followed, so that a crate root, or a parent, that only re-exports is in no cycle.
 
 use crate::rust::{code, declarations};

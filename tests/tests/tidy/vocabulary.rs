@@ -40,8 +40,6 @@ const PENDING: &[&str] = &[
     "modules/touch-spheres",
     "plugins/objects",
     "plugins/renderer",
-    "tests",
-    "xtask",
 ];
 
 /// Terms of items that are still to come.

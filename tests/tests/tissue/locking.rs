@@ -1,4 +1,4 @@
-//! Nearly incompressible tissue: linear tetrahedra lock as the reference says, the selective discretisation does not.
+//! Nearly incompressible tissue: linear tetrahedra lock as in the reference, the selective discretisation does not.
 
 use crate::beam::{beam, expected, mesh, static_sag};
 use microsim_tissue::Discretisation;

@@ -3,7 +3,7 @@
 use crate::beam::{GRAVITY, LAWS, beam, expected, mesh, sag};
 use microsim_tissue::{Control, Discretisation, Method, Serial, State, TissueModel, stability};
 
-/// Share of the stability limit: the error of the step is then some (hω)²/24 of the slow modes that make the peak, 1e-5.
+/// Fraction of the stability limit: the error of the step is then some (hω)²/24 of the slow modes that make the peak, 1e-5.
 const SHARE: f64 = 0.3;
 
 /// First peak of the sag \[m\] and its time \[s\]: the largest value before the curve has fallen for 50 ms.

@@ -97,11 +97,11 @@ impl Exercise for {{Name}} {
         state.touched |= inside;
         let shown = match state.dwell.update(tick.time(), inside) {
             DwellState::Complete => {
-                let said = LocalText {
+                let printed = LocalText {
                     de: "Kugel geschafft".into(),
                     en: "Sphere done".into(),
                 };
-                course.target_done(tick, SPHERE, said)?;
+                course.target_done(tick, SPHERE, printed)?;
                 colour::DONE
             }
             DwellState::Holding(_) => colour::HOLDING,

@@ -1,7 +1,7 @@
-//! What is on disk is kept: names do not collide, nothing is overwritten, and a session that proves nothing is not
+//! What is on disk stays: names do not collide, nothing is overwritten, and a session that proves nothing is not
 //! called verified.
 
-use microsim_tests::{command, hear, microsim, run, scratch, tree, verify};
+use microsim_tests::{command, finish, microsim, run, scratch, tree, verify};
 use std::fs;
 
 const INPUT: [&str; 2] = ["--input", "script:level1-fail-targets-missed.toml"];
@@ -18,19 +18,19 @@ fn a_report_never_falls_on_a_session() {
     for name in ["a", "a.session"] {
         let mut refused = command(["run", "touch-spheres", "--session"]);
         refused.arg(folder.path().join(name)).args(INPUT);
-        let said = hear(&mut refused).expect(2);
-        assert!(said.err.contains("is a session"), "{}", said.err);
+        let printed = finish(&mut refused).expect(2);
+        assert!(printed.err.contains("is a session"), "{}", printed.err);
     }
     for name in names {
         verify(&folder.path().join(name), &[]).expect(0);
     }
     let session = folder.path().join("a.b");
     let path = session.to_str().expect("UTF-8");
-    let said = microsim(["report", path, "--html", path]).expect(2);
+    let printed = microsim(["report", path, "--html", path]).expect(2);
     assert!(
-        said.err.contains("would overwrite the session"),
+        printed.err.contains("would overwrite the session"),
         "{}",
-        said.err
+        printed.err
     );
     verify(&session, &[]).expect(0);
 }
@@ -48,8 +48,8 @@ fn runs_side_by_side_have_names_of_their_own() {
     let mut sessions: Vec<String> = runs
         .into_iter()
         .map(|run| {
-            let said: microsim_tests::Said = run.wait_with_output().expect("it ends").into();
-            said.expect(0).json()["session"]
+            let printed: microsim_tests::Finished = run.wait_with_output().expect("it ends").into();
+            printed.expect(0).json()["session"]
                 .as_str()
                 .expect("a path")
                 .to_owned()
@@ -95,9 +95,9 @@ fn what_is_there_is_refused_before_the_run() {
         vec!["--frames".into(), path("frames")],
     ] {
         let mut run = command(["run", "touch-spheres", "--session", &session]);
-        let said = hear(run.args(INPUT).args(&extra)).expect(2);
+        let printed = finish(run.args(INPUT).args(&extra)).expect(2);
         assert!(
-            !said.err.is_empty() && !folder.path().join("new.session").exists(),
+            !printed.err.is_empty() && !folder.path().join("new.session").exists(),
             "{extra:?}"
         );
     }
@@ -108,7 +108,7 @@ fn what_is_there_is_refused_before_the_run() {
     );
 }
 
-/// A flipped bit in the middle and a file without a tick are no proof, whatever the rest says.
+/// A flipped bit in the middle and a file without a tick are no proof, whatever the rest holds.
 #[test]
 fn what_proves_nothing_is_not_verified() {
     let folder = scratch();
@@ -119,16 +119,16 @@ fn what_proves_nothing_is_not_verified() {
     let mut flipped = bytes.clone();
     flipped[bytes.len() / 2] ^= 1;
     fs::write(&path, &flipped).expect("written");
-    let said = verify(&path, &[]).expect(1).json();
+    let printed = verify(&path, &[]).expect(1).json();
     assert!(
-        said["ticks"].as_u64().expect("a number") > 0 && said["verified"] == false,
-        "{said}"
+        printed["ticks"].as_u64().expect("a number") > 0 && printed["verified"] == false,
+        "{printed}"
     );
     let reading = microsim_session::read(&bytes).expect("a session");
     fs::write(&path, &bytes[..reading.frames[1].offset]).expect("written");
-    let said = verify(&path, &[]).expect(1).json();
+    let printed = verify(&path, &[]).expect(1).json();
     assert_eq!(
-        (said["ticks"].as_u64(), &said["verified"]),
+        (printed["ticks"].as_u64(), &printed["verified"]),
         (Some(0), &false.into())
     );
 }
