@@ -93,7 +93,7 @@ impl Normals {
         face
     }
 
-    /// The unit normal at the inside of an edge, half-way between those of its triangles.
+    /// The unit normal at the inside of an edge, halfway between those of its triangles.
     pub fn of_edge(
         &self,
         surface: &ContactSurface,

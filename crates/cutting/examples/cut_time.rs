@@ -20,10 +20,10 @@ fn cpu() -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// A share of the sorted times, in microseconds.
-fn at(times: &mut [f64], share: f64) -> f64 {
+/// A percentile of the sorted times, in microseconds.
+fn at(times: &mut [f64], fraction: f64) -> f64 {
     times.sort_unstable_by(f64::total_cmp);
-    let place = (share * times.len() as f64) as usize;
+    let place = (fraction * times.len() as f64) as usize;
     times
         .get(place.min(times.len() - 1))
         .map_or(0.0, |t| t * 1e6)
@@ -63,14 +63,14 @@ fn measure(cells: usize) {
         let side = (random.vector() - V3::z() * 0.3)
             .cross(&V3::z())
             .normalize();
-        let (way, width) = (0.35, 4.0);
+        let (spacing, width) = (0.35, 4.0);
         let foot = random.vector() * (0.5 * size - 2.5).max(0.0);
         let top = V3::new(foot.x, foot.y, 0.5 * size + 0.1 * random.below(6) as f64);
         let place = |k: usize| {
-            let middle = top - V3::z() * (way * k as f64);
+            let middle = top - V3::z() * (spacing * k as f64);
             [middle - side * (width / 2.0), middle + side * (width / 2.0)]
         };
-        for k in 0..(4.0 / way) as usize {
+        for k in 0..(4.0 / spacing) as usize {
             let sweep = Sweep {
                 before: place(k),
                 now: place(k + 1),

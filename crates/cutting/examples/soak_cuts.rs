@@ -15,13 +15,13 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     let mut last = 0;
-    let told = |summary: &soak::Summary| {
+    let report = |summary: &soak::Summary| {
         if summary.strokes / 1000 > last {
             last = summary.strokes / 1000;
             println!("{summary:?}");
         }
     };
-    match soak::run(strokes as usize, seed, 12, &mut (), told) {
+    match soak::run(strokes as usize, seed, 12, &mut (), report) {
         Ok(summary) => {
             println!("{summary:#?}");
             ExitCode::SUCCESS

@@ -1,4 +1,4 @@
-//! Whether a mesh that was cut is sound: for tests and soaks. Costs what the mesh holds.
+//! Whether a mesh that was cut is valid and conforming: for tests and soaks. Its cost is proportional to the mesh.
 
 use crate::topology::{FACES, NONE, Topology};
 use microsim_geometry::signed_volume;
@@ -23,16 +23,16 @@ pub enum Flaw {
         /// Number of its elements.
         elements: usize,
     },
-    /// The topology that was kept up to date differs from that of the mesh at this element.
+    /// The updated topology differs from that of the mesh at this element.
     Topology {
         /// The element.
         element: u32,
     },
-    /// Elements that share this node alone, or nothing at it.
+    /// Elements that have this node alone in common, or nothing at it.
     Node {
         /// The node.
         node: u32,
-        /// Number of parts around it that share no face.
+        /// Number of parts around it without a common face.
         parts: usize,
     },
     /// The surface has a rim at this edge.

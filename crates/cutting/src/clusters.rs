@@ -1,8 +1,8 @@
 //! Groups of elements that lie together, with their nodes: where is an element near a blade?
 //!
-//! The nodes move in every step. The box around a group is kept as it was at some time; how far any node has gone since is
+//! The nodes move in every step. The box around a group is that of some earlier time; how far any node has gone since is
 //! looked at in every step, a nanosecond per node, and by so much a box counts as larger. When a node has gone too far all boxes are made
-//! anew. The elements of those groups alone are looked at into whose box a blade comes. Groups grow as their elements are divided and are
+//! again. The elements of those groups alone are looked at into whose box a blade comes. Groups grow as their elements are divided and are
 //! halved when they have become large.
 
 use microsim_geometry::Aabb;
@@ -15,7 +15,7 @@ const NEW: usize = 64;
 /// A group with more elements is halved.
 const LARGE: usize = 160;
 
-/// Boxes are larger by this share of an edge.
+/// Boxes are larger by this fraction of an edge.
 const ROUNDING: f64 = 1e-6;
 
 #[derive(Clone, Debug)]
@@ -88,16 +88,16 @@ impl Clusters {
         }
     }
 
-    /// How much larger than their boxes groups may be with nodes at these places \[m\]. Boxes are made anew when that is more than `most`.
+    /// How much larger than their boxes groups may be with nodes at these places \[m\]. Boxes are rebuilt when that is more than `most`.
     fn slack(&mut self, positions: [&[Vector3<f64>]; 2], most: f64) -> f64 {
         let farthest = |places: &[Vector3<f64>]| {
-            // Written without a way out of the loop; what is not a number makes the sum so.
+            // Written without an early exit of the loop; what is not a number makes the sum so.
             let (mut farthest, mut finite) = (0.0, 0.0);
             for positions in positions {
                 for (now, then) in positions.iter().zip(places) {
-                    let way = now - then;
-                    farthest = f64::max(farthest, way.amax());
-                    finite += (way.x + way.y + way.z) * 0.0;
+                    let displacement = now - then;
+                    farthest = f64::max(farthest, displacement.amax());
+                    finite += (displacement.x + displacement.y + displacement.z) * 0.0;
                 }
             }
             match finite == 0.0 {
@@ -125,7 +125,7 @@ impl Clusters {
         farthest(&self.places)
     }
 
-    /// Calls `found` for the elements whose corners' way from the first to the second positions comes into `bounds`, or is not
+    /// Calls `found` for the elements whose corners' path from the first to the second positions comes into `bounds`, or is not
     /// finite. `edge` \[m\] is how long edges are, more or less.
     pub(crate) fn near(
         &mut self,
@@ -161,8 +161,8 @@ impl Clusters {
         }
     }
 
-    /// Follows an edit that they have followed but for the places of nodes: a new node is between two others, and so in all their boxes.
-    pub(crate) fn follow(&mut self, edit: &TopologyEdit) {
+    /// Updates boxes after an edit of which only new nodes are missing: a new node is between two others, and so in all their boxes.
+    pub(crate) fn update_after_edit(&mut self, edit: &TopologyEdit) {
         if !self.places.is_empty() {
             edit.carry_nodes(&mut self.places);
         }

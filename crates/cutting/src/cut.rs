@@ -1,11 +1,13 @@
 //! A step of a cut: from the blade's path to the edit.
 
+use crate::blade::Blade;
+use crate::crossing::Crossing;
 use crate::decide::{self, Decisions, Fate};
 use crate::editor::Editor;
 use crate::opening;
 use crate::pattern::{self, PatternNode};
 use crate::report::{Cut, Rejected};
-use crate::sheet::{Crossing, Sheet};
+use crate::settings::Settings;
 use crate::stroke::Stroke;
 use crate::sweep::Sweep;
 use crate::topology::{Child, Topology};
@@ -17,119 +19,12 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Cosine of the turn between two steps from which on a blade makes another cut: 45°.
 const TURNED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Limits of a cut.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Edges are divided no nearer to an end than this share (NUMERICS 3.5 a).
-    pub least_share: f64,
-    /// An edge shorter than this share of the mean edge of the whole mesh is not divided: the cut goes through its nearer end, and so
-    /// strays by half of it at most. With twice the least share that is no more than on a whole edge.
-    pub least_edge: f64,
-    /// No division leaves an element with less than this share of the mean volume of the whole mesh (NUMERICS 3.5 e).
-    pub least_volume: f64,
-    /// The teeth that clamped nodes leave on the lips of a cut: what another cut would take off them in a few elements with less than
-    /// this share of the mean volume stays on.
-    pub flake_volume: f64,
-    /// What comes off with less than this share of the mean volume is a crumb and is taken away.
-    pub crumb_volume: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            least_share: 0.15,
-            least_edge: 0.3,
-            least_volume: 1e-3,
-            flake_volume: 0.05,
-            crumb_volume: 1e-3,
-        }
-    }
-}
-
-/// A blade and the nodes around it.
-#[derive(Clone, Copy, Debug)]
-pub enum Blade<'a> {
-    /// A sheet through nodes that stand still.
-    Sheet {
-        /// The sheet.
-        sheet: &'a Sheet,
-        /// Where the nodes are \[m\].
-        positions: &'a [Vector3<f64>],
-    },
-    /// A blade that moves, through nodes that move.
-    Sweep {
-        /// Its parts: of one instrument, on one sheet.
-        sweeps: &'a [Sweep],
-        /// Where the nodes were before the step \[m\].
-        before: &'a [Vector3<f64>],
-        /// Where they are after it \[m\].
-        now: &'a [Vector3<f64>],
-    },
-}
-
-impl Blade<'_> {
-    fn now(&self) -> &[Vector3<f64>] {
-        match self {
-            Self::Sheet { positions, .. } => positions,
-            Self::Sweep { now, .. } => now,
-        }
-    }
-
-    fn check(&self, nodes: usize) -> Result<(), Rejected> {
-        let all = |points: &[Vector3<f64>]| points.iter().all(|p| p.iter().all(|x| x.is_finite()));
-        let count = |positions: &[Vector3<f64>]| {
-            let count = positions.len();
-            if count == nodes {
-                Ok(())
-            } else {
-                Err(Rejected::Positions {
-                    nodes,
-                    positions: count,
-                })
-            }
-        };
-        match self {
-            Self::Sheet { sheet, positions } => {
-                count(positions)?;
-                if !all(&sheet.points) {
-                    return Err(Rejected::NotFinite);
-                }
-                let has_area = |t: usize| {
-                    let [a, b, c] = sheet.corners(t);
-                    (b - a).cross(&(c - a)) != Vector3::zeros()
-                };
-                if !(0..sheet.triangles.len()).any(has_area) {
-                    return Err(Rejected::NoBlade);
-                }
-            }
-            Self::Sweep {
-                sweeps,
-                before,
-                now,
-            } => {
-                count(before)?;
-                count(now)?;
-                let finite = |s: &Sweep| all(&s.before) && all(&s.now);
-                if !sweeps.iter().all(finite) {
-                    return Err(Rejected::NotFinite);
-                }
-                let has_length = |[a, b]: &[Vector3<f64>; 2]| a != b;
-                let is_blade = |s: &Sweep| has_length(&s.before) || has_length(&s.now);
-                if !sweeps.iter().any(is_blade) {
-                    return Err(Rejected::NoBlade);
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
 impl Topology {
     /// Cuts where the blade passes in this step. `None` when it divides and opens nothing.
     ///
     /// The topology is then that of the next generation, and so is the stroke; [`Cut::edit`] takes the mesh there. Crossed edges are
     /// divided for all elements at them, so the mesh is conforming after every step, with the blade inside too. Open is what the
-    /// blade has passed: faces with all nodes on its path and elements on both sides. Where it has gone only part of the way
+    /// blade has passed: faces with all nodes on its path and elements on both sides. Where it has gone only in part
     /// through an element the element is divided and holds together until the blade has passed it.
     pub fn cut(
         &mut self,
@@ -231,8 +126,8 @@ impl Topology {
         clear
     }
 
-    /// Calls `found` with every element, and its nodes, whose way from the first to the second positions comes into `bounds` \[m\]. What it costs goes
-    /// with what is there, but for a nanosecond per node.
+    /// Calls `found` with every element, and its nodes, whose path from the first to the second positions comes into `bounds` \[m\]. Its cost is proportional
+    /// to what is there, but for a nanosecond per node.
     pub fn elements_near(
         &mut self,
         bounds: &Aabb,
@@ -244,7 +139,7 @@ impl Topology {
         clusters.near(bounds, self.mean_edge, tets, positions, found);
     }
 
-    /// Every edge, smaller node first and ascending, whose way in the step comes into `bounds`.
+    /// Every edge, smaller node first and ascending, whose path in the step comes into `bounds`.
     fn edges_near(&mut self, bounds: &Aabb, positions: [&[Vector3<f64>]; 2]) -> Vec<[u32; 2]> {
         let around = |nodes: &[u32]| {
             let places = nodes.iter().map(|&n| n as usize);
@@ -315,7 +210,7 @@ impl Topology {
         let mut touched: BTreeSet<u32> = BTreeSet::new();
         for (edge, crossed) in &decisions.edges {
             touched.extend(self.elements_at_edge(*edge));
-            if let Fate::Kept(node) = crossed.fate
+            if let Fate::Retained(node) = crossed.fate
                 && stroke.path.insert(node)
             {
                 touched.extend(self.elements_at(node));
@@ -329,9 +224,9 @@ impl Topology {
         let mut editor = Editor::new(self, mesh, current);
         let mut new_nodes: BTreeMap<[u32; 2], u32> = BTreeMap::new();
         for (edge, crossed) in &decisions.edges {
-            if let Fate::Divided(share) = crossed.fate {
+            if let Fate::Divided(fraction) = crossed.fate {
                 let node = editor.next_node();
-                editor.add_node(*edge, share);
+                editor.add_node(*edge, fraction);
                 new_nodes.insert(*edge, node);
                 stroke.path.insert(node);
                 editor.topology.front.insert(node);
@@ -374,7 +269,7 @@ impl Topology {
         editor.divide(&replaced);
         opening::give_flat_ones(editor.topology, stroke, &touched);
         let mut faces = opening::faces_to_open(editor.topology, stroke, &touched);
-        opening::keep_flakes(&editor, sheet, &mut faces, settings);
+        opening::retain_flakes(&editor, sheet, &mut faces, settings);
         for [node, copy] in editor.open(&faces, sheet) {
             if stroke.path.contains(&node) {
                 stroke.path.insert(copy);
@@ -398,7 +293,7 @@ fn child_marks(child: &[PatternNode; 4], marks: &[u32; 4]) -> [u32; 4] {
     })
 }
 
-/// Whether the blade goes on across its way so far: then it makes another cut, from whose point of view the first is an old one.
+/// Whether the blade goes on across its path so far: then it makes another cut, from whose point of view the first is an old one.
 fn is_turned(stroke: &Stroke, crossings: &BTreeMap<[u32; 2], Crossing>) -> bool {
     if stroke.normal == Vector3::zeros() {
         return false;

@@ -1,11 +1,11 @@
-//! What becomes of each crossed edge: divided at a place that leaves sound elements, or kept with one of its nodes on the path.
+//! What becomes of each crossed edge: divided where both parts leave valid elements, or left whole with one of its nodes on the path.
 //!
 //! Every decision is that of an edge or a face alone, so all elements at it agree. Whatever is decided, a crossed edge has a
-//! node on the path in the end: no way along edges leads from one side to the other past it.
+//! node on the path in the end: no path along edges joins both sides without it.
 
-use crate::Settings;
+use crate::crossing::Crossing;
 use crate::pattern::{self, EDGES, EdgeSet, PatternNode};
-use crate::sheet::Crossing;
+use crate::settings::Settings;
 use crate::stroke::Stroke;
 use crate::topology::{FACES, Topology};
 use microsim_geometry::signed_volume;
@@ -13,17 +13,17 @@ use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A blade that comes so near to a node, as a share of the crossed edge, goes through it: no plane through nodes is off by more, in
+/// A blade that comes so near to a node, relative to the crossed edge, goes through it: no plane through nodes is off by more, in
 /// coordinates that were computed.
 const TOUCHING: f64 = 1e-6;
 
 /// What becomes of a crossed edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fate {
-    /// A new node at this share.
+    /// A new node at this fraction of the edge.
     Divided(f64),
     /// This node of it is on the path.
-    Kept(u32),
+    Retained(u32),
 }
 
 /// A crossed edge, smaller node first.
@@ -33,19 +33,19 @@ pub(crate) struct CrossedEdge {
     pub fate: Fate,
 }
 
-/// The crossed edges of a step, and how many were treated in which way.
+/// The crossed edges of a step, and how many were treated how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Decisions {
     pub edges: BTreeMap<[u32; 2], CrossedEdge>,
     /// Elements to divide, with their divided edges.
     pub elements: BTreeMap<u32, EdgeSet>,
-    /// Shares that were clamped.
+    /// Fractions that were clamped.
     pub clamped: usize,
-    /// Kept, as an end is on the path already, or the blade goes through it.
+    /// Left whole, as an end is on the path already, or the blade goes through it.
     pub joined: usize,
-    /// Kept with the nearer end, as division would leave an element or edge too small.
+    /// Left whole with the nearer end on the path, as division would leave an element or edge too small.
     pub snapped: usize,
-    /// Kept with the nearer end, as all edges of a face were crossed.
+    /// Left whole with the nearer end on the path, as all edges of a face were crossed.
     pub dropped: usize,
 }
 
@@ -73,8 +73,8 @@ pub(crate) fn decide(
     decisions.legalise(topology, mesh);
     decisions.keep_elements_sound(topology, mesh, settings);
     let divided = decisions.edges.values().filter_map(|e| match e.fate {
-        Fate::Divided(share) => Some((share, e.crossing.share)),
-        Fate::Kept(_) => None,
+        Fate::Divided(fraction) => Some((fraction, e.crossing.fraction)),
+        Fate::Retained(_) => None,
     });
     decisions.clamped = divided.filter(|(used, found)| used != found).count();
     decisions
@@ -89,12 +89,12 @@ fn first_fate(
     settings: &Settings,
     decisions: &mut Decisions,
 ) -> Fate {
-    let least = settings.least_share;
-    let share = crossing.share.clamp(least, 1.0 - least);
+    let least = settings.least_fraction;
+    let fraction = crossing.fraction.clamp(least, 1.0 - least);
     let on_path = edge.map(|node| stroke.path.contains(&node) || topology.front.contains(&node));
     let end = match on_path {
         [false, false] => {
-            let touched = crossing.share.min(1.0 - crossing.share) <= TOUCHING;
+            let touched = crossing.fraction.min(1.0 - crossing.fraction) <= TOUCHING;
             touched.then(|| nearer(crossing, edge))
         }
         [true, true] => Some(nearer(crossing, edge)),
@@ -102,9 +102,9 @@ fn first_fate(
         // a second time.
         [first, _] => {
             let (node, far, distance) = if first {
-                (edge[0], edge[1], crossing.share)
+                (edge[0], edge[1], crossing.fraction)
             } else {
-                (edge[1], edge[0], 1.0 - crossing.share)
+                (edge[1], edge[0], 1.0 - crossing.fraction)
             };
             let side = if crossing.positive == first { 1 } else { -1 };
             let is_second = distance > least
@@ -118,19 +118,19 @@ fn first_fate(
     };
     if let Some(node) = end {
         decisions.joined += 1;
-        return Fate::Kept(node);
+        return Fate::Retained(node);
     }
     let [a, b] = edge.map(|n| mesh.positions[n as usize]);
     if (b - a).norm() < settings.least_edge * topology.mean_edge {
         decisions.snapped += 1;
-        return Fate::Kept(nearer(crossing, edge));
+        return Fate::Retained(nearer(crossing, edge));
     }
-    Fate::Divided(share)
+    Fate::Divided(fraction)
 }
 
 /// The end nearer to a crossing.
 fn nearer(crossing: &Crossing, [a, b]: [u32; 2]) -> u32 {
-    if crossing.share <= 0.5 { a } else { b }
+    if crossing.fraction <= 0.5 { a } else { b }
 }
 
 impl Decisions {
@@ -146,11 +146,11 @@ impl Decisions {
     /// Keeps the edge with the nearer end on the path; the elements at it.
     fn keep(&mut self, edge: [u32; 2]) {
         if let Some(crossed) = self.edges.get_mut(&edge) {
-            crossed.fate = Fate::Kept(nearer(&crossed.crossing, edge));
+            crossed.fate = Fate::Retained(nearer(&crossed.crossing, edge));
         }
     }
 
-    /// Where all three edges of a face would be divided (NUMERICS 4.7), the one crossed nearest to an end is kept.
+    /// Where all three edges of a face would be divided (NUMERICS 4.7), the one crossed nearest to an end is left whole.
     fn legalise(&mut self, topology: &Topology, mesh: &TetMesh) {
         let mut elements = BTreeSet::new();
         for (edge, crossed) in &self.edges {
@@ -173,13 +173,13 @@ impl Decisions {
             let edges = [[a, b], [a, c], [b, c]];
             let divided = |edge: &[u32; 2]| {
                 let crossed = self.edges.get(edge)?;
-                matches!(crossed.fate, Fate::Divided(_)).then_some(crossed.crossing.share)
+                matches!(crossed.fate, Fate::Divided(_)).then_some(crossed.crossing.fraction)
             };
-            let shares = edges.each_ref().map(divided);
-            if shares.iter().any(Option::is_none) {
+            let fractions = edges.each_ref().map(divided);
+            if fractions.iter().any(Option::is_none) {
                 continue;
             }
-            let distance = |k: usize| shares[k].map_or(1.0, |s| s.min(1.0 - s));
+            let distance = |k: usize| fractions[k].map_or(1.0, |s| s.min(1.0 - s));
             let ids = |k: usize| edges[k].map(|n| mesh.node_ids[n as usize]);
             let first = (0..3).min_by(|&i, &j| {
                 distance(i)
@@ -214,19 +214,19 @@ impl Decisions {
                 let (i, j) = (i as usize, j as usize);
                 self.new_place(&tet, &corners, i, j)
             };
-            let sound = pattern::divide(set, ids).iter().all(|child| {
+            let is_valid = pattern::divide(set, ids).iter().all(|child| {
                 let [a, b, c, d] = child.map(place);
                 signed_volume(&a, &b, &c, &d) > least
             });
-            if sound {
+            if is_valid {
                 continue;
             }
             let part = |k: usize| {
                 let [i, j] = EDGES[k];
                 let edge = [tet[i].min(tet[j]), tet[i].max(tet[j])];
-                let share = self.edges[&edge].crossing.share;
+                let fraction = self.edges[&edge].crossing.fraction;
                 let length = (corners[j] - corners[i]).norm();
-                (edge, share.min(1.0 - share) * length)
+                (edge, fraction.min(1.0 - fraction) * length)
             };
             let parts = (0..6).filter(|k| set & 1 << k != 0).map(part);
             let shortest = parts.min_by(|a, b| {
@@ -261,7 +261,9 @@ impl Decisions {
         }
         let (low, high) = if tet[i] < tet[j] { (i, j) } else { (j, i) };
         match self.edges.get(&[tet[low], tet[high]]).map(|e| e.fate) {
-            Some(Fate::Divided(share)) => corners[low] + (corners[high] - corners[low]) * share,
+            Some(Fate::Divided(fraction)) => {
+                corners[low] + (corners[high] - corners[low]) * fraction
+            }
             _ => corners[i],
         }
     }

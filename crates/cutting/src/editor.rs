@@ -1,8 +1,8 @@
 //! Changes to a topology, recorded as one edit.
 
-use crate::cut::Settings;
 use crate::pieces;
 use crate::report::{Cut, Opened, SurfaceChange};
+use crate::settings::Settings;
 use crate::topology::{Child, SurfaceTriangle, Topology};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TetMesh, TopologyEdit};
 use nalgebra::Vector3;
@@ -17,7 +17,7 @@ struct OpenedFace {
     in_order: bool,
 }
 
-/// A topology under change and what its edit will say.
+/// A topology under change and the edit that records it.
 pub(crate) struct Editor<'a> {
     pub topology: &'a mut Topology,
     mesh: &'a TetMesh,
@@ -69,11 +69,11 @@ impl<'a> Editor<'a> {
     }
 
     /// A new node.
-    pub(crate) fn add_node(&mut self, between: [u32; 2], share: f64) {
+    pub(crate) fn add_node(&mut self, between: [u32; 2], fraction: f64) {
         let [a, b] = between.map(|n| self.place(n));
-        self.nodes.push(NewNode { between, share });
+        self.nodes.push(NewNode { between, fraction });
         self.new_places
-            .push([0, 1].map(|k| a[k] + (b[k] - a[k]) * share));
+            .push([0, 1].map(|k| a[k] + (b[k] - a[k]) * fraction));
     }
 
     /// Number of the original element in whose place, or behind whose place, `element` is.
@@ -104,11 +104,11 @@ impl<'a> Editor<'a> {
         self.topology.replace(replaced, nodes);
     }
 
-    /// Opens inner faces, given by element and opposite corner, for the sheet with number `sheet`; the flag tells whether that element is
+    /// Opens inner faces, given by element and opposite corner, for the sheet with number `sheet`; the flag is whether that element is
     /// on the negative side. What is left of them hangs together at nodes on the edge of the cut and stays marked.
     /// Returns the copies: node and copy.
     pub(crate) fn open(&mut self, faces: &[(u32, usize, bool)], sheet: u32) -> Vec<[u32; 2]> {
-        // A new node on an edge at which fans of elements meet that share no face belongs to one of them.
+        // A new node on an edge at which fans of elements meet that have no common face belongs to one of them.
         let first = self.mesh.positions.len() as u32;
         let mut nodes: BTreeSet<u32> = (first..self.next_node()).collect();
         let mut negative: BTreeSet<(u32, u32)> = BTreeSet::new();
@@ -156,7 +156,7 @@ impl<'a> Editor<'a> {
         copies
     }
 
-    /// The edit and all there is to say of it; `None` when nothing was changed.
+    /// The edit with its report; `None` when nothing was changed.
     pub(crate) fn conclude(self, settings: &Settings) -> Option<Cut> {
         if self.touched.is_empty() {
             return None;
@@ -168,7 +168,7 @@ impl<'a> Editor<'a> {
         let mut pieces = pieces::come_off(self.topology, &pairs.collect::<Vec<_>>());
         let mut crumbs = Vec::new();
         pieces.retain(|piece| {
-            let crumb = self.is_crumb(piece, settings.crumb_volume, settings.least_share);
+            let crumb = self.is_crumb(piece, settings.crumb_volume, settings.least_fraction);
             if crumb {
                 crumbs.extend_from_slice(piece);
             }
@@ -178,7 +178,7 @@ impl<'a> Editor<'a> {
         Some(self.finish(&crumbs, pieces))
     }
 
-    /// Whether a part is too small to be kept: by its volume over the mean element's, or its longest edge over the mean
+    /// Whether a part is too small to remain: by its volume over the mean element's, or its longest edge over the mean
     /// one.
     fn is_crumb(&self, piece: &[u32], least_volume: f64, least_edge: f64) -> bool {
         // A crumb has few elements: what is larger in number has the volume as well.
@@ -209,7 +209,7 @@ impl<'a> Editor<'a> {
         microsim_geometry::signed_volume(&a, &b, &c, &d)
     }
 
-    /// The edit, without `crumbs` (ascending), and all there is to say of it.
+    /// The edit with its report, without `crumbs` (ascending).
     fn finish(mut self, crumbs: &[u32], mut pieces: Vec<Vec<u32>>) -> Cut {
         let mut lists: BTreeMap<u32, Vec<[u32; 4]>> = BTreeMap::new();
         for &slot in self.touched.keys() {
@@ -253,7 +253,7 @@ impl<'a> Editor<'a> {
             .flat_map(|&e| self.topology.triangles_of(e))
             .collect();
         self.topology.generation = self.mesh.generation + 1;
-        self.topology.clusters.follow(&edit);
+        self.topology.clusters.update_after_edit(&edit);
         Cut {
             divided,
             opened,

@@ -1,6 +1,6 @@
-//! Cutting and tearing: from the path of a blade, or from faces that give way, to one atomic edit of a tetrahedral mesh.
+//! Cutting and tearing: from the path of a blade, or from faces that fail, to one atomic edit of a tetrahedral mesh.
 //!
-//! What is here: [`Topology`], the connectivity of a body kept up to date edit by edit; [`Blade`]s that stand still or move through
+//! What is here: [`Topology`], the connectivity of a body updated edit by edit; [`Blade`]s that stand still or move through
 //! tissue that moves; the six patterns by which elements are divided ([`divide`]); what opens, comes off and is laid open ([`Cut`]);
 //! tears; and the check of all that ([`check`]). What is not: forces, tools, when to cut, files,
 //! clocks, threads. Pure: the same input gives the same bits.
@@ -15,7 +15,7 @@
 //! edge opposite: a crack that the blade did not make, and beside which it goes on. Here a [`Stroke`] remembers the nodes on the path, and
 //! what is cut in part is divided and holds together until the blade has passed it.
 //!
-//! A stroke that ends on its way leaves the edge of its cut in the topology, and the next goes on from there: a blade may be drawn back
+//! A stroke that ends inside tissue leaves the edge of its cut in the topology, and the next goes on from there: a blade may be drawn back
 //! and set in again, in any number of strokes, without a bridge between them.
 //!
 //! Limitations: a blade that meets no edge, as it is narrower than an element, cuts nothing. Where elements have become too small to be divided
@@ -25,8 +25,10 @@
 
 #![forbid(unsafe_code)]
 
+mod blade;
 mod check;
 mod clusters;
+mod crossing;
 mod cut;
 mod decide;
 mod editor;
@@ -34,18 +36,20 @@ mod opening;
 mod pattern;
 mod pieces;
 mod report;
+mod settings;
 mod sheet;
 mod stroke;
 mod sweep;
 mod tear;
 mod topology;
 
+pub use blade::Blade;
 pub use check::{Flaw, Measures, check};
-pub use cut::{Blade, Settings};
 pub use pattern::{
     EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide, is_divisible, pattern_of,
 };
 pub use report::{Cut, Opened, Rejected, SurfaceChange};
+pub use settings::Settings;
 pub use sheet::Sheet;
 pub use stroke::Stroke;
 pub use sweep::Sweep;

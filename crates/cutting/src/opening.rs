@@ -1,7 +1,7 @@
 //! Which faces come apart where a blade has passed.
 
-use crate::cut::Settings;
 use crate::editor::Editor;
+use crate::settings::Settings;
 use crate::stroke::Stroke;
 use crate::topology::Topology;
 use std::collections::BTreeSet;
@@ -90,7 +90,7 @@ pub(crate) fn give_flat_ones(topology: &Topology, stroke: &mut Stroke, elements:
 }
 
 /// Whether the blade has passed a node of its path: no element there on one side hangs together with one on the other. Of an element that it
-/// has not come to, where it lies tells.
+/// has not come to, its position decides.
 fn is_passed(editor: &Editor, stroke: &Stroke, node: u32) -> bool {
     let topology = &*editor.topology;
     let here = editor.place(node)[1];
@@ -134,7 +134,7 @@ pub(crate) fn leave_front(editor: &mut Editor, stroke: &Stroke, elements: &BTree
 
 /// Takes faces out of the list that would set flakes free: a few small elements on the lip of an older cut. A flake keeps the
 /// largest of its faces, and with it hangs on one side; it is no bridge to another.
-pub(crate) fn keep_flakes(
+pub(crate) fn retain_flakes(
     editor: &Editor,
     sheet: u32,
     faces: &mut Vec<FaceToOpen>,

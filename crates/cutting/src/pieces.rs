@@ -2,7 +2,7 @@
 //!
 //! Searches start at every element on both sides of what was laid open, all at once, one element each in turn. Two that meet are
 //! one. As soon as of those that were one part before a single one is left unfinished the others are pieces, so the cost is
-//! that of the smaller parts, and of a partial cut that of the way around its edge.
+//! that of the smaller parts, and of a partial cut that of the path around its edge.
 
 use crate::topology::{NONE, Topology};
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 //! It is displaced a little as a moving blade is, so that a sheet through nodes of the mesh, along its edges or in its faces is on one side of
 //! them; what is decided then is decided without rounding.
 
-use crate::sweep::displacement;
+use crate::crossing::{Crossing, displacement};
 use microsim_geometry::{Aabb, orientation};
 use nalgebra::Vector3;
 
@@ -15,17 +15,6 @@ pub struct Sheet {
     pub points: Vec<Vector3<f64>>,
     /// Three points per triangle.
     pub triangles: Vec<[u32; 3]>,
-}
-
-/// Where an edge is crossed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    /// Where on the edge, from its first node to its second, 0..1.
-    pub share: f64,
-    /// Whether the second node lies on the positive side.
-    pub positive: bool,
-    /// Normal of the blade there, towards the positive side; its length means nothing.
-    pub normal: Vector3<f64>,
 }
 
 impl Sheet {
@@ -133,11 +122,11 @@ impl Sheet {
         if side(1, 2) != first || side(2, 0) != first {
             return None;
         }
-        let share = at_u / (at_u - at_v);
+        let fraction = at_u / (at_u - at_v);
         Some(Crossing {
             // Rounded values near 0 have the right sign alone.
-            share: if share.is_finite() {
-                share.clamp(0.0, 1.0)
+            fraction: if fraction.is_finite() {
+                fraction.clamp(0.0, 1.0)
             } else {
                 0.5
             },

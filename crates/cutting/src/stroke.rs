@@ -1,14 +1,14 @@
-//! What a blade has cut so far, as it is on its way.
+//! What a blade has cut so far on its path.
 //!
 //! A crossed edge gets a node on the blade's path. What the mesh needs to open is a face with all three nodes on it and
-//! elements on both sides; while a blade is under way such faces come one after another. A stroke remembers the nodes on the
+//! elements on both sides; while a blade is in progress such faces come one after another. A stroke remembers the nodes on the
 //! path and, for the elements there, on which side their other corners lie, until the blade has left the tissue.
 
 use microsim_mesh::TopologyEdit;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// One pass of a blade through one body. Plain data: it is saved with the mesh between two generations. It begins anew by itself when the blade
+/// One pass of a blade through one body. Plain data: it is saved with the mesh between two generations. It begins again by itself when the blade
 /// is clear of all elements, or turns by more than 45°; a caller may begin a new one at any time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stroke {
@@ -36,11 +36,11 @@ impl Stroke {
         self.sides.get(&element).copied().unwrap_or_default()
     }
 
-    /// Follows an edit that another made to the mesh, which had so many nodes and elements: copies of nodes on the path are on it,
-    /// children know no sides of their own. The edits of its own it has followed already.
-    pub fn follow(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
+    /// Updates the stroke after an edit of another one, of a mesh that had so many nodes and elements: copies of nodes on the path are on it,
+    /// children know no sides of their own. Its own edits are part of it already.
+    pub fn update_after_edit(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
         for (k, new) in edit.nodes.iter().enumerate() {
-            if new.share == 0.0 && self.path.contains(&new.between[0]) {
+            if new.fraction == 0.0 && self.path.contains(&new.between[0]) {
                 self.path.insert((nodes + k) as u32);
             }
         }
@@ -51,7 +51,7 @@ impl Stroke {
         self.leave(edit, nodes, elements);
     }
 
-    /// Follows what leaves with an edit.
+    /// Removes what an edit removes.
     pub(crate) fn leave(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
         for gone in &edit.removed {
             self.sides.remove(gone);

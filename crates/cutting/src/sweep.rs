@@ -6,27 +6,16 @@
 //! has to be carried along with tissue, and a blade at rest cuts what is pulled through it.
 //!
 //! Steps join: the sign at the end of a step is computed from the same numbers as that at the start of the next, zero
-//! counts as positive, and what crosses twice in a step is not crossed. The blade is displaced by a share of 1e-9 of the mesh's edge
-//! in a general direction, always the same: what touches exactly (a blade guided through nodes) is decided the same way for
+//! counts as positive, and what crosses twice in a step is not crossed. The blade is displaced by a fraction of 1e-9 of the mesh's edge
+//! in a general direction, always the same: what touches exactly (a blade guided through nodes) is decided alike for
 //! all edges at a node, instead of by rounding.
 
-use crate::sheet::Crossing;
+use crate::crossing::{Crossing, displacement};
 use microsim_geometry::Aabb;
 use nalgebra::Vector3;
 
-/// Displacement of the blade over the mean edge: far above the rounding of coordinates, far below what can be seen.
-const DISPLACEMENT: f64 = 1e-9;
-
-/// A direction in no plane that a scene would be built along.
-const DIRECTION: [f64; 3] = [0.524_178_3, 0.713_926_1, 0.464_235_7];
-
 /// Halvings of a bracket around a meeting: down to rounding.
 const HALVINGS: usize = 60;
-
-/// By how much a blade is displaced.
-pub(crate) fn displacement(mean_edge: f64) -> Vector3<f64> {
-    Vector3::from(DIRECTION) * (DISPLACEMENT * mean_edge)
-}
 
 /// A segment that moves on straight lines during a step: the line of no return of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,19 +98,19 @@ impl Sweep {
         let r = blade_at[0] - edge_at[0];
         let across = e.cross(&d);
         let square = across.norm_squared();
-        let share = r.cross(&d).dot(&across) / square;
+        let fraction = r.cross(&d).dot(&across) / square;
         let along = r.cross(&e).dot(&across) / square;
         // Written so that what is not a number is no crossing.
-        if !((0.0..=1.0).contains(&share) && (0.0..=1.0).contains(&along)) {
+        if !((0.0..=1.0).contains(&fraction) && (0.0..=1.0).contains(&along)) {
             return None;
         }
         let moved = |sweep: &Sweep, at: f64| {
             let [from, to] = [0, 1].map(|k| sweep.now[k] - sweep.before[k]);
             from + (to - from) * at
         };
-        let normal = d.cross(&(moved(self, along) - moved(edge, share)));
+        let normal = d.cross(&(moved(self, along) - moved(edge, fraction)));
         Some(Crossing {
-            share,
+            fraction,
             positive: e.dot(&normal) >= 0.0,
             normal,
         })

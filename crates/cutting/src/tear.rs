@@ -1,9 +1,9 @@
-//! Tearing: faces that give way, whatever made them.
+//! Tearing: faces that fail, whatever made them.
 
-use crate::cut::Settings;
 use crate::editor::Editor;
 use crate::opening::FaceToOpen;
 use crate::report::{Cut, Rejected};
+use crate::settings::Settings;
 use crate::topology::Topology;
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;

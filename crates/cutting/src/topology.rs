@@ -1,10 +1,10 @@
-//! Who is next to whom in a mesh, kept up to date edit by edit.
+//! The connectivity of a mesh, updated edit by edit.
 //!
 //! Elements at each node, neighbours across each face, and a mark on each face: on the surface, which sheet made it (0: it was
 //! there from the start); inside, the sheet that has passed there though the face still holds together, as all its nodes
 //! lie on the edge of the cut. Everything is local: a change costs the elements around it.
 //!
-//! All lists are in the order of indices, so that a topology that was kept up to date is the same as one made anew from the mesh
+//! All lists are in the order of indices, so that an updated topology is the same as one rebuilt from the mesh
 //! and its marks.
 
 use crate::clusters::Clusters;
@@ -41,7 +41,7 @@ pub struct Topology {
     pub(crate) sheets: u32,
 }
 
-/// What a topology knows beyond the mesh: with it, one made anew goes on where another was.
+/// What a topology holds beyond the mesh: with it, a rebuilt one continues another.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TopologyState {
     /// Element, corner opposite to the face, and mark of every face that has one.
@@ -246,7 +246,7 @@ impl Topology {
         }
     }
 
-    /// Finds the neighbours of `element` anew, and tells them.
+    /// Finds the neighbours of `element` again, and updates theirs.
     fn link(&mut self, element: u32) {
         for corner in 0..4 {
             let face = self.face(element, corner);
@@ -268,7 +268,7 @@ impl Topology {
         at.find(|&e| e != element && face.iter().all(|n| self.tets[e as usize].contains(n)))
     }
 
-    /// Puts children in the place of elements: the first child of each takes its slot, the others are appended. All elements that share a
+    /// Puts children in the place of elements: the first child of each takes its slot, the others are appended. All elements with a common
     /// divided face must be replaced at once.
     pub(crate) fn replace(&mut self, replaced: &[(u32, Vec<Child>)], nodes: usize) {
         self.node_elements.resize(nodes, Vec::new());

@@ -176,7 +176,7 @@ fn make(cut: &Cut, steps: usize) -> Found {
             positions: &positions,
         };
         let made = topology.cut(&mesh, &mut stroke, &blade, &Settings::default());
-        mesh.apply(&made.expect("a sound blade").expect("it goes through").edit)
+        mesh.apply(&made.expect("a valid blade").expect("it goes through").edit)
             .expect("an edit of this mesh");
     }
     for step in 0..steps {
@@ -192,7 +192,7 @@ fn make(cut: &Cut, steps: usize) -> Found {
             now: &positions,
         };
         let made = topology.cut(&mesh, &mut stroke, &blade, &Settings::default());
-        if let Some(made) = made.expect("a sound blade") {
+        if let Some(made) = made.expect("a valid blade") {
             mesh.apply(&made.edit).expect("an edit of this mesh");
         }
     }
@@ -216,8 +216,8 @@ fn make(cut: &Cut, steps: usize) -> Found {
     }
 }
 
-/// Less than half an edge off everywhere, as asked for. What remeshing allows is less: shares of edges are clamped to 0.15, so that a node is off by that
-/// share of its edge, of at most √3 times the shortest; short edges that are left whole lie nearer. The area then differs by the slope of
+/// Less than half an edge off everywhere, as asked for. What remeshing allows is less: fractions of edges are clamped to 0.15, so that a node is off by that
+/// fraction of its edge, of at most √3 times the shortest; short edges that are left whole lie nearer. The area then differs by the slope of
 /// teeth of 0.15 edges over an edge, at most ½ · (2 · 0.15)² = 5 %.
 #[test]
 fn a_cut_lies_where_the_blade_was() {

@@ -192,7 +192,7 @@ fn tube() -> (Vec<Point>, Vec<[usize; 4]>) {
     (nodes, tetrahedra)
 }
 
-/// All nodes of each tube against all tetrahedra of the other, from apart to half of the way through.
+/// All nodes of each tube against all tetrahedra of the other, from apart to half through.
 fn tubes() {
     let (first, tetrahedra) = tube();
     let edges = tetrahedra
@@ -275,7 +275,7 @@ fn tubes() {
             bvh.rebuild(&points(nodes));
             bvh.pairs(&boxes(other), pairs);
         });
-        // Each side's tree is kept from step to step.
+        // Each side's tree is updated from step to step.
         let mut trees = [Bvh::new(), Bvh::new()];
         let mut side = 0;
         step("bvh of nodes, refitted", &mut |nodes, other, pairs| {

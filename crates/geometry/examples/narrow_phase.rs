@@ -26,10 +26,10 @@ fn main() {
     let motions: Vec<[Motion<1>; 6]> = still
         .iter()
         .zip(&moved)
-        .map(|(start, way)| {
+        .map(|(start, shift)| {
             std::array::from_fn(|k| Motion {
                 start: [start[k]],
-                end: [start[k] + way[k]],
+                end: [start[k] + shift[k]],
             })
         })
         .collect();
@@ -40,7 +40,7 @@ fn main() {
     time("edge through triangle", &still, |[p, q, a, b, c, _]| {
         edge_through_triangle(p, q, &[*a, *b, *c]).is_some()
     });
-    // In the plane z = 0 every sign needs the exact way.
+    // In the plane z = 0 every sign needs exact arithmetic.
     let flat: Vec<[Point; 6]> = still
         .iter()
         .map(|points| points.map(|p| Point::new(p.x, p.y, 0.1)))
@@ -86,7 +86,7 @@ fn main() {
     }
 }
 
-/// Prints the time per call and the share of pairs for which it is true.
+/// Prints the time per call and the fraction of pairs for which it is true.
 fn time<T>(name: &str, pairs: &[T], test: impl Fn(&T) -> bool) {
     let (mut best, mut hits) = (f64::INFINITY, 0);
     for _ in 0..20 {
@@ -95,8 +95,8 @@ fn time<T>(name: &str, pairs: &[T], test: impl Fn(&T) -> bool) {
         best = best.min(now() - before);
     }
     let each = best / pairs.len() as f64;
-    let share = 100.0 * hits as f64 / pairs.len() as f64;
-    println!("{name:<42}{each:>9.0} ns{share:>7.1} % of pairs");
+    let fraction = 100.0 * hits as f64 / pairs.len() as f64;
+    println!("{name:<42}{each:>9.0} ns{fraction:>7.1} % of pairs");
 }
 
 /// CPU time of this thread \[ns\].

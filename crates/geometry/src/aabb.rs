@@ -59,7 +59,7 @@ impl Aabb {
         }
     }
 
-    /// Whether the two boxes share a point; touching counts.
+    /// Whether the two boxes have a common point; touching counts.
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.min.x <= other.max.x

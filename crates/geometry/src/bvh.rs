@@ -5,7 +5,7 @@
 //! mix, and a query over a wide space costs what it finds.
 //!
 //! A set of which a few boxes change keeps its tree as well ([`renumber`](Bvh::renumber)): what is gone leaves an empty place, what is new
-//! stands in a small tree of its own behind the others. When a third of the places is empty or new, all is built anew.
+//! stands in a small tree of its own behind the others. When a third of the places is empty or new, all is rebuilt.
 //!
 //! Limitations: refitting keeps the tree's shape. When neighbours have gone far apart, answers stay right and become slower:
 //! rebuild then.
@@ -32,7 +32,7 @@ pub struct Bvh {
 /// No box, or no place.
 const NONE: u32 = u32::MAX;
 
-/// When this share of the places is empty or in small trees all is built anew.
+/// When this fraction of the places is empty or in small trees all is rebuilt.
 const LOOSE: f64 = 1.0 / 3.0;
 
 #[derive(Clone, Copy, Debug)]

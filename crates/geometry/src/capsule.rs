@@ -34,7 +34,7 @@ impl Capsule {
         Aabb::of(&[self.a, self.b]).inflated(self.radius)
     }
 
-    /// The smallest box around the capsule on its way to `end`, each end of the axis on a straight line.
+    /// The smallest box around the capsule on its path to `end`, each end of the axis on a straight line.
     pub fn swept_bounds(&self, end: &Self) -> Aabb {
         self.bounds().union(&end.bounds())
     }

@@ -108,7 +108,7 @@ fn answers_scale_with_the_input() {
     let mut random = SplitMix64(3);
     for _ in 0..10_000 {
         let points: [_; 5] = random.points();
-        let shares = |points: [Vector3<f64>; 5]| {
+        let weights = |points: [Vector3<f64>; 5]| {
             let [p, q, a, b, c] = points;
             let found = closest_segments(&p, &q, &a, &b);
             let both = closest_segment_triangle(&p, &q, &[a, b, c]);
@@ -123,9 +123,9 @@ fn answers_scale_with_the_input() {
                 both.on_triangle.barycentric,
             )
         };
-        let expected = shares(points);
+        let expected = weights(points);
         for scale in [2f64.powi(-30), 0.5, 2f64.powi(40)] {
-            assert_eq!(shares(points.map(|p| p * scale)), expected, "{points:?}");
+            assert_eq!(weights(points.map(|p| p * scale)), expected, "{points:?}");
         }
     }
 }

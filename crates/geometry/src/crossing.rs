@@ -1,11 +1,11 @@
-//! Edges through triangles.
+//! Edges through triangles, and the closest points of both.
 
 use crate::orientation::orientation;
 use crate::segment::SegmentPoint;
 use crate::triangle::{SegmentTriangle, closest_features, closest_on_triangle};
 use nalgebra::Vector3;
 
-/// A crossing point that is further from the triangle than this share of the largest length or coordinate is not the best that can be had: edge and
+/// A crossing point that is further from the triangle than this fraction of the largest length or coordinate is not the best that can be had: edge and
 /// triangle are then almost coplanar, or the triangle has almost no area.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
@@ -23,8 +23,8 @@ pub struct EdgeCrossing {
 ///
 /// Whether it does is decided without rounding, and ends, edges and corners belong to what they bound. So an edge through the
 /// common edge of two triangles goes through both, an edge that only touches goes through, and a closed surface has no
-/// gap. By the same rule an edge in the plane of the triangle does not go through it, whatever it shares with it: then edges meet, and
-/// the closest points of edges tell. Nothing goes through a triangle without area, and an edge without length goes
+/// gap. By the same rule an edge in the plane of the triangle does not go through it, whatever they have in common: then edges meet, and
+/// the closest points of edges decide. Nothing goes through a triangle without area, and an edge without length goes
 /// through nothing.
 pub fn edge_through_triangle(
     p: &Vector3<f64>,
@@ -57,6 +57,20 @@ pub fn edge_through_triangle(
     })
 }
 
+/// The closest points of the segment `a`–`b` and a triangle: the true closest feature among the crossing point
+/// ([`edge_through_triangle`]), the end points against the triangle, the corners against the segment, and the segment against the insides
+/// of the edges. For a capsule, the segment is its axis.
+pub fn closest_segment_triangle(
+    a: &Vector3<f64>,
+    b: &Vector3<f64>,
+    triangle: &[Vector3<f64>; 3],
+) -> SegmentTriangle {
+    if let Some(crossing) = edge_through_triangle(a, b, triangle) {
+        return crossing.points;
+    }
+    closest_features(a, b, triangle)
+}
+
 /// The point of an edge that goes through a triangle (A.14), on the edge; the coordinates are those of the triangle's closest point. Where
 /// that leaves more than rounding, the closest points without the crossing are a second candidate: the better one is
 /// within 1e-6 of the longest length.
@@ -68,14 +82,10 @@ fn crossing_point(
     let [a, b, c] = triangle;
     let (along, ap, normal) = (q - p, p - a, (b - a).cross(&(c - a)));
     let volume = -along.dot(&normal);
-    let share = ap.dot(&normal) / volume;
+    let t = ap.dot(&normal) / volume;
     // Once more from the first result: what rounding left of the height there.
-    let share = share + (ap + along * share).dot(&normal) / volume;
-    let t = if share.is_nan() {
-        0.0
-    } else {
-        share.clamp(0.0, 1.0)
-    };
+    let t = t + (ap + along * t).dot(&normal) / volume;
+    let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
     let point = p + along * t;
     let mut points = SegmentTriangle {
         on_segment: SegmentPoint { point, t },

@@ -13,11 +13,12 @@
 //! Limitations: straight lines; the arc of a turning tool is one only in parts that are short against its radius. Features that
 //! nearly roll on one another take tens of steps.
 
+use crate::crossing::closest_segment_triangle;
 use crate::segment::closest_segments;
-use crate::triangle::{closest_on_triangle, closest_segment_triangle};
+use crate::triangle::closest_on_triangle;
 use nalgebra::Vector3;
 
-/// Features count as in contact when they are closer than the distance that is asked for plus this share of their extent: the
+/// Features count as in contact when they are closer than the distance that is asked for plus this fraction of their extent: the
 /// largest coordinate of any corner, before or after the step, from the second feature's first corner, which is taken to rest.
 ///
 /// The direction between closest points at a gap g has an error of rounding · extent / g, which costs a bound up to the extent
@@ -45,14 +46,14 @@ pub struct Motion<const N: usize> {
 /// The first contact of two moving features.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstContact<const A: usize, const B: usize> {
-    /// When, as a share of the step, 0..1. Up to here the features are further apart than the distance that was asked for; here
+    /// Step fraction, 0..1. Up to here the features are further apart than the distance that was asked for; here
     /// they are closer than that plus the tolerance ([`CONTACT_TOLERANCE`]), or the search came to its end (see `gap`).
     pub time: f64,
     /// Distance of the features at that time \[m\]. It is larger than the distance that was asked for plus the tolerance only when the
     /// search took all its steps, or (up to 2e-5 of the extent) when rounding hides which parts are closest: then
     /// there may be a contact later, and none was before.
     pub gap: f64,
-    /// The first feature's point of contact: shares of its corners, sum 1.
+    /// The first feature's point of contact: weights of its corners, sum 1.
     pub first: [f64; A],
     /// The second feature's.
     pub second: [f64; B],
@@ -63,7 +64,7 @@ pub struct FirstContact<const A: usize, const B: usize> {
 
 /// The first time at which a moving point is within `distance` \[m\] of a moving triangle; `None` when that is never in the step.
 ///
-/// Features within the distance at the start are in contact at time 0, whichever way they go. Coordinates that are no numbers
+/// Features within the distance at the start are in contact at time 0, wherever they go. Coordinates that are no numbers
 /// count as contact.
 pub fn first_contact_point_triangle(
     point: &Motion<1>,

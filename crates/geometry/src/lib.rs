@@ -31,7 +31,7 @@ pub use aabb::Aabb;
 pub use broad_phase::BroadPhase;
 pub use bvh::Bvh;
 pub use capsule::Capsule;
-pub use crossing::{EdgeCrossing, edge_through_triangle};
+pub use crossing::{EdgeCrossing, closest_segment_triangle, edge_through_triangle};
 pub use first_contact::{
     CONTACT_TOLERANCE, FirstContact, Motion, first_contact_edges, first_contact_point_triangle,
     first_contact_segment_triangle,
@@ -42,8 +42,7 @@ pub use segment::{SegmentPoint, SegmentsClosest, closest_on_segment, closest_seg
 pub use spatial_hash::SpatialHash;
 pub use tetrahedron::{INSIDE_TOLERANCE, point_in_tetrahedron};
 pub use triangle::{
-    SegmentTriangle, TriangleFeature, TrianglePoint, closest_on_triangle, closest_segment_triangle,
-    triangle_normal,
+    SegmentTriangle, TriangleFeature, TrianglePoint, closest_on_triangle, triangle_normal,
 };
 
 use nalgebra::Vector3;

@@ -53,12 +53,12 @@ impl Pose {
         )
     }
 
-    /// The pose at the share `t` (0..1) of the way to `end`: position on the straight line, orientation along the
+    /// The pose at the fraction `t` (0..1) of a motion to `end`: position on the straight line, orientation along the
     /// shorter great arc at constant angular speed (slerp, Shoemake 1985).
     pub fn interpolate(&self, end: &Self, t: f64) -> Self {
         let position = self.position + (end.position - self.position) * t;
         let (q0, mut q1) = (self.orientation.coords, end.orientation.coords);
-        // q and −q are the same rotation: take the one on the shorter way.
+        // q and −q are the same rotation: take the one on the shorter arc.
         let mut cosine = q0.dot(&q1);
         if cosine < 0.0 {
             q1 = -q1;
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn interpolation_takes_the_shorter_way_whatever_the_sign_of_the_quaternion() {
+    fn interpolation_takes_the_shorter_arc_whatever_the_sign_of_the_quaternion() {
         let start = Pose {
             position: Vector3::zeros(),
             orientation: about_z(0.0),

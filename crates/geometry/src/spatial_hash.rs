@@ -3,10 +3,10 @@
 //!
 //! Space is divided into cubes; a table finds the cells that are in use by a hash of their three indices (4.4). Differences from
 //! the paper and from the dissertation's text (NUMERICS 1.4): indices are rounded down, not towards zero; the table keeps each
-//! cell's indices, so that two cells with one hash are never taken for one; a pair that shares several cells is
+//! cell's indices, so that two cells with one hash are never taken for one; a pair with several common cells is
 //! reported once, in the first of them.
 //!
-//! Limitations: one size of cell for all. Boxes much larger than a cell are kept apart and compared one by one.
+//! Limitations: one size of cell for all. Boxes much larger than a cell are stored apart and compared one by one.
 
 use crate::aabb::Aabb;
 use crate::broad_phase::BroadPhase;
@@ -63,7 +63,7 @@ struct CellRange {
 }
 
 impl CellRange {
-    /// Rounding and saturation keep the order of coordinates: boxes that overlap share a cell wherever they are.
+    /// Rounding and saturation keep the order of coordinates: boxes that overlap have a common cell wherever they are.
     fn of(bounds: &Aabb, cells_per_metre: f64) -> Self {
         let cell = |coordinate: f64| (coordinate * cells_per_metre).floor() as i32;
         Self {
@@ -242,7 +242,7 @@ impl BroadPhase for SpatialHash {
     }
 }
 
-/// The cells of a box that is entered into the table; `None` for one that is kept apart or overlaps nothing.
+/// The cells of a box that is entered into the table; `None` for one that is stored apart or overlaps nothing.
 fn entered(bounds: &Aabb, cells_per_metre: f64) -> Option<CellRange> {
     let range = CellRange::of(bounds, cells_per_metre);
     (bounds.is_valid() && range.count() <= CELLS_PER_BOX).then_some(range)

@@ -30,9 +30,9 @@ impl Points for SplitMix64 {
             };
             if related && i >= 2 && self.below(2) == 0 {
                 let (j, k) = (self.below(i as u64) as usize, self.below(i as u64) as usize);
-                let share = [0.0, 0.25, 0.5, 1.0, 2.0, self.number()][self.below(6) as usize];
+                let fraction = [0.0, 0.25, 0.5, 1.0, 2.0, self.number()][self.below(6) as usize];
                 let beside = [0.0, 1e-16, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3][self.below(7) as usize];
-                points[i] = points[j] + (points[k] - points[j]) * share + self.vector() * beside;
+                points[i] = points[j] + (points[k] - points[j]) * fraction + self.vector() * beside;
             }
         }
         let scale = [1.0, 1.0, 1e-3, 1e4, 1.0 / 1024.0][self.below(5) as usize];
@@ -53,7 +53,7 @@ pub fn extent(points: &[Vector3<f64>]) -> f64 {
     (bounds.max - bounds.min).amax()
 }
 
-/// The same questions as in this crate, answered with whole numbers of any length: nothing is rounded, and nothing is quick.
+/// The same questions as in this crate, answered with whole numbers of any length: nothing is rounded, and nothing is fast.
 pub mod exact {
     use nalgebra::Vector3;
     use num_bigint::BigInt;

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 
-/// A point counts as inside when no barycentric coordinate is below minus this: it may lie outside of a face by this share of
+/// A point counts as inside when no barycentric coordinate is below minus this: it may lie outside of a face by this fraction of
 /// the tetrahedron's height over that face, so that a point on a common face is never outside of both neighbours.
 pub const INSIDE_TOLERANCE: f64 = 1e-9;
 
-/// A tetrahedron of a volume below this share of the cube of its longest edge L, over 6, is flat.
+/// A tetrahedron of a volume below this fraction of the cube of its longest edge L, over 6, is flat.
 ///
 /// A triple product of vectors up to √3 L, which is how far points in its box are from a corner, is rounded by
 /// less than 2e-15 L³, and three of them go into the fourth coordinate: with 6 V ≥ 1e-5 L³ no coordinate is

@@ -1,6 +1,5 @@
 //! Closest points of triangles.
 
-use crate::crossing::edge_through_triangle;
 use crate::segment::{SegmentPoint, closest_inside, closest_on_segment};
 use nalgebra::Vector3;
 
@@ -125,12 +124,12 @@ fn thin_projection(p: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> Option<Tri
         triangle[k] - triangle[i],
         p - triangle[i],
     );
-    let share = |v: &Vector3<f64>, of: &Vector3<f64>| v.dot(of) / of.norm_squared();
+    let ratio = |v: &Vector3<f64>, of: &Vector3<f64>| v.dot(of) / of.norm_squared();
     // What the first subtraction rounds, the second takes off: the height is then normal to the edge.
-    let mut height = side - edge * share(&side, &edge);
-    height -= edge * share(&height, &edge);
-    let s = share(&v, &height);
-    let t = share(&v, &edge) - s * share(&side, &edge);
+    let mut height = side - edge * ratio(&side, &edge);
+    height -= edge * ratio(&height, &edge);
+    let s = ratio(&v, &height);
+    let t = ratio(&v, &edge) - s * ratio(&side, &edge);
     let mut barycentric = [0.0; 3];
     (barycentric[i], barycentric[j], barycentric[k]) = (1.0 - s - t, t, s);
     (s >= 0.0 && t >= 0.0 && s + t <= 1.0).then(|| TrianglePoint {
@@ -139,21 +138,7 @@ fn thin_projection(p: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> Option<Tri
     })
 }
 
-/// The closest points of the segment `a`–`b` and a triangle: the true closest feature among the crossing point
-/// ([`edge_through_triangle`]), the end points against the triangle, the corners against the segment, and the segment against the insides
-/// of the edges. For a capsule, the segment is its axis.
-pub fn closest_segment_triangle(
-    a: &Vector3<f64>,
-    b: &Vector3<f64>,
-    triangle: &[Vector3<f64>; 3],
-) -> SegmentTriangle {
-    if let Some(crossing) = edge_through_triangle(a, b, triangle) {
-        return crossing.points;
-    }
-    closest_features(a, b, triangle)
-}
-
-/// The same without the crossing point: the closest points of those parts of which one is an end or an edge.
+/// The closest points of a segment and a triangle without their crossing point: of those parts of which one is an end or an edge.
 pub(crate) fn closest_features(
     a: &Vector3<f64>,
     b: &Vector3<f64>,
@@ -208,6 +193,7 @@ fn edge_point(on_edge: &SegmentPoint, edge: usize) -> TrianglePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crossing::closest_segment_triangle;
     use proptest::prelude::*;
 
     fn vector() -> impl Strategy<Value = Vector3<f64>> {

@@ -16,7 +16,7 @@ pub struct NewNode {
     /// The two nodes it comes from: indices smaller than its own, so that one new node may come from another.
     pub between: [u32; 2],
     /// How far from the first to the second, 0..1. A copy has 0.
-    pub share: f64,
+    pub fraction: f64,
 }
 
 /// An element and what takes its place.
@@ -189,7 +189,7 @@ impl TopologyEdit {
     pub fn carry_nodes(&self, values: &mut Vec<Vector3<f64>>) {
         for new in &self.nodes {
             let [a, b] = new.between.map(|n| values[n as usize]);
-            values.push(a + (b - a) * new.share);
+            values.push(a + (b - a) * new.fraction);
         }
         for &node in self.removed_nodes.iter().rev() {
             values.swap_remove(node as usize);
@@ -206,7 +206,7 @@ impl TopologyEdit {
         let old = mesh.positions.len();
         for (k, new) in self.nodes.iter().enumerate() {
             let node = (old + k) as u32;
-            if new.between.iter().any(|&n| n >= node) || !new.share.is_finite() {
+            if new.between.iter().any(|&n| n >= node) || !new.fraction.is_finite() {
                 return Err(EditError::Node { node });
             }
         }

@@ -195,7 +195,7 @@ impl Scene {
         };
         made.edit.carry_nodes(before);
         self.update_strokes(body, Some((cut, path.line)), &made.edit);
-        let pieces = self.follow(body, &made);
+        let pieces = self.apply_cut(body, &made);
         Ok(Some((made, pieces)))
     }
 
@@ -214,16 +214,16 @@ impl Scene {
             }
             let others = memory.strokes.iter_mut();
             for (_, stroke) in others.filter(|(line, _)| Some((cut, *line)) != own) {
-                stroke.follow(edit, nodes, elements);
+                stroke.update_after_edit(edit, nodes, elements);
             }
         }
     }
 
     /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off. Surfaces, and what is
     /// advanced together, follow once for all edits.
-    pub(crate) fn follow(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
+    pub(crate) fn apply_cut(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
         let old = self.bodies[body].mesh.positions.len();
-        let change = self.bodies[body].follow(&made.edit, &self.method);
+        let change = self.bodies[body].update_after_edit(&made.edit, &self.method);
         let change = change.expect("the edit was made for this mesh, of which the model is");
         self.state.bodies[body].edit(&change);
         let of = &mut self.bodies[body];
@@ -258,12 +258,12 @@ impl Scene {
 
     /// Brings surfaces to where the edits since the last time have brought the meshes, and what is made of them: solvers, contact.
     fn update_surfaces(&mut self) {
-        let renewed = self.bodies.iter_mut().map(Body::update_surface);
-        let renewed: Vec<Option<SurfaceDiff>> = renewed.collect();
+        let surface_diffs = self.bodies.iter_mut().map(Body::update_surface);
+        let surface_diffs: Vec<Option<SurfaceDiff>> = surface_diffs.collect();
         for group in &mut self.groups {
-            let changed = |member: &Member| renewed[member.body].is_some();
+            let changed = |member: &Member| surface_diffs[member.body].is_some();
             if group.members.iter().any(changed) {
-                group.follow(&self.bodies, &renewed);
+                group.update_after_edit(&self.bodies, &surface_diffs);
             }
         }
     }

@@ -107,16 +107,16 @@ impl Group {
         self.solver.follow(self.union.as_ref().unwrap_or(models[0]));
     }
 
-    /// Follows edits of bodies, after which their surfaces have been renewed.
-    pub fn follow(&mut self, bodies: &[Body], renewed: &[Option<SurfaceDiff>]) {
+    /// Follows edits of bodies, after which their surfaces have been surface_diffs.
+    pub fn update_after_edit(&mut self, bodies: &[Body], surface_diffs: &[Option<SurfaceDiff>]) {
         self.update_models(bodies);
         if let Some(contact) = &mut self.contact {
-            contact.follow(&self.members, bodies, renewed);
+            contact.update_after_edit(&self.members, bodies, surface_diffs);
         }
     }
 
     /// Takes over bodies whose meshes are others.
-    pub fn renew(
+    pub fn rebuild(
         &mut self,
         bodies: &[Body],
         pairs: &[Pair],

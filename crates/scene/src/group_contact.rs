@@ -232,10 +232,10 @@ impl GroupContact {
     }
 
     /// Follows cuts of bodies: then it is what would be made anew.
-    pub fn follow(&mut self, members: &[Member], bodies: &[Body], renewed: &[Option<SurfaceDiff>]) {
+    pub fn update_after_edit(&mut self, members: &[Member], bodies: &[Body], surface_diffs: &[Option<SurfaceDiff>]) {
         let first = members
             .iter()
-            .position(|member| renewed[member.body].is_some());
+            .position(|member| surface_diffs[member.body].is_some());
         let Some(first) = first else {
             return;
         };
@@ -245,7 +245,7 @@ impl GroupContact {
                 Some(topology) => topology.elements_at(node),
                 None => &[],
             };
-            let (removed, added, touched) = match &renewed[member.body] {
+            let (removed, added, touched) = match &surface_diffs[member.body] {
                 Some(SurfaceDiff {
                     removed,
                     added,

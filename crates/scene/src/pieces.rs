@@ -27,7 +27,7 @@ impl Pieces {
     }
 
     /// Follows an edit; `tets` are the elements before it.
-    pub fn follow(&mut self, edit: &TopologyEdit, tets: &[[u32; 4]]) {
+    pub fn update_after_edit(&mut self, edit: &TopologyEdit, tets: &[[u32; 4]]) {
         let piece_of = |of_nodes: &[u32], element: u32| {
             let node = tets[element as usize][0];
             of_nodes[node as usize] as usize

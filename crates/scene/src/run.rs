@@ -249,7 +249,7 @@ impl Runner {
                 Ok(report) => {
                     for edit in &self.scene.edits[edits..] {
                         let probes = self.probes.iter_mut();
-                        probes.for_each(|probe| probe.follow(edit, &self.scene));
+                        probes.for_each(|probe| probe.update_after_edit(edit, &self.scene));
                     }
                     self.note(report, length);
                 }

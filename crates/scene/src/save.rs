@@ -205,7 +205,7 @@ impl Scene {
             self.bodies = cut;
             self.edits = edits;
             for group in &mut self.groups {
-                group.renew(
+                group.rebuild(
                     &self.bodies,
                     &self.pairs,
                     &self.obstacle_parts,
@@ -239,7 +239,7 @@ impl Scene {
             let body = bodies.get_mut(edit.body);
             let body = body.filter(|body| body.topology.is_some());
             let body = body.ok_or(RestoreError::OtherScene)?;
-            body.follow(&edit.edit, &self.method)
+            body.update_after_edit(&edit.edit, &self.method)
                 .map_err(|_| RestoreError::OtherScene)?;
         }
         Ok(bodies)

@@ -26,7 +26,7 @@ impl Scene {
         let torn = topology.tear(&of.mesh, &faces, current, &settings);
         let torn = torn.expect("inner faces of this mesh")?;
         self.update_strokes(body, None, &torn.edit);
-        let pieces = self.follow(body, &torn);
+        let pieces = self.apply_cut(body, &torn);
         Some((torn, pieces))
     }
 }

@@ -80,7 +80,7 @@ impl<'a> ModelEdit<'a> {
                 Some(new) => clamped.get(new).copied().unwrap_or(false),
             };
             let [a, b] = node.between;
-            clamped.push(fixed(a) && (node.share == 0.0 || fixed(b)));
+            clamped.push(fixed(a) && (node.fraction == 0.0 || fixed(b)));
         }
         let parents = edit.elements.iter().flat_map(|replacement| {
             let further = replacement.children.len() - 1;
@@ -90,7 +90,7 @@ impl<'a> ModelEdit<'a> {
             mesh,
             replaced: edit.elements.iter().map(|r| r.element).collect(),
             parents: parents.collect(),
-            new_nodes: edit.nodes.iter().map(|n| (n.between, n.share)).collect(),
+            new_nodes: edit.nodes.iter().map(|n| (n.between, n.fraction)).collect(),
             clamped,
             removed_elements: edit.removed.clone(),
             removed_nodes: edit.removed_nodes.clone(),

@@ -14,8 +14,6 @@ use std::path::{Path, PathBuf};
 /// Crates whose cycles have not been resolved yet.
 const PENDING: &[&str] = &[
     "crates/app",
-    "crates/cutting",
-    "crates/geometry",
     "crates/message",
     "crates/render",
     "crates/report",

@@ -1,4 +1,6 @@
 use super::*;
+use crate::sheet::Sheet;
+use crate::sweep::Sweep;
 use crate::{Flaw, Measures, check};
 use microsim_mesh::{Block, CellSplit};
 use microsim_random::SplitMix64;
@@ -157,10 +159,10 @@ fn a_blade_that_passes_step_by_step_separates_as_a_plane_does() {
 /// divides nothing.
 #[test]
 fn a_plane_through_nodes_opens_the_faces_in_it() {
-    for way in 0..2 {
+    for path in 0..2 {
         let mut body = Body::new(block([4, 4, 4]));
         let elements = body.mesh.tets.len();
-        let cut = if way == 0 {
+        let cut = if path == 0 {
             let sheet = plane(V3::zeros(), V3::z());
             body.cut(&mut Stroke::new(), &sheet).unwrap()
         } else {
@@ -183,7 +185,7 @@ fn a_plane_through_nodes_opens_the_faces_in_it() {
     }
 }
 
-/// Through a node, along an edge, along a diagonal of cells, in other planes that hold nodes: sound, and in two.
+/// Through a node, along an edge, along a diagonal of cells, in other planes that hold nodes: valid, and in two.
 #[test]
 fn planes_through_single_nodes_and_edges_separate() {
     let normals = [
@@ -211,7 +213,7 @@ fn planes_through_single_nodes_and_edges_separate() {
     }
 }
 
-/// Area, normal and place of a cut against the plane, with steps of an eighth of a cell: nodes stray by the clamped share of an edge
+/// Area, normal and place of a cut against the plane, with steps of an eighth of a cell: nodes stray by the clamped fraction of an edge
 /// (0.15 of √3 and what was jittered) at most, and not on average.
 #[test]
 fn a_cut_lies_where_the_blade_went() {
@@ -261,7 +263,7 @@ fn a_cut_lies_where_the_blade_went() {
     assert_eq!(body.check().unwrap().parts, 2);
 }
 
-/// A blade that stops half way leaves one part, with a gap as deep as it went, less than an element; nothing that it did not pass
+/// A blade that stops halfway leaves one part, with a gap as deep as it went, less than an element; nothing that it did not pass
 /// opens. Going on from a state that was saved gives the same edits to the last bit.
 #[test]
 fn a_blade_under_way_leaves_what_it_has_passed_open() {
@@ -289,7 +291,7 @@ fn a_blade_under_way_leaves_what_it_has_passed_open() {
             area += cut.opened[0].area;
         }
         let depth = (3.0 - at(step + 1)[0].z).clamp(0.0, 6.0);
-        // Two wide; a cell's diagonal, 1.8 deep, may be under way, and clamped nodes make the surface a little larger.
+        // Two wide; a cell's diagonal, 1.8 deep, may be in progress, and clamped nodes make the surface a little larger.
         assert!(area < 2.0 * depth * 1.05 + 0.1, "{step} {area} {depth}");
         assert!(area > 2.0 * (depth - 1.8), "{step} {area} {depth}");
         let is_through = at(step + 1).iter().all(|p| p.z < -3.0);
@@ -379,7 +381,7 @@ fn what_is_rejected_changes_nothing() {
     assert!(body.sweep(&mut stroke, &good).is_some());
 }
 
-/// Elements that are flat or inside out now are divided as they are at rest: the same shares of their edges.
+/// Elements that are flat or inside out now are divided as they are at rest: at the same fractions of their edges.
 #[test]
 fn flattened_and_inverted_elements_are_cut() {
     let mut random = SplitMix64(9);
@@ -495,7 +497,7 @@ fn planes_one_after_another_make_exactly_their_parts() {
             .collect();
         let mut found = part_volumes(&body);
         // What is less than a sixth of an element stays on.
-        expected.retain(|share| *share > 2e-4);
+        expected.retain(|fraction| *fraction > 2e-4);
         assert_eq!(
             parts,
             expected.len(),
@@ -504,7 +506,7 @@ fn planes_one_after_another_make_exactly_their_parts() {
         expected.sort_unstable_by(f64::total_cmp);
         found.sort_unstable_by(f64::total_cmp);
         for (a, b) in expected.iter().zip(&found) {
-            // The share of 50,000 points is right to 3 √(0.25 / 50,000) but for one in 400.
+            // The fraction of 50,000 points is right to 3 √(0.25 / 50,000) but for one in 400.
             assert!((a - b).abs() < 0.0067 + 0.005, "{expected:?} {found:?}");
         }
     }
@@ -532,7 +534,7 @@ fn part_volumes(body: &Body) -> Vec<f64> {
     found
 }
 
-/// A blade that goes through twice, crosswise, and is never told that it has left: as many parts as combinations of sides.
+/// A blade that goes through twice, crosswise, and whose stroke is never ended: as many parts as combinations of sides.
 #[test]
 fn a_blade_that_comes_back_crosswise_cuts_through_both_times() {
     let mut random = SplitMix64(13);

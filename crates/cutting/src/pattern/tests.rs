@@ -26,14 +26,14 @@ fn volume(corners: [V3; 4]) -> f64 {
     signed_volume(&a, &b, &c, &d)
 }
 
-/// Where a node lies, for one share on each edge.
-fn place(node: PatternNode, corners: &[V3; 4], shares: &[f64; 6]) -> V3 {
+/// Where a node lies, for one fraction on each edge.
+fn place(node: PatternNode, corners: &[V3; 4], fractions: &[f64; 6]) -> V3 {
     let [i, j] = node.map(usize::from);
     if i == j {
         return corners[i];
     }
     let (low, high) = (i.min(j), i.max(j));
-    corners[low] + (corners[high] - corners[low]) * shares[edge_between(i, j)]
+    corners[low] + (corners[high] - corners[low]) * fractions[edge_between(i, j)]
 }
 
 /// Outward faces of a positive tetrahedron.
@@ -124,7 +124,7 @@ fn the_patterns_cover_exactly_the_sets_without_a_whole_face() {
 }
 
 /// Every set with every order of ids (so every combination of diagonals): children are positive and fill the parent, whatever the
-/// shares; their boundary is the face rule's triangles and the two sides of the crack, and the crack closes.
+/// fractions; their boundary is the face rule's triangles and the two sides of the crack, and the crack closes.
 #[test]
 fn children_fill_their_parent_and_their_faces_keep_the_rule() {
     let mut random = SplitMix64(1);
@@ -132,10 +132,10 @@ fn children_fill_their_parent_and_their_faces_keep_the_rule() {
         let tets = divide(set, ids);
         for _ in 0..4 {
             let corners = tetrahedron(&mut random);
-            let shares = std::array::from_fn(|_| 0.5 + 0.45 * random.number());
+            let fractions = std::array::from_fn(|_| 0.5 + 0.45 * random.number());
             let volumes = tets
                 .iter()
-                .map(|tet| volume(tet.map(|node| place(node, &corners, &shares))));
+                .map(|tet| volume(tet.map(|node| place(node, &corners, &fractions))));
             let volumes: Vec<f64> = volumes.collect();
             let name = pattern_of(set).unwrap();
             assert!(
@@ -193,7 +193,7 @@ fn edges_at_new_nodes_are_those_of_the_appendix() {
     }
 }
 
-/// Complete cuts fall into exactly two parts that share no node; partial ones hang together at nodes (NUMERICS 4.1–4.6).
+/// Complete cuts fall into exactly two parts without a common node; partial ones hang together at nodes (NUMERICS 4.1–4.6).
 #[test]
 fn complete_patterns_fall_apart() {
     for (set, ids) in every_case() {
@@ -226,7 +226,7 @@ fn complete_patterns_fall_apart() {
 /// face alone, so it is enough that two tetrahedra with a common face and any crossings elsewhere agree there.
 #[test]
 fn neighbours_have_the_same_triangles_on_their_face() {
-    // (0, 1, 2, 3) and its mirror image (1, 0, 2, 4) share the face 0, 1, 2; ids by place, or reversed.
+    // (0, 1, 2, 3) and its mirror image (1, 0, 2, 4) have the face 0, 1, 2 in common; ids by place, or reversed.
     for set in divisible() {
         for other in divisible() {
             let of_face = |set: EdgeSet| set & 0b001011;
@@ -272,7 +272,7 @@ fn halving_edge_by_edge_comes_to_the_same_sides() {
             continue;
         }
         let corners = tetrahedron(&mut random);
-        let shares: [f64; 6] = std::array::from_fn(|_| 0.5 + 0.4 * random.number());
+        let fractions: [f64; 6] = std::array::from_fn(|_| 0.5 + 0.4 * random.number());
         let mut halved = vec![[[0, 0], [1, 1], [2, 2], [3, 3]]];
         for (k, edge) in EDGES.iter().enumerate() {
             if set & 1 << k != 0 {
@@ -290,7 +290,7 @@ fn halving_edge_by_edge_comes_to_the_same_sides() {
                 let mut own = tet.iter().filter(|[i, j]| i == j);
                 own.any(|[i, _]| !crossed(*i, corner))
             };
-            let places = |tet: &[PatternNode; 4]| tet.map(|node| place(node, &corners, &shares));
+            let places = |tet: &[PatternNode; 4]| tet.map(|node| place(node, &corners, &fractions));
             tets.iter()
                 .filter(here)
                 .map(|tet| volume(places(tet)))

@@ -25,13 +25,14 @@ fn random_edges_are_crossed_as_geometry_says() {
         doubles += usize::from(expected.len() == 2);
         if let (Some(found), [expected]) = (found, &expected[..]) {
             hits += 1;
-            assert!((found.share - expected.points.on_segment.t).abs() < 1e-9);
+            assert!((found.fraction - expected.points.on_segment.t).abs() < 1e-9);
             // Counter-clockwise from its first end: that is on the positive side.
             assert_eq!(found.positive, !expected.from_front);
             assert_eq!(found.positive, (v - u).dot(&found.normal) > 0.0);
             let back = crossing(&sheet, &v, &u).unwrap();
             assert!(
-                back.positive != found.positive && (back.share + found.share - 1.0).abs() < 1e-9
+                back.positive != found.positive
+                    && (back.fraction + found.fraction - 1.0).abs() < 1e-9
             );
         }
     }
@@ -52,9 +53,9 @@ fn every_way_through_a_sheet_crosses_it_an_odd_number_of_times() {
             V3::new(12.0 * a - 6.0, 12.0 * b - 6.0, height)
         });
         let sheet = sheet.displaced(1.0);
-        let mut way = vec![V3::new(0.0, 1.0, -9.0)];
-        way.extend((0..6).map(|_| lattice(&mut random)));
-        way.push(V3::new(1.0, 0.0, 9.0));
+        let mut path = vec![V3::new(0.0, 1.0, -9.0)];
+        path.extend((0..6).map(|_| lattice(&mut random)));
+        path.push(V3::new(1.0, 0.0, 9.0));
         // An edge is always asked from the same end, here the one with the smaller coordinates.
         let crossed = |pair: &[V3]| {
             let key = |p: &V3| (p.x, p.y, p.z);
@@ -65,7 +66,7 @@ fn every_way_through_a_sheet_crosses_it_an_odd_number_of_times() {
             };
             crossing(&sheet, &pair[u], &pair[v]).is_some()
         };
-        let count = way.windows(2).filter(|pair| crossed(pair)).count();
+        let count = path.windows(2).filter(|pair| crossed(pair)).count();
         assert_eq!(count % 2, 1);
     }
 }
@@ -108,6 +109,6 @@ fn a_quad_is_divided_along_its_shorter_diagonal() {
         let [a, b, c] = sheet.corners(t);
         (b - a).cross(&(c - a)).z / 2.0
     };
-    // The trapezoid with sides 1 and 3 and height 1, all of it facing one way.
+    // The trapezoid with sides 1 and 3 and height 1, all of it facing one side.
     assert!(area(0) > 0.0 && area(1) > 0.0 && (area(0) + area(1) - 2.0).abs() < 1e-15);
 }

@@ -11,7 +11,7 @@ fn at_rest(u: V3, v: V3) -> Sweep {
     }
 }
 
-/// A blade that is only shifted sweeps a parallelogram: the same crossings as of the sheet, by an independent way.
+/// A blade that is only shifted sweeps a parallelogram: the same crossings as of the sheet, by an independent method.
 #[test]
 fn a_shifted_blade_crosses_as_its_parallelogram_does() {
     let mut random = SplitMix64(21);
@@ -31,7 +31,7 @@ fn a_shifted_blade_crosses_as_its_parallelogram_does() {
             continue;
         };
         hits += 1;
-        assert!((found.share - expected.share).abs() < 1e-8);
+        assert!((found.fraction - expected.fraction).abs() < 1e-8);
         assert_eq!(found.positive, expected.positive);
         assert!(found.normal.dot(&expected.normal) > 0.0);
         // In the frame of the blade the tissue moves, and nothing else changes.
@@ -40,7 +40,7 @@ fn a_shifted_blade_crosses_as_its_parallelogram_does() {
             now: [u - shift, v - shift],
         };
         let other = at_rest(p, q).crossing(&edge).unwrap();
-        assert!((other.share - found.share).abs() < 1e-8 && other.positive == found.positive);
+        assert!((other.fraction - found.fraction).abs() < 1e-8 && other.positive == found.positive);
     }
     assert!(hits > 500, "{hits}");
 }
@@ -80,7 +80,7 @@ fn two_half_steps_cross_what_one_does() {
         if let (Some(whole), [half]) = (whole, &halves[..]) {
             hits += 1;
             // It may cross three times in all, and twice of these in one of the halves, which so leaves another one.
-            let same = (whole.share - half.share).abs() < 1e-6;
+            let same = (whole.fraction - half.fraction).abs() < 1e-6;
             others += usize::from(!same);
             assert!(!same || whole.positive == half.positive);
         }
@@ -88,7 +88,7 @@ fn two_half_steps_cross_what_one_does() {
     assert!(hits > 500 && others < hits / 100, "{hits} {others}");
 }
 
-/// The place of a crossing is the point that blade and edge share at some time: looked for at 2000 times.
+/// The place of a crossing is the point that blade and edge have in common at some time: looked for at 2000 times.
 #[test]
 fn blade_and_edge_meet_where_it_is_said() {
     let mut random = SplitMix64(23);
@@ -104,7 +104,7 @@ fn blade_and_edge_meet_where_it_is_said() {
         let nearest = (0..=2000).map(|k| {
             let time = k as f64 / 2000.0;
             let (b, e) = (blade.at(time), edge.at(time));
-            let point = e[0] + (e[1] - e[0]) * found.share;
+            let point = e[0] + (e[1] - e[0]) * found.fraction;
             (microsim_geometry::closest_on_segment(&point, &b[0], &b[1]).point - point).norm()
         });
         // Ends move by up to 4√3 in a step, 0.004 between two looks, and the place with them.

@@ -78,8 +78,8 @@ fn tear_layer(is_turned: impl Fn(usize) -> bool) {
     assert_eq!(cut.pieces[0].len(), old / 2);
 }
 
-/// One face after another: what hangs together in between stays closed, and in the end all is open. A topology made anew from its
-/// state goes on in the same way.
+/// One face after another: what hangs together in between stays closed, and in the end all is open. A topology rebuilt from its
+/// state goes on alike.
 #[test]
 fn faces_torn_one_by_one_add_up() {
     let mut mesh = block();

@@ -135,7 +135,7 @@ impl Body {
         };
         let mesh = shuffled(&mesh, random);
         let topology = Topology::new(&mesh);
-        let measures = check(&mesh, &topology).expect("a sound mesh");
+        let measures = check(&mesh, &topology).expect("a valid mesh");
         let surface = topology.surface().into_iter().collect();
         let originals = mesh.positions.len();
         Self {
@@ -148,7 +148,7 @@ impl Body {
         }
     }
 
-    /// A surface that is kept by the changes alone is that of the mesh.
+    /// A surface that is updated by the changes alone is that of the mesh.
     pub fn follow_surface(&mut self, change: &SurfaceChange) -> Result<(), String> {
         for t in &change.removed {
             if !self.surface.remove(t) {

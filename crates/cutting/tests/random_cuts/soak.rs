@@ -38,7 +38,7 @@ struct Path {
     normal: V3,
     half_length: f64,
     half_width: f64,
-    /// Turn of the blade about its way from the middle to the end, and height of a wave.
+    /// Turn of the blade about its path from the middle to the end, and height of a wave.
     twist: f64,
     wave: f64,
 }
@@ -100,14 +100,14 @@ impl Swing {
         place + self.linear * place * swing + self.shift * swing
     }
 
-    /// Tissue and blade move on straight lines from A x to A' x and from A b to A' b'. Half way the blade is off the
+    /// Tissue and blade move on straight lines from A x to A' x and from A b to A' b'. Halfway the blade is off the
     /// plane through b and b' by (A' − A)(b' − b) / 4, and by up to 1 / (1 − 0.9) as much in the tissue's own frame, as the linear part is
     /// up to 0.9 off the identity; typical is less than 2.
     fn off(&self, times: [f64; 2], blade: impl Fn(usize) -> [V3; 2]) -> f64 {
         let [from, to] = times.map(|t| 4.0 * t * (1.0 - t));
         let (p, q) = (blade(0), blade(1));
-        let way = (q[0] - p[0]).norm().max((q[1] - p[1]).norm());
-        (self.linear * (to - from)).norm() * way / 4.0 * 3.0
+        let path = (q[0] - p[0]).norm().max((q[1] - p[1]).norm());
+        (self.linear * (to - from)).norm() * path / 4.0 * 3.0
     }
 }
 
@@ -116,7 +116,7 @@ pub trait Watch {
     /// A new body, not yet cut.
     fn begins(&mut self, _: &Body) {}
 
-    /// Its mesh has followed a cut, and is sound.
+    /// Its mesh has been cut, and is valid.
     fn edited(&mut self, _: &Body, _: &Cut) -> Result<(), String> {
         Ok(())
     }
@@ -152,7 +152,7 @@ pub fn cut_body(
     summary.bodies += 1;
     watch.begins(&body);
     for number in 0..strokes {
-        let way = random.below(5);
+        let manner = random.below(5);
         let complete = random.below(3) > 0;
         let plane = random.below(2) == 0;
         let path = Path::random(&mut random, complete, plane);
@@ -161,8 +161,9 @@ pub fn cut_body(
         let snapped_before = summary.snapped;
         // How far the blade may leave its plane in the frame of the tissue, within a step.
         let mut off = 0.0_f64;
-        let context = |e: String| format!("seed {seed} stroke {number} ({kind:?}, way {way}): {e}");
-        match way {
+        let context =
+            |e: String| format!("seed {seed} stroke {number} ({kind:?}, manner {manner}): {e}");
+        match manner {
             0 | 1 => {
                 let rows = if plane { 1 } else { 12 };
                 let sheet = Sheet::grid(rows, rows, |u, v| path.at(2.0 * u - 1.0, 2.0 * v - 1.0));
@@ -177,7 +178,7 @@ pub fn cut_body(
             _ => {
                 let steps = 2 + random.below(24);
                 let swing = Swing::random(&mut random);
-                // Some blades turn back on their way for a while.
+                // Some blades turn back on their path for a while.
                 let back = if random.below(3) == 0 {
                     random.below(steps)
                 } else {
@@ -196,15 +197,15 @@ pub fn cut_body(
                     if snips && random.below(3) == 0 {
                         stroke = Stroke::new();
                     }
-                    // Way 2: the tissue rests.
-                    let share = |k: usize| {
-                        if way == 2 {
+                    // Manner 2: the tissue rests.
+                    let fraction = |k: usize| {
+                        if manner == 2 {
                             0.0
                         } else {
                             k as f64 / times.len() as f64
                         }
                     };
-                    let [from, to] = [share(k), share(k + 1)];
+                    let [from, to] = [fraction(k), fraction(k + 1)];
                     let sweep = Sweep {
                         before: path.blade(2.0 * pair[0] - 1.0).map(|p| swing.at(from, &p)),
                         now: path.blade(2.0 * pair[1] - 1.0).map(|p| swing.at(to, &p)),
@@ -330,7 +331,7 @@ pub fn run(
     seed: u64,
     most: u64,
     watch: &mut impl Watch,
-    mut told: impl FnMut(&Summary),
+    mut report: impl FnMut(&Summary),
 ) -> Result<Summary, String> {
     let mut summary = Summary {
         least_volume: f64::INFINITY,
@@ -341,7 +342,7 @@ pub fn run(
         let seed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(body);
         cut_body(seed, most, &mut summary, watch)?;
         body += 1;
-        told(&summary);
+        report(&summary);
     }
     Ok(summary)
 }

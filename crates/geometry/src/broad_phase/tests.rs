@@ -44,7 +44,7 @@ fn random_box(random: &mut SplitMix64, offset: &Vector3<f64>, extent: f64) -> Aa
 }
 
 /// 10,000 random sets of boxes, from nothing to crowds, in cells from much too small to much too large, at the origin and far
-/// from it: both broad phases, kept from set to set, find what the comparison of every box with every other finds.
+/// from it: both broad phases, updated from set to set, find what the comparison of every box with every other finds.
 #[test]
 fn both_broad_phases_equal_brute_force() {
     let mut random = SplitMix64(1);

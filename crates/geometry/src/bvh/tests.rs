@@ -45,19 +45,19 @@ fn a_set_of_which_few_boxes_change_keeps_its_tree() {
         let mut added = 0;
         for step in 0..4 {
             // In three steps at most 12 % go and 9 % come: less than a third is loose, though what came and went counts twice. Then nearly half goes.
-            let kept = step < 3;
-            let share = |random: &mut SplitMix64, percent: u64| {
+            let retained = step < 3;
+            let fraction = |random: &mut SplitMix64, percent: u64| {
                 random.below(count as u64 * percent / 100 + 1) as usize
             };
-            let (gone, new) = match kept {
-                true => (share(&mut random, 4), share(&mut random, 3)),
+            let (gone, new) = match retained {
+                true => (fraction(&mut random, 4), fraction(&mut random, 3)),
                 false => (count * 2 / 5, 3),
             };
             let to = change(&mut random, &mut boxes, gone, new);
             bvh.renumber(&to);
             bvh.refit(&boxes);
             added += new;
-            if kept {
+            if retained {
                 assert_eq!((bvh.first_tree, bvh.leaves.len()), (count, count + added));
                 small_trees += usize::from(added > 0);
                 let behind = bvh.leaves[count..].iter();

@@ -76,7 +76,7 @@ fn no_edge_slips_between_two_triangles() {
 fn the_stated_answers() {
     let triangle = [Vector3::zeros(), Vector3::x(), Vector3::y()];
     let through = |p: [f64; 3], q: [f64; 3]| edge_through_triangle(&p.into(), &q.into(), &triangle);
-    // From either side, with the side told (A.18, corrected rule).
+    // From either side, with the side reported (A.18, corrected rule).
     let found = through([0.25, 0.25, 1.0], [0.25, 0.25, -3.0]).expect("a crossing");
     assert!(found.from_front);
     assert_eq!(found.points.on_segment.t, 0.25);

@@ -20,7 +20,7 @@ fn random_motion<const A: usize, const B: usize>(
     (first, second)
 }
 
-/// The slow way: the distance changes by no more than the largest relative speed, so a part of the step in whose middle it is
+/// The slow method: the distance changes by no more than the largest relative speed, so a part of the step in whose middle it is
 /// larger than that allows has no contact; others are halved until that is rounding. The first part that cannot be ruled out;
 /// `Err` when too many parts were looked at.
 fn slow<const A: usize, const B: usize>(
@@ -58,7 +58,7 @@ fn slow<const A: usize, const B: usize>(
     Err(())
 }
 
-/// 10,000 configurations of one pair of features against the slow way: no contact is missed or late, none is reported where
+/// 10,000 configurations of one pair of features against the slow method: no contact is missed or late, none is reported where
 /// the features are further apart than the tolerance allows.
 fn agree<const A: usize, const B: usize>(
     seed: u64,
@@ -88,7 +88,7 @@ fn agree<const A: usize, const B: usize>(
                 "{found:?} {first:?} {second:?}"
             );
             assert_eq!(gap, found.gap);
-            // The shares give the points whose distance it is.
+            // The weights give the points whose distance it is.
             let p: Vector3<f64> = (0..A).map(|k| a.at(found.time)[k] * found.first[k]).sum();
             let q: Vector3<f64> = (0..B).map(|k| b.at(found.time)[k] * found.second[k]).sum();
             assert!(((p - q).norm() - gap).abs() < 3e-7 * extent);
@@ -137,17 +137,17 @@ fn coarse(random: &mut SplitMix64) -> Vector3<f64> {
     random.vector().map(|x| (x * 64.0).round() / 64.0)
 }
 
-/// Shares of corners with few bits, some of them 0.
+/// Weights of corners with few bits, some of them 0.
 fn coarse_shares<const N: usize>(random: &mut SplitMix64) -> [f64; N] {
-    let mut shares = [0.0; N];
+    let mut weights = [0.0; N];
     let mut left = 8;
-    for share in &mut shares[1..] {
+    for fraction in &mut weights[1..] {
         let part = random.below(left + 1);
-        *share = part as f64 / 8.0;
+        *fraction = part as f64 / 8.0;
         left -= part;
     }
-    shares[0] = left as f64 / 8.0;
-    shares
+    weights[0] = left as f64 / 8.0;
+    weights
 }
 
 /// Two motions that meet exactly at the time 2⁻ᵏ, in given points of both: every number is exact, so there is a contact.
@@ -174,12 +174,12 @@ fn meeting<const A: usize, const B: usize>(random: &mut SplitMix64) -> (Motion<A
         }
     };
     let (start_second, met_second) = (start_second.map(flat), met_second.map(flat));
-    let point = |corners: &[Vector3<f64>], shares: &[f64]| -> Vector3<f64> {
-        corners.iter().zip(shares).map(|(p, s)| p * *s).sum()
+    let point = |corners: &[Vector3<f64>], weights: &[f64]| -> Vector3<f64> {
+        corners.iter().zip(weights).map(|(p, s)| p * *s).sum()
     };
     let shift = point(&met_second, &second_shares) - point(&met_first, &first_shares);
     let met_first = met_first.map(|p| p + shift);
-    // Where the way from the start to the meeting ends when it goes on to the end of the step.
+    // Where the path from the start to the meeting ends when it goes on to the end of the step.
     let end = |start: &Vector3<f64>, met: &Vector3<f64>| start + (met - start) * f64::from(power);
     let first = Motion {
         start: start_first,
@@ -220,11 +220,11 @@ fn still<const N: usize>(corners: [[f64; 3]; N]) -> Motion<N> {
     moved(corners, [0.0; 3])
 }
 
-fn moved<const N: usize>(corners: [[f64; 3]; N], way: [f64; 3]) -> Motion<N> {
+fn moved<const N: usize>(corners: [[f64; 3]; N], shift: [f64; 3]) -> Motion<N> {
     let start = corners.map(Vector3::from);
     Motion {
         start,
-        end: start.map(|p| p + Vector3::from(way)),
+        end: start.map(|p| p + Vector3::from(shift)),
     }
 }
 
@@ -243,7 +243,7 @@ fn times_of_known_contacts() {
         (found, expected) => assert_eq!(found, expected),
     };
     // A point falls onto the face from either side, beside it, with a thickness of 0.25, along it, within its plane onto an edge.
-    for (start, way, distance, expected) in [
+    for (start, shift, distance, expected) in [
         ([0.25, 0.25, 1.0], [0.0, 0.0, -2.0], 0.0, Some(0.5)),
         ([0.25, 0.25, -1.0], [0.0, 0.0, 4.0], 0.0, Some(0.25)),
         ([0.75, 0.75, 1.0], [0.0, 0.0, -2.0], 0.0, None),
@@ -253,7 +253,8 @@ fn times_of_known_contacts() {
         ([0.25, 0.25, 0.0], [0.0, 0.0, 1.0], 0.0, Some(0.0)),
         ([0.25, 0.25, 1.0], [0.0, 0.0, 1.0], 0.0, None),
     ] {
-        let found = first_contact_point_triangle(&moved([start], way), &still(triangle), distance);
+        let found =
+            first_contact_point_triangle(&moved([start], shift), &still(triangle), distance);
         check(found.map(|contact| contact.time), expected);
         if let Some(FirstContact {
             normal: Some(normal),
@@ -261,7 +262,7 @@ fn times_of_known_contacts() {
         }) = found
         {
             // Towards the side from which the point came.
-            assert!(normal.dot(&Vector3::from(way)) < 0.0);
+            assert!(normal.dot(&Vector3::from(shift)) < 0.0);
         }
     }
     // Crossed edges; parallel ones; the second turns about its middle through the first's end at 45°: (1, 1) from (1, 0).
@@ -281,7 +282,7 @@ fn times_of_known_contacts() {
         edges(&still([[1.0, 1.0, 0.0], [3.0, 1.0, 0.0]]), &turning, 0.0),
         Some(0.5),
     );
-    // An axis of radius 0.25 comes down flat, and with an end first; a fast one passes a wall 10,000 times thinner than its way.
+    // An axis of radius 0.25 comes down flat, and with an end first; a fast one passes a wall 10,000 times thinner than its path.
     let flat = moved([[-1.0, 0.25, 1.0], [1.0, 0.25, 1.0]], [0.0, 0.0, -2.0]);
     let upright = moved([[0.25, 0.25, 1.0], [0.25, 0.25, 2.0]], [0.0, 0.0, -2.0]);
     for axis in [flat, upright] {
@@ -314,12 +315,12 @@ fn times_depend_on_neither_scale_nor_place_nor_common_motion() {
         };
         let expected = first_contact_segment_triangle(&edge, &second, 0.125);
         contacts += u32::from(expected.is_some());
-        let (place, way) = (
+        let (place, shift) = (
             coarse(&mut random) * 1e6f64.round(),
             coarse(&mut random) * 1024.0,
         );
         let carried = |p: Vector3<f64>| p + place;
-        let gone = |p: Vector3<f64>| p + place + way;
+        let gone = |p: Vector3<f64>| p + place + shift;
         let found = first_contact_segment_triangle(
             &Motion {
                 start: edge.start.map(carried),

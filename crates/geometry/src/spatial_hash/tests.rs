@@ -66,7 +66,7 @@ fn stamps_start_again_without_a_trace() {
     assert_eq!(set.stamp, 3);
 }
 
-/// A pair of boxes that shares 64 cells is reported once; a box through more cells than may be entered is found as well.
+/// A pair of boxes in 64 common cells is reported once; a box through more cells than may be entered is found as well.
 #[test]
 fn a_pair_is_reported_once_however_many_cells_it_shares() {
     let wide = Aabb::of(&[Vector3::zeros(), Vector3::repeat(3.5)]);

@@ -26,11 +26,14 @@ fn points_are_inside_as_whole_numbers_say() {
             .flat_map(|i| (0..i).map(move |j| (corners[i] - corners[j]).norm()))
             .fold(0.0, f64::max);
         let cubed = libm::ldexp(longest, -unit).powi(3);
-        let share = exact::Ratio(volume.clone(), 1.into()).rounded() / cubed;
-        // Within rounding of FLAT either answer is right. Four equal points have no share.
-        if share.is_nan() || share < FLAT * (1.0 + 1e-9) {
+        let fraction = exact::Ratio(volume.clone(), 1.into()).rounded() / cubed;
+        // Within rounding of FLAT either answer is right. Four equal points have no ratio.
+        if fraction.is_nan() || fraction < FLAT * (1.0 + 1e-9) {
             skipped += 1;
-            assert!(found.is_none() || share > FLAT * (1.0 - 1e-9), "{points:?}");
+            assert!(
+                found.is_none() || fraction > FLAT * (1.0 - 1e-9),
+                "{points:?}"
+            );
             continue;
         }
         let expected: [f64; 4] = std::array::from_fn(|k| {
@@ -49,10 +52,10 @@ fn points_are_inside_as_whole_numbers_say() {
         if let Some(found) = found {
             inside += 1;
             for (found, expected) in found.iter().zip(expected) {
-                let allowed = 6e-15 / share;
+                let allowed = 6e-15 / fraction;
                 assert!(
                     (found - expected).abs() <= allowed,
-                    "{found} {expected} {share}"
+                    "{found} {expected} {fraction}"
                 );
             }
             let sum: f64 = found.iter().sum();

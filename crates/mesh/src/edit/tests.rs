@@ -15,7 +15,7 @@ fn pair() -> TetMesh {
 
 /// The edge 0–1 of the first element is divided in a quarter, and node 1 doubled for its second child.
 fn division() -> TopologyEdit {
-    let node = |between, share| NewNode { between, share };
+    let node = |between, fraction| NewNode { between, fraction };
     TopologyEdit {
         nodes: vec![node([0, 1], 0.25), node([5, 1], 0.5)],
         elements: vec![Replacement {
@@ -74,7 +74,7 @@ fn what_leaves_is_filled_from_the_back() {
     assert_eq!(mesh.positions[0].x, 0.625);
     let copy = NewNode {
         between: [1, 1],
-        share: 0.0,
+        fraction: 0.0,
     };
     let edit = TopologyEdit {
         generation: 2,
@@ -96,7 +96,7 @@ fn an_impossible_edit_changes_nothing() {
     let spoils: [Spoil; 9] = [
         |e| e.generation = 1,
         |e| e.nodes[0].between[1] = 5,
-        |e| e.nodes[1].share = f64::INFINITY,
+        |e| e.nodes[1].fraction = f64::INFINITY,
         |e| e.elements[0].children[0][1] = 7,
         |e| e.elements[0].children[1][0] = 6,
         |e| e.elements[0].children.clear(),

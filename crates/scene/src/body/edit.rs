@@ -38,7 +38,7 @@ impl Body {
 
     /// Follows an edit: mesh, model, what drives it. Its surface is then still that of the mesh before. After an error the body is of no
     /// use any more.
-    pub(crate) fn follow(
+    pub(crate) fn update_after_edit(
         &mut self,
         edit: &TopologyEdit,
         method: &Method,
@@ -46,7 +46,7 @@ impl Body {
         let old = self.mesh.positions.len();
         self.mesh.apply(edit).map_err(|_| Misfit)?;
         // The model is still that of the mesh before.
-        self.pieces.follow(edit, self.model.tets());
+        self.pieces.update_after_edit(edit, self.model.tets());
         let edit_of_model = ModelEdit::new(&self.mesh, edit, self.model.clamped());
         let change = self.model.edit(&edit_of_model);
         let change = change.map_err(|_| Misfit)?;
@@ -54,7 +54,7 @@ impl Body {
         stability::floor_nodes(model, touched, method, self.stable_step, FLOOR);
         self.start.edit(&change);
         self.drive
-            .follow(edit, old, &self.mesh, self.model.clamped());
+            .update_after_edit(edit, old, &self.mesh, self.model.clamped());
         for nodes in &mut self.end_nodes {
             *nodes = nodes_after_edit(nodes.iter().copied(), edit, old);
         }

@@ -204,7 +204,7 @@ impl Probe {
     }
 
     /// Follows an edit of the body's mesh.
-    pub fn follow(&mut self, edit: &Edit, scene: &Scene) {
+    pub fn update_after_edit(&mut self, edit: &Edit, scene: &Scene) {
         if edit.body != self.body {
             return;
         }

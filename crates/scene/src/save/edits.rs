@@ -27,7 +27,7 @@ pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
     bytes.extend_from_slice(&generation.to_le_bytes());
     put_list(bytes, nodes, |bytes, node| {
         put_numbers(bytes, &node.between);
-        put_f64(bytes, node.share);
+        put_f64(bytes, node.fraction);
     });
     put_list(bytes, elements, |bytes, replacement| {
         put_u32(bytes, replacement.element);
@@ -56,7 +56,7 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
         nodes: reader.list(|r| {
             Ok(NewNode {
                 between: r.numbers()?,
-                share: r.f64()?,
+                fraction: r.f64()?,
             })
         })?,
         elements: reader.list(|r| {

@@ -1,0 +1,30 @@
+//! Limits of a cut.
+
+/// Limits of a cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Edges are divided no nearer to an end than this fraction (NUMERICS 3.5 a).
+    pub least_fraction: f64,
+    /// An edge shorter than this fraction of the mean edge of the whole mesh is not divided: the cut goes through its nearer end, and so
+    /// strays by half of it at most. With twice the least fraction that is no more than on a whole edge.
+    pub least_edge: f64,
+    /// No division leaves an element with less than this fraction of the mean volume of the whole mesh (NUMERICS 3.5 e).
+    pub least_volume: f64,
+    /// The teeth that clamped nodes leave on the lips of a cut: what another cut would take off them in a few elements with less than
+    /// this fraction of the mean volume stays on.
+    pub flake_volume: f64,
+    /// What comes off with less than this fraction of the mean volume is a crumb and is taken away.
+    pub crumb_volume: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            least_fraction: 0.15,
+            least_edge: 0.3,
+            least_volume: 1e-3,
+            flake_volume: 0.05,
+            crumb_volume: 1e-3,
+        }
+    }
+}
