@@ -103,7 +103,7 @@ fn numbers(list: &Value) -> Vec<f64> {
 }
 
 /// Ids of the metrics that measure time: score points for them are points for haste.
-pub const TIME_METRICS: [&str; 2] = ["time", "idle-share"];
+pub const TIME_METRICS: [&str; 2] = ["time", "idle-fraction"];
 
 /// Scores of a report by category, and their mean at the end, formed again from the points of its metrics without those of `left_out`:
 /// a category is the mean of its points times the fraction of the targets, and absent without points. Target achievement is never absent.

@@ -13,7 +13,7 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     let start = Instant::now();
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
     let extent = if args.quick {
-        Extent::Quick
+        Extent::Short
     } else {
         Extent::Full
     };

@@ -1,10 +1,10 @@
 //! The graphics device: instance, adapter, device, queue and limits, and the errors of getting them.
 //!
-//! Who wants to draw (or to compute) opens one [`Gpu`] and shares it. Not here: scenes, pictures, shaders, windows. The crate
+//! Whoever draws (or computes) opens one [`Gpu`] and clones it. Not here: scenes, pictures, shaders, windows. The crate
 //! sets no environment variable and reads none of its own; the Vulkan loader reads its usual ones.
 //!
 //! A machine without a graphics card draws with Mesa's software driver ("llvmpipe"); a machine without any driver gets
-//! [`GpuError::NoAdapter`], whose text says what to install.
+//! [`GpuError::NoAdapter`], whose text names what to install.
 //!
 //! Mesa's device-select layer, which the loader puts before every driver, prints "XDG_RUNTIME_DIR is invalid or not set" to
 //! standard error where that variable is missing. It is harmless and only the environment can silence it: a valid
@@ -102,7 +102,7 @@ pub enum GpuError {
     Device {
         /// The adapter's name.
         adapter: String,
-        /// What the driver said.
+        /// Message of the driver.
         reason: String,
     },
 }

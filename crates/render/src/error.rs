@@ -28,7 +28,7 @@ pub enum RenderError {
     },
     /// The driver refused or failed.
     Device {
-        /// What it said.
+        /// Its message.
         reason: String,
     },
 }

@@ -173,7 +173,7 @@ impl Maker<'_> {
     }
 }
 
-/// What tells one pipeline from another.
+/// What distinguishes one pipeline from another.
 struct Stages<'a> {
     label: &'a str,
     groups: &'a [Option<&'a wgpu::BindGroupLayout>],

@@ -1,4 +1,4 @@
-//! Drawing: pipelines made once, textures kept while the size stays, one upload and three passes per picture.
+//! Drawing: pipelines made once, textures retained while the size stays, one upload and three passes per picture.
 
 use microsim_gpu::Gpu;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};

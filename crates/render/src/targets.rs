@@ -1,4 +1,4 @@
-//! The textures that are drawn into, and the way of the pixels back to memory.
+//! The textures that are drawn into, and reading the pixels back to memory.
 
 use crate::error::RenderError;
 use crate::image::Image;

@@ -1,4 +1,4 @@
-//! Draws small scenes and compares what is seen with closed forms. Without a graphics driver each test says so and passes.
+//! Draws small scenes and compares what is seen with closed forms. Without a graphics driver each test prints that and passes.
 //!
 //! All scenes: field of 20 mm on 400 × 400 pixels, that is 20 pixels per millimetre in the plane of focus.
 
@@ -94,10 +94,10 @@ fn linear(byte: u8) -> f64 {
     }
 }
 
-/// sRGB bytes of `share` (in linear light) of an sRGB colour.
-fn dimmed(colour: [f32; 3], share: f64) -> [f64; 3] {
+/// sRGB bytes of a fraction (in linear light) of an sRGB colour.
+fn dimmed(colour: [f32; 3], fraction: f64) -> [f64; 3] {
     colour.map(|part| {
-        let light = share * linear((255.0 * part).round() as u8);
+        let light = fraction * linear((255.0 * part).round() as u8);
         255.0
             * if light <= 0.003_130_8 {
                 12.92 * light
@@ -243,7 +243,7 @@ fn shadow_shows_the_height() {
     }
 }
 
-/// Both sides of a mesh are drawn alike, whichever way its triangles are wound.
+/// Both sides of a mesh are drawn alike, whatever the winding of its triangles.
 #[test]
 fn mesh_is_seen_from_both_sides() {
     let Some(mut renderer) = renderer() else {
@@ -303,7 +303,7 @@ fn moist_surface_has_a_highlight() {
     let (middle, count) = centroid(&draw(Finish::Moist), bright);
     assert!(count > 10, "{count}");
     let offset = PIXELS * radius * libm::sin(0.5 * KEY_LIGHT_ZENITH);
-    // The diffuse light is brighter towards the lamp and the perspective enlarges what is nearer by 2 %: a tenth of the way.
+    // The diffuse light is brighter towards the lamp and the perspective enlarges what is nearer by 2 %: a tenth of the difference.
     assert_near(
         middle,
         [

@@ -41,7 +41,7 @@ impl Report {
 
     /// The report as one JSON document; field names as in the structs.
     pub fn to_json(&self) -> String {
-        // Plain data with string keys has no way to fail.
+        // Plain data with string keys cannot fail.
         serde_json::to_string_pretty(self).expect("plain data")
     }
 }
@@ -87,17 +87,17 @@ impl<'a> Reading<'a> {
         } else if let Some(states) = read::<ToolStates>(frame)? {
             self.presence.add(tick, states);
         } else if let Some(forces) = read::<ContactForces>(frame)? {
-            self.moments.hear_forces(tick, now, &forces);
+            self.moments.add_forces(tick, now, &forces);
             self.forces.add(tick, now, forces);
         } else if let Some(cut) = read::<TissueCut>(frame)? {
-            self.moments.hear_cut(tick, now, &cut);
+            self.moments.add_cut(tick, now, &cut);
         } else if let Some(state) = read::<LevelState>(frame)? {
-            self.moments.hear_state(tick, now, &state);
+            self.moments.add_state(tick, now, &state);
             self.state = state;
         } else if let Some(result) = read::<TrainingResult>(frame)? {
             self.result = Some(result);
         } else if let Some(event) = read::<LevelEvent>(frame)? {
-            self.moments.hear_event(tick, now, &event);
+            self.moments.add_event(tick, now, &event);
             self.events.push(EventRecord {
                 id: event.id,
                 time: event.time,
@@ -140,12 +140,12 @@ impl<'a> Reading<'a> {
             Some(result) if result.passed => Verdict::Passed,
             Some(_) => Verdict::Failed,
         };
-        let judged = matches!(verdict, Verdict::Passed | Verdict::Failed);
+        let has_result = matches!(verdict, Verdict::Passed | Verdict::Failed);
         let mut report = Report {
             format: 1,
             session: input.clone(),
             verdict,
-            counts: judged && input.without.is_empty(),
+            counts: has_result && input.without.is_empty(),
             failed: Vec::new(),
             reasons: Vec::new(),
             duration: self.state.running,
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!((report.verdict, report.counts), (Verdict::Aborted, false));
     }
 
-    /// Unknown kinds are skipped; a payload that is no log line, and a cut frame, are said; equal lines are counted; what
+    /// Unknown kinds are skipped; a payload that is no log line, and a cut frame, become warnings; equal lines are counted; what
     /// is not a warning is left out.
     #[test]
     fn what_cannot_be_read_is_said() {

@@ -1,4 +1,4 @@
-//! What came in, device by device, raw: so that a reader can judge the input before the trainee.
+//! What came in, device by device, raw: so that a reader can assess the input before the trainee.
 
 use microsim_message::InputSample;
 use microsim_tracking::{RawStatistics, Sample};
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(device.occluded_samples, 0);
     }
 
-    /// Counted by hand; devices keep apart and stand in the order in which they were first heard.
+    /// Counted by hand; devices keep apart and stand in the order in which their first samples arrived.
     #[test]
     fn devices_are_kept_apart() {
         let sample = |device: &str, device_time, visible| InputSample {

@@ -1,8 +1,8 @@
-//! What happened when: grips, cuts, tears, pieces that come off, too much force, and what the module says.
+//! What happened when: grips, cuts, tears, pieces that come off, too much force, and what the module reports.
 //!
 //! Found from the messages alone. What happens tick after tick is one moment; it has ended when it has not happened for
-//! [`PAUSE`]. A module that says something of the same kind at the same time (an event whose id has the word of the kind in it, say
-//! `stray-cut`) says it better: of the two its words stay.
+//! [`PAUSE`]. Where a module reports something of the same kind at the same time (an event whose id has the word of the
+//! kind in it, such as `stray-cut`), its words are more precise, and of the two they stay.
 
 use crate::ReportInput;
 use crate::html::in_both;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// So long nothing of a kind happens between two moments of it \[s\].
+/// Time without anything of a kind that separates two moments of it \[s\].
 const PAUSE: f64 = 0.25;
 
 /// What kind of moment.
@@ -35,14 +35,14 @@ pub enum MomentKind {
     ExcessForce,
     /// The largest force of the session.
     LargestForce,
-    /// The module says so.
+    /// An event of the module.
     Event,
     /// The session ends.
     End,
 }
 
 impl MomentKind {
-    /// The words of which one is in the ids of a module's events that say the same. Tissue that comes apart where a target is reached
+    /// The words of which one is in the ids of a module's events that report the same. Tissue that comes apart where a target is reached
     /// does so as it should.
     fn words(self) -> &'static [&'static str] {
         match self {
@@ -83,7 +83,7 @@ struct Lasting {
 pub(crate) struct MomentCollector<'a> {
     session: &'a ReportInput,
     moments: Vec<Moment>,
-    /// What is under way: kind, tool and body; of events their ids and texts.
+    /// What goes on: kind, tool and body; of events their ids and texts.
     lasting: BTreeMap<(MomentKind, String, String), Lasting>,
     /// The largest force so far \[N\], its tick, its time \[s\], tool and body.
     largest: Option<(f64, u64, f64, String, String)>,
@@ -101,7 +101,7 @@ impl<'a> MomentCollector<'a> {
         }
     }
 
-    pub fn hear_state(&mut self, tick: u64, now: f64, state: &LevelState) {
+    pub fn add_state(&mut self, tick: u64, now: f64, state: &LevelState) {
         if state.phase == LevelPhase::Running && !self.running {
             self.running = true;
             let text = in_both("Beginn", "Start");
@@ -109,7 +109,7 @@ impl<'a> MomentCollector<'a> {
         }
     }
 
-    pub fn hear_event(&mut self, tick: u64, now: f64, event: &LevelEvent) {
+    pub fn add_event(&mut self, tick: u64, now: f64, event: &LevelEvent) {
         let key = (MomentKind::Event, event.id.clone(), event.text.en.clone());
         if self.goes_on(&key, now).is_none() {
             self.begins(key, now);
@@ -118,7 +118,7 @@ impl<'a> MomentCollector<'a> {
         }
     }
 
-    pub fn hear_forces(&mut self, tick: u64, now: f64, forces: &ContactForces) {
+    pub fn add_forces(&mut self, tick: u64, now: f64, forces: &ContactForces) {
         for contact in &forces.contacts {
             let (tool, body) = (&contact.tool, &contact.body);
             if contact.grip >= GRIP_MIN && !self.session.sharp.contains(tool) {
@@ -133,7 +133,7 @@ impl<'a> MomentCollector<'a> {
         }
     }
 
-    pub fn hear_cut(&mut self, tick: u64, now: f64, cut: &TissueCut) {
+    pub fn add_cut(&mut self, tick: u64, now: f64, cut: &TissueCut) {
         let kind = match cut.tool.is_empty() {
             true => MomentKind::Tear,
             false => MomentKind::Cut,
@@ -239,28 +239,28 @@ impl<'a> MomentCollector<'a> {
     }
 }
 
-/// What the messages show goes where the module says the same within [`PAUSE`]: the nearest of its events takes over kind and tick, of
+/// What the messages show is dropped where the module reports the same within [`PAUSE`]: the nearest of its events takes over kind and tick, of
 /// several kinds the most telling one and of several ticks the last.
 fn without_doubles(mut moments: Vec<Moment>) -> Vec<Moment> {
     let mut doubles = Vec::new();
     for (at, shown) in moments.iter().enumerate() {
         let words = shown.kind.words();
-        let apart = |said: &Moment| (said.session_time - shown.session_time).abs();
-        let same = moments.iter().enumerate().filter(|(_, said)| {
-            let id = said.event.as_deref().unwrap_or_default();
-            id.split('-').any(|part| words.contains(&part)) && apart(said) <= PAUSE
+        let apart = |reported: &Moment| (reported.session_time - shown.session_time).abs();
+        let same = moments.iter().enumerate().filter(|(_, reported)| {
+            let id = reported.event.as_deref().unwrap_or_default();
+            id.split('-').any(|part| words.contains(&part)) && apart(reported) <= PAUSE
         });
-        let said = same.min_by(|(_, a), (_, b)| apart(a).total_cmp(&apart(b)));
-        doubles.extend(said.map(|(said, _)| (at, said)));
+        let reported = same.min_by(|(_, a), (_, b)| apart(a).total_cmp(&apart(b)));
+        doubles.extend(reported.map(|(reported, _)| (at, reported)));
     }
     let rank = |kind| TELLING.iter().position(|telling| *telling == kind);
-    for &(shown, said) in &doubles {
+    for &(shown, reported) in &doubles {
         let Moment { kind, tick, .. } = moments[shown];
-        let said = &mut moments[said];
-        if said.kind == MomentKind::Event || rank(kind) < rank(said.kind) {
-            said.kind = kind;
+        let reported = &mut moments[reported];
+        if reported.kind == MomentKind::Event || rank(kind) < rank(reported.kind) {
+            reported.kind = kind;
         }
-        said.tick = said.tick.max(tick);
+        reported.tick = reported.tick.max(tick);
     }
     let mut at = 0..moments.len();
     moments.retain(|_| {
@@ -303,7 +303,7 @@ pub(crate) fn line_kind(line: &[Moment]) -> MomentKind {
 }
 
 /// Those of which a page shows pictures: at most `most` pictures, the most telling kinds first, of each kind the first ones; in the
-/// order of time. Moments within [`PAUSE`] of each other share a picture. Indices into `moments`, each with the tick of its picture.
+/// order of time. Moments within [`PAUSE`] of each other have one picture. Indices into `moments`, each with the tick of its picture.
 pub(crate) fn key_moments(moments: &[Moment], most: usize) -> Vec<(usize, u64)> {
     let mut chosen: Vec<(usize, u64)> = Vec::new();
     // Tick and time of each.
@@ -371,7 +371,7 @@ mod tests {
             phase: LevelPhase::Running,
             ..LevelState::default()
         };
-        let said = LevelEvent {
+        let reported = LevelEvent {
             id: "target-done".into(),
             time: 1.0,
             text: text("Done."),
@@ -386,8 +386,8 @@ mod tests {
                 log(&[&cut("right", &[1]), &squeezed([0.0, 0.0, 0.05], 0.1)]),
             ),
             (9, log(&[&squeezed([0.0, 0.0, 0.01], 0.0), &cut("", &[])])),
-            (10, log(&[&said])),
-            (11, log(&[&said])),
+            (10, log(&[&reported])),
+            (11, log(&[&reported])),
         ];
         let report = Report::build(&input(), ticks.iter().map(|(tick, log)| (*tick, &log[..])));
         assert_eq!(
@@ -412,11 +412,11 @@ mod tests {
         );
     }
 
-    /// What the module says of the same kind at the same time takes the place of what the messages show; moments of one time are one
+    /// What the module reports of the same kind at the same time takes the place of what the messages show; moments of one time are one
     /// line of the list, in the colour of the most telling; a sharp tool does not grip.
     #[test]
     fn a_moment_is_told_once() {
-        let said = |id: &str| LevelEvent {
+        let reported = |id: &str| LevelEvent {
             id: id.into(),
             time: 0.0,
             text: text(id),
@@ -426,13 +426,16 @@ mod tests {
         other.tool = "right".into();
         both.contacts.push(other);
         let ticks = [
-            (1, log(&[&both, &said("grip"), &said("excess-force")])),
+            (
+                1,
+                log(&[&both, &reported("grip"), &reported("excess-force")]),
+            ),
             (
                 5,
                 log(&[
                     &cut("right", &[1]),
-                    &said("stray-cut"),
-                    &said("target-done"),
+                    &reported("stray-cut"),
+                    &reported("target-done"),
                 ]),
             ),
         ];
@@ -442,13 +445,13 @@ mod tests {
             ..input()
         };
         let report = Report::build(&session, ticks.iter().map(|(tick, log)| (*tick, &log[..])));
-        let told: Vec<_> = report
+        let kinds: Vec<_> = report
             .moments
             .iter()
             .map(|m| (m.kind, m.session_time, &m.text.en[..]))
             .collect();
         assert_eq!(
-            told,
+            kinds,
             [
                 (MomentKind::Grip, 0.125, "grip"),
                 (MomentKind::ExcessForce, 0.125, "excess-force"),
@@ -468,20 +471,20 @@ mod tests {
         assert_eq!(line_kind(&report.moments[3..5]), MomentKind::PieceOff);
     }
 
-    /// Ticks of 1/8 s. Two tools cut one tick after the other, and the module says something of each: every cut goes to the event of its
-    /// own time, whose picture is of its last tick. An event that says that a cut has freed a piece is of the more telling kind.
+    /// Ticks of 1/8 s. Two tools cut one tick after the other, and the module reports each: every cut goes to the event of its
+    /// own time, whose picture is of its last tick. An event of a cut that has freed a piece is of the more telling kind.
     #[test]
     fn a_moment_is_told_by_the_nearest_event_and_by_its_most_telling_kind() {
-        let said = |id: &str| LevelEvent {
+        let reported = |id: &str| LevelEvent {
             id: id.into(),
             time: 0.0,
             text: text(id),
         };
         let ticks = [
-            (3, log(&[&cut("left", &[]), &said("cut")])),
-            (4, log(&[&cut("right", &[]), &said("stray-cut")])),
+            (3, log(&[&cut("left", &[]), &reported("cut")])),
+            (4, log(&[&cut("right", &[]), &reported("stray-cut")])),
             (5, log(&[&cut("right", &[])])),
-            (9, log(&[&cut("left", &[1]), &said("cut-piece")])),
+            (9, log(&[&cut("left", &[1]), &reported("cut-piece")])),
         ];
         let report = Report::build(&input(), ticks.iter().map(|(tick, log)| (*tick, &log[..])));
         assert_eq!(

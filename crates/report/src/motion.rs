@@ -26,7 +26,7 @@ pub struct ToolSeries {
 pub struct ToolPresence {
     /// Tool slot of the level.
     pub tool: String,
-    /// Tool model, say `forceps`.
+    /// Tool model, for example `forceps`.
     pub model: String,
     /// With a fresh, valid pose.
     pub tracked: f64,

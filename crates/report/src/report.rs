@@ -83,9 +83,9 @@ impl ReportInput {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The module says so.
+    /// By the verdict of the module.
     Passed,
-    /// The module says so, with reasons.
+    /// By the verdict of the module, with reasons.
     Failed,
     /// Ended by the operator.
     Aborted,
@@ -132,7 +132,7 @@ pub struct Report {
     pub series: Vec<ToolSeries>,
     /// Contact force of each tool on each body that it touched.
     pub forces: Vec<ForceSeries>,
-    /// What the module said.
+    /// Events of the module.
     pub events: Vec<EventRecord>,
     /// What happened, in the order of time: the module's events, and what the messages of tissue and contact show.
     pub moments: Vec<Moment>,
@@ -172,7 +172,7 @@ impl From<MetricRecord> for MetricEntry {
 /// An event of the level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EventRecord {
-    /// Id, say `target-done`.
+    /// Id, for example `target-done`.
     pub id: String,
     /// Running time of the level \[s\].
     pub time: f64,

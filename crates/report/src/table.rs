@@ -4,7 +4,7 @@ use crate::Report;
 
 impl Report {
     /// One row for each metric; value and limits in the SI unit of the row, and once more in the unit that people read. In each row
-    /// of both tables `synthetic` says by what a synthetic trainee was made; it is empty for people.
+    /// of both tables `synthetic` names what made a synthetic trainee; it is empty for people.
     pub fn metrics_csv(&self) -> String {
         let mut table = Table::new(&[
             "id",
@@ -135,7 +135,7 @@ fn cell(value: Option<impl ToString>) -> String {
     value.map(|value| value.to_string()).unwrap_or_default()
 }
 
-/// A CSV document in memory, where writing has no way to fail as long as all rows are equally long.
+/// A CSV document in memory, where writing cannot fail as long as all rows are equally long.
 struct Table(csv::Writer<Vec<u8>>);
 
 impl Table {
@@ -194,7 +194,7 @@ mod tests {
         );
     }
 
-    /// Each row of both tables of a synthetic trainee says so; those of people have an empty field.
+    /// Each row of both tables of a synthetic trainee is marked; those of people have an empty field.
     #[test]
     fn synthetic_trainees_are_labelled() {
         let forces = ContactForces {

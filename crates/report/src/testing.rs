@@ -74,7 +74,7 @@ pub fn metric(id: &str, value: Option<f64>, max: Option<f64>) -> MetricRecord {
         category: "efficiency".into(),
         formula: format!("{id}/1"),
         source: "a source".into(),
-        advice: text("Take the direct way."),
+        advice: text("Take the direct path."),
         value,
         not_applicable: value.is_none().then(|| text("no instrument was tracked")),
         limit: max.map(|max| LimitRecord {

@@ -13,20 +13,20 @@ mod page;
 mod recovery;
 mod recovery_figures;
 mod remedies;
+mod schemes;
 mod subject;
 mod tables;
-mod ways;
 
 pub use heat_map::{Field, HeatMap};
 pub use large_steps::{LargeStep, Start};
 pub use limits::{Limit, Measured, predicted};
-pub use recovery::{Damage, Outcome, Recovery, StepLength, Way, recover};
+pub use recovery::{Damage, Outcome, Recovery, Scheme, StepLength, recover};
 pub use remedies::{Remedied, Remedy};
 pub use subject::{Constants, Subject, Substance, Variation};
 
 use microsim_tissue::Method;
 
-/// Measured and exactly predicted limits may differ by this share.
+/// Measured and exactly predicted limits may differ by this relative amount.
 pub const TOLERANCE: f64 = 0.03;
 
 /// All that was measured.
@@ -48,16 +48,16 @@ pub enum Extent {
     /// Everything: some minutes.
     Full,
     /// One or two of each kind: less than a minute.
-    Quick,
+    Short,
 }
 
 impl Atlas {
-    /// Measures everything. `clock` tells CPU time \[s\]; `progress` is told what is being done.
+    /// Measures everything. `clock` gives CPU time \[s\]; `progress` is called with what is being done.
     pub fn make(extent: Extent, clock: &dyn Fn() -> f64, progress: &mut dyn FnMut(&str)) -> Self {
         let mut atlas = Self::default();
         let (substances, variations) = match extent {
             Extent::Full => (Substance::all(), &Variation::ALL[..]),
-            Extent::Quick => (Substance::few(), &Variation::FEW[..]),
+            Extent::Short => (Substance::few(), &Variation::FEW[..]),
         };
         for substance in substances {
             progress(&format!("limits of {}", substance.name()));
@@ -65,7 +65,7 @@ impl Atlas {
         }
         let (substances, starts) = match extent {
             Extent::Full => (large_steps::substances(), &Start::ALL[..]),
-            Extent::Quick => (vec![Substance::SpringsVolumes], &Start::ALL[..]),
+            Extent::Short => (vec![Substance::SpringsVolumes], &Start::ALL[..]),
         };
         for substance in substances {
             progress(&format!("large steps of {}", substance.name()));
@@ -83,23 +83,25 @@ impl Atlas {
                     .extend(remedies::remedies(substance, variation));
             }
         }
-        let ways = match extent {
-            Extent::Full => ways::all(),
-            Extent::Quick => ways::few(),
+        let schemes = match extent {
+            Extent::Full => schemes::all(),
+            Extent::Short => schemes::few(),
         };
-        for (index, way) in ways.iter().enumerate() {
+        for (index, scheme) in schemes.iter().enumerate() {
             progress(&format!(
                 "recovery {} of {}: {}",
                 index + 1,
-                ways.len(),
-                way.name()
+                schemes.len(),
+                scheme.name()
             ));
-            atlas.recoveries.extend(recover(way, &Damage::ALL, clock));
+            atlas
+                .recoveries
+                .extend(recover(scheme, &Damage::ALL, clock));
         }
         atlas
     }
 
-    /// Number of limits with an exact prediction, number of those that agree with it, and the largest share by which one differs.
+    /// Number of limits with an exact prediction, number of those that agree with it, and the largest relative difference.
     pub fn agreement(&self) -> (usize, usize, f64) {
         let compared = || {
             self.limits
@@ -135,7 +137,7 @@ pub fn limits(substance: Substance, variations: &[Variation]) -> Vec<Limit> {
     found
 }
 
-/// A method with what tells it from others of its name.
+/// A method with what distinguishes it from others of its name.
 pub fn method_name(method: &Method) -> String {
     let plural = |n: u32, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     match method {

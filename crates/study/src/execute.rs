@@ -22,7 +22,7 @@ const ENERGY_PROBE: &str = "the energy of body";
 /// A scene with its settings, overrides applied.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// What the file says.
+    /// The settings as the file has them.
     pub settings: settings::Scene,
     /// What the scene is made of.
     pub spec: SceneSpec,
@@ -129,10 +129,10 @@ pub(crate) fn exact_way<'a>(
     kind: ExactKind,
     scene: Option<&'a ChartScene>,
 ) -> (&'a [String], Option<PlannedStep>) {
-    let share = PlannedStep::Share(chart.exact.share);
+    let fraction = PlannedStep::LimitFraction(chart.exact.share);
     let (set, step) = match kind {
         ExactKind::Rest => (&chart.exact.rest, Some(PlannedStep::Sample)),
-        ExactKind::Motion => (&chart.exact.motion, Some(share)),
+        ExactKind::Motion => (&chart.exact.motion, Some(fraction)),
     };
     let Some(scene) = scene else {
         return (set, step);
@@ -145,7 +145,7 @@ pub(crate) fn exact_way<'a>(
     (own, scene.exact_step.map(PlannedStep::Seconds).or(step))
 }
 
-/// What a status says.
+/// A status in words.
 fn reason(status: &Status) -> String {
     match status {
         Status::Ok => "ok".into(),
@@ -253,12 +253,12 @@ pub(crate) fn ready(
         None => {}
         Some(PlannedStep::Seconds(step)) => run.step = step,
         Some(PlannedStep::Sample) => run.step = run.sample,
-        Some(PlannedStep::Share(share)) => {
+        Some(PlannedStep::LimitFraction(fraction)) => {
             let limit = stability_limit(&scene);
             if !limit.is_finite() {
                 return Err("no step is planned for a method without a stability limit".into());
             }
-            run.step = share * limit;
+            run.step = fraction * limit;
         }
     }
     // Samples are made of whole steps, so that steps are those of the plan; a step longer than a sample makes samples longer.

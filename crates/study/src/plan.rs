@@ -32,8 +32,8 @@ pub struct RunKey {
 pub enum PlannedStep {
     /// \[s\]
     Seconds(f64),
-    /// Share of the estimated stability limit.
-    Share(f64),
+    /// Fraction of the estimated stability limit.
+    LimitFraction(f64),
     /// One step per sample.
     Sample,
 }
@@ -49,7 +49,7 @@ pub struct PlannedRun {
     pub iterations: Option<u32>,
 }
 
-/// Runs on one mesh with one material: they share an exact solution.
+/// Runs on one mesh with one material: one exact solution serves all of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Mesh and material.
@@ -58,7 +58,7 @@ pub struct Group {
     pub runs: Vec<PlannedRun>,
 }
 
-/// The groups of a plan: of all its scenes, or of those that are named; for the quick chart only those of quick sweeps.
+/// The groups of a plan: of all its scenes, or of those that are named; for the short chart only those of the sweeps marked for it.
 pub fn groups(chart: &Chart, quick: bool, scenes: &[String]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (scene, of) in chart.scene.iter().enumerate() {
@@ -135,9 +135,9 @@ fn runs_of(chart: &Chart, sweep: &ChartSweep, name: &str) -> Vec<PlannedRun> {
         }
     }
     let steps = chosen(&own.steps, &sweep.steps).iter();
-    let shares = chosen(&own.shares, &sweep.shares).iter();
+    let fractions = chosen(&own.shares, &sweep.shares).iter();
     let steps = steps.map(|step| PlannedStep::Seconds(*step));
-    let steps = steps.chain(shares.map(|share| PlannedStep::Share(*share)));
+    let steps = steps.chain(fractions.map(|fraction| PlannedStep::LimitFraction(*fraction)));
     let iterations: Vec<Option<u32>> = match chosen(&own.iterations, &sweep.iterations) {
         [] => vec![None],
         list => list.iter().copied().map(Some).collect(),
@@ -201,12 +201,12 @@ mod tests {
             step,
             iterations,
         };
-        let (seconds, share) = (PlannedStep::Seconds, PlannedStep::Share);
+        let (seconds, fraction) = (PlannedStep::Seconds, PlannedStep::LimitFraction);
         // The run of the quick sweep stays in front and is not made again.
         let expected = [
             run(1, seconds(0.01), Some(1)),
-            run(0, share(0.5), None),
-            run(0, share(1.5), None),
+            run(0, fraction(0.5), None),
+            run(0, fraction(1.5), None),
             run(1, seconds(0.001), Some(1)),
             run(1, seconds(0.001), Some(4)),
             run(1, seconds(0.01), Some(4)),

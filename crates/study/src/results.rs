@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Errors below this are no better than each other: what is left of a solver's tolerance and of rounding.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// By this share an error must be smaller to be worth its cost.
+/// An error must be smaller by this fraction to be worth its cost.
 const VISIBLE: f64 = 0.02;
 
 /// The errors for which the cheapest run is named.

@@ -96,7 +96,7 @@ pub struct Row {
     pub status: Status,
     /// One per measure of the scene.
     pub measures: Vec<Measured>,
-    /// Energy gained over the run as a share of the largest kinetic energy, where the energy should stay.
+    /// Energy gained over the run as a fraction of the largest kinetic energy, where the energy should stay.
     pub energy_drift: Option<f64>,
     /// Simulated time \[s\].
     pub simulated: f64,

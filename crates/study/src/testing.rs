@@ -130,7 +130,7 @@ fn row(
     use crate::plan::PlannedStep;
     let power = (1u32 << k) as f64;
     let status = match run.step {
-        PlannedStep::Share(share) if share > 1.0 => Status::Diverged {
+        PlannedStep::LimitFraction(fraction) if fraction > 1.0 => Status::Diverged {
             time: 0.02,
             reason: "gains energy, \"much\"".into(),
         },
@@ -147,7 +147,7 @@ fn row(
         },
         step: match run.step {
             PlannedStep::Seconds(step) => step,
-            PlannedStep::Share(share) => share * 1e-4,
+            PlannedStep::LimitFraction(fraction) => fraction * 1e-4,
             PlannedStep::Sample => unreachable!("no method of the plan has such a step"),
         },
         iteration_limit: run.iterations,

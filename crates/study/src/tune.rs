@@ -1,4 +1,4 @@
-//! The cheapest way to keep a stated error: meshes, discretisations, methods and steps are tried, and each is chosen or rejected
+//! The cheapest computation within a stated error: meshes, discretisations, methods and steps are tried, and each is chosen or rejected
 //! for a reason.
 //!
 //! A mesh with a discretisation whose exact solution misses the error is rejected with every method: two errors that cancel are
@@ -24,10 +24,10 @@ const FACTORS: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 8.0];
 const IMPLICIT_FACTOR: f64 = 2.0;
 /// CPU time per tetrahedron that an explicit step takes at least: half of the least in `tests/results/bench_kernels.md` \[s\].
 const LEAST: f64 = 5e-9;
-/// A new run must be cheaper than the best one by this share: less is noise.
+/// A new run must be cheaper than the best one by this fraction: a smaller difference is noise.
 const NOISE: f64 = 0.05;
 
-/// What must be kept.
+/// The requirements.
 #[derive(Clone, Debug)]
 pub struct Goal {
     /// What is compared. Where a value is NaN nothing is known from outside: the exact solution on a fine mesh is the measure.
@@ -102,7 +102,7 @@ impl Tuning {
                     .iter()
                     .filter(|t| t.kind == **kind && t.rejected.is_some())
             };
-            // The one that came nearest: it kept the error at the least cost, or had the least error.
+            // The one that came nearest: it met the error at the least cost, or had the least error.
             let rank = |t: &&Trial| {
                 (
                     t.error.unwrap_or(f64::INFINITY),
@@ -272,7 +272,7 @@ pub fn measure(context: &Context<'_>, goal: &Goal) -> Result<Trial, String> {
     })
 }
 
-/// The goal with the exact solution on a fine mesh as the measure of things.
+/// The goal with the exact solution on a fine mesh as the reference.
 fn measured_goal(
     context: &Context<'_>,
     goal: &Goal,
@@ -290,13 +290,16 @@ fn measured_goal(
 /// The steps and iterations of a method.
 fn parameters(method: &ChartMethod) -> Vec<(PlannedStep, Option<u32>)> {
     let steps = method.steps.iter().map(|step| PlannedStep::Seconds(*step));
-    let shares = method.shares.iter().map(|share| PlannedStep::Share(*share));
+    let fractions = method
+        .shares
+        .iter()
+        .map(|fraction| PlannedStep::LimitFraction(*fraction));
     let iterations: Vec<Option<u32>> = match &method.iterations[..] {
         [] => vec![None],
         list => list.iter().copied().map(Some).collect(),
     };
     let both = |step| iterations.iter().map(move |i| (step, *i));
-    steps.chain(shares).flat_map(both).collect()
+    steps.chain(fractions).flat_map(both).collect()
 }
 
 /// The largest relative error of what is expected.
@@ -365,7 +368,7 @@ fn attempt(
         step: match choices.step {
             PlannedStep::Seconds(step) => step,
             // Known when the scene is built.
-            PlannedStep::Share(_) | PlannedStep::Sample => f64::NAN,
+            PlannedStep::LimitFraction(_) | PlannedStep::Sample => f64::NAN,
         },
         elements: 0,
         error: None,
@@ -373,7 +376,7 @@ fn attempt(
         margin: None,
         rejected: None,
     };
-    trial.rejected = judge(context, goal, candidates, choices, best, &mut trial).err();
+    trial.rejected = verdict(context, goal, candidates, choices, best, &mut trial).err();
     let mut parameters = match trial.step.is_finite() {
         true => format!("step {}", time(trial.step)),
         false => "no step".into(),
@@ -386,7 +389,7 @@ fn attempt(
     trial
 }
 
-fn judge(
+fn verdict(
     context: &Context<'_>,
     goal: &Goal,
     candidates: &Candidates,
@@ -519,7 +522,7 @@ fn judge(
     }
 }
 
-/// For each body the free node that is furthest from what is held, in the body's frame, and a way of the body's size upwards.
+/// For each body the free node that is farthest from all clamps, in the body's frame, and a displacement of the body's size upwards.
 fn yanked_node(scene: &Scene) -> Vec<([f64; 3], [f64; 3])> {
     let of_body = |body: usize| {
         let rest = scene.body(body).rest_positions();

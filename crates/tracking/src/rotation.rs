@@ -60,11 +60,11 @@ pub(crate) fn rotated(a_from_b: [f64; 4], vector_in_b: [f64; 3]) -> [f64; 3] {
     (unit(a_from_b) * Vector3::from(vector_in_b)).into()
 }
 
-/// The orientation at `fraction` (0 to 1) of the way from one unit quaternion to another, turning steadily about one
-/// axis by the shorter way (Shoemake 1985). Half a turn apart either way is as short, and rounding decides.
+/// The orientation at `fraction` (0 to 1) of the rotation from one unit quaternion to another, turning steadily about
+/// one axis by the smaller angle (Shoemake 1985). Half a turn apart both directions are as short, and rounding decides.
 pub(crate) fn slerp(from: [f64; 4], to: [f64; 4], fraction: f64) -> [f64; 4] {
     let dot: f64 = (0..4).map(|i| from[i] * to[i]).sum();
-    // q and -q are the same orientation; the nearer one gives the shorter way.
+    // q and -q are the same orientation; the nearer one gives the smaller angle.
     let to = if dot < 0.0 {
         to.map(|component| -component)
     } else {

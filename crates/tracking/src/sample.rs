@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-/// What a device said at one moment, in its own frame and by its own clock.
+/// One measurement of a device, in its own frame and by its own clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// The device's name (shared, because a recording has a million samples of few devices).
@@ -15,7 +15,7 @@ pub struct Sample {
     pub position: [f64; 3],
     /// `device_from_body`: unit quaternion x, y, z, w.
     pub orientation: [f64; 4],
-    /// How far the handle is open, 0 closed to 1 open; `None` if the device does not say.
+    /// How far the handle is open, 0 closed to 1 open; `None` if the device does not measure it.
     pub opening: Option<f64>,
 }
 

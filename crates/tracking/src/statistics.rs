@@ -1,6 +1,6 @@
 //! What a recording holds, measured on the raw samples of one device in its own frame, before any translation.
 //!
-//! These numbers describe the input, so that a reader of a report can judge it; the trainee's metrics are elsewhere.
+//! These numbers describe the input, so that a reader of a report can assess it; the trainee's metrics are elsewhere.
 
 use crate::Sample;
 
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(RawStatistics::of(&samples, Some(0.125)).segments, 3);
     }
 
-    /// A device that says it was not visible ends the segment, however short the interval; at either end of the
+    /// A device that reports itself as not visible ends the segment, however short the interval; at either end of the
     /// recording there is nothing to join, so that is no gap.
     #[test]
     fn gap_by_visibility() {

@@ -17,8 +17,8 @@ pub mod id {
     pub const ANGULAR_PATH: &str = "angular-path";
     /// Box around the tip positions \[m³\].
     pub const WORKING_VOLUME: &str = "working-volume";
-    /// Share of time at rest \[1\].
-    pub const IDLE_SHARE: &str = "idle-share";
+    /// Fraction of time at rest \[1\].
+    pub const IDLE_FRACTION: &str = "idle-fraction";
     /// Number of movements \[1\].
     pub const MOVEMENTS: &str = "movements";
     /// Spectral arc length \[1\].
@@ -27,8 +27,8 @@ pub mod id {
     pub const LDLJ: &str = "ldlj";
     /// RMS in the tremor band \[m\].
     pub const TREMOR: &str = "tremor";
-    /// Share of time in which both tools move \[1\].
-    pub const BIMANUAL_SHARE: &str = "bimanual-share";
+    /// Fraction of time in which both tools move \[1\].
+    pub const BIMANUAL_FRACTION: &str = "bimanual-fraction";
     /// Correlation of both tools' speeds \[1\].
     pub const SPEED_CORRELATION: &str = "speed-correlation";
     /// Difference of both tools' paths over their sum \[1\].
@@ -120,17 +120,17 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         ),
     },
     MetricDefinition {
-        id: Cow::Borrowed(id::IDLE_SHARE),
-        title: Text::new("Ruheanteil", "Idle share"),
+        id: Cow::Borrowed(id::IDLE_FRACTION),
+        title: Text::new("Ruheanteil", "Idle fraction"),
         unit: Cow::Borrowed("1"),
         display_unit: Cow::Borrowed("%"),
         display_factor: 100.0,
         decimals: 0,
         direction: Direction::LowerIsBetter,
         category: Category::Efficiency,
-        formula: Cow::Borrowed("idle-share/1"),
+        formula: Cow::Borrowed("idle-fraction/1"),
         source: Cow::Borrowed(
-            "share of time with a smoothed speed below v0; separates attendings from juniors (Lyon 2025)",
+            "fraction of time with a smoothed speed below v0; separates attendings from juniors (Lyon 2025)",
         ),
         advice: Text::new(
             "Planen Sie den nächsten Schritt, während Sie den jetzigen beenden.",
@@ -208,17 +208,17 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         ),
     },
     MetricDefinition {
-        id: Cow::Borrowed(id::BIMANUAL_SHARE),
-        title: Text::new("Beidhändiger Anteil", "Bimanual share"),
+        id: Cow::Borrowed(id::BIMANUAL_FRACTION),
+        title: Text::new("Beidhändiger Anteil", "Bimanual fraction"),
         unit: Cow::Borrowed("1"),
         display_unit: Cow::Borrowed("%"),
         display_factor: 100.0,
         decimals: 0,
         direction: Direction::HigherIsBetter,
         category: Category::InstrumentHandling,
-        formula: Cow::Borrowed("bimanual-share/1"),
+        formula: Cow::Borrowed("bimanual-fraction/1"),
         source: Cow::Borrowed(
-            "share of the common time in which the smoothed speeds of both tools are at least v0",
+            "fraction of the common time in which the smoothed speeds of both tools are at least v0",
         ),
         advice: Text::new(
             "Lassen Sie die andere Hand mitarbeiten: Sie stellt das Gewebe ein, während die erste sich nähert.",
@@ -258,7 +258,7 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         ),
         advice: Text::new(
             "Verteilen Sie die Arbeit auf beide Hände, wie die Aufgabe es verlangt.",
-            "Share the work between both hands as the task demands.",
+            "Divide the work between both hands as the task demands.",
         ),
     },
 ];

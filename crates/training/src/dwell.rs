@@ -22,7 +22,7 @@ pub enum DwellState {
     Holding(f64),
     /// It has held for the time required, and still does.
     Complete,
-    /// It held until the last update, for so long \[s\], which was not long enough. Said once; the watch starts anew.
+    /// It held until the last update, for so long \[s\], which was not long enough. Reported once; the measurement restarts.
     Lost(f64),
 }
 
@@ -50,7 +50,7 @@ impl Dwell {
         })
     }
 
-    /// Tells whether the condition holds at time `now` \[s\]; times do not decrease. Time counts from the first update that
+    /// Updates whether the condition holds at time `now` \[s\]; times do not decrease. Time counts from the first update that
     /// finds it holding.
     pub fn update(&mut self, now: f64, holds: bool) -> DwellState {
         if holds {
@@ -69,7 +69,7 @@ impl Dwell {
         }
     }
 
-    /// Share of the time required, 0..1, as of the last update.
+    /// Fraction of the time required, 0..1, as of the last update.
     pub fn progress(&self) -> f64 {
         match self.held {
             None => 0.0,
@@ -106,12 +106,12 @@ mod tests {
         assert_eq!(
             dwell.update(1.25, false),
             DwellState::Idle,
-            "a loss is said once"
+            "a loss is reported once"
         );
         assert_eq!(
             dwell.update(1.5, true),
             DwellState::Holding(0.0),
-            "starts anew"
+            "restarts"
         );
         assert_eq!(dwell.update(2.5, true), DwellState::Complete);
         assert_eq!(dwell.update(3.0, true), DwellState::Complete);

@@ -113,7 +113,7 @@ pub enum LevelError {
     DuplicateTarget(String),
     /// A level must have a target: without one, doing nothing would pass.
     NoTargets,
-    /// A saved state contradicts itself; the text says where.
+    /// A saved state contradicts itself; the text names the place.
     Contradiction(&'static str),
 }
 
@@ -234,7 +234,7 @@ impl LevelMachine {
         Ok(())
     }
 
-    /// A target is achieved. The level goes on running: when it ends is the module's to say.
+    /// A target is achieved. The level goes on running: the module decides when it ends.
     pub fn target_done(&mut self, now: f64, id: &str) -> Result<(), LevelError> {
         self.admit(LevelEvent::TargetDone, now)?;
         let running_time = self.running_time(now);

@@ -1,8 +1,8 @@
 //! From motion logs to the metrics of the catalogue.
 //!
 //! Each log is split at its gaps, and each metric is formed inside segments. Sums (path, angle, movements) add up over
-//! segments; shares, smoothness and tremor are the mean over the segments that allow them, weighted by their duration.
-//! Several tools are combined the same way: sums add up (the working volume too, box by box), means run over the
+//! segments; fractions, smoothness and tremor are the mean over the segments that allow them, weighted by their duration.
+//! Several tools are combined alike: sums add up (the working volume too, box by box), means run over the
 //! segments of all tools. With more than one tracked tool each metric also stands for every tool by itself.
 
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ use crate::tremor::tremor_rms;
 /// Relative slack of the sample rate: times rounded to a microsecond must not turn 60 samples a second into fewer.
 const RATE_SLACK: f64 = 1e-6;
 
-/// Share of v0 by which a speed must vary (root mean square) to be correlated with another: below it is round-off.
+/// Fraction of v0 by which a speed must vary (root mean square) to be correlated with another: below it is round-off.
 const VARIATION_MIN: f64 = 1e-3;
 
 /// One line of a result.
@@ -68,7 +68,7 @@ pub fn motion_metrics(
         let value = match definition.id.as_ref() {
             id::TIME => duration(duration_s),
             id::ECONOMY => economy(shortest_path_m, all.path.total()),
-            id::BIMANUAL_SHARE => hands.share.clone(),
+            id::BIMANUAL_FRACTION => hands.fraction.clone(),
             id::SPEED_CORRELATION => hands.correlation.clone(),
             id::PATH_ASYMMETRY => hands.asymmetry.clone(),
             of_one_tool => all.value(of_one_tool),
@@ -101,7 +101,7 @@ const TOOL_METRICS: [&str; 8] = [
     id::PATH_LENGTH,
     id::ANGULAR_PATH,
     id::WORKING_VOLUME,
-    id::IDLE_SHARE,
+    id::IDLE_FRACTION,
     id::MOVEMENTS,
     id::SPARC,
     id::LDLJ,
@@ -281,7 +281,7 @@ impl Tally {
             id::PATH_LENGTH => self.path.total(),
             id::ANGULAR_PATH => self.angle.total(),
             id::WORKING_VOLUME => self.volume.total(),
-            id::IDLE_SHARE => self.idle.mean(),
+            id::IDLE_FRACTION => self.idle.mean(),
             id::MOVEMENTS => self.movements.total(),
             id::SPARC => self.sparc.mean(),
             id::LDLJ => self.ldlj.mean(),
@@ -341,7 +341,7 @@ fn economy(shortest: Option<f64>, path: Outcome) -> Outcome {
 }
 
 struct Bimanual {
-    share: Outcome,
+    fraction: Outcome,
     correlation: Outcome,
     asymmetry: Outcome,
 }
@@ -357,16 +357,16 @@ fn bimanual(tools: &[Tool], parameters: &MetricParameters) -> Bimanual {
             })
         };
         return Bimanual {
-            share: none(),
+            fraction: none(),
             correlation: none(),
             asymmetry: none(),
         };
     };
-    let mut share = Pool {
+    let mut fraction = Pool {
         obstacle: Some(NotApplicable::NotTogether),
         ..Pool::default()
     };
-    let mut correlation = share.clone();
+    let mut correlation = fraction.clone();
     for a in &left.segments {
         for b in &right.segments {
             let (Some(start), Some(end)) = (common_start(a, b), common_end(a, b)) else {
@@ -392,7 +392,7 @@ fn bimanual(tools: &[Tool], parameters: &MetricParameters) -> Bimanual {
                 .zip(&speed_b)
                 .filter(|(x, y)| **x >= v0 && **y >= v0)
                 .count();
-            share.add(Ok(both as f64 / speed_a.len() as f64), end - start);
+            fraction.add(Ok(both as f64 / speed_a.len() as f64), end - start);
             if end - start >= parameters.segment_min_s {
                 let value = signal::correlation(&speed_a, &speed_b, VARIATION_MIN * v0);
                 correlation.add(value.ok_or(NotApplicable::NoMotion), end - start);
@@ -409,7 +409,7 @@ fn bimanual(tools: &[Tool], parameters: &MetricParameters) -> Bimanual {
         }
     });
     Bimanual {
-        share: share.mean(),
+        fraction: fraction.mean(),
         correlation: correlation.mean(),
         asymmetry,
     }

@@ -1,5 +1,5 @@
 //! What a metric is, and what a measured one holds. The definitions of motion stand in the catalogue; a module declares
-//! its own ones (an angle error, say) with the same types, and both are limited and scored alike.
+//! its own ones (for example an angle error) with the same types, and both are limited and scored alike.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -16,7 +16,7 @@ pub enum Direction {
     LowerIsBetter,
     /// Larger is better.
     HigherIsBetter,
-    /// A value in the middle is better than one on either side; where, the level's limit says.
+    /// A value in the middle is better than one on either side; the level's limit states where.
     Range,
     /// Neither side is better by itself: shown, never limited.
     Informative,
@@ -28,7 +28,7 @@ pub enum Direction {
 pub enum Category {
     /// What was to be done, and how well.
     TargetAchievement,
-    /// Time and ways.
+    /// Time and paths.
     Efficiency,
     /// How the instruments were moved.
     InstrumentHandling,
@@ -63,7 +63,7 @@ pub struct MetricDefinition {
     pub id: Cow<'static, str>,
     /// Name for people.
     pub title: Text,
-    /// SI unit of the value; "1" for a number or share.
+    /// SI unit of the value; "1" for a number or fraction.
     pub unit: Cow<'static, str>,
     /// Unit in which people read it.
     pub display_unit: Cow<'static, str>,
@@ -139,7 +139,7 @@ impl NotApplicable {
             }
             NotApplicable::NoMotion => Text::new(
                 "keine Bewegung, die sich beurteilen lässt",
-                "no motion to judge",
+                "no motion that can be evaluated",
             ),
             NotApplicable::Overflow => Text::new(
                 "der Zahlenbereich reicht nicht",

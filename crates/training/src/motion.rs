@@ -63,7 +63,7 @@ impl std::error::Error for MotionError {}
 /// Why bytes are not a motion log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MotionBytesError {
-    /// The bytes are not as long as their header says.
+    /// The bytes are not as long as their header states.
     Length {
         /// Length by the header, `None` when the header itself is cut or absurd.
         expected: Option<usize>,
@@ -139,7 +139,7 @@ impl MotionLog {
         Ok(())
     }
 
-    /// Says that the tool was not tracked (or the level paused) since the last sample: the next one starts a new segment,
+    /// Marks that the tool was not tracked (or the level paused) since the last sample: the next one starts a new segment,
     /// however close its time. Without an earlier sample there is nothing to separate from, and nothing happens.
     pub fn mark_gap(&mut self) {
         self.gap_pending = !self.samples.is_empty();

@@ -1,5 +1,5 @@
 //! The constants that the motion metrics depend on. They are published with the result ([`MetricParameters::listed`]):
-//! a count of movements says nothing without its threshold and filter.
+//! a count of movements means nothing without its threshold and filter.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub struct MetricParameters {
     pub resample_hz: f64,
     /// Segments with fewer samples a second, (n − 1)/duration, get no SPARC, LDLJ and tremor \[Hz\], 20..1000. Default 60:
     /// five samples per period of the tremor's upper end. SPARC's 10 Hz alone would do with 20, but a profile drawn through
-    /// so few points is smooth by interpolation; one rule for all three is also easier to tell a trainee.
+    /// so few points is smooth by interpolation; one rule for all three is also easier to explain to a trainee.
     pub sample_rate_min_hz: f64,
     /// Shorter segments get no SPARC, LDLJ, tremor and speed correlation \[s\], 0.25..60. Default 1: the window of the tremor
     /// analysis then blurs the band's edges by its half width, 2 Hz.

@@ -10,8 +10,8 @@
 //!
 //! **Score**, beside the verdict: 0–100 in each category, for the trainee to see progress. Each limited metric runs linearly
 //! from 0 at its `zero` to 100 at its `full`; a category is the mean of its applicable limited metrics times the achieved
-//! share of the targets, so that doing nothing scores 0. Target achievement always exists; with no metric of its own it is
-//! that share. Another category without an applicable limited metric is absent, not 0. The total is the mean of the
+//! fraction of the targets, so that doing nothing scores 0. Target achievement always exists; with no metric of its own it is
+//! that fraction. Another category without an applicable limited metric is absent, not 0. The total is the mean of the
 //! categories and decides nothing.
 
 use std::fmt;
@@ -35,7 +35,7 @@ pub struct Limit {
     pub zero: f64,
     /// Value at which the score reaches 100. For a metric of direction `Range` the score falls to both sides of it.
     pub full: f64,
-    /// Id of the reason when it is not kept; the metric's id if `None`.
+    /// Id of the reason when it is violated; the metric's id if `None`.
     pub reason: Option<String>,
     /// Where the numbers come from.
     pub source: String,
@@ -60,7 +60,7 @@ pub enum LimitError {
     Unlimited(String),
     /// `min` is larger than `max`.
     Empty(String),
-    /// `zero` and `full` are equal, or the wrong way round for the metric's direction.
+    /// `zero` and `full` are equal, or in the wrong order for the metric's direction.
     Ramp(String),
 }
 
@@ -99,8 +99,8 @@ pub struct TargetCount {
 }
 
 impl TargetCount {
-    /// Achieved share, 0..1; 0 for a level without targets.
-    pub fn share(self) -> f64 {
+    /// Achieved fraction, 0..1; 0 for a level without targets.
+    pub fn fraction(self) -> f64 {
         if self.total == 0 {
             0.0
         } else {
@@ -126,7 +126,7 @@ pub struct ScoreRecord {
     pub category: Category,
     /// What was measured.
     pub value: MetricValue,
-    /// Whether the limit was kept; `None` if the metric is not applicable.
+    /// Whether the limit was met; `None` if the metric is not applicable.
     pub within: Option<bool>,
     /// 0..100; `None` if the metric is not applicable.
     pub points: Option<f64>,
@@ -243,7 +243,7 @@ impl Rules {
                 };
                 Some(CategoryScore {
                     category,
-                    score: handling * targets.share(),
+                    score: handling * targets.fraction(),
                 })
             })
             .collect();
@@ -296,14 +296,14 @@ fn within(limit: &Limit, value: f64) -> bool {
 
 /// Points of a value, 0..100; NaN has none.
 fn points(limit: &Limit, direction: Direction, value: f64) -> f64 {
-    let share = match direction {
+    let fraction = match direction {
         Direction::Range => 1.0 - (value - limit.full).abs() / (limit.zero - limit.full).abs(),
         _ => (value - limit.zero) / (limit.full - limit.zero),
     };
-    if share.is_nan() {
+    if fraction.is_nan() {
         0.0
     } else {
-        100.0 * share.clamp(0.0, 1.0)
+        100.0 * fraction.clamp(0.0, 1.0)
     }
 }
 

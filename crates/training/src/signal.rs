@@ -33,9 +33,9 @@ pub fn resample(segment: &[Sample], start: f64, end: f64, rate: f64) -> Vec<[f64
             let Some(before) = next.checked_sub(1).map(|index| &segment[index]) else {
                 return after.position;
             };
-            let share = (time - before.time) / (after.time - before.time);
+            let fraction = (time - before.time) / (after.time - before.time);
             [0, 1, 2].map(|axis| {
-                before.position[axis] + share * (after.position[axis] - before.position[axis])
+                before.position[axis] + fraction * (after.position[axis] - before.position[axis])
             })
         })
         .collect()

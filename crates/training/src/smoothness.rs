@@ -11,7 +11,7 @@ use crate::fft;
 /// Highest frequency that SPARC looks at \[Hz\].
 pub const SPARC_FREQUENCY_MAX_HZ: f64 = 10.0;
 
-/// Share of the strongest component below which SPARC cuts the spectrum's ends off.
+/// Fraction of the strongest component below which SPARC cuts the spectrum's ends off.
 pub const SPARC_AMPLITUDE_MIN: f64 = 0.05;
 
 /// Zero padding of SPARC, as a power of two.

@@ -25,7 +25,7 @@ const GIVEN: f64 = -0.0001;
 /// A rest that is too long \[s\].
 const PAUSE: f64 = 14.0;
 
-/// How far the tips of closed forceps are below the upper side of tissue that lies on them: its thickness, less what it gives way
+/// How far the tips of closed forceps are below the upper side of tissue that lies on them: its thickness, less what it yields
 /// \[m\].
 const UNDER: f64 = 0.00055;
 
@@ -263,7 +263,7 @@ impl<'a> Hands<'a> {
         }
     }
 
-    /// Carries what the forceps hold by `way`, lets it go there and withdraws.
+    /// Carries what the forceps hold by `path`, releases it there and withdraws.
     fn put(&mut self, [x, y, z]: [f64; 3]) {
         self.scissors.0[0] += 0.006;
         self.forceps.0[2] += 0.0005;
@@ -445,7 +445,7 @@ fn deliver(folder: &Path, place: &Place) {
     if place.level == 5 {
         second += GIVEN;
     }
-    let way = [tray[0], tray[1] + 0.0003, tray[2] + 0.002];
+    let path = [tray[0], tray[1] + 0.0003, tray[2] + 0.002];
     let stay = place.dwell + 0.5;
     let begin = |doc| {
         let mut hands = Hands::new(place, doc);
@@ -460,19 +460,19 @@ fn deliver(folder: &Path, place: &Place) {
     let mut pass =
         begin("Steadies the tissue, cuts at both marks and drops the piece in the tray.");
     cut_both(&mut pass);
-    pass.put(way);
+    pass.put(path);
     pass.write(folder, "pass", stay);
 
     let mut outside = begin("Drops the piece beside the tray.");
     cut_both(&mut outside);
-    outside.put([way[0] + 0.0075, way[1], way[2]]);
+    outside.put([path[0] + 0.0075, path[1], path[2]]);
     outside.write(folder, "fail-not-in-tray", stay);
 
     let beside = |name: &str, off: f64| {
         let mut beside = begin("Cuts beside the first mark.");
         beside.cut(first + off, 0.0);
         beside.cut(second, 0.0);
-        beside.put(way);
+        beside.put(path);
         beside.write(folder, name, stay);
     };
     match place.level {
@@ -489,14 +489,14 @@ fn deliver(folder: &Path, place: &Place) {
             hard.lift(0.0);
             hard.forceps.1 = GRIP;
             cut_both(&mut hard);
-            hard.put(way);
+            hard.put(path);
             hard.write(folder, "fail-too-hard", stay);
 
             let mut idle = begin("Rests between the cuts.");
             idle.cut(first, 0.0);
             idle.key(PAUSE);
             idle.cut(second, 0.0);
-            idle.put(way);
+            idle.put(path);
             idle.write(folder, "fail-tool-idle", stay);
         }
         5 => {
@@ -510,13 +510,13 @@ fn deliver(folder: &Path, place: &Place) {
             let mut askew = begin("Cuts askew at both marks.");
             askew.askew = 0.45;
             cut_both(&mut askew);
-            askew.put(way);
+            askew.put(path);
             askew.write(folder, "fail-cut-askew", stay);
 
             let mut hard = Hands::new(place, "Crushes the tissue before it cuts.");
             hard.grip(BETWEEN, CRUSH);
             cut_both(&mut hard);
-            hard.put(way);
+            hard.put(path);
             hard.write(folder, "fail-crushed", stay);
         }
     }
@@ -559,7 +559,7 @@ fn read(module: &Path, level: u32) -> Option<Place> {
     let ring = object
         .iter()
         .find(|o| matches!(o.shape, Shape::Ring { .. }));
-    let tray = rigid.iter().find(|thing| thing.name == "tray");
+    let tray = rigid.iter().find(|obstacle| obstacle.name == "tray");
     let mut marks: Vec<_> = marks.map(|mark| mirrored(mark.position)).collect();
     marks.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let [stretch, edge] = stretch(&body[0]);
@@ -570,7 +570,7 @@ fn read(module: &Path, level: u32) -> Option<Place> {
         scissors: slot("micro-scissors"),
         marks,
         ring: ring.map(|object| mirrored(object.position)),
-        tray: tray.map(|thing| mirrored(thing.position)),
+        tray: tray.map(|obstacle| mirrored(obstacle.position)),
         dwell: keys["dwell"].as_f64().expect("a quantity"),
         time_limit: limit
             .iter()

@@ -1,7 +1,7 @@
 //! General coordination under the microscope (dissertation, 5.2.2): tissue is stretched between two clamps; it is gripped and
 //! held in a ring, or cut at its marks, or cut, carried to a tray and dropped there.
 //!
-//! All that is judged comes from the physics plugin: snapshots of nodes, forces in newtons, cuts. Where the tools are matters only
+//! All that is measured comes from the physics plugin: snapshots of nodes, forces in newtons, cuts. Where the tools are matters only
 //! as far as they touch.
 
 #![forbid(unsafe_code)]
@@ -35,7 +35,7 @@ fn text(de: String, en: String) -> LocalText {
 }
 
 impl Coordination {
-    /// Which tissue carries the marks and what tells the pieces apart, as the tissue lies in the first tick.
+    /// Which tissue carries the marks and what distinguishes the pieces, as the tissue lies in the first tick.
     fn settle(&self, state: &mut State, block: &BlockView<'_>) -> Result<(), Fault> {
         for mark in &self.site.marks {
             let around = |end: [f64; 3]| Patch::around(end, self.site.keys.mark_radius, block);
@@ -53,7 +53,7 @@ impl Coordination {
         Ok(())
     }
 
-    /// Lets a mark move with the tissue; says where its middle is.
+    /// Moves a mark with the tissue; returns where its middle is.
     fn follow(
         &self,
         mark: &Mark,
@@ -63,13 +63,13 @@ impl Coordination {
     ) -> Option<[f64; 3]> {
         let [a, b] = [ends[0].now(block)?.place, ends[1].now(block)?.place];
         let middle = [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
-        let way = microsim_sdk::tissue::distance(a, b);
-        if way > 0.0 {
+        let length = microsim_sdk::tissue::distance(a, b);
+        if length > 0.0 {
             tick.publish(&ObjectSet {
                 name: mark.name.clone(),
                 pose: Some(Pose {
                     position: middle,
-                    orientation: turned_to([0, 1, 2].map(|k| (b[k] - a[k]) / way)),
+                    orientation: turned_to([0, 1, 2].map(|k| (b[k] - a[k]) / length)),
                 }),
                 ..ObjectSet::default()
             });
@@ -80,7 +80,7 @@ impl Coordination {
     /// Where tools come into view while the level runs, for the economy of motion.
     fn see(&self, state: &mut State, course: &mut Course, tick: &Tick<'_>) -> Result<(), Fault> {
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
-        // There are no fewer tools in a tick that says nothing of them.
+        // A tick without a message about tools has as many of them as before.
         let count = state.starts.len().max(tools.len());
         state.starts.resize(count, None);
         for (tool, start) in tools.iter().zip(&mut state.starts) {
@@ -89,14 +89,21 @@ impl Coordination {
             }
         }
         if state.starts.iter().any(Option::is_some) {
-            let way = self.site.least_way(&state.starts, state.contacts.was_held);
-            course.set_shortest_path(way);
+            let shortest = self
+                .site
+                .shortest_path(&state.starts, state.contacts.was_held);
+            course.set_shortest_path(shortest);
         }
         Ok(())
     }
 
     /// Grips and forces of a tick, with their events.
-    fn hear(&self, state: &mut State, course: &Course, tick: &mut Tick<'_>) -> Result<(), Fault> {
+    fn update_contacts(
+        &self,
+        state: &mut State,
+        course: &Course,
+        tick: &mut Tick<'_>,
+    ) -> Result<(), Fault> {
         let was_too_hard = state.contacts.too_hard;
         state
             .contacts
@@ -382,9 +389,9 @@ impl Exercise for Coordination {
         course: &mut Course,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        self.hear(state, course, tick)?;
+        self.update_contacts(state, course, tick)?;
         self.see(state, course, tick)?;
-        // Without tissue there is nothing to judge, and nothing measured is not zero.
+        // Without tissue there is nothing to measure, and what was not measured is not zero.
         let Some(block) = tick.block(TISSUE_SNAPSHOT, &self.site.body) else {
             return Ok(());
         };

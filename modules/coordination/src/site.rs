@@ -1,10 +1,10 @@
 //! What a level asks for, from its file: marks, clamps, ring, tray, and which tools hold.
 
 use microsim_sdk::tissue::{MarkLine, Ring, mark_places, tissue_of};
-use microsim_sdk::{Fault, ModuleConfig, Object, Shape, Tray, least_way};
+use microsim_sdk::{Fault, ModuleConfig, Object, Shape, Tray, shortest_path};
 use serde::Deserialize;
 
-/// The rigid thing of the level that is the tray, and the target of what is put into it.
+/// The obstacle of the level that is the tray, and the target of what is put into it.
 pub(crate) const TRAY: &str = "tray";
 
 /// The object of the level that is the ring.
@@ -65,9 +65,9 @@ impl Mark {
 
     /// The ends of its line, at rest \[m\].
     pub fn ends(&self) -> [[f64; 3]; 2] {
-        [-0.5, 0.5].map(|share| {
+        [-0.5, 0.5].map(|fraction| {
             let MarkLine { middle, along, .. } = &self.line;
-            [0, 1, 2].map(|k| middle[k] + share * self.length * along[k])
+            [0, 1, 2].map(|k| middle[k] + fraction * self.length * along[k])
         })
     }
 }
@@ -155,33 +155,33 @@ impl Site {
         marks.chain(tray).collect()
     }
 
-    /// The least way of all tools that the task asks for, from where each was first seen \[m\]; one that was not has no way.
+    /// The shortest path of all tools that the task asks for, from where each was first seen \[m\]; one that was not has none.
     /// Whether tissue is held while it is cut is left to the trainee: only if it `was_held`, that is part of the task `cut`.
-    pub fn least_way(&self, starts: &[Option<[f64; 3]>], was_held: bool) -> f64 {
-        let ways = self.tools.iter().zip(starts).filter_map(|(tool, start)| {
+    pub fn shortest_path(&self, starts: &[Option<[f64; 3]>], was_held: bool) -> f64 {
+        let paths = self.tools.iter().zip(starts).filter_map(|(tool, start)| {
             let holds = self.holders.contains(tool);
             let idle = holds && self.keys.task == Task::Cut && !was_held;
             Some(self.least_way_of(holds, (*start)?)).filter(|_| !idle)
         });
-        ways.sum()
+        paths.sum()
     }
 
     /// That of one tool. If it cuts, past the marks, in the better order; if it `holds`, from the mark to the ring, or from the piece to
     /// where it falls into the tray, or just to the tissue.
     fn least_way_of(&self, holds: bool, start: [f64; 3]) -> f64 {
-        let way = |goals: &[[f64; 3]]| least_way(start, goals, self.keys.mark_reach);
+        let path = |goals: &[[f64; 3]]| shortest_path(start, goals, self.keys.mark_reach);
         let marks: Vec<[f64; 3]> = self.marks.iter().map(|mark| mark.line.middle).collect();
         match (holds, &self.ring, &self.tray) {
-            (true, Some(ring), _) => way(&[marks[0], ring.centre]),
+            (true, Some(ring), _) => path(&[marks[0], ring.centre]),
             (true, None, Some(tray)) => {
                 let piece = self.parts()[1];
-                way(&[piece, tray.nearest(piece)])
+                path(&[piece, tray.nearest(piece)])
             }
-            (true, None, None) => way(&[between(self.clamps, start)]),
+            (true, None, None) => path(&[between(self.clamps, start)]),
             (false, Some(_), _) => 0.0,
             (false, None, _) => {
                 let back: Vec<[f64; 3]> = marks.iter().rev().copied().collect();
-                way(&marks).min(way(&back))
+                path(&marks).min(path(&back))
             }
         }
     }
@@ -227,6 +227,6 @@ fn between([a, b]: [[f64; 3]; 2], place: [f64; 3]) -> [f64; 3] {
     let line = [0, 1, 2].map(|k| b[k] - a[k]);
     let along: f64 = (0..3).map(|k| (place[k] - a[k]) * line[k]).sum();
     let size: f64 = line.iter().map(|c| c * c).sum();
-    let share = (along / size).clamp(0.0, 1.0);
-    [0, 1, 2].map(|k| a[k] + share * line[k])
+    let fraction = (along / size).clamp(0.0, 1.0);
+    [0, 1, 2].map(|k| a[k] + fraction * line[k])
 }

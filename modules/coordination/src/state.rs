@@ -17,11 +17,11 @@ pub struct State {
     pub(crate) contacts: Contacts,
     pub(crate) grasp: Grasp,
     pub(crate) cuts: CutLog,
-    /// Whether the event of a grip has been published that goes on, and what says when it has ended.
+    /// Whether the event of a grip that goes on has been published, and what detects its end.
     pub(crate) grip_told: bool,
     pub(crate) grip_ends: Releases,
     pub(crate) hold: Hold,
-    /// Whether the piece between the marks is off, and how far it is on its way to the tray.
+    /// Whether the piece between the marks is off, and how far it has come to the tray.
     pub(crate) off: bool,
     pub(crate) delivery: Delivery,
     /// Of the mark in the ring, or of the tray.

@@ -103,7 +103,7 @@ fn started(task: &str, limits: Value) -> TestHost<Module> {
     host
 }
 
-/// What the physics says in a tick.
+/// What the physics publishes in a tick.
 #[derive(Clone, Copy, Default)]
 struct Scene {
     /// How far the piece between the marks, or the tissue at the first mark, has gone.
@@ -129,7 +129,7 @@ enum Touch {
     Stump,
     /// So the part on the right.
     FarStump,
-    /// The tissue lies on both jaws, which press the same way.
+    /// The tissue lies on both jaws, which press in the same direction.
     Hook,
     /// It slides along them.
     Slide,
@@ -630,7 +630,7 @@ fn excess_force_is_timed_and_told_once() {
     assert_eq!(value(&result, "peak-force"), Some(0.03));
 }
 
-/// Cuts and contacts say nothing where no snapshot has said what there is: what was not measured is not zero.
+/// Cuts and contacts are not evaluated before a snapshot has shown what there is: what was not measured is not zero.
 #[test]
 fn without_tissue_nothing_is_measured() {
     let host = host(config("cut", json!([]))).expect("a complete set-up");

@@ -136,8 +136,8 @@ mod hold {
 
     pub fn write(folder: &Path, level: u32, mark: [f64; 3], ring: [f64; 3], dwell: f64) {
         let x = mark[0] + 0.0004;
-        let way = [ring[0] - mark[0], ring[2] - (mark[2] - SAG)];
-        let low = [way[0], 0.4 * way[1]];
+        let path = [ring[0] - mark[0], ring[2] - (mark[2] - SAG)];
+        let low = [path[0], 0.4 * path[1]];
         let begin = |doc: &str| {
             let mut trainee = Trainee::new(doc, &["left", "right"]);
             reach(&mut trainee, 0.0, x + 0.005, -SAG, OPEN);
@@ -148,8 +148,8 @@ mod hold {
         };
 
         let mut pass = begin("Grips the free end with both forceps and holds it in the ring.");
-        lift(&mut pass, x, GRIP, way);
-        stay(&mut pass, dwell + 0.5, way);
+        lift(&mut pass, x, GRIP, path);
+        stay(&mut pass, dwell + 0.5, path);
         put_down(&mut pass, x);
         pass.write(folder, &format!("level{level}-pass.toml"));
 
@@ -160,13 +160,13 @@ mod hold {
         too_low.write(folder, &format!("level{level}-fail-not-in-ring.toml"));
 
         let mut short = begin("Puts the end down again at once.");
-        lift(&mut short, x, GRIP, way);
+        lift(&mut short, x, GRIP, path);
         put_down(&mut short, x);
         short.write(folder, &format!("level{level}-fail-dwell-too-short.toml"));
 
         let mut hard = begin("Crushes the end before it lifts it.");
-        lift(&mut hard, x, CRUSH, way);
-        stay(&mut hard, dwell + 0.5, way);
+        lift(&mut hard, x, CRUSH, path);
+        stay(&mut hard, dwell + 0.5, path);
         put_down(&mut hard, x);
         hard.write(folder, &format!("level{level}-fail-gripped-too-hard.toml"));
     }
@@ -247,7 +247,7 @@ mod cut {
             self.key(1.0);
         }
 
-        /// Carries what it holds by `way` and lets it go there.
+        /// Carries what it holds by `path` and releases it there.
         fn put(&mut self, [out, height]: [f64; 2]) {
             self.forceps.0[2] += 0.001;
             self.key(0.5);
@@ -270,7 +270,7 @@ mod cut {
 
     pub fn write(folder: &Path, level: u32, mark: [f64; 3], tray: [f64; 3], dwell: f64) {
         // From the middle of the piece to that of the tray; the tips of the forceps end above its walls.
-        let way = [tray[0] - 0.5 * (mark[0] - 0.004), tray[2] + 0.003];
+        let path = [tray[0] - 0.5 * (mark[0] - 0.004), tray[2] + 0.003];
         let stay = dwell + 0.5;
 
         let mut pass = Hands::new(
@@ -279,7 +279,7 @@ mod cut {
         );
         pass.grip(GRIP);
         pass.cut(mark[0], 0.0);
-        pass.put(way);
+        pass.put(path);
         pass.write(folder, format!("level{level}-pass.toml"), stay);
 
         let mut uncut = Hands::new(
@@ -293,7 +293,7 @@ mod cut {
         let mut beside = Hands::new("Cuts 1.5 mm beside the mark.", mark);
         beside.grip(GRIP);
         beside.cut(mark[0] - 0.0015, 0.0);
-        beside.put(way);
+        beside.put(path);
         beside.write(
             folder,
             format!("level{level}-fail-cut-beside-the-mark.toml"),
@@ -309,7 +309,7 @@ mod cut {
         let mut hard = Hands::new("Crushes the end before it lifts it.", mark);
         hard.grip(CRUSH);
         hard.cut(mark[0], 0.0);
-        hard.put(way);
+        hard.put(path);
         hard.write(
             folder,
             format!("level{level}-fail-gripped-too-hard.toml"),

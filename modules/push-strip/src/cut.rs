@@ -4,7 +4,7 @@ use microsim_sdk::tissue::{CutLog, Delivery, MarkLine, PieceView, Probes};
 use microsim_sdk::{BlockView, Fault, Object, Tray};
 use serde::{Deserialize, Serialize};
 
-/// The rigid thing of the level that is the tray.
+/// The obstacle of the level that is the tray.
 pub(crate) const TRAY: &str = "tray";
 
 /// The object of the level that holds the strip.

@@ -1,5 +1,5 @@
 //! Push a clamped strip of tissue to a marked depth and hold it there; or pick its free end up with two forceps and hold it in a
-//! ring; or cut it at the mark and put the piece into a tray. The thin end of tissue, contact and cutting: what it judges by comes
+//! ring; or cut it at the mark and put the piece into a tray. All that is measured comes
 //! from the physics plugin alone, as snapshots of the nodes, forces in newtons and cuts.
 //!
 //! One mark after the other is the current one: orange, yellow while it is held right, red when it is too deep, green when done.
@@ -20,13 +20,13 @@ use microsim_sdk::tissue::{
 };
 use microsim_sdk::{
     BlockView, Course, Exercise, Fault, ModuleConfig, Object, Setup, Shape, Tick, Training, Tray,
-    export_plugin, least_way,
+    export_plugin, shortest_path,
 };
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
 use task::{Keys, Task, TaskName};
 
-/// Share of its radius by which a mark's centre lies below the tissue's surface.
+/// Fraction of its radius by which a mark's centre lies below the tissue's surface.
 const SUNK: f64 = 0.7;
 
 /// The object of the level that is the ring.
@@ -181,11 +181,11 @@ impl PushStrip {
         let piece = state.progress.piece(block, site);
         if state.current == 0 && state.progress.off {
             (state.current, state.colour) = (1, colour::WAITING);
-            let said = LocalText {
+            let text = LocalText {
                 de: "Stück abgeschnitten".into(),
                 en: "Piece cut off".into(),
             };
-            course.target_done(tick, &self.marks[0].name, said)?;
+            course.target_done(tick, &self.marks[0].name, text)?;
             tick.publish(&ObjectSet {
                 name: self.marks[0].name.clone(),
                 active: Some(false),
@@ -201,11 +201,11 @@ impl PushStrip {
         show_colour(&mut state.colour, tick, TRAY, colour);
         if delivered.done {
             state.current = 2;
-            let said = LocalText {
+            let text = LocalText {
                 de: "Stück liegt in der Schale".into(),
                 en: "Piece lies in the tray".into(),
             };
-            course.target_done(tick, TRAY, said)?;
+            course.target_done(tick, TRAY, text)?;
         }
         Ok(())
     }
@@ -246,12 +246,12 @@ impl PushStrip {
         }
     }
 
-    /// A way of the tip that no run can undercut: straight from the start to the least depth that counts, anywhere within
+    /// A path of the tip that no run can undercut: straight from the start to the least depth that counts, anywhere within
     /// `mark_radius` of each mark in turn \[m\].
     fn shortest_path(&self, start: [f64; 3], depth: f64) -> f64 {
         let marks = self.marks.iter().map(|mark| mark.position);
         let goals: Vec<[f64; 3]> = marks.map(|[x, y, z]| [x, y, z - depth]).collect();
-        least_way(start, &goals, self.keys.mark_radius)
+        shortest_path(start, &goals, self.keys.mark_radius)
     }
 }
 
@@ -374,7 +374,7 @@ impl Exercise for PushStrip {
             .find(|t| t.tool == self.tools[0] && t.status == ToolStatus::Tracked);
         if let (true, None, Some(tool)) = (course.running(), state.start, tool) {
             state.start = Some(tool.pose.position);
-            // Two hands share a way as they like.
+            // Two hands divide a path as they like.
             if let Task::Push { depth, tolerance } = self.task {
                 let least = depth - tolerance;
                 course.set_shortest_path(self.shortest_path(tool.pose.position, least));

@@ -59,7 +59,7 @@ pub(crate) struct Standing {
 }
 
 impl Task {
-    /// How tissue stands; `held` tells whether every tool of the level has it. `None` for the task `cut`, which does not ask for a place
+    /// How tissue stands; `held`: whether every tool of the level has it. `None` for the task `cut`, which does not ask for a place
     /// of the mark.
     pub fn standing(
         &self,

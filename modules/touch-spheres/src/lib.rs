@@ -16,7 +16,7 @@ use microsim_sdk::message::{
 use microsim_sdk::tissue::{colour, distance, mark_colour, show_colour};
 use microsim_sdk::{
     Course, Exercise, Fault, ModuleConfig, Setup, Shape, Tick, Training, axis, export_plugin,
-    least_way, turned_to,
+    shortest_path, turned_to,
 };
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
@@ -74,8 +74,8 @@ fn target(index: usize) -> String {
 impl TouchSpheres {
     fn show_needle(&self, tick: &mut Tick<'_>, place: Option<&Place>) {
         let pose = place.map(|place| {
-            let way = self.radius + 0.5 * self.needle;
-            let at = |i: usize| place.centre[i] + way * place.direction[i];
+            let offset = self.radius + 0.5 * self.needle;
+            let at = |i: usize| place.centre[i] + offset * place.direction[i];
             Pose {
                 position: [at(0), at(1), at(2)],
                 orientation: turned_to(place.direction),
@@ -101,7 +101,7 @@ impl TouchSpheres {
             return Ok(());
         };
         if tool.status != ToolStatus::Tracked {
-            // Nothing is known of the tip: what it held is neither kept nor counted as lost.
+            // Nothing is known of the tip: what it held is neither continued nor counted as lost.
             state.dwell.reset();
             let name = target(state.current);
             show_colour(&mut state.colour, tick, &name, colour::CURRENT);
@@ -168,10 +168,10 @@ impl TouchSpheres {
         Ok(())
     }
 
-    /// A way that no run can undercut: straight from the start to the first surface, then from surface to surface.
+    /// A path that no run can undercut: straight from the start to the first surface, then from surface to surface.
     fn shortest_path(&self, start: [f64; 3]) -> f64 {
         let centres: Vec<[f64; 3]> = self.places.iter().map(|place| place.centre).collect();
-        least_way(start, &centres, self.radius)
+        shortest_path(start, &centres, self.radius)
     }
 }
 
@@ -180,7 +180,7 @@ fn reason(state: &State, keys: &Keys) -> Option<&'static str> {
     match state {
         state if state.wrong >= keys.dwell => Some("wrong-angle"),
         state if state.touched => Some("dwell-too-short"),
-        // Not touched for long enough at all: the course says that targets were missed.
+        // Not touched for long enough at all: the course reports that targets were missed.
         _ => None,
     }
 }

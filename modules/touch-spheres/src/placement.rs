@@ -1,11 +1,11 @@
-//! Where the spheres lie and from where each must be touched: by level and seed alone, never laid on a recording.
+//! Where the spheres lie and from where each must be touched: by level and seed alone, never by a recording.
 
 use microsim_sdk::tissue::distance;
 use microsim_sdk::{Fault, RandomStream};
 
 /// Attempts to find room for one sphere before a level is called too crowded.
 const ATTEMPTS: u32 = 10_000;
-/// Smallest distance of two centres, in radii: spheres can be told apart and touched one at a time.
+/// Smallest distance of two centres, in radii: spheres are distinct and can be touched one at a time.
 const DISTANCE_IN_RADII: f64 = 2.5;
 
 /// One sphere to touch.

@@ -1,6 +1,6 @@
 //! What happened, in pictures and in a list.
 
-use super::text::{say, spans};
+use super::text::{bilingual, spans};
 use super::{Pictures, section};
 use crate::moment::{key_moments, line_kind, lines};
 use crate::number::shown;
@@ -30,7 +30,7 @@ pub(crate) fn kind_class(kind: MomentKind) -> &'static str {
 }
 
 impl Report {
-    /// The ticks of which a page shows pictures, ascending: those of the key moments, and some between where nothing is said for long.
+    /// The ticks of which a page shows pictures, ascending: those of the key moments, and some between where nothing is reported for long.
     pub fn key_ticks(&self) -> Vec<u64> {
         let chosen = key_moments(&self.moments, MOST_PICTURES);
         let mut ticks: BTreeSet<u64> = chosen.into_iter().map(|(_, tick)| tick).collect();
@@ -59,7 +59,7 @@ pub fn pictures(out: &mut String, report: &Report, pictures: &Pictures) {
             let _ = writeln!(
                 out,
                 "<p class=\"note\">{} {}</p>",
-                say(
+                bilingual(
                     "Diese Seite hat keine Bilder:",
                     "This page has no pictures:"
                 ),
@@ -119,7 +119,7 @@ pub fn course(out: &mut String, report: &Report) {
         let _ = writeln!(
             out,
             "<p class=\"note\">… {more} {}</p>",
-            say("weitere", "more")
+            bilingual("weitere", "more")
         );
     }
     out.push_str("</section>\n");

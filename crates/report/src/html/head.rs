@@ -1,6 +1,6 @@
 //! The top of the page: what was trained, how it ended and why, and whether that counts.
 
-use super::text::{in_both, say, spans};
+use super::text::{bilingual, in_both, spans};
 use crate::number::{date_time, fixed, shown};
 use crate::{Report, Verdict};
 use microsim_drawing::escape;
@@ -16,7 +16,7 @@ pub fn head(out: &mut String, report: &Report) {
         out,
         "<h1>{}</h1>\n<p class=\"level\">{} {} · {}</p>\n<p class=\"task\">{}</p>\n<p class=\"facts\">",
         spans(&session.module_title),
-        say("Stufe", "Level"),
+        bilingual("Stufe", "Level"),
         session.level,
         spans(&session.level_title),
         spans(&session.level_summary),
@@ -28,7 +28,7 @@ pub fn head(out: &mut String, report: &Report) {
         out,
         "{} · {} <code>{}</code></p>\n</header>\n",
         spans(&date_time(session.started)),
-        say("Eingabe", "input"),
+        bilingual("Eingabe", "input"),
         escape(&session.input)
     );
     banners(out, report);
@@ -39,10 +39,10 @@ pub fn head(out: &mut String, report: &Report) {
 
 /// What to do better: the advice of what was outside its limit; if nothing was, of what cost most points.
 fn better(out: &mut String, report: &Report) {
-    let judged = || report.metrics.iter().map(|metric| &metric.record);
-    let mut advised: Vec<_> = judged().filter(|m| m.within == Some(false)).collect();
+    let records = || report.metrics.iter().map(|metric| &metric.record);
+    let mut advised: Vec<_> = records().filter(|m| m.within == Some(false)).collect();
     if advised.is_empty() {
-        let lost = judged().filter(|m| m.score.is_some_and(|score| score < 100.0));
+        let lost = records().filter(|m| m.score.is_some_and(|score| score < 100.0));
         let points = |m: &microsim_message::MetricRecord| m.score.unwrap_or(100.0);
         advised.extend(lost.min_by(|a, b| points(a).total_cmp(&points(b))));
     }
@@ -70,12 +70,12 @@ fn banners(out: &mut String, report: &Report) {
         let _ = writeln!(
             out,
             "<div class=\"banner made\" role=\"alert\"><b>{}</b> {} <code>{made}</code></div>",
-            say("Synthetischer Trainee.", "Synthetic trainee."),
-            say(
+            bilingual("Synthetischer Trainee.", "Synthetic trainee."),
+            bilingual(
                 "Ein Programm hat diese Bewegungen gemacht, kein Mensch. Sie prüfen die Software; über Menschen, und darüber, ob \
-                 die Grenzwerte gut gewählt sind, sagen synthetische Trainees nichts.",
+                 die Grenzwerte gut gewählt sind, erlauben sie keine Aussage.",
                 "A program made these motions, not a person. They test the software; about people, and about whether the limits \
-                 are well chosen, synthetic trainees say nothing.",
+                 are well chosen, they allow no conclusion.",
             )
         );
     }
@@ -88,10 +88,10 @@ fn banners(out: &mut String, report: &Report) {
     if !session.without.is_empty() {
         banner(
             "stop",
-            say("Kein Ergebnis.", "No result."),
-            say(
+            bilingual("Kein Ergebnis.", "No result."),
+            bilingual(
                 &format!(
-                    "Dieser Lauf wurde ohne {} gerechnet und zählt nicht.",
+                    "Dieser Lauf wurde ohne {} berechnet und zählt nicht.",
                     session.without.join(", ")
                 ),
                 &format!(
@@ -106,8 +106,8 @@ fn banners(out: &mut String, report: &Report) {
         let phase = phase(report.phase);
         banner(
             "stop",
-            say("Unvollständig.", "Incomplete."),
-            say(
+            bilingual("Unvollständig.", "Incomplete."),
+            bilingual(
                 &format!(
                     "Die Aufzeichnung endet nach {} (Zustand: {}), bevor es ein Ergebnis gab. \
                      Was bis dahin geschah, steht unten.",
@@ -124,7 +124,7 @@ fn banners(out: &mut String, report: &Report) {
     if let Some(complaint) = &session.complaint {
         banner(
             "warn",
-            say(
+            bilingual(
                 "Sitzungsdatei abgebrochen oder beschädigt.",
                 "Session file cut or damaged.",
             ),
@@ -134,7 +134,7 @@ fn banners(out: &mut String, report: &Report) {
     for failure in &session.failures {
         banner(
             "warn",
-            say("Ein Plugin ist ausgefallen.", "A plugin failed."),
+            bilingual("Ein Plugin ist ausgefallen.", "A plugin failed."),
             escape(failure),
         );
     }
@@ -172,18 +172,18 @@ fn verdict(out: &mut String, report: &Report) {
         let _ = write!(
             out,
             " <small>{}</small>",
-            say("(zählt nicht)", "(does not count)")
+            bilingual("(zählt nicht)", "(does not count)")
         );
     }
     out.push_str("</p>\n");
     let sentence = match report.verdict {
-        Verdict::Passed => say(
+        Verdict::Passed => bilingual(
             "Alle Ziele erreicht, alle anwendbaren Grenzwerte eingehalten.",
-            "All targets reached, all applicable limits kept.",
+            "All targets reached, all applicable limits met.",
         ),
-        Verdict::Aborted => say(
-            "Der Lauf wurde von Hand beendet; er sagt nichts über den Trainee.",
-            "The run was ended by hand; it says nothing about the trainee.",
+        Verdict::Aborted => bilingual(
+            "Der Lauf wurde von Hand abgebrochen; er erlaubt keine Aussage über den Trainee.",
+            "The run was stopped by hand; it allows no conclusion about the trainee.",
         ),
         Verdict::Failed | Verdict::Incomplete => String::new(),
     };
@@ -206,18 +206,21 @@ fn verdict(out: &mut String, report: &Report) {
     if let Some(score) = report.score {
         let of = "<small> / 100</small>";
         tile(
-            say("Punkte", "Score"),
+            bilingual("Punkte", "Score"),
             format!("{}{of}", spans(&fixed(score, 0))),
         );
     }
     tile(
-        say("Ziele", "Targets"),
+        bilingual("Ziele", "Targets"),
         format!(
             "{}<small> / {}</small>",
             report.targets_done, report.targets
         ),
     );
-    tile(say("Zeit", "Time"), spans(&shown(report.duration, "s")));
+    tile(
+        bilingual("Zeit", "Time"),
+        spans(&shown(report.duration, "s")),
+    );
     out.push_str("</dl>\n</section>\n");
 }
 
@@ -244,11 +247,11 @@ fn categories(out: &mut String, report: &Report) {
     let _ = write!(
         out,
         "</div>\n<p class=\"note\">{}</p>\n</section>\n",
-        say(
+        bilingual(
             "Die Punkte (0–100) zeigen den Fortschritt. Bestanden ist eine Stufe nur, wenn jeder einzelne Grenzwert \
-             eingehalten ist; Punkte gleichen nichts aus.",
-            "The score (0–100) shows progress. A level is passed only if every single limit is kept; points make up for \
-             nothing.",
+             eingehalten ist; Punkte gleichen keinen überschrittenen Grenzwert aus.",
+            "The score (0–100) shows progress. A level is passed only if every single limit is met; a high score does not make up \
+             for a violated limit.",
         )
     );
 }

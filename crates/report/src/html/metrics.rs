@@ -1,6 +1,6 @@
 //! The tables of metrics: those with a limit, and those for information.
 
-use super::text::{say, spans};
+use super::text::{bilingual, spans};
 use crate::number::{against_limits, fixed};
 use crate::plot::gauge;
 use crate::{MetricEntry, Report};
@@ -9,15 +9,15 @@ use microsim_message::LimitRecord;
 use std::fmt::Write;
 
 /// The metrics that the verdict rests on; nothing without a result.
-pub fn judged(out: &mut String, report: &Report) {
+pub fn with_limit(out: &mut String, report: &Report) {
     let all = report.metrics.iter();
-    let judged: Vec<_> = all.filter(|m| m.record.limit.is_some()).collect();
-    if judged.is_empty() {
+    let limited: Vec<_> = all.filter(|m| m.record.limit.is_some()).collect();
+    if limited.is_empty() {
         return;
     }
     super::section(out, "Messgrößen mit Grenzwert", "Metrics with a limit");
-    table(out, report, &judged, true);
-    if judged.iter().any(|m| {
+    table(out, report, &limited, true);
+    if limited.iter().any(|m| {
         m.record
             .limit
             .as_ref()
@@ -26,8 +26,8 @@ pub fn judged(out: &mut String, report: &Report) {
         let _ = write!(
             out,
             "<p class=\"note\"><span class=\"provisional\">{}</span> {}</p>",
-            say("vorläufig", "provisional"),
-            say(
+            bilingual("vorläufig", "provisional"),
+            bilingual(
                 "heißt: nach Ermessen gesetzt; Messungen an Menschen, die den Grenzwert stützen, gibt es noch nicht.",
                 "means: set by judgement; there are no measurements of people yet that back the limit.",
             )
@@ -38,18 +38,22 @@ pub fn judged(out: &mut String, report: &Report) {
 
 /// The metrics without a limit, to be opened; those without a value by their names alone.
 pub fn further(out: &mut String, report: &Report) {
-    let unjudged = || report.metrics.iter().filter(|m| m.record.limit.is_none());
-    let measured: Vec<_> = unjudged().filter(|m| m.record.value.is_some()).collect();
-    let rest: Vec<_> = unjudged().filter(|m| m.record.value.is_none()).collect();
+    let without_limit = || report.metrics.iter().filter(|m| m.record.limit.is_none());
+    let measured: Vec<_> = without_limit()
+        .filter(|m| m.record.value.is_some())
+        .collect();
+    let rest: Vec<_> = without_limit()
+        .filter(|m| m.record.value.is_none())
+        .collect();
     if measured.is_empty() && rest.is_empty() {
         return;
     }
     let _ = write!(
         out,
         "<section>\n<details>\n<summary><h2>{}</h2> <span class=\"note\">{}</span></summary>\n",
-        say("Weitere Messgrößen", "Further metrics"),
-        say(
-            "In dieser Stufe ohne Grenzwert; sie gehen nicht in das Urteil ein.",
+        bilingual("Weitere Messgrößen", "Further metrics"),
+        bilingual(
+            "In dieser Stufe ohne Grenzwert; sie gehen nicht in die Bewertung ein.",
             "Without a limit in this level; the verdict does not rest on them.",
         )
     );
@@ -60,7 +64,7 @@ pub fn further(out: &mut String, report: &Report) {
         let _ = write!(
             out,
             "<h3>{}</h3>\n<ul class=\"rest\">",
-            say("Nicht anwendbar", "Not applicable")
+            bilingual("Nicht anwendbar", "Not applicable")
         );
         for MetricEntry { record, .. } in rest {
             let reason = record
@@ -79,30 +83,30 @@ pub fn further(out: &mut String, report: &Report) {
     out.push_str("</details>\n</section>\n");
 }
 
-fn table(out: &mut String, report: &Report, metrics: &[&MetricEntry], judged: bool) {
+fn table(out: &mut String, report: &Report, metrics: &[&MetricEntry], limited: bool) {
     let _ = write!(
         out,
         "<table class=\"metrics\">\n<thead><tr><th>{}</th><th class=\"n\">{}</th>",
-        say("Messgröße", "Metric"),
-        say("Wert", "Value")
+        bilingual("Messgröße", "Metric"),
+        bilingual("Wert", "Value")
     );
-    if judged {
+    if limited {
         let _ = write!(
             out,
             "<th>{}</th><th>{}</th><th class=\"n\">{}</th>",
-            say("Grenzwert", "Limit"),
-            say("Urteil", "Mark"),
-            say("Punkte", "Score")
+            bilingual("Grenzwert", "Limit"),
+            bilingual("Bewertung", "Result"),
+            bilingual("Punkte", "Score")
         );
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for metric in metrics {
-        row(out, report, metric, judged);
+        row(out, report, metric, limited);
     }
     out.push_str("</tbody>\n</table>\n");
 }
 
-fn row(out: &mut String, report: &Report, metric: &MetricEntry, judged: bool) {
+fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
     let record = &metric.record;
     let limits: Vec<f64> = [metric.display_min, metric.display_max]
         .into_iter()
@@ -142,11 +146,11 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, judged: bool) {
             let _ = write!(
                 out,
                 "<td class=\"none\">{}<br><small>{reason}</small></td>",
-                say("nicht anwendbar", "not applicable")
+                bilingual("nicht anwendbar", "not applicable")
             );
         }
     }
-    if judged {
+    if limited {
         let mut texts = limit_texts.iter();
         let words = match (metric.display_min, metric.display_max) {
             (Some(_), Some(_)) => {
@@ -166,18 +170,18 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, judged: bool) {
             let _ = write!(
                 out,
                 "<span class=\"provisional\">{}</span>",
-                say("vorläufig", "provisional")
+                bilingual("vorläufig", "provisional")
             );
         }
         out.push_str(&gauge(metric));
         let mark = match record.within {
             Some(true) => format!(
                 "<span class=\"mark good\">✓ {}</span>",
-                say("erfüllt", "ok")
+                bilingual("erfüllt", "ok")
             ),
             Some(false) => format!(
                 "<span class=\"mark bad\">✗ {}</span>",
-                say("verfehlt", "failed")
+                bilingual("verfehlt", "failed")
             ),
             None => "<span class=\"mark\">–</span>".into(),
         };
@@ -191,10 +195,10 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, judged: bool) {
 
 fn direction(direction: &str) -> String {
     match direction {
-        "lower-is-better" => say("weniger ist besser", "lower is better"),
-        "higher-is-better" => say("mehr ist besser", "higher is better"),
-        "range" => say("die Mitte ist besser", "the middle is better"),
-        "informative" => say("zur Kenntnis", "for information"),
+        "lower-is-better" => bilingual("weniger ist besser", "lower is better"),
+        "higher-is-better" => bilingual("mehr ist besser", "higher is better"),
+        "range" => bilingual("die Mitte ist besser", "the middle is better"),
+        "informative" => bilingual("zur Information", "for information"),
         other => escape(other),
     }
 }
@@ -202,26 +206,26 @@ fn direction(direction: &str) -> String {
 /// How each metric with a value or a limit is formed, and where its limit comes from.
 pub fn sources(out: &mut String, report: &Report) {
     let all = report.metrics.iter().map(|metric| &metric.record);
-    let told: Vec<_> = all
+    let listed: Vec<_> = all
         .filter(|record| record.value.is_some() || record.limit.is_some())
         .collect();
-    if told.is_empty() {
+    if listed.is_empty() {
         return;
     }
     let _ = write!(
         out,
         "<section>\n<details>\n<summary><h2>{}</h2> <span class=\"note\">{}</span></summary>\n<table class=\"sources\">\n\
          <thead><tr><th>{}</th><th>{}</th><th>{}</th></tr></thead>\n<tbody>\n",
-        say("Formeln und Quellen", "Formulas and sources"),
-        say(
+        bilingual("Formeln und Quellen", "Formulas and sources"),
+        bilingual(
             "Wie gemessen wird und woher die Grenzwerte kommen; Angaben auf Englisch.",
-            "How things are measured and where the limits come from.",
+            "How each metric is measured and where the limits come from.",
         ),
-        say("Messgröße", "Metric"),
-        say("Formel", "Formula"),
-        say("Grenzwert", "Limit"),
+        bilingual("Messgröße", "Metric"),
+        bilingual("Formel", "Formula"),
+        bilingual("Grenzwert", "Limit"),
     );
-    for record in told {
+    for record in listed {
         let _ = writeln!(
             out,
             "<tr><td>{}</td><td><code>{}</code><br>{}</td><td>{}</td></tr>",
@@ -234,7 +238,7 @@ pub fn sources(out: &mut String, report: &Report) {
     out.push_str("</tbody>\n</table>\n</details>\n</section>\n");
 }
 
-/// Where a limit comes from. What its badge says already is not said again.
+/// Where a limit comes from, without what its badge states already.
 fn limit_source(limit: &LimitRecord) -> String {
     let (badge, source) = match limit.source.strip_prefix("provisional:") {
         Some(source) if limit.provisional => (true, source.trim_start()),
@@ -243,7 +247,7 @@ fn limit_source(limit: &LimitRecord) -> String {
     let badge = match badge {
         true => format!(
             "<span class=\"provisional\">{}</span> ",
-            say("vorläufig", "provisional")
+            bilingual("vorläufig", "provisional")
         ),
         false => String::new(),
     };

@@ -16,7 +16,7 @@ use microsim_drawing::PageHead;
 use microsim_message::LocalText;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use text::{say, spans};
+use text::{bilingual, spans};
 
 const STYLE: &str = include_str!("style.css");
 
@@ -77,7 +77,7 @@ impl Report {
         );
         head::head(&mut out, self);
         course::pictures(&mut out, self, &page.pictures);
-        metrics::judged(&mut out, self);
+        metrics::with_limit(&mut out, self);
         course::course(&mut out, self);
         plots(&mut out, self);
         metrics::further(&mut out, self);
@@ -92,17 +92,17 @@ impl Report {
 
 /// Opens a section with its heading; the caller closes it.
 fn section(out: &mut String, de: &str, en: &str) {
-    let _ = write!(out, "<section>\n<h2>{}</h2>\n", say(de, en));
+    let _ = write!(out, "<section>\n<h2>{}</h2>\n", bilingual(de, en));
 }
 
 fn plots(out: &mut String, report: &Report) {
     if let Some([above, side]) = path_plots(&report.series) {
         section(out, "Geschwindigkeit", "Speed");
-        let mean = say("Mittel über eine halbe Sekunde", "mean over half a second");
-        let raw = say("von Messwert zu Messwert", "sample to sample");
-        let gap = say(
+        let mean = bilingual("Mittel über eine halbe Sekunde", "mean over half a second");
+        let raw = bilingual("von Messwert zu Messwert", "sample to sample");
+        let gap = bilingual(
             "Lücke: nicht gemessen, nichts verbunden",
-            "gap: nothing measured, nothing joined",
+            "gap: nothing measured, nothing connected",
         );
         let _ = write!(
             out,
@@ -130,13 +130,13 @@ fn plots(out: &mut String, report: &Report) {
             "<span class=\"key start-key\"></span>{}<span class=\"key end-key\"></span>{}</p>\n\
              <div class=\"pair\">\n<figure>{above}<figcaption>{}</figcaption></figure>\n\
              <figure>{side}<figcaption>{}</figcaption></figure>\n</div>\n</section>\n",
-            say("Beginn", "start"),
-            say("Ende", "end"),
-            say(
+            bilingual("Beginn", "start"),
+            bilingual("Ende", "end"),
+            bilingual(
                 "Von oben, wie durch das Mikroskop",
                 "From above, as through the microscope"
             ),
-            say(
+            bilingual(
                 "Von der Seite; oben ist zum Mikroskop hin",
                 "From the side; up is towards the microscope"
             ),
@@ -148,9 +148,9 @@ fn plots(out: &mut String, report: &Report) {
             out,
             "<p class=\"legend\"><span class=\"key line-key\"></span>{}\
              <span class=\"key line-key pale-key\"></span>{}<span class=\"key grip-key\"></span>{}",
-            say("Mittel je Takt", "mean of a tick"),
-            say("größter Wert im Takt", "largest within a tick"),
-            say(
+            bilingual("Mittel je Takt", "mean over a tick"),
+            bilingual("größter Wert im Takt", "largest within a tick"),
+            bilingual(
                 "Griff: Kraft, mit der beide Backen gegeneinander drücken",
                 "grip: force with which both jaws press against each other"
             ),
@@ -167,7 +167,7 @@ fn plots(out: &mut String, report: &Report) {
 /// What the lines across a drawing are.
 fn marks_key(out: &mut String, report: &Report) {
     if !report.moments.is_empty() {
-        let numbers = say("Nummer wie unter „Verlauf“", "number as under “Course”");
+        let numbers = bilingual("Nummer wie unter „Verlauf“", "number as under “Course”");
         let _ = write!(out, "<span class=\"key moment-key\"></span>{numbers}");
     }
 }

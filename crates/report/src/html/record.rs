@@ -1,7 +1,7 @@
 //! The input, what went wrong, and where all of it comes from.
 
 use super::section;
-use super::text::{say, spans};
+use super::text::{bilingual, spans};
 use crate::Report;
 use crate::number::{fixed, shown};
 use microsim_drawing::escape;
@@ -18,7 +18,7 @@ pub fn input(out: &mut String, report: &Report) {
         let _ = writeln!(
             out,
             "<p>{}</p>",
-            say("Es kam kein Messwert an.", "No sample arrived.")
+            bilingual("Es kam kein Messwert an.", "No sample arrived.")
         );
     } else {
         devices(out, report);
@@ -33,10 +33,10 @@ fn devices(out: &mut String, report: &Report) {
     let _ = write!(
         out,
         "<p class=\"note\">{}</p>\n<table>\n<thead><tr>",
-        say(
+        bilingual(
             "Die rohen Messwerte im Koordinatensystem des Geräts, vor jeder Umrechnung. Über Lücken hinweg wird nichts \
              verbunden.",
-            "The raw samples in the device's own frame, before any translation. Nothing is joined across gaps.",
+            "The raw samples in the device's own frame, before any translation. Nothing is connected across gaps.",
         )
     );
     for (k, (de, en)) in [
@@ -55,7 +55,7 @@ fn devices(out: &mut String, report: &Report) {
     .enumerate()
     {
         let class = if k == 0 { "" } else { " class=\"n\"" };
-        let _ = write!(out, "<th{class}>{}</th>", say(de, en));
+        let _ = write!(out, "<th{class}>{}</th>", bilingual(de, en));
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for device in &report.input {
@@ -88,10 +88,7 @@ fn presence(out: &mut String, report: &Report) {
     let _ = write!(
         out,
         "<h3>{}</h3>\n<div class=\"bars presence\">\n",
-        say(
-            "Instrumente im Bild der Erfassung",
-            "Were the instruments seen?"
-        )
+        bilingual("Erfassung der Instrumente", "Tracking of the instruments")
     );
     for tool in &report.presence {
         let parts = [
@@ -120,7 +117,7 @@ fn presence(out: &mut String, report: &Report) {
             let _ = write!(
                 out,
                 "<span><span class=\"key {class}\"></span>{} {}</span>",
-                say(de, en),
+                bilingual(de, en),
                 spans(&shown(100.0 * time / total, "%"))
             );
         }
@@ -132,13 +129,13 @@ fn presence(out: &mut String, report: &Report) {
 /// Recoveries of tissue, warnings and errors.
 pub fn incidents(out: &mut String, report: &Report) {
     if !report.recoveries.is_empty() {
-        section(out, "Neu gerechnetes Gewebe", "Tissue computed again");
+        section(out, "Neu berechnetes Gewebe", "Tissue computed again");
         let _ = write!(
             out,
             "<p class=\"note\">{}</p>\n<ul>\n",
-            say(
-                "Diese Körper gerieten rechnerisch außer Kontrolle, wurden zurückgesetzt und feiner gerechnet.",
-                "The computation of these bodies got out of hand; they were set back and computed in finer steps.",
+            bilingual(
+                "Die Berechnung dieser Körper wurde instabil; sie wurden zurückgesetzt und mit kleineren Schritten erneut berechnet.",
+                "The computation of these bodies became unstable; they were reset and computed again with smaller steps.",
             )
         );
         for recovery in &report.recoveries {
@@ -149,7 +146,7 @@ pub fn incidents(out: &mut String, report: &Report) {
                 spans(&report.session.body_name(&recovery.body)),
                 escape(&recovery.cause),
                 recovery.substeps,
-                say("Teilschritte", "sub-steps")
+                bilingual("Teilschritte", "sub-steps")
             );
         }
         out.push_str("</ul>\n</section>\n");
@@ -161,8 +158,8 @@ pub fn incidents(out: &mut String, report: &Report) {
     out.push_str("<ul>\n");
     for warning in report.warnings.iter().take(MAX_WARNINGS) {
         let level = match warning.level {
-            LogLevel::Error => say("Fehler", "Error"),
-            _ => say("Warnung", "Warning"),
+            LogLevel::Error => bilingual("Fehler", "Error"),
+            _ => bilingual("Warnung", "Warning"),
         };
         let _ = write!(
             out,
@@ -181,7 +178,7 @@ pub fn incidents(out: &mut String, report: &Report) {
         .checked_sub(MAX_WARNINGS)
         .filter(|&n| n > 0)
     {
-        let _ = writeln!(out, "<li>… {more} {}</li>", say("weitere", "more"));
+        let _ = writeln!(out, "<li>… {more} {}</li>", bilingual("weitere", "more"));
     }
     out.push_str("</ul>\n</section>\n");
 }
@@ -193,8 +190,8 @@ pub fn provenance(out: &mut String, report: &Report) {
     let _ = write!(
         out,
         "<p>{}</p>\n<p class=\"command\"><code>{}</code></p>\n</section>\n",
-        say(
-            "Dieser Befehl rechnet die Sitzung noch einmal und vergleicht jedes Bit; mit --frames ORDNER zeichnet er sie als \
+        bilingual(
+            "Dieser Befehl berechnet die Sitzung erneut und vergleicht jedes Bit; mit --frames ORDNER zeichnet er sie als \
              Bilderfolge. Ein Klick wählt ihn ganz aus.",
             "This command computes the session again and compares every bit; with --frames FOLDER it draws it as a series \
              of pictures. One click selects all of it.",
@@ -204,7 +201,7 @@ pub fn provenance(out: &mut String, report: &Report) {
     let _ = write!(
         out,
         "<footer>\n<h2>{}</h2>\n<dl>",
-        say("Herkunft", "Provenance")
+        bilingual("Herkunft", "Provenance")
     );
     let mut fact = |name: String, value: String| {
         let _ = writeln!(out, "<dt>{name}</dt><dd>{value}</dd>");
@@ -212,52 +209,55 @@ pub fn provenance(out: &mut String, report: &Report) {
     let code = |text: &str| format!("<code>{}</code>", escape(text));
     fact("MicroSim".into(), code(&session.version));
     fact(
-        say("Modul, Stufe", "Module, level"),
+        bilingual("Modul, Stufe", "Module, level"),
         format!("{} {}", code(&session.module), session.level),
     );
-    fact(say("Startwert", "Seed"), code(&session.seed.to_string()));
+    fact(
+        bilingual("Startwert", "Seed"),
+        code(&session.seed.to_string()),
+    );
     let mut tick = spans(&shown(session.tick_s * 1e3, "ms"));
     if session.realtime {
         let _ = write!(
             tick,
             ", {}; {}: {}",
-            say("in Echtzeit", "in real time"),
-            say("verspätete Takte", "late ticks"),
+            bilingual("in Echtzeit", "in real time"),
+            bilingual("verspätete Takte", "late ticks"),
             session.late_ticks
         );
     }
-    fact(say("Takt", "Tick"), tick);
+    fact(bilingual("Takt", "Tick"), tick);
     if let Some(error) = session.model_error {
         let off = shown((1e3 * error).ceil() / 10.0, "%");
         fact(
-            say("Genauigkeit des Gewebes", "Accuracy of the tissue"),
-            say(
+            bilingual("Genauigkeit des Gewebes", "Accuracy of the tissue"),
+            bilingual(
                 &format!(
-                    "Unter sanftem Zug gibt es um {} anders nach als dasselbe Gewebe, auf einem sehr feinen Netz gerechnet.",
+                    "Unter kleiner Last verformt es sich um {} anders als dasselbe Gewebe auf einem sehr feinen Netz.",
                     off.de
                 ),
                 &format!(
-                    "Pulled gently, it gives way by {} differently from the same tissue computed on a very fine mesh.",
+                    "Under a small load it deforms by {} differently from the same tissue on a very fine mesh.",
                     off.en
                 ),
             ),
         );
     }
     fact(
-        say("Zustandsprüfsumme", "State hash"),
+        bilingual("Zustandsprüfsumme", "State hash"),
         session.state_hash.as_deref().map_or_else(
-            || say("keine: kein sauberes Ende", "none: no clean end"),
+            || bilingual("keine: kein sauberes Ende", "none: no clean end"),
             code,
         ),
     );
     fact(
-        say("Sitzungsdatei", "Session file"),
+        bilingual("Sitzungsdatei", "Session file"),
         code(&session.session_file),
     );
     let _ = write!(
         out,
         "</dl>\n<p>{}</p>\n</footer>\n",
-        say(
+        bilingual(
             "Dieselben Eingaben ergeben bei der Wiedergabe dieselben Zahlen bis aufs letzte Bit.",
             "Replayed, the same inputs give the same numbers to the last bit.",
         )

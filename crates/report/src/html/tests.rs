@@ -158,7 +158,7 @@ fn a_failed_session_says_why() {
     assert!(html.contains("class=\"verdict failed\"") && html.contains("Not passed"));
     assert!(html.contains("Reason depth.") && html.contains("Reason too-slow."));
     assert!(html.contains("provisional") && html.contains("no instrument was tracked"));
-    // One metric kept its limit of 500 mm, one did not, one could not be measured.
+    // One metric met its limit of 500 mm, one did not, one could not be measured.
     assert_eq!(html.matches("mark good").count(), 1);
     assert_eq!(html.matches("mark bad").count(), 1);
     assert!(html.contains("≤ 500\u{a0}mm") && html.contains("750\u{a0}mm"));
@@ -240,8 +240,8 @@ fn the_page_opens_in_the_language_asked_for() {
     );
 }
 
-/// A source that begins with what its badge says is shown without it; one whose limit is not provisional as it is. Bodies have
-/// names for people, told apart where there are several.
+/// A source that begins with the text of its badge is shown without it; one whose limit is not provisional as it is. Bodies have
+/// names for people, distinct where there are several.
 #[test]
 fn names_and_sources_are_for_people() {
     let mut result = failed_result(&["depth"]);
@@ -269,7 +269,7 @@ fn names_and_sources_are_for_people() {
     assert!(page_of(&["strip-1", "strip-2"]).contains("right → tissue “strip-1”"));
 }
 
-/// Without pictures the page says why; a synthetic trainee is called one before anything else.
+/// Without pictures the page states why; a synthetic trainee is called one before anything else.
 #[test]
 fn what_is_missing_or_made_is_said() {
     let log = log(&[&failed_result(&["depth"])]);
@@ -294,7 +294,7 @@ fn what_is_missing_or_made_is_said() {
     );
 }
 
-/// The error of the tissue is said in both languages, rounded up; nothing is said where a level states none.
+/// The error of the tissue is stated in both languages, rounded up; nothing stands there where a level states none.
 #[test]
 fn the_error_of_the_tissue_is_said() {
     let log = log(&[&failed_result(&["depth"])]);
@@ -311,7 +311,7 @@ fn the_error_of_the_tissue_is_said() {
     assert!(!page_of(None).contains("Accuracy of the tissue"));
 }
 
-/// What failed is advised on at the top; in a run that kept every limit, what cost most points.
+/// What failed is advised on at the top; in a run that met every limit, what cost most points.
 #[test]
 fn advice_is_about_what_cost_most() {
     let advice = |result: &microsim_message::TrainingResult| {
@@ -321,19 +321,19 @@ fn advice_is_about_what_cost_most() {
         html[from..][..html[from..].find("</ul>").expect("its end")].to_owned()
     };
     let failed = failed_result(&["depth"]);
-    let said = advice(&failed);
+    let shown = advice(&failed);
     assert!(
-        said.contains("depth:") && !said.contains("path-length:"),
-        "{said}"
+        shown.contains("depth:") && !shown.contains("path-length:"),
+        "{shown}"
     );
     let mut passed = failed;
     for (metric, score) in passed.metrics.iter_mut().zip([80.0, 30.0, 100.0]) {
         metric.within = metric.value.map(|_| true);
         metric.score = Some(score);
     }
-    let said = advice(&passed);
+    let shown = advice(&passed);
     assert!(
-        said.contains("depth:") && !said.contains("path-length:"),
-        "{said}"
+        shown.contains("depth:") && !shown.contains("path-length:"),
+        "{shown}"
     );
 }

@@ -24,7 +24,7 @@ pub fn spans(text: &LocalText) -> String {
 }
 
 /// A text of the page itself as elements.
-pub fn say(de: &str, en: &str) -> String {
+pub fn bilingual(de: &str, en: &str) -> String {
     spans(&in_both(de, en))
 }
 
@@ -34,9 +34,9 @@ mod tests {
 
     #[test]
     fn markup_is_text() {
-        assert_eq!(say("a", "a"), "a");
+        assert_eq!(bilingual("a", "a"), "a");
         assert_eq!(
-            say("<de>", "<en>"),
+            bilingual("<de>", "<en>"),
             "<span lang=\"de\">&lt;de&gt;</span><span lang=\"en\">&lt;en&gt;</span>"
         );
     }

@@ -99,8 +99,8 @@ fn draw(
             let position = series.position[i];
             (x.at(position[0] * 1e3), y.at(position[axis] * 1e3))
         };
-        let kept = thin::evenly(series.position.len(), MAX_POINTS);
-        let drawn = kept.iter().map(|&i| {
+        let chosen = thin::evenly(series.position.len(), MAX_POINTS);
+        let drawn = chosen.iter().map(|&i| {
             let (px, py) = place(i);
             (series.segment[i], px, py)
         });

@@ -8,17 +8,17 @@ pub fn extremes(values: &[f64], most: usize) -> Vec<usize> {
         return (0..count).collect();
     }
     let stretches = (most - 2) / 2;
-    let mut kept = vec![0];
+    let mut chosen = vec![0];
     for k in 0..stretches {
         let stretch = k * count / stretches..(k + 1) * count / stretches;
         let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
         let low = stretch.clone().min_by(by_value);
         let high = stretch.max_by(by_value);
-        kept.extend(low.min(high).into_iter().chain(low.max(high)));
+        chosen.extend(low.min(high).into_iter().chain(low.max(high)));
     }
-    kept.push(count - 1);
-    kept.dedup();
-    kept
+    chosen.push(count - 1);
+    chosen.dedup();
+    chosen
 }
 
 /// Indices of at most `most` (at least 2) of `count` points: all if they are few, otherwise evenly spread with both ends.
@@ -37,15 +37,15 @@ mod tests {
     fn ends_and_peaks_stay() {
         let mut values: Vec<f64> = (0..100_000).map(|k| (k % 7) as f64).collect();
         (values[12_345], values[77_777]) = (99.0, -99.0);
-        let kept = extremes(&values, 2000);
-        assert!(kept.len() <= 2000 && kept.is_sorted_by(|a, b| a < b));
+        let chosen = extremes(&values, 2000);
+        assert!(chosen.len() <= 2000 && chosen.is_sorted_by(|a, b| a < b));
         for index in [0, 12_345, 77_777, 99_999] {
-            assert!(kept.contains(&index), "{index}");
+            assert!(chosen.contains(&index), "{index}");
         }
-        let kept = evenly(100_000, 2000);
-        assert_eq!(kept.len(), 2000);
-        assert!(kept.is_sorted_by(|a, b| a < b));
-        assert_eq!((kept[0], kept[1999]), (0, 99_999));
+        let chosen = evenly(100_000, 2000);
+        assert_eq!(chosen.len(), 2000);
+        assert!(chosen.is_sorted_by(|a, b| a < b));
+        assert_eq!((chosen[0], chosen[1999]), (0, 99_999));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::drawing::document;
 use microsim_drawing::{Anchor, escape, significant, text};
 use std::fmt::Write;
 
-/// Style of the fields; colours are told apart by everyone, and each field carries its text.
+/// Style of the fields; colours are distinguishable for everyone, and each field carries its text.
 pub const STYLE: &str = include_str!("heat_map.css");
 
 /// One field.
@@ -14,7 +14,7 @@ pub struct Field {
     pub lines: Vec<String>,
     /// Class of its colour in the style sheet `STYLE`.
     pub class: &'static str,
-    /// What is said when it is pointed at.
+    /// Text shown when it is pointed at.
     pub tip: String,
 }
 

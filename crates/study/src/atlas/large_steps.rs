@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 const PER_PERIOD: [u32; 5] = [200, 50, 20, 5, 2];
 /// Weight that bends the block for the first mode \[m/s²\]: it sags by some 10⁻⁴ of its length.
 const WEIGHT: f64 = 0.01;
-/// Random offsets, as a share of a cell.
+/// Random offsets, as a fraction of a cell.
 const OFFSET: f64 = 0.2;
 /// Steps from random offsets.
 const RANDOM_STEPS: u32 = 400;
@@ -57,10 +57,10 @@ pub struct LargeStep {
     pub step: f64,
     /// The step over the limit of Störmer–Verlet.
     pub over_limit: f64,
-    /// Energy as a share of that at the start: after one period, from random offsets the largest of 400 steps. `None` where the
+    /// Energy as a fraction of that at the start: after one period, from random offsets the largest of 400 steps. `None` where the
     /// solver gave up.
     pub energy: Option<f64>,
-    /// What linear theory says is left after a period, where there is a closed form.
+    /// What is left after a period by linear theory, where there is a closed form.
     pub predicted: Option<f64>,
 }
 
@@ -160,7 +160,7 @@ fn first_mode(model: &TissueModel) -> Option<(State, f64)> {
     Some((state, omega))
 }
 
-/// Share of the energy that is left after a period.
+/// Fraction of the energy that is left after a period.
 fn energy_left(
     method: &Method,
     model: &TissueModel,
@@ -177,7 +177,7 @@ fn energy_left(
     .then_some(left / whole)
 }
 
-/// Largest energy from random offsets as a share of that at the start.
+/// Largest energy from random offsets as a fraction of that at the start.
 fn largest_energy(method: &Method, model: &TissueModel, h: f64) -> Option<f64> {
     let start = disturbed(model, OFFSET * CELL);
     let whole = start.energies(model).total();
@@ -190,7 +190,7 @@ fn largest_energy(method: &Method, model: &TissueModel, h: f64) -> Option<f64> {
     .then_some(largest / whole)
 }
 
-/// Share of the energy of one mode that a method leaves after a period of `steps` steps: |R(iy)|² of each, y = 2π/steps.
+/// Fraction of the energy of one mode that a method leaves after a period of `steps` steps: |R(iy)|² of each, y = 2π/steps.
 fn predicted(method: &Method, steps: u32) -> Option<f64> {
     let y = 2.0 * PI / f64::from(steps);
     let per_step = match method {

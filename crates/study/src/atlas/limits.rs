@@ -20,7 +20,7 @@ pub const METHODS: [Method; 5] = [
     Method::VelocityVerletLagged,
 ];
 
-/// Size of the disturbance of a linear body, as a share of a cell.
+/// Size of the disturbance of a linear body, as a fraction of a cell.
 const TINY: f64 = 1e-9;
 /// A disturbance that has grown by this factor has blown up.
 const BLOWN_UP: f64 = 1e4;
@@ -28,9 +28,9 @@ const BLOWN_UP: f64 = 1e4;
 const ENERGY_BLOWN_UP: f64 = 10.0;
 /// Steps of a trial of a finite motion.
 const FINITE_STEPS: u32 = 2000;
-/// Accuracy of a limit, as a share of it: of a linear body, of a finite motion.
+/// Accuracy of a limit, as a fraction of it: of a linear body, of a finite motion.
 const ACCURACY: [f64; 2] = [2e-3, 0.02];
-/// The shortest step that is tried, as a share of 2/ω_max.
+/// The shortest step that is tried, as a fraction of 2/ω_max.
 const SHORTEST: f64 = 0.02;
 /// Steps of the power iteration (NUMERICS 3.2).
 const POWER_STEPS: usize = 20;
@@ -186,11 +186,11 @@ fn delingette_step(model: &TissueModel) -> Option<f64> {
 /// Bisection; `exact` is the prediction \[s\].
 fn measure(method: &Method, variation: Variation, subject: &Subject, exact: f64) -> Measured {
     let finite = match variation {
-        Variation::Amplitude(share) => Some(share),
+        Variation::Amplitude(fraction) => Some(fraction),
         _ => None,
     };
     let stable = |h: f64| match finite {
-        Some(share) => survives(method, &subject.model, share, h),
+        Some(fraction) => survives(method, &subject.model, fraction, h),
         None => stays_small(method, subject, h),
     };
     let [linear_accuracy, finite_accuracy] = ACCURACY;
@@ -261,9 +261,9 @@ fn stays_small(method: &Method, subject: &Subject, h: f64) -> bool {
     bounded && quarters[3] < 2.0 * quarters[1]
 }
 
-/// Whether a body keeps its energy that starts from random offsets of a share of a cell.
-pub(super) fn survives(method: &Method, model: &TissueModel, share: f64, h: f64) -> bool {
-    let start = disturbed(model, share * CELL);
+/// Whether a body keeps its energy that starts from random offsets of a fraction of a cell.
+pub(super) fn survives(method: &Method, model: &TissueModel, fraction: f64, h: f64) -> bool {
+    let start = disturbed(model, fraction * CELL);
     let bound = ENERGY_BLOWN_UP * start.energies(model).total();
     let mut step = 0;
     run(method, model, start, h, FINITE_STEPS, |state| {
@@ -273,7 +273,7 @@ pub(super) fn survives(method: &Method, model: &TissueModel, share: f64, h: f64)
     })
 }
 
-/// Makes up to `steps` steps while `go_on` says so; whether all were made.
+/// Makes up to `steps` steps while `go_on` is true; whether all were made.
 pub(super) fn run(
     method: &Method,
     model: &TissueModel,

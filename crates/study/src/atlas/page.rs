@@ -68,7 +68,7 @@ impl Atlas {
              gravity, drag 20 /s. <b>Tip moved</b>: one node of the tip two lengths upwards. <b>Flattened</b>: all free nodes at half height. \
              <b>Mirrored</b>: all free nodes mirrored about half height, so that every element is inside out. <b>Clamp jumps</b>: one length \
              sideways at once. <b>Clamp turns</b>: 90° at once. Recovered: every node within 3 % of the length of its resting place and nothing \
-             inverted, for good, within 1.2 simulated seconds. No containment, no position is set back. s is the share of the limit of the step, τ the \
+             inverted, for good, within 1.2 simulated seconds. No containment, no position is set back. s is the fraction of the limit of the step, τ the \
              time of Kelvin–Voigt damping; CPU time is that of all 1.2 s, or until it failed. ×1: one iteration of Newton’s method per step.</p>\n",
         );
         let overview = self.recovery_overview();
@@ -100,10 +100,10 @@ impl Atlas {
         }
         out.push_str(
             "<section><h2>Largest stable step</h2>\n<p class=\"note\">A block of 4 × 2 × 2 cells of 1 cm (E = 10⁵ Pa, ν = 0.3, 1000 kg/m³), clamped at one end, \
-             changed in one respect per column. Thin layer, sliver: one layer of cells squeezed, or one node moved towards the opposite face, to that share. Measured by bisection with the solver from a disturbance of a billionth of a cell; predicted \
+             changed in one respect per column. Thin layer, sliver: one layer of cells squeezed, or one node moved towards the opposite face, to that fraction. Measured by bisection with the solver from a disturbance of a billionth of a cell; predicted \
              from the exact eigenvalues and the limits of linear theory. ζ is the damping ratio of the fastest mode. In the columns of offsets the block \
-             starts from random offsets of up to that share of a cell and makes 2000 steps: there the linear limit is no prediction, and the number \
-             says what is left of it. “never”: unstable at every step, as predicted.</p>\n",
+             starts from random offsets of up to that fraction of a cell and makes 2000 steps: there the linear limit is no prediction, and the number \
+             is the fraction that remains. “never”: unstable at every step, as predicted.</p>\n",
         );
         out.push_str(&ratio_key());
         for map in self

@@ -20,7 +20,7 @@ const HEIGHT: f64 = 0.02;
 const CELLS: [usize; 3] = [15, 3, 3];
 /// Gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
-/// Largest distance from the resting place, as a share of the length.
+/// Largest distance from the resting place, as a fraction of the length.
 const NEAR: f64 = 0.03;
 /// Simulated time \[s\].
 pub const SIMULATED: f64 = 1.2;
@@ -94,15 +94,15 @@ impl Damage {
 /// How long a step is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepLength {
-    /// A share of the limit, as in [`stability::stable_step`].
-    Share(f64),
+    /// A fraction of the limit, as in [`stability::stable_step`].
+    LimitFraction(f64),
     /// Seconds.
     Seconds(f64),
 }
 
-/// One way to compute the beam.
+/// Method, material, viscosity and step with which the beam is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+pub struct Scheme {
     /// The method.
     pub method: Method,
     /// What the beam is made of.
@@ -122,7 +122,7 @@ pub enum Outcome {
     Recovered(f64),
     /// It came to the end of the time elsewhere.
     Elsewhere {
-        /// Distance of the farthest node from its resting place, as a share of the length.
+        /// Distance of the farthest node from its resting place, as a fraction of the length.
         distance: f64,
         /// Number of inverted elements.
         inverted: usize,
@@ -148,7 +148,7 @@ pub struct Recovery {
     /// What had happened.
     pub damage: Damage,
     /// How it was computed.
-    pub way: Way,
+    pub scheme: Scheme,
     /// Length of a step \[s\].
     pub step: f64,
     /// How it ended.
@@ -164,22 +164,22 @@ impl Outcome {
     }
 }
 
-/// A beam computed in one way.
+/// A beam computed with one scheme.
 struct Beam {
     model: TissueModel,
     gravity: Vector3<f64>,
 }
 
 impl Beam {
-    fn new(way: &Way) -> Result<Self, String> {
+    fn new(scheme: &Scheme) -> Result<Self, String> {
         let constants = Constants {
-            relaxation_time: way.relaxation_time,
+            relaxation_time: scheme.relaxation_time,
             ..Constants::default()
         };
         let mesh = mesh();
         let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < 1e-3 * LENGTH).collect();
-        let material = way.substance.material(&constants);
-        let model = build_model(&mesh, &[(0, material)], &clamped, way.drag, Vec::new())
+        let material = scheme.substance.material(&constants);
+        let model = build_model(&mesh, &[(0, material)], &clamped, scheme.drag, Vec::new())
             .map_err(|error| error.to_string())?;
         Ok(Self {
             model,
@@ -227,7 +227,7 @@ impl Beam {
         Ok(state.positions)
     }
 
-    /// Largest distance from `places` as a share of the length, and the number of inverted elements.
+    /// Largest distance from `places` as a fraction of the length, and the number of inverted elements.
     fn distance(&self, state: &State, places: &[Vector3<f64>]) -> (f64, usize) {
         let nodes = state.positions.iter().zip(places);
         let distance = nodes.map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
@@ -251,19 +251,19 @@ fn mesh() -> TetMesh {
     block.mesh().expect("a block of positive size")
 }
 
-/// Computes a way on each of `damages`; `clock` tells CPU time \[s\].
-pub fn recover(way: &Way, damages: &[Damage], clock: &dyn Fn() -> f64) -> Vec<Recovery> {
-    let beam = Beam::new(way);
+/// Runs a scheme on each of `damages`; `clock` gives CPU time \[s\].
+pub fn recover(scheme: &Scheme, damages: &[Damage], clock: &dyn Fn() -> f64) -> Vec<Recovery> {
+    let beam = Beam::new(scheme);
     let each = damages.iter().map(|&damage| {
         let made = beam
             .as_ref()
             .map_err(String::clone)
-            .and_then(|beam| one(beam, way, damage, clock));
+            .and_then(|beam| one(beam, scheme, damage, clock));
         let (step, outcome, cpu) =
             made.unwrap_or_else(|reason| (f64::NAN, Outcome::NotApplicable(reason), 0.0));
         Recovery {
             damage,
-            way: *way,
+            scheme: *scheme,
             step,
             outcome,
             cpu,
@@ -274,19 +274,19 @@ pub fn recover(way: &Way, damages: &[Damage], clock: &dyn Fn() -> f64) -> Vec<Re
 
 fn one(
     beam: &Beam,
-    way: &Way,
+    scheme: &Scheme,
     damage: Damage,
     clock: &dyn Fn() -> f64,
 ) -> Result<(f64, Outcome, f64), String> {
     let model = &beam.model;
-    let mut solver = way
+    let mut solver = scheme
         .method
         .solver(model)
         .map_err(|error| error.to_string())?;
     let places = beam.resting_place(damage)?;
     // A whole number of steps between two looks.
-    let longest = match way.step {
-        StepLength::Share(share) => stability::stable_step(model, share),
+    let longest = match scheme.step {
+        StepLength::LimitFraction(fraction) => stability::stable_step(model, fraction),
         StepLength::Seconds(seconds) => seconds,
     };
     let per_look = (LOOK / longest).ceil().max(1.0);

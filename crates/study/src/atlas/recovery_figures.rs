@@ -1,7 +1,7 @@
 //! Heat maps of the recovery of the beam.
 
 use super::heat_map::{Field, HeatMap};
-use super::recovery::{Damage, Outcome, Recovery, StepLength, Way};
+use super::recovery::{Damage, Outcome, Recovery, Scheme, StepLength};
 use super::{Atlas, Substance, method_name};
 use microsim_drawing::{percent, significant, time};
 use microsim_tissue::Method;
@@ -12,14 +12,17 @@ impl Atlas {
     pub fn recovery_overview(&self) -> HeatMap {
         let mut columns: Vec<(String, String)> = Vec::new();
         let mut rows: Vec<Substance> = Vec::new();
-        let runs: Vec<&[Recovery]> = self.recoveries.chunk_by(|a, b| a.way == b.way).collect();
+        let runs: Vec<&[Recovery]> = self
+            .recoveries
+            .chunk_by(|a, b| a.scheme == b.scheme)
+            .collect();
         let substances = |column: &(String, String)| {
             runs.iter()
-                .filter(|run| column_of(&run[0].way) == *column)
+                .filter(|run| column_of(&run[0].scheme) == *column)
                 .count()
         };
         for run in &runs {
-            let column = column_of(&run[0].way);
+            let column = column_of(&run[0].scheme);
             if substances(&column) > 1 && !columns.contains(&column) {
                 columns.push(column);
             }
@@ -32,15 +35,15 @@ impl Atlas {
         columns.sort_by_key(|(group, _)| first(&order, group));
         for run in runs
             .iter()
-            .filter(|run| columns.contains(&column_of(&run[0].way)))
+            .filter(|run| columns.contains(&column_of(&run[0].scheme)))
         {
-            if !rows.contains(&run[0].way.substance) {
-                rows.push(run[0].way.substance);
+            if !rows.contains(&run[0].scheme.substance) {
+                rows.push(run[0].scheme.substance);
             }
         }
         let field = |substance: &Substance, column: &(String, String)| {
             let of = |run: &&&[Recovery]| {
-                run[0].way.substance == *substance && column_of(&run[0].way) == *column
+                run[0].scheme.substance == *substance && column_of(&run[0].scheme) == *column
             };
             runs.iter().find(of).map(|run| overview_field(run))
         };
@@ -57,52 +60,52 @@ impl Atlas {
         }
     }
 
-    /// Which way recovers from what.
+    /// Which scheme recovers from what.
     pub fn recovery_figure(&self) -> HeatMap {
-        let mut ways: Vec<&Way> = Vec::new();
+        let mut schemes: Vec<&Scheme> = Vec::new();
         for recovery in &self.recoveries {
-            if !ways.contains(&&recovery.way) {
-                ways.push(&recovery.way);
+            if !schemes.contains(&&recovery.scheme) {
+                schemes.push(&recovery.scheme);
             }
         }
-        let of = |way: &Way, damage: Damage| {
+        let of = |scheme: &Scheme, damage: Damage| {
             self.recoveries
                 .iter()
-                .find(|r| r.way == *way && r.damage == damage)
+                .find(|r| r.scheme == *scheme && r.damage == damage)
         };
-        let row = |way: &&Way| {
+        let row = |scheme: &&Scheme| {
             let step = Damage::ALL
                 .into_iter()
-                .find_map(|damage| of(way, damage))
+                .find_map(|damage| of(scheme, damage))
                 .map_or(f64::NAN, |r| r.step);
-            way_label(way, step)
+            scheme_label(scheme, step)
         };
         HeatMap {
             name: "recovery".into(),
             title: "Recovery of the beam S within 1.2 s: simulated time until then, and CPU time of the 1.2 s".into(),
             columns: Damage::ALL.map(|damage| (String::new(), damage.name().to_string())).to_vec(),
-            rows: ways.iter().map(row).collect(),
-            fields: ways
+            rows: schemes.iter().map(row).collect(),
+            fields: schemes
                 .iter()
-                .map(|way| Damage::ALL.map(|damage| of(way, damage).map(recovery_field)).to_vec())
+                .map(|scheme| Damage::ALL.map(|damage| of(scheme, damage).map(recovery_field)).to_vec())
                 .collect(),
             size: (112.0, 34.0),
         }
     }
 }
 
-/// Group and label of the column of a way.
-fn column_of(way: &Way) -> (String, String) {
-    let mut group = match way.method {
+/// Group and label of the column of a scheme.
+fn column_of(scheme: &Scheme) -> (String, String) {
+    let mut group = match scheme.method {
         Method::Xpbd { .. } => "xpbd, sub-steps × iterations".into(),
         // Short, for it stands over few columns.
         Method::ImplicitEuler(newton) if newton.iterations == 1 => "implicit-euler ×1".into(),
         ref method => method_name(method),
     };
-    if way.relaxation_time > 0.0 {
+    if scheme.relaxation_time > 0.0 {
         group += ", τ";
     }
-    let label = match (way.method, way.step) {
+    let label = match (scheme.method, scheme.step) {
         (
             Method::Xpbd {
                 substeps,
@@ -110,7 +113,7 @@ fn column_of(way: &Way) -> (String, String) {
             },
             _,
         ) => format!("{substeps} × {iterations}"),
-        (_, StepLength::Share(share)) => format!("s {share}"),
+        (_, StepLength::LimitFraction(fraction)) => format!("s {fraction}"),
         (_, StepLength::Seconds(seconds)) => time(seconds),
     };
     (group, label)
@@ -124,7 +127,7 @@ fn overview_field(run: &[Recovery]) -> Field {
         .filter(|one| !one.outcome.is_recovered())
         .map(|one| one.damage.name())
         .collect();
-    let place = way_label(&run[0].way, run[0].step);
+    let place = scheme_label(&run[0].scheme, run[0].step);
     if run
         .iter()
         .all(|one| matches!(one.outcome, Outcome::NotApplicable(_)))
@@ -156,24 +159,24 @@ fn overview_field(run: &[Recovery]) -> Field {
     }
 }
 
-/// A way with its step in words.
-pub(super) fn way_label(way: &Way, step: f64) -> String {
-    let share = match way.step {
-        StepLength::Share(share) => format!(" (s = {share})"),
+/// A scheme with its step in words.
+pub(super) fn scheme_label(scheme: &Scheme, step: f64) -> String {
+    let fraction = match scheme.step {
+        StepLength::LimitFraction(fraction) => format!(" (s = {fraction})"),
         StepLength::Seconds(_) => String::new(),
     };
-    let viscosity = match way.relaxation_time {
+    let viscosity = match scheme.relaxation_time {
         t if t > 0.0 => format!(", τ {}", time(t)),
         _ => String::new(),
     };
-    format!("{}, {}{share}{viscosity}", way.name(), time(step))
+    format!("{}, {}{fraction}{viscosity}", scheme.name(), time(step))
 }
 
 fn recovery_field(recovery: &Recovery) -> Field {
     let cpu = format!("CPU {} s", significant(recovery.cpu, 2));
     let place = format!(
         "{}, {}",
-        way_label(&recovery.way, recovery.step),
+        scheme_label(&recovery.scheme, recovery.step),
         recovery.damage.name()
     );
     let field = |class, first: String, tip: String| Field {

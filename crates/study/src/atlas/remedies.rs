@@ -6,10 +6,10 @@ use super::subject::{Constants, Substance, Variation, block, body};
 use microsim_tissue::stability::{SAFETY, mass_floor, stable_step, stiffness_cap};
 use microsim_tissue::{Method, State, TissueModel};
 
-/// Share of the Gershgorin limit to which floor and cap go. The step of the good block is 0.92 to 1.13 of that limit (NUMERICS 3.2),
-/// so a smaller share would change good elements too; the true limit is still further off.
-const SHARE: f64 = 1.0;
-/// Random offsets at the start, as a share of a cell of the good block: small for the sliver too.
+/// Fraction of the Gershgorin limit to which floor and cap go. The step of the good block is 0.92 to 1.13 of that limit (NUMERICS 3.2),
+/// so a smaller fraction would change good elements too; the true limit is still further off.
+const FRACTION: f64 = 1.0;
+/// Random offsets at the start, as a fraction of a cell of the good block: small for the sliver too.
 const OFFSET: f64 = 0.001;
 
 /// What was done.
@@ -21,7 +21,7 @@ pub enum Remedy {
     MassFloor,
     /// Stiffness of elements capped (3.5 d).
     StiffnessCap,
-    /// The step shortened to the recommended share of the limit.
+    /// The step shortened to the recommended fraction of the limit.
     ShorterStep,
 }
 
@@ -58,11 +58,11 @@ pub struct Remedied {
     pub step: f64,
     /// h·√λ_max over 2: unstable from 1 on.
     pub over_limit: f64,
-    /// Whether 2000 steps from small random offsets kept the energy.
+    /// Whether 2000 steps from small random offsets conserved the energy.
     pub survived: bool,
-    /// Total added inertia as a share of the mass of the block.
+    /// Total added inertia as a fraction of the mass of the block.
     pub added_mass: f64,
-    /// Share of the elements, of all sets, whose stiffness was lowered.
+    /// Fraction of the elements, of all sets, whose stiffness was lowered.
     pub capped: f64,
     /// The smallest factor of a stiffness.
     pub smallest_factor: f64,
@@ -88,10 +88,10 @@ pub fn remedies(substance: Substance, variation: Variation) -> Vec<Remedied> {
         match remedy {
             Remedy::None => {}
             Remedy::MassFloor => {
-                model = model.with_added_inertia(mass_floor(&bad, &state, fixed, SHARE));
+                model = model.with_added_inertia(mass_floor(&bad, &state, fixed, FRACTION));
             }
             Remedy::StiffnessCap => {
-                let factors = stiffness_cap(&bad, &state, fixed, SHARE);
+                let factors = stiffness_cap(&bad, &state, fixed, FRACTION);
                 let all = || factors.iter().flatten();
                 capped =
                     all().filter(|factor| **factor < 1.0).count() as f64 / all().count() as f64;

@@ -16,7 +16,7 @@ pub(super) const CELL: f64 = 0.01;
 const CELLS: [usize; 3] = [4, 2, 2];
 /// The node in the middle of the block; it is inside.
 const MIDDLE: [usize; 3] = [2, 1, 1];
-/// Young's modulus \[Pa\], Poisson's ratio, density \[kg/m³\] of all bodies, where nothing else is said.
+/// Young's modulus \[Pa\], Poisson's ratio, density \[kg/m³\] of all bodies, unless stated otherwise.
 const YOUNG: f64 = 1e5;
 const POISSON: f64 = 0.3;
 const DENSITY: f64 = 1000.0;
@@ -133,11 +133,11 @@ pub enum Variation {
     Drag(f64),
     /// Kelvin–Voigt viscosity with this damping ratio ζ = τ ω_max/2 of the fastest mode.
     Viscosity(f64),
-    /// One layer of cells squeezed to this share of its thickness.
+    /// One layer of cells squeezed to this fraction of its thickness.
     Layer(f64),
-    /// One node moved towards the opposite face of an element, until this share of the height is left.
+    /// One node moved towards the opposite face of an element, until this fraction of the height is left.
     Node(f64),
-    /// Started from random offsets of all free nodes, each component up to this share of a cell.
+    /// Started from random offsets of all free nodes, each component up to this fraction of a cell.
     Amplitude(f64),
 }
 
@@ -184,7 +184,7 @@ impl Variation {
 
     /// What is varied, and its value.
     pub fn names(&self) -> (&'static str, String) {
-        let percent = |share: &f64| format!("{} %", (100.0 * share).round());
+        let percent = |fraction: &f64| format!("{} %", (100.0 * fraction).round());
         match self {
             Self::Plain => ("plain", "–".into()),
             Self::Stiffness(factor) => ("stiffness", format!("×{factor}")),
@@ -192,9 +192,9 @@ impl Variation {
             Self::Poisson(ratio) => ("Poisson’s ratio", ratio.to_string()),
             Self::Drag(ratio) => ("drag ζ", ratio.to_string()),
             Self::Viscosity(ratio) => ("viscous ζ", ratio.to_string()),
-            Self::Layer(share) => ("thin layer", percent(share)),
-            Self::Node(share) => ("sliver", percent(share)),
-            Self::Amplitude(share) => ("offsets", percent(share)),
+            Self::Layer(fraction) => ("thin layer", percent(fraction)),
+            Self::Node(fraction) => ("sliver", percent(fraction)),
+            Self::Amplitude(fraction) => ("offsets", percent(fraction)),
         }
     }
 
@@ -270,16 +270,16 @@ pub fn block(variation: Variation) -> TetMesh {
     };
     let mut mesh = block.mesh().expect("a block of positive size");
     match variation {
-        Variation::Layer(share) => {
+        Variation::Layer(fraction) => {
             // The plane behind the middle one comes nearer to it.
             let planes = MIDDLE[0] as f64 * CELL;
             for position in &mut mesh.positions {
                 if (position.x - planes - CELL).abs() < 0.5 * CELL {
-                    position.x = planes + share * CELL;
+                    position.x = planes + fraction * CELL;
                 }
             }
         }
-        Variation::Node(share) => {
+        Variation::Node(fraction) => {
             let [i, j, k] = MIDDLE;
             let node = (k * (CELLS[1] + 1) + j) * (CELLS[0] + 1) + i;
             let tet = mesh.tets.iter().find(|tet| tet.contains(&(node as u32)));
@@ -293,7 +293,7 @@ pub fn block(variation: Variation) -> TetMesh {
                 .cross(&(others[2] - others[0]))
                 .normalize();
             let height = normal.dot(&(mesh.positions[node] - others[0]));
-            mesh.positions[node] -= normal * ((1.0 - share) * height);
+            mesh.positions[node] -= normal * ((1.0 - fraction) * height);
         }
         _ => {}
     }

@@ -1,7 +1,7 @@
 //! The results as tables: CSV with every bit, Markdown for reading.
 
 use super::recovery::{Outcome, SIMULATED};
-use super::recovery_figures::way_label;
+use super::recovery_figures::scheme_label;
 use super::{Atlas, Damage, Limit, TOLERANCE, Variation, method_name};
 use crate::page::PageInfo;
 use microsim_drawing::{percent, significant, time};
@@ -120,11 +120,11 @@ impl Atlas {
                 out,
                 "{},{},{},{},{},{},{outcome},{},{},{},{},{},{}",
                 one.damage.name(),
-                quoted(&method_name(&one.way.method)),
-                quoted(&one.way.substance.name()),
+                quoted(&method_name(&one.scheme.method)),
+                quoted(&one.scheme.substance.name()),
                 one.step,
-                one.way.drag,
-                one.way.relaxation_time,
+                one.scheme.drag,
+                one.scheme.relaxation_time,
                 number(recovered),
                 number(distance),
                 inverted.map_or(String::new(), |n| n.to_string()),
@@ -181,7 +181,7 @@ impl Atlas {
         let (best, most) = all().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let below = all().filter(|(_, ratio)| *ratio < SAFETY).count();
         Some(format!(
-            "Random offsets of 20 % of a cell leave {} of the linear limit of Störmer–Verlet with {}, and {} with {}; {below} of {} materials then need less than the recommended share of {SAFETY}.",
+            "Random offsets of 20 % of a cell leave {} of the linear limit of Störmer–Verlet with {}, and {} with {}; {below} of {} materials then need less than the recommended fraction of {SAFETY}.",
             significant(most, 2),
             best.substance.name(),
             significant(least, 2),
@@ -190,23 +190,24 @@ impl Atlas {
         ))
     }
 
-    /// Which ways recover from everything, and for each damage the one with inertia that needs the least CPU time.
+    /// Which schemes recover from everything, and for each damage the one with inertia that needs the least CPU time.
     fn fastest_recoveries(&self) -> Vec<String> {
-        let ways = || self.recoveries.chunk_by(|a, b| a.way == b.way);
-        let from_all = || ways().filter(|runs| runs.iter().all(|one| one.outcome.is_recovered()));
+        let schemes = || self.recoveries.chunk_by(|a, b| a.scheme == b.scheme);
+        let from_all =
+            || schemes().filter(|runs| runs.iter().all(|one| one.outcome.is_recovered()));
         let in_time = from_all()
             .filter(|runs| runs.iter().all(|one| one.cpu <= SIMULATED))
             .count();
         let mut found = Vec::new();
-        if ways().next().is_some() {
+        if schemes().next().is_some() {
             found.push(format!(
-                "Of {} ways to compute the beam {} recover from all that was done to it, {in_time} of them in at most {SIMULATED} CPU s each.",
-                ways().count(),
+                "Of {} schemes {} recover the beam from every damage, {in_time} of them in at most {SIMULATED} CPU s each.",
+                schemes().count(),
                 from_all().count()
             ));
         }
         let each = Damage::ALL.into_iter().filter_map(|damage| {
-            let moving = |one: &&super::Recovery| !matches!(one.way.method, Method::QuasiStatic(_));
+            let moving = |one: &&super::Recovery| !matches!(one.scheme.method, Method::QuasiStatic(_));
             let all = || self.recoveries.iter().filter(move |one| one.damage == damage).filter(moving);
             let recovered = || all().filter(|one| one.outcome.is_recovered());
             let fastest = recovered().min_by(|a, b| a.cpu.total_cmp(&b.cpu))?;
@@ -214,11 +215,11 @@ impl Atlas {
                 return None;
             };
             Some(format!(
-                "{}: {} of {} ways with inertia recover; the cheapest is {} with {} CPU s, there after {}.",
+                "{}: {} of {} schemes with inertia recover; the cheapest is {} with {} CPU s, there after {}.",
                 capital(damage.name()),
                 recovered().count(),
                 all().filter(|one| !matches!(one.outcome, Outcome::NotApplicable(_))).count(),
-                way_label(&fastest.way, fastest.step),
+                scheme_label(&fastest.scheme, fastest.step),
                 significant(fastest.cpu, 2),
                 time(at)
             ))
@@ -265,7 +266,7 @@ impl Atlas {
     pub(super) fn remedy_rows(&self) -> Vec<[String; 8]> {
         let row = |one: &super::Remedied| {
             let (what, value) = one.variation.names();
-            let share = |value: f64| {
+            let fraction = |value: f64| {
                 if value == 0.0 {
                     "–".into()
                 } else {
@@ -285,14 +286,14 @@ impl Atlas {
                 }
                 .into(),
                 match one.capped {
-                    0.0 => share(one.added_mass),
+                    0.0 => fraction(one.added_mass),
                     capped => format!(
                         "{} of elements, down to ×{}",
                         percent(capped),
                         significant(one.smallest_factor, 2)
                     ),
                 },
-                share(one.frequency_change),
+                fraction(one.frequency_change),
             ]
         };
         self.remedies.iter().map(row).collect()

@@ -32,7 +32,7 @@ fn limit(subject: &Subject) -> f64 {
     2.0 / subject.lambda().sqrt()
 }
 
-/// Largest energy in `steps` steps from random offsets of the share `offset` of a cell, over that at the start; infinite where
+/// Largest energy in `steps` steps from random offsets of the fraction `offset` of a cell, over that at the start; infinite where
 /// the solver gave up.
 fn growth(method: Method, model: &TissueModel, offset: f64, h: f64, steps: u32) -> f64 {
     let start = disturbed(model, offset * CELL);
@@ -90,13 +90,16 @@ fn the_rule_of_delingette_does_not_know_volumes() {
 #[test]
 fn explicit_euler_makes_energy_at_every_step_and_symplectic_euler_at_none_below_the_limit() {
     let body = subject(STABLE, Variation::Plain);
-    for share in [0.05, 0.1, 0.3] {
-        // Energy of a mode grows by h²ω² a step: e^(4·share²·steps) for the fastest, of which a random start has some.
-        let steps = (10.0 / (share * share)) as u32;
-        let of = |method| growth(method, &body.model, 1e-6, share * limit(&body), steps);
-        assert!(of(Method::ExplicitEuler) > 1e6, "{share}");
-        // Energy of symplectic Euler swings by up to hω/2 = share.
-        assert!(of(Method::SymplecticEuler) < 1.0 + 1.5 * share, "{share}");
+    for fraction in [0.05, 0.1, 0.3] {
+        // Energy of a mode grows by h²ω² a step: e^(4·fraction²·steps) for the fastest, of which a random start has some.
+        let steps = (10.0 / (fraction * fraction)) as u32;
+        let of = |method| growth(method, &body.model, 1e-6, fraction * limit(&body), steps);
+        assert!(of(Method::ExplicitEuler) > 1e6, "{fraction}");
+        // Energy of symplectic Euler swings by up to hω/2 = fraction.
+        assert!(
+            of(Method::SymplecticEuler) < 1.0 + 1.5 * fraction,
+            "{fraction}"
+        );
     }
 }
 
@@ -154,12 +157,12 @@ fn viscosity_shortens_the_step_and_the_recommended_step_knows_it() {
 fn a_large_motion_needs_the_recommended_share_of_the_limit() {
     for substance in [Substance::SpringsVolumes, COROTATIONAL, STABLE] {
         let body = subject(substance, Variation::Plain);
-        let of = |share: f64| {
+        let of = |fraction: f64| {
             growth(
                 Method::StoermerVerlet,
                 &body.model,
                 0.2,
-                share * limit(&body),
+                fraction * limit(&body),
                 2000,
             )
         };
@@ -232,7 +235,7 @@ fn with_inverted_elements(model: &TissueModel) -> State {
 /// is not stiffer there, or a line search, comes back.
 #[test]
 fn inverted_elements_break_the_logarithmic_law_at_an_explicit_step_and_not_the_corotational_one() {
-    let of = |substance: Substance, method: Method, share: f64| {
+    let of = |substance: Substance, method: Method, fraction: f64| {
         let plain = subject(substance, Variation::Plain);
         let model = body(
             &subject::block(Variation::Plain),
@@ -242,12 +245,12 @@ fn inverted_elements_break_the_logarithmic_law_at_an_explicit_step_and_not_the_c
         .unwrap();
         let start = with_inverted_elements(&model);
         let mut end = None;
-        let h = share * limit(&plain);
+        let h = fraction * limit(&plain);
         let done = run(&method, &model, start, h, (1.0 / h) as u32, |state| {
             end = Some(state.clone());
             true
         });
-        // A fiftieth of the way is left of what was pushed: e^(−25) of every mode that is not overdamped.
+        // A fiftieth of the initial displacement is left: e^(−25) of every mode that is not overdamped.
         let moved = |state: &State| {
             let nodes = state.positions.iter().zip(model.rest_positions());
             nodes.map(|(p, r)| (p - r).norm()).fold(0.0, f64::max)
@@ -376,7 +379,7 @@ fn the_mass_floor_does_not_change_the_sag() {
 #[test]
 fn a_damaged_beam_recovers_with_the_corotational_law_and_not_with_every_law() {
     let clock = || 0.0;
-    let way = |method, substance, step| Way {
+    let scheme = |method, substance, step| Scheme {
         method,
         substance,
         step,
@@ -384,16 +387,16 @@ fn a_damaged_beam_recovers_with_the_corotational_law_and_not_with_every_law() {
         relaxation_time: 0.0,
     };
     let implicit = |substance| {
-        way(
+        scheme(
             Method::ImplicitEuler(newton(20)),
             substance,
             StepLength::Seconds(0.02),
         )
     };
-    let explicit = way(
+    let explicit = scheme(
         Method::StoermerVerlet,
         COROTATIONAL,
-        StepLength::Share(SAFETY),
+        StepLength::LimitFraction(SAFETY),
     );
     let mut recoveries = recover(&implicit(STABLE), &Damage::ALL, &clock);
     recoveries.extend(recover(&explicit, &[Damage::Mirror], &clock));

@@ -11,7 +11,7 @@ pub struct LockingCurve {
     pub series: usize,
     /// Poisson's ratio and relative error, by ascending ratio.
     pub points: Vec<(f64, f64)>,
-    /// What is said of it.
+    /// Text shown when it is pointed at.
     pub tip: String,
 }
 
@@ -24,7 +24,7 @@ const BOTTOM: f64 = 230.0;
 /// The error at which a line is drawn.
 const LIMIT: f64 = 0.05;
 
-/// One of several small drawings; they share the range of errors so that they can be compared.
+/// One of several small drawings; all have the same range of errors, so that they can be compared.
 pub fn locking_plot(
     out: &mut String,
     [title, mesh]: [&str; 2],

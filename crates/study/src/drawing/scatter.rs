@@ -28,7 +28,7 @@ pub struct ScatterPoint {
     pub size: usize,
     /// Whether only the outline is drawn.
     pub hollow: bool,
-    /// What is said of it.
+    /// Text shown when it is pointed at.
     pub tip: String,
     /// Where it belongs.
     pub zone: Zone,

@@ -8,7 +8,7 @@ use microsim_drawing::escape;
 use microsim_drawing::percent;
 use std::fmt::Write;
 
-/// The error up to which a discretisation is said not to lock.
+/// The error up to which a discretisation counts as free of locking.
 const LOCKED: f64 = 0.05;
 
 /// Scene and mesh with their curves.

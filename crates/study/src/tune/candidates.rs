@@ -74,7 +74,7 @@ pub struct Choices<'a> {
 }
 
 impl Candidates {
-    /// Leaves mesh and elements as the file has them; the measure of things stays the fine mesh with its elements.
+    /// Leaves mesh and elements as the file has them; the reference stays the fine mesh with its elements.
     pub fn keep_mesh(&mut self) {
         self.meshes = vec![Mesh {
             title: "its mesh".into(),
@@ -98,7 +98,7 @@ impl Choices<'_> {
     }
 }
 
-/// What the plan lets `tune` try on a scene. `kind`: what its exact solution is, unless it is `of_plan`; `level`: what it must keep
+/// What the plan lets `tune` try on a scene. `kind`: what its exact solution is, unless it is `of_plan`; `level`: which limits it must meet
 /// besides if it stands for a level.
 pub fn candidates(
     chart: &Chart,

@@ -48,7 +48,7 @@ fn the_choice_keeps_the_error_and_the_margin_and_the_others_have_reasons() {
     assert!(choice.rejected.is_none() && choice.cost.is_some());
     let without = tuning.trials.iter().filter(|t| t.rejected.is_none());
     assert_eq!(without.count(), 1, "every other trial has a reason");
-    // On the clock of the test a run costs what it has samples: no other run that kept everything has fewer.
+    // On the clock of the test a run costs what it has samples: no other run that met all requirements has fewer.
     let rejected = tuning.sentences().join("\n");
     assert!(
         rejected.contains("0.6 of the stability limit"),

@@ -1,6 +1,6 @@
 //! Recordings in CSV: one header, then one row per moment with the readings of one or several devices.
 //!
-//! Which column is what, and in which unit, is said by a [`ColumnMap`]; the file itself is never guessed at. Samples
+//! Which column is what, and in which unit, is stated by a [`ColumnMap`]; nothing is guessed from the file itself. Samples
 //! come out as they stand in the file: nothing is filtered, and nothing is interpolated over a gap.
 
 use std::sync::Arc;
@@ -50,7 +50,7 @@ pub struct DeviceColumns {
     pub orientation: Option<[String; 4]>,
     /// The column of the opening, if the device has one.
     pub opening: Option<OpeningColumn>,
-    /// The column that says 1 or true, 0 or false for visible or not; `None` if there is none. Where it says that the
+    /// The column with 1 or true, 0 or false for visible or not; `None` if there is none. Where it states that the
     /// device was not visible, its other fields are not looked at.
     pub visible: Option<String>,
 }
@@ -95,7 +95,7 @@ impl Recording {
 /// `file` is its name for error messages.
 ///
 /// # Errors
-/// [`CsvError`] for the first line that is not as the column map says: see [`CsvProblem`].
+/// [`CsvError`] for the first line that does not agree with the column map: see [`CsvProblem`].
 pub fn read_csv(bytes: &[u8], file: &str, map: &ColumnMap) -> Result<Recording, CsvError> {
     read_up_to(MAX_SAMPLES, bytes, file, map)
 }

@@ -188,13 +188,13 @@ impl Script {
         match track.keyframes.get(reached) {
             Some(to) if t > from.end_s() => {
                 let fraction = (t - from.end_s()) / (to.time_s - from.end_s());
-                let way = match self.interpolation {
+                let reached = match self.interpolation {
                     Interpolation::MinimumJerk => minimum_jerk(fraction),
                     Interpolation::Linear => fraction,
                 };
                 sample.position =
-                    std::array::from_fn(|i| mix(from.position[i], to.position[i], way));
-                sample.orientation = slerp(from.orientation, to.orientation, way);
+                    std::array::from_fn(|i| mix(from.position[i], to.position[i], reached));
+                sample.orientation = slerp(from.orientation, to.orientation, reached);
                 sample.opening = Some(mix(from.opening, to.opening, fraction));
             }
             _ => {
@@ -245,7 +245,7 @@ fn check(keyframe: &mut Keyframe, before_s: Option<f64>) -> Result<(), ScriptPro
     Ok(())
 }
 
-/// Share of the way after a share `tau` of the time, for a reach with minimum jerk from rest to rest (Flash & Hogan
+/// Fraction of the displacement after a fraction `tau` of the time, for a reach with minimum jerk from rest to rest (Flash & Hogan
 /// 1985): 10τ³ − 15τ⁴ + 6τ⁵.
 pub(crate) fn minimum_jerk(tau: f64) -> f64 {
     tau * tau * tau * (10.0 + tau * (6.0 * tau - 15.0))

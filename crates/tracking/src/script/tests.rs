@@ -31,29 +31,29 @@ fn x_at(script: &Script, t: f64) -> f64 {
     script.sample("forceps", t).unwrap().position[0]
 }
 
-/// Flash & Hogan 1985: from rest to rest. Near an end the polynomial is 10τ³ plus higher terms, so after a share h of
-/// the time the way is between 10h³(1 − 1.5h) and 10h³: no term in h (speed) and none in h² (acceleration).
+/// Flash & Hogan 1985: from rest to rest. Near an end the polynomial is 10τ³ plus higher terms, so after a fraction h of
+/// the time the displacement is between 10h³(1 − 1.5h) and 10h³: no term in h (speed) and none in h² (acceleration).
 #[test]
 fn minimum_jerk_rests_at_both_ends() {
     let script = script(
         vec![keyframe(1.0, 0.0), keyframe(3.0, 1.0)],
         Interpolation::MinimumJerk,
     );
-    // Dyadic, so that times are exact and the way left at the far end is rounded to one ulp of 1 only.
+    // Dyadic, so that times are exact and the displacement left at the far end is rounded to one ulp of 1 only.
     for h in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0] {
         let cubic = 10.0 * h * h * h;
-        for way in [
+        for path in [
             x_at(&script, 1.0 + 2.0 * h),
             1.0 - x_at(&script, 3.0 - 2.0 * h),
         ] {
             let rounding = 4.0 * f64::EPSILON;
-            assert!(way <= cubic + rounding, "h {h}: {way}");
-            assert!(way >= cubic * (1.0 - 1.5 * h) - rounding, "h {h}: {way}");
+            assert!(path <= cubic + rounding, "h {h}: {path}");
+            assert!(path >= cubic * (1.0 - 1.5 * h) - rounding, "h {h}: {path}");
         }
     }
 }
 
-/// Closed forms: half the way at half the time, there with 15/8 of the mean speed; at τ = 1/4 it is 53/512.
+/// Closed forms: half the displacement at half the time, there with 15/8 of the mean speed; at τ = 1/4 it is 53/512.
 #[test]
 fn minimum_jerk_closed_forms() {
     let script = script(
@@ -101,7 +101,7 @@ fn holds_stay_and_then_leave() {
     assert_eq!(script.duration(), 4.0);
 }
 
-/// The orientation turns at the same share of the way as the position, the opening changes with time alone.
+/// The orientation turns at the same fraction as the position, the opening changes with time alone.
 #[test]
 fn orientation_and_opening() {
     let to = Keyframe {

@@ -1,6 +1,6 @@
-//! Synthetic trainees: the plan of a script, followed the way a hand does.
+//! Synthetic trainees: the plan of a script, followed as a hand does.
 //!
-//! The plan says where each tool should be when. A trainee is slower than it, pauses where all tools rest, misses where it
+//! The plan states where each tool should be when. A trainee is slower than it, pauses where all tools rest, misses where it
 //! aims and how it holds the tool there, goes astray and beyond its end, closes jaws further than need be, and trembles. All of it is added to the plan:
 //! a trainee with no error of any kind makes exactly the motion of the plan. Times of the tools stay together.
 //!
@@ -22,10 +22,10 @@ use tremor::Tremor;
 
 /// Movements from this length on end with the whole aiming error \[m\].
 const AIMED: f64 = 1e-3;
-/// When within a movement it is farthest ahead of the plan, and from when on it is, as shares of its time.
+/// When within a movement it is farthest ahead of the plan, and from when on it is, as fractions of its time.
 const AHEAD_AT: f64 = 0.9;
 const AHEAD_FROM: f64 = 0.4;
-/// Share of the time of an opening or closing within which the tremor grows to that of actuating, and falls from it.
+/// Fraction of the time of an opening or closing within which the tremor grows to that of actuating, and falls from it.
 const GROWS: f64 = 0.1;
 /// Of the random streams of a trainee: own parameters, pauses; from `TOOLS` on two per tool, from `TURNS` on one.
 const PARAMETERS: u64 = 0;
@@ -40,7 +40,7 @@ pub struct Profile {
     pub tremor_still: f64,
     /// The same while the jaws are opened or closed \[m\].
     pub tremor_actuating: f64,
-    /// Time for everything, as a share of that of the plan; above 0.
+    /// Time for everything, relative to that of the plan; above 0.
     pub pace: f64,
     /// Chance of a pause where all tools rest.
     pub hesitation_chance: f64,
@@ -51,11 +51,11 @@ pub struct Profile {
     /// Standard deviation about each axis of how the tool is turned where a movement of at least 1 mm ends \[rad\]; in proportion less
     /// for a shorter one.
     pub angular_error: f64,
-    /// How far a movement gets ahead of the plan, as a share of its length: beyond its end by what this is above 0.9 %.
+    /// How far a movement gets ahead of the plan, relative to its length: beyond its end by what this is above 0.9 %.
     pub lead: f64,
-    /// How far a movement goes astray to the side, as a share of its length.
+    /// How far a movement goes astray to the side, relative to its length.
     pub detour: f64,
-    /// How much further than planned jaws are closed, as a share of the closing.
+    /// How much further than planned jaws are closed, relative to the closing.
     pub grip_excess: f64,
     /// Standard deviation of the logarithm of the factor by which one trainee differs from this, for each of the above.
     pub spread: f64,
@@ -221,8 +221,8 @@ impl Hand {
         let (mut aside, mut turned, mut squeeze) = ([0.0; 3], [0.0; 3], 0.0);
         let mut movements = Vec::new();
         for pair in track.keyframes.windows(2) {
-            let way = [0, 1, 2].map(|k| pair[1].position[k] - pair[0].position[k]);
-            let length = norm(way);
+            let path = [0, 1, 2].map(|k| pair[1].position[k] - pair[0].position[k]);
+            let length = norm(path);
             // Drawn for each movement alike, so that one parameter does not shift the numbers of another.
             let miss = [stream.normal(), stream.normal(), stream.normal()];
             let [ahead, astray, firmly] = [
@@ -230,11 +230,11 @@ impl Hand {
                 stream.half_normal(),
                 stream.half_normal(),
             ];
-            let side = across(way, [stream.normal(), stream.normal(), stream.normal()]);
-            let share = (length / AIMED).min(1.0);
-            let ends = [0, 1, 2].map(|k| mix(aside[k], own.aiming_error * miss[k], share));
+            let side = across(path, [stream.normal(), stream.normal(), stream.normal()]);
+            let fraction = (length / AIMED).min(1.0);
+            let ends = [0, 1, 2].map(|k| mix(aside[k], own.aiming_error * miss[k], fraction));
             let turn = [turns.normal(), turns.normal(), turns.normal()];
-            let turns_to = [0, 1, 2].map(|k| mix(turned[k], own.angular_error * turn[k], share));
+            let turns_to = [0, 1, 2].map(|k| mix(turned[k], own.angular_error * turn[k], fraction));
             let closing = pair[0].opening - pair[1].opening;
             let squeezes = match closing {
                 closing if closing > 0.0 => squeeze + own.grip_excess * closing * firmly,
@@ -244,7 +244,7 @@ impl Hand {
             movements.push(Movement {
                 aside: [aside, ends],
                 turned: [turned, turns_to],
-                ahead: way.map(|c| own.lead * ahead * c),
+                ahead: path.map(|c| own.lead * ahead * c),
                 astray: side.map(|c| own.detour * astray * length * c),
                 squeeze: [squeeze, squeezes],
                 actuates: closing != 0.0,
@@ -269,8 +269,8 @@ impl Hand {
         let error = match (self.movements.get(from), frames.get(from + 1)) {
             (Some(movement), Some(to)) => {
                 let begin = frames[from].end_s();
-                let share = ((u - begin) / (to.time_s - begin)).max(0.0);
-                movement.at(share, self.still, self.actuating)
+                let fraction = ((u - begin) / (to.time_s - begin)).max(0.0);
+                movement.at(fraction, self.still, self.actuating)
             }
             _ => match self.movements.last() {
                 Some(movement) => movement.at(1.0, self.still, self.actuating),
@@ -307,17 +307,17 @@ struct Deviation {
 }
 
 impl Movement {
-    /// At a share of its time; RMS of the tremor \[m\] of an opening that stands, and of one that changes.
-    fn at(&self, share: f64, still: f64, actuating: f64) -> Deviation {
-        let done = minimum_jerk(share);
+    /// At a fraction of its time; RMS of the tremor \[m\] of an opening that stands, and of one that changes.
+    fn at(&self, fraction: f64, still: f64, actuating: f64) -> Deviation {
+        let done = minimum_jerk(fraction);
         let bulge = {
             let half = 4.0 * done * (1.0 - done);
             half * half
         };
-        let ahead = if share < AHEAD_AT {
-            minimum_jerk(((share - AHEAD_FROM) / (AHEAD_AT - AHEAD_FROM)).max(0.0))
+        let ahead = if fraction < AHEAD_AT {
+            minimum_jerk(((fraction - AHEAD_FROM) / (AHEAD_AT - AHEAD_FROM)).max(0.0))
         } else {
-            1.0 - minimum_jerk((share - AHEAD_AT) / (1.0 - AHEAD_AT))
+            1.0 - minimum_jerk((fraction - AHEAD_AT) / (1.0 - AHEAD_AT))
         };
         let shift = [0, 1, 2].map(|k| {
             mix(self.aside[0][k], self.aside[1][k], done)
@@ -325,13 +325,13 @@ impl Movement {
                 + self.astray[k] * bulge
         });
         let effort = match self.actuates {
-            true => minimum_jerk((share.min(1.0 - share) / GROWS).clamp(0.0, 1.0)),
+            true => minimum_jerk((fraction.min(1.0 - fraction) / GROWS).clamp(0.0, 1.0)),
             false => 0.0,
         };
         Deviation {
             shift,
             turn: [0, 1, 2].map(|k| mix(self.turned[0][k], self.turned[1][k], done)),
-            squeeze: mix(self.squeeze[0], self.squeeze[1], share),
+            squeeze: mix(self.squeeze[0], self.squeeze[1], fraction),
             tremor: mix(still, actuating, effort),
         }
     }
@@ -347,14 +347,14 @@ fn turned_by(orientation: [f64; 4], turn: [f64; 3]) -> [f64; 4] {
     product([x, y, z, libm::cos(0.5 * angle)], orientation)
 }
 
-/// The unit vector across `way` that is nearest to `to`, upwards; 0 where there is none.
-fn across(way: [f64; 3], to: [f64; 3]) -> [f64; 3] {
-    let square = dot(way, way);
+/// The unit vector across `path` that is nearest to `to`, upwards; 0 where there is none.
+fn across(path: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    let square = dot(path, path);
     if square == 0.0 {
         return [0.0; 3];
     }
-    let along = dot(way, to) / square;
-    let side = [0, 1, 2].map(|k| to[k] - along * way[k]);
+    let along = dot(path, to) / square;
+    let side = [0, 1, 2].map(|k| to[k] - along * path[k]);
     let length = norm(side);
     if length == 0.0 {
         return [0.0; 3];

@@ -1,6 +1,6 @@
 //! From devices to tools: the translator (chapter 5.2.1 of the dissertation).
 //!
-//! A device knows nothing of tools and a tool nothing of devices: a [`Mapping`] says which device drives which tool, and
+//! A device knows nothing of tools and a tool nothing of devices: a [`Mapping`] states which device drives which tool, and
 //! how the device frame lies in the field. With p the position and q the orientation of a sample,
 //!
 //! ```text
@@ -13,7 +13,7 @@
 //! lever to the tip has to be applied before.
 //!
 //! # Clocks
-//! Samples carry the time of their device. Whether a tool is still fed is judged by when they *arrive* in the session's
+//! Samples carry the time of their device. Whether a tool still receives samples follows from when they *arrive* in the session's
 //! time, since the two clocks need not agree.
 
 mod mapping;
@@ -79,7 +79,7 @@ impl Translator {
     /// for more than `stale_after_s` `[s]` no sample of its device has arrived.
     ///
     /// # Errors
-    /// [`TranslatorError`] if a mapping breaks a rule of [`Mapping`], if two share a tool or a device, or if
+    /// [`TranslatorError`] if a mapping breaks a rule of [`Mapping`], if two have the same tool or device, or if
     /// `stale_after_s` is not a finite positive number.
     pub fn new(mut mappings: Vec<Mapping>, stale_after_s: f64) -> Result<Self, TranslatorError> {
         if !(stale_after_s.is_finite() && stale_after_s > 0.0) {
@@ -173,7 +173,7 @@ impl Translator {
     }
 }
 
-/// The pose of the mapped tool for a visible sample; `opening` is kept where the device should say it and does not.
+/// The pose of the mapped tool for a visible sample; `opening` is retained where the device should measure it and does not.
 fn translate(mapping: &Mapping, sample: &Sample, opening: f64) -> Result<ToolPose, SampleFault> {
     if !sample.time_s.is_finite() {
         return Err(SampleFault::Time);
@@ -193,11 +193,11 @@ fn translate(mapping: &Mapping, sample: &Sample, opening: f64) -> Result<ToolPos
         (Opening::Constant(opening), _) => opening,
         (Opening::Device { .. }, None) => opening,
         (Opening::Device { closed, open }, Some(reading)) => {
-            let share = (reading - closed) / (open - closed);
-            if !share.is_finite() {
+            let opening = (reading - closed) / (open - closed);
+            if !opening.is_finite() {
                 return Err(SampleFault::Opening);
             }
-            share.clamp(0.0, 1.0)
+            opening.clamp(0.0, 1.0)
         }
     };
     Ok(ToolPose {

@@ -1,4 +1,4 @@
-//! What the translator remembers of each tool, and what it says of it.
+//! What the translator stores of each tool, and what it reports of it.
 
 use std::error::Error;
 use std::fmt;
@@ -117,7 +117,7 @@ impl ToolMemory {
         self.pose.map_or(1.0, |pose| pose.opening)
     }
 
-    /// Notes the arrival of a sample, and by `change` what it says.
+    /// Records the arrival of a sample, and by `change` its contents.
     pub(super) fn arrived(
         &mut self,
         now_s: f64,

@@ -39,7 +39,7 @@ fn close<const N: usize>(found: [f64; N], expected: [f64; N], tolerance: f64) ->
     (0..N).all(|i| (found[i] - expected[i]).abs() <= tolerance)
 }
 
-/// The rotation matrix of a quaternion in its textbook form, as a reference that shares no code with the translator.
+/// The rotation matrix of a quaternion in its textbook form, as a reference independent of the translator's code.
 fn turned(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     let [x, y, z, w] = q;
     let rows = [
@@ -174,7 +174,7 @@ fn statuses_over_a_timeline() {
     let lost = |now_s: f64| Some(hidden(now_s + 100.0));
     let broken = |now_s: f64| Some(sample(now_s + 100.0, [f64::NAN, 0.0, 0.0], IDENTITY));
 
-    // Session time, the sample that arrives then, and what is said afterwards: status, since when, x, refused.
+    // Session time, the sample that arrives then, and what is reported afterwards: status, since when, x, refused.
     let timeline = [
         (0.0, None, (NeverSeen, 0.0, None, 0)),
         (1.0, lost(1.0), (NeverSeen, 0.0, None, 0)),
@@ -319,7 +319,7 @@ fn devices_and_tools_meet_in_the_mapping() {
     );
 }
 
-/// A translator that is saved, made anew and restored says the same as one that went on, at every later moment.
+/// A translator that is saved, rebuilt and restored reports the same as one that went on, at every later moment.
 #[test]
 fn saved_state_goes_on() {
     let mapping = Mapping {

@@ -62,8 +62,8 @@ fn reason(logs: &[(&str, &MotionLog)], metric: &str) -> NotApplicable {
 /// Movements of 4 mm along x, one a second, each of minimum jerk and 0.5 s long.
 fn movements(t: f64) -> [f64; 3] {
     let tau = (2.0 * (t - t.floor())).min(1.0);
-    let share = tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau);
-    [4e-3 * (t.floor() + share), 0.0, 0.0]
+    let fraction = tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau);
+    [4e-3 * (t.floor() + fraction), 0.0, 0.0]
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn working_volume_is_that_of_the_box() {
 fn idle_share_of_a_tool_that_rests_half_the_time() {
     let a = log(0.0, 20.0, 60.0, |t| [1e-3 * t.min(10.0), 0.0, 0.0]);
     // The Gaussian reaches 3 · 0.05 s across the moment of stopping.
-    let idle = number(&[("a", &a)], id::IDLE_SHARE);
+    let idle = number(&[("a", &a)], id::IDLE_FRACTION);
     assert!((idle - 0.5).abs() < 0.15 / 20.0 + 1.0 / 1200.0, "{idle}");
 }
 
@@ -205,7 +205,7 @@ fn means_over_segments_are_weighted_by_duration() {
     let (a, b) = (log(0.0, 6.0, 64.0, long), log(16.0, 2.0, 64.0, short));
     let mut both = a.clone();
     extend(&mut both, 16.0, 2.0, 64.0, short);
-    for metric in [id::SPARC, id::LDLJ, id::TREMOR, id::IDLE_SHARE] {
+    for metric in [id::SPARC, id::LDLJ, id::TREMOR, id::IDLE_FRACTION] {
         let expected =
             (6.0 * number(&[("a", &a)], metric) + 2.0 * number(&[("a", &b)], metric)) / 8.0;
         let found = number(&[("a", &both)], metric);
@@ -325,7 +325,7 @@ fn what_cannot_be_formed_is_not_applicable() {
 #[test]
 fn two_hands() {
     let both_metrics = [
-        id::BIMANUAL_SHARE,
+        id::BIMANUAL_FRACTION,
         id::SPEED_CORRELATION,
         id::PATH_ASYMMETRY,
     ];
@@ -349,7 +349,7 @@ fn two_hands() {
     let opposed = log(0.0, 8.0, 60.0, wave(-1.0));
     assert!((number(&[("a", &a), ("b", &a)], id::SPEED_CORRELATION) - 1.0).abs() < 1e-12);
     assert!((number(&[("a", &a), ("b", &opposed)], id::SPEED_CORRELATION) + 1.0).abs() < 1e-9);
-    assert_eq!(number(&[("a", &a), ("b", &a)], id::BIMANUAL_SHARE), 1.0);
+    assert_eq!(number(&[("a", &a), ("b", &a)], id::BIMANUAL_FRACTION), 1.0);
     assert_eq!(number(&[("a", &a), ("b", &a)], id::PATH_ASYMMETRY), 0.0);
     let even = log(0.0, 8.0, 60.0, |t| [1e-3 * t, 0.0, 0.0]);
     assert_eq!(
@@ -360,10 +360,10 @@ fn two_hands() {
     // Seen from 2 s on, moving from 5 s on, 3 m against 1 m of path; other rate, other begin.
     let fast = log(0.0, 8.0, 62.5, |t| [3e-3 * t, 0.0, 0.0]);
     let late = log(2.0, 6.0, 60.0, |t| [8e-3 * (t - 3.0).max(0.0), 0.0, 0.0]);
-    let share = number(&[("a", &fast), ("b", &late)], id::BIMANUAL_SHARE);
+    let fraction = number(&[("a", &fast), ("b", &late)], id::BIMANUAL_FRACTION);
     assert!(
-        (share - 0.5).abs() < (0.15 + 1.0 / 60.0) / 6.0,
-        "of the common 6 s, by the reach of the filter: {share}"
+        (fraction - 0.5).abs() < (0.15 + 1.0 / 60.0) / 6.0,
+        "of the common 6 s, by the reach of the filter: {fraction}"
     );
     let third = log(0.0, 8.0, 60.0, |t| [1e-3 * t, 0.0, 0.0]);
     let asymmetry = number(&[("a", &fast), ("b", &third)], id::PATH_ASYMMETRY);
@@ -373,7 +373,7 @@ fn two_hands() {
     );
 
     let afterwards = log(20.0, 5.0, 60.0, wave(1.0));
-    for metric in [id::BIMANUAL_SHARE, id::SPEED_CORRELATION] {
+    for metric in [id::BIMANUAL_FRACTION, id::SPEED_CORRELATION] {
         assert_eq!(
             reason(&[("a", &a), ("b", &afterwards)], metric),
             NotApplicable::NotTogether
@@ -422,7 +422,7 @@ fn recording_of_a_real_hand() {
         (id::PATH_LENGTH, 1.109962618375232),
         (id::ANGULAR_PATH, 9.60602693723165),
         (id::WORKING_VOLUME, 7.45134626592543e-4),
-        (id::IDLE_SHARE, 0.010863287747428322),
+        (id::IDLE_FRACTION, 0.010863287747428322),
         (id::MOVEMENTS, 19.0),
         (id::SPARC, -3.0451418759094673),
         (id::LDLJ, -17.435833414117912),

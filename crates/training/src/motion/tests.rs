@@ -124,7 +124,7 @@ fn rotation_angle_of_a_known_rotation() {
             );
         }
     }
-    // Beyond half a turn the shorter way round counts.
+    // Beyond half a turn the smaller angle counts.
     assert!((rotation_angle(about_z(0.0), about_z(1.5 * PI)) - 0.5 * PI).abs() < 4e-15);
 }
 
@@ -217,7 +217,7 @@ fn bytes_that_are_no_log_are_refused() {
     assert_eq!(
         with(second - 2, 1),
         Err(MotionBytesError::Mark),
-        "an opening that is said to be absent"
+        "an opening that is marked as absent"
     );
     assert_eq!(
         with(second + SAMPLE_BYTES, 2),
@@ -285,9 +285,9 @@ proptest! {
     }
 
     #[test]
-    fn truncated_bytes_are_an_error(log in any_log(), share in 0.0..1.0f64) {
+    fn truncated_bytes_are_an_error(log in any_log(), fraction in 0.0..1.0f64) {
         let bytes = log.to_bytes();
-        let cut = (share * bytes.len() as f64) as usize;
+        let cut = (fraction * bytes.len() as f64) as usize;
         prop_assert!(MotionLog::from_bytes(&bytes[..cut]).is_err());
     }
 

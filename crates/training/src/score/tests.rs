@@ -100,7 +100,7 @@ fn a_pass_and_its_score() {
     );
 }
 
-/// Selvander & Åsman: nothing makes up for a limit that is not kept.
+/// Selvander & Åsman: nothing makes up for a limit that is violated.
 #[test]
 fn the_verdict_does_not_compensate() {
     let run = [
@@ -211,7 +211,7 @@ fn what_is_not_applicable_is_stated_and_does_not_fail() {
     assert_eq!(
         scores(&assessment),
         expected,
-        "time alone; no handling to judge"
+        "time alone; no handling to evaluate"
     );
 }
 

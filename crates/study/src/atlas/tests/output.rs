@@ -5,7 +5,7 @@ use super::*;
 /// A few rows of everything, for what is made of results.
 fn small() -> Atlas {
     let variations = [Variation::Plain, Variation::Amplitude(0.1)];
-    let way = Way {
+    let scheme = Scheme {
         method: Method::QuasiStatic(newton(20)),
         substance: STABLE,
         step: StepLength::Seconds(0.6),
@@ -17,7 +17,7 @@ fn small() -> Atlas {
         limits: limits(Substance::SpringsVolumes, &variations),
         large_steps: large_steps::large_steps(Substance::SpringsVolumes, &body, &[Start::Bent]),
         remedies: remedies::remedies(STABLE, Variation::Node(0.03)),
-        recoveries: recover(&way, &[Damage::Tip, Damage::Jump], &|| 0.0),
+        recoveries: recover(&scheme, &[Damage::Tip, Damage::Jump], &|| 0.0),
     }
 }
 
@@ -58,7 +58,7 @@ fn tables_hold_every_run_and_the_page_every_figure() {
     );
     let figures = atlas.figures();
     assert_eq!(page.matches("<figure").count(), figures.len());
-    // One way is no overview.
+    // One scheme is no overview.
     assert!(
         figures
             .iter()

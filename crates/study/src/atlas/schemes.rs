@@ -1,15 +1,15 @@
-//! The ways in which the recovery of the beam is computed.
+//! The schemes with which the recovery of the beam is computed.
 
 use super::method_name;
-use super::recovery::{StepLength, Way};
+use super::recovery::{Scheme, StepLength};
 use super::subject::Substance;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{Discretisation, Method, Newton};
 
-/// Drag of all ways \[1/s\]: half of the critical damping of the first bending mode, which takes some 0.28 s.
+/// Drag of all schemes \[1/s\]: half of the critical damping of the first bending mode, which takes some 0.28 s.
 const DRAG: f64 = 20.0;
 
-impl Way {
+impl Scheme {
     /// Its name in reports.
     pub fn name(&self) -> String {
         format!("{}, {}", method_name(&self.method), self.substance.name())
@@ -49,8 +49,8 @@ const fn tetrahedra(law: LawName) -> Substance {
     Substance::Continuum(law, Discretisation::Tetrahedra)
 }
 
-const fn way(method: Method, substance: Substance, step: StepLength) -> Way {
-    Way {
+const fn scheme(method: Method, substance: Substance, step: StepLength) -> Scheme {
+    Scheme {
         method,
         substance,
         step,
@@ -68,7 +68,7 @@ const fn newton(iterations: u32) -> Newton {
     }
 }
 
-/// Newton's method of the quasi-static solver, which has no other way on.
+/// Newton's method of the quasi-static solver, which has no fallback.
 const STATIC: Newton = Newton {
     iterations: 50,
     tolerance: 1e-4,
@@ -87,15 +87,15 @@ const fn milliseconds(ms: f64) -> StepLength {
 }
 
 /// Every method, law and discretisation, at several steps.
-pub fn all() -> Vec<Way> {
-    let mut ways = Vec::new();
-    // Explicit: one method on everything, the others on one thing.
+pub fn all() -> Vec<Scheme> {
+    let mut schemes = Vec::new();
+    // Explicit: one method on every material, the others on one.
     for substance in SUBSTANCES {
-        for share in [0.9, 0.6, 0.3, 0.1] {
-            ways.push(way(
+        for fraction in [0.9, 0.6, 0.3, 0.1] {
+            schemes.push(scheme(
                 Method::StoermerVerlet,
                 substance,
-                StepLength::Share(share),
+                StepLength::LimitFraction(fraction),
             ));
         }
     }
@@ -105,49 +105,57 @@ pub fn all() -> Vec<Way> {
         Method::VelocityVerletLagged,
         Method::ExplicitEuler,
     ] {
-        ways.push(way(method, COROTATIONAL, StepLength::Share(0.6)));
+        schemes.push(scheme(method, COROTATIONAL, StepLength::LimitFraction(0.6)));
     }
     for substance in [SPRINGS, COROTATIONAL, STABLE] {
-        ways.push(Way {
+        schemes.push(Scheme {
             relaxation_time: 1e-4,
-            ..way(Method::StoermerVerlet, substance, StepLength::Share(0.6))
+            ..scheme(
+                Method::StoermerVerlet,
+                substance,
+                StepLength::LimitFraction(0.6),
+            )
         });
     }
     // Implicit.
     for substance in SUBSTANCES {
         for ms in [5.0, 20.0] {
-            ways.push(way(
+            schemes.push(scheme(
                 Method::ImplicitEuler(newton(1)),
                 substance,
                 milliseconds(ms),
             ));
-            ways.push(way(
+            schemes.push(scheme(
                 Method::ImplicitEuler(newton(20)),
                 substance,
                 milliseconds(ms),
             ));
-            ways.push(way(
+            schemes.push(scheme(
                 Method::GuardedMidpoint(newton(1)),
                 substance,
                 milliseconds(ms),
             ));
-            ways.push(way(Method::Sdirk2(newton(20)), substance, milliseconds(ms)));
+            schemes.push(scheme(
+                Method::Sdirk2(newton(20)),
+                substance,
+                milliseconds(ms),
+            ));
         }
-        ways.push(way(
+        schemes.push(scheme(
             Method::QuasiStatic(STATIC),
             substance,
             milliseconds(100.0),
         ));
     }
     for substance in [SPRINGS, COROTATIONAL, STABLE] {
-        ways.push(way(
+        schemes.push(scheme(
             Method::ImplicitMidpoint(newton(20)),
             substance,
             milliseconds(5.0),
         ));
-        ways.push(Way {
+        schemes.push(Scheme {
             relaxation_time: 5e-3,
-            ..way(
+            ..scheme(
                 Method::ImplicitMidpoint(newton(20)),
                 substance,
                 milliseconds(5.0),
@@ -163,43 +171,59 @@ pub fn all() -> Vec<Way> {
             xpbd(1, 1),
             xpbd(1, 20),
         ] {
-            ways.push(way(method, substance, milliseconds(5.0)));
+            schemes.push(scheme(method, substance, milliseconds(5.0)));
         }
     }
-    ways
+    schemes
 }
 
 /// One or two of each kind.
-pub fn few() -> Vec<Way> {
+pub fn few() -> Vec<Scheme> {
     vec![
-        way(Method::StoermerVerlet, SPRINGS, StepLength::Share(0.6)),
-        way(Method::StoermerVerlet, COROTATIONAL, StepLength::Share(0.6)),
-        way(Method::StoermerVerlet, STABLE, StepLength::Share(0.6)),
-        way(Method::StoermerVerlet, STABLE, StepLength::Share(0.3)),
-        way(Method::ImplicitEuler(newton(1)), SPRINGS, milliseconds(5.0)),
-        way(Method::ImplicitEuler(newton(1)), STABLE, milliseconds(5.0)),
-        way(
+        scheme(
+            Method::StoermerVerlet,
+            SPRINGS,
+            StepLength::LimitFraction(0.6),
+        ),
+        scheme(
+            Method::StoermerVerlet,
+            COROTATIONAL,
+            StepLength::LimitFraction(0.6),
+        ),
+        scheme(
+            Method::StoermerVerlet,
+            STABLE,
+            StepLength::LimitFraction(0.6),
+        ),
+        scheme(
+            Method::StoermerVerlet,
+            STABLE,
+            StepLength::LimitFraction(0.3),
+        ),
+        scheme(Method::ImplicitEuler(newton(1)), SPRINGS, milliseconds(5.0)),
+        scheme(Method::ImplicitEuler(newton(1)), STABLE, milliseconds(5.0)),
+        scheme(
             Method::ImplicitEuler(newton(20)),
             ST_VENANT,
             milliseconds(20.0),
         ),
-        way(
+        scheme(
             Method::ImplicitEuler(newton(20)),
             STABLE,
             milliseconds(20.0),
         ),
-        way(
+        scheme(
             Method::GuardedMidpoint(newton(1)),
             STABLE,
             milliseconds(20.0),
         ),
-        way(Method::Sdirk2(newton(20)), STABLE, milliseconds(20.0)),
-        way(
+        scheme(Method::Sdirk2(newton(20)), STABLE, milliseconds(20.0)),
+        scheme(
             Method::ImplicitMidpoint(newton(20)),
             SPRINGS,
             milliseconds(20.0),
         ),
-        way(Method::QuasiStatic(STATIC), STABLE, milliseconds(100.0)),
-        way(xpbd(10, 1), POLYNOMIAL, milliseconds(5.0)),
+        scheme(Method::QuasiStatic(STATIC), STABLE, milliseconds(100.0)),
+        scheme(xpbd(10, 1), POLYNOMIAL, milliseconds(5.0)),
     ]
 }
