@@ -28,11 +28,11 @@ mod parallel;
 mod playback;
 mod plugin;
 mod random;
+mod shortest_path;
 mod test_host;
 mod tick;
 pub mod tissue;
 mod tray;
-mod way;
 
 pub use course::Course;
 pub use direction::{axis, turned_to};
@@ -46,10 +46,10 @@ pub use parallel::Parallel;
 pub use playback::Playback;
 pub use plugin::{Plugin, Services};
 pub use random::RandomStream;
+pub use shortest_path::shortest_path;
 pub use test_host::{Heard, TestHost};
 pub use tick::Tick;
 pub use tray::Tray;
-pub use way::least_way;
 
 #[doc(hidden)]
 pub mod export {

@@ -161,14 +161,14 @@ impl Site {
         let paths = self.tools.iter().zip(starts).filter_map(|(tool, start)| {
             let holds = self.holders.contains(tool);
             let idle = holds && self.keys.task == Task::Cut && !was_held;
-            Some(self.least_way_of(holds, (*start)?)).filter(|_| !idle)
+            Some(self.shortest_path_of(holds, (*start)?)).filter(|_| !idle)
         });
         paths.sum()
     }
 
     /// That of one tool. If it cuts, past the marks, in the better order; if it `holds`, from the mark to the ring, or from the piece to
     /// where it falls into the tray, or just to the tissue.
-    fn least_way_of(&self, holds: bool, start: [f64; 3]) -> f64 {
+    fn shortest_path_of(&self, holds: bool, start: [f64; 3]) -> f64 {
         let path = |goals: &[[f64; 3]]| shortest_path(start, goals, self.keys.mark_reach);
         let marks: Vec<[f64; 3]> = self.marks.iter().map(|mark| mark.line.middle).collect();
         match (holds, &self.ring, &self.tray) {

@@ -447,7 +447,7 @@ fn only_what_is_cut_can_be_steadied() {
 /// never come into view. Nothing has
 /// moved, so that no run has an economy; of a run of 1 mm it is so many.
 #[test]
-fn the_economy_is_that_of_the_least_way_of_the_task() {
+fn the_economy_is_that_of_the_shortest_path_of_the_task() {
     for (moves, forceps, held, expected) in [
         (false, Some(0.0), true, 0.0),
         (true, Some(0.0), true, 3.0),
