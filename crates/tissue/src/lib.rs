@@ -10,7 +10,8 @@
 #![forbid(unsafe_code)]
 
 mod components;
-mod contact;
+#[cfg(test)]
+mod contact_tests;
 mod edit;
 pub mod elements;
 mod executor;
@@ -22,9 +23,7 @@ mod material;
 mod method;
 mod model;
 mod newton;
-mod parts;
 mod prescribed;
-mod projection;
 mod solver;
 mod solver_explicit;
 mod solver_implicit;
@@ -35,7 +34,6 @@ pub mod stability;
 mod state;
 mod system;
 
-pub use contact::{Contact, ContactSource, ContactStep};
 pub use edit::{EditError, ModelChange, ModelEdit};
 pub use elements::Elements;
 pub use executor::{Executor, Serial};
@@ -46,8 +44,11 @@ pub use material::{
     Material, MaterialError, SpringConstants, SpringForm, SpringModuli, build_model, fit,
 };
 pub use method::{Method, MethodError};
+pub use microsim_contact_solver::{Contact, ContactSource, ContactStep};
 pub use model::{ModelError, TissueModel};
-pub use newton::Newton;
+pub use newton::{
+    LineSearchOptions, Newton, NewtonContactOptions, NewtonOptions, SecondOrderOptions,
+};
 pub use solver::{Solver, StepFailure, StepReport};
 pub use solver_explicit::{Scheme, SolverExplicit};
 pub use solver_implicit::{ImplicitScheme, SolverImplicit};

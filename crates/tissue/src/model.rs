@@ -6,11 +6,11 @@ mod parallel;
 pub use error::ModelError;
 pub(crate) use parallel::Part;
 
-use crate::components::Components;
 use crate::edit::IndexCell;
 use crate::elements::Elements;
 use crate::material;
 use crate::stability::{self, RowSums, gershgorin_bound};
+use microsim_contact_solver::Components;
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use parallel::{PARALLEL_ELEMENTS, follow, parts};
@@ -207,7 +207,10 @@ impl TissueModel {
         if bodies.iter().all(|body| body.parts.len() == 1) && union.tets.len() < PARALLEL_ELEMENTS {
             union.parts = parts(union.tets.len(), union.node_count(), &union.sets);
         }
-        union.components = Arc::new(Components::joined(bodies)).into();
+        union.components = Arc::new(Components::joined(
+            bodies.iter().map(|body| &**body.components()),
+        ))
+        .into();
         // That of the members where edits may have kept it from before; else the same comes out.
         let bounds = bodies.iter().map(|body| body.rate_bound.get().copied());
         if let Some(bounds) = bounds.collect::<Option<Vec<f64>>>() {

@@ -1,17 +1,17 @@
-//! Nodes whose motion in a step is given: clamps, and targets of contact.
+//! Prescribed nodes: clamps, and nodes with a target, whose motion in a step is given.
 
 use crate::model::TissueModel;
 use crate::state::{Control, NodeTarget, State};
 use nalgebra::Vector3;
 
-/// Nodes whose motion is given.
+/// The prescribed nodes of a step.
 #[derive(Clone, Debug)]
 pub(crate) struct Prescribed {
     /// Which nodes.
     pub fixed: Vec<bool>,
     /// Where they are at the end of the step \[m\]; start positions for all others.
     pub ends: Vec<Vector3<f64>>,
-    /// The part of their way that leaves no velocity \[m\].
+    /// The part of their displacement that leaves no velocity \[m\].
     overlaps: Vec<(u32, Vector3<f64>)>,
 }
 
@@ -31,7 +31,7 @@ impl Prescribed {
         self.ends.resize(nodes, Vector3::zeros());
     }
 
-    /// Clamps, and targets of contact, of a step from `state`.
+    /// Clamps and targets of a step from `state`.
     pub fn set(
         &mut self,
         model: &TissueModel,
@@ -57,7 +57,7 @@ impl Prescribed {
         }
     }
 
-    /// Gives prescribed nodes the velocity of their way from `start` in a step of `h` \[s\].
+    /// Gives prescribed nodes the velocity of their displacement from `start` in a step of `h` \[s\].
     pub fn set_velocities(&self, start: &[Vector3<f64>], h: f64, velocities: &mut [Vector3<f64>]) {
         for (node, fixed) in self.fixed.iter().enumerate() {
             if *fixed {

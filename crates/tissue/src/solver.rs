@@ -1,9 +1,9 @@
-//! What every solver is: one step, and what it says of it.
+//! What every solver is: one step, and its report.
 
-use crate::contact::ContactStep;
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::state::{Control, NodeTarget, State};
+use microsim_contact_solver::ContactStep;
 use std::fmt::Debug;
 
 /// Advances a body by one step.
@@ -11,7 +11,7 @@ use std::fmt::Debug;
 /// A solver holds working memory for one model and nothing that evolves: from equal states come equal bits, whatever was
 /// computed before.
 pub trait Solver: Debug + Send {
-    /// Advances `state` by `h` \[s\] with the nodes of `contacts` led and the gaps of `touching` kept. After a failure the state is
+    /// Advances `state` by `h` \[s\] with the nodes of `targets` prescribed and the gaps of `contact` enforced. After a failure the state is
     /// as it was.
     #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn advance(
@@ -20,12 +20,12 @@ pub trait Solver: Debug + Send {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure>;
 
-    /// Advances `state` by `h` \[s\] where nothing is touched. After a failure the state is as it was.
+    /// Advances `state` by `h` \[s\] where there is no contact. After a failure the state is as it was.
     fn step(
         &mut self,
         model: &TissueModel,
@@ -38,9 +38,9 @@ pub trait Solver: Debug + Send {
         self.advance(model, state, control, targets, None, h, exec)
     }
 
-    /// Follows an edit of its model: from then on it does what a solver made for the model as it is now does, to the bit. Working
-    /// memory of explicit and position-based methods is kept; an implicit one is made anew, with all analysis of its
-    /// system, in a time that goes with the body: some milliseconds for 3,000 tetrahedra.
+    /// Updates it after an edit of its model: from then on it does what a solver made for the model as it is now does, to the bit. Working
+    /// memory of explicit and position-based methods is retained; an implicit one is rebuilt, with all analysis of its
+    /// system, in a time in proportion to the body: some milliseconds for 3,000 tetrahedra.
     fn follow(&mut self, model: &TissueModel);
 
     /// A copy, for a scene that is copied.
@@ -58,7 +58,7 @@ impl Clone for Box<dyn Solver> {
 pub struct StepReport {
     /// Iterations; 1 for a method without any.
     pub iterations: u32,
-    /// What is left of the equation that the method solves, as a share of the forces in it; 0 for a method without any.
+    /// Residual of the equation that the method solves, relative to the forces in it; 0 for a method without any.
     pub residual: f64,
 }
 
@@ -67,7 +67,7 @@ pub struct StepReport {
 pub enum StepFailure {
     /// A number is not finite.
     NotFinite,
-    /// The iteration came to its end with this residual, a share of the forces.
+    /// The iteration came to its end with this residual, relative to the forces.
     NotConverged {
         /// Iterations made.
         iterations: u32,
@@ -79,7 +79,7 @@ pub enum StepFailure {
         /// The node.
         node: u32,
     },
-    /// The method cannot keep gaps.
+    /// The method cannot enforce non-penetration.
     NoContact {
         /// Why, with the remedy.
         reason: &'static str,

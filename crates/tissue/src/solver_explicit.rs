@@ -1,4 +1,4 @@
-//! The explicit integrators of 3.5 beside Störmer–Verlet: explicit Euler, symplectic Euler, velocity Verlet, and velocity
+//! The explicit integrators of 3.5 beside leapfrog (Störmer–Verlet): explicit Euler, symplectic Euler, velocity Verlet, and velocity
 //! Verlet as the dissertation loops it. They differ in one rule per node; forces, clamps and targets are shared.
 //!
 //! With a = F/m at the positions and velocities that are known, c the drag per mass, E = e^(−ch/2):
@@ -12,7 +12,7 @@
 //!
 //! Velocity Verlet (3.19, 3.20 as corrected in NUMERICS 1.2) carries its accelerations in the state; a' is taken at p' and the
 //! velocity E (u + ½h a) expected there, so that viscous forces keep second order. A body with internal variables computes its
-//! accelerations at the start of each step anew, since these may have flowed in between. The lagged loop stores velocity and
+//! accelerations at the start of each step again, since these may have flowed in between. The lagged loop stores velocity and
 //! acceleration of the positions before the last step (v₋, a₋, h₋ the step that led from them), as 3.19 and 3.20 are printed;
 //! its a holds viscous forces and drag −c v₋ of that old velocity.
 //!
@@ -22,21 +22,21 @@
 //!
 //! # Limitations
 //! All: the step is bounded ([`stability::limit`](crate::stability::limit)). Internal forces conserve momentum to rounding.
-//! Explicit Euler gains the share h²ω² of the energy of a mode in each step: without drag it is never stable; first order;
+//! Explicit Euler multiplies the energy of a mode by 1 + h²ω² in each step: without drag it is never stable; first order;
 //! nodes cannot be prescribed, [`NodeTarget`]s are ignored and contact is refused. Symplectic Euler does not conserve energy but ½v² + ½ω²x² − ½hω²xv of a
 //! mode: energy oscillates and does not drift; first order; its drag lowers the limit. Velocity Verlet: energy oscillates and
-//! does not drift; second order; what is led or touched has the velocity of what holds it, and the accelerations that the state carries
+//! does not drift; second order; prescribed nodes and those in contact have the velocity of what holds them, and the accelerations that the state carries
 //! are then those with which the next step goes on in the joint form (NUMERICS 2.4). Lagged: the limit falls from 2/ω to √2/ω with any drag, which also makes it first order; the velocities of
 //! the state are one step old. Loads and clamps are taken as given for the end of the step: a load that changes is followed to
 //! first order only, but for velocity Verlet without internal variables, which has those of both ends. A step that changes from call to call is not symplectic in any of them.
 
-use crate::contact::{Contact, ContactStep};
+use crate::components::{follow, projection};
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
-use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
+use microsim_contact_solver::{Contact, ContactStep, Projection};
 use nalgebra::Vector3;
 
 /// Which rule.
@@ -64,7 +64,8 @@ pub struct SolverExplicit {
     /// E of each node.
     factors: Vec<f64>,
     projection: Projection,
-    led: Vec<bool>,
+    /// Marks of the nodes with a target.
+    prescribed: Vec<bool>,
 }
 
 impl SolverExplicit {
@@ -78,8 +79,8 @@ impl SolverExplicit {
             velocities: zeros.clone(),
             accelerations: zeros,
             factors: vec![1.0; model.node_count()],
-            projection: Projection::new(model),
-            led: vec![false; model.node_count()],
+            projection: projection(model),
+            prescribed: vec![false; model.node_count()],
         }
     }
 
@@ -133,52 +134,52 @@ impl SolverExplicit {
         }
     }
 
-    /// Puts the nodes of `contacts` on their targets. Of the way there, `velocity_share`/h goes on as velocity and
-    /// `acceleration_share` as acceleration; what only undoes an overlap does not.
-    fn lead(
+    /// Puts nodes on their targets. Their displacement times `to_velocity` goes on as velocity and times `to_acceleration` as
+    /// acceleration; what only undoes an overlap does not.
+    fn apply_targets(
         &mut self,
         model: &TissueModel,
         targets: &[NodeTarget],
-        velocity_share: f64,
-        acceleration_share: f64,
+        to_velocity: f64,
+        to_acceleration: f64,
     ) {
-        self.led.fill(false);
+        self.prescribed.fill(false);
         for target in targets {
             let node = target.node as usize;
             if model.is_clamped(node) {
                 continue;
             }
-            self.led[node] = true;
-            let led = target.target - self.positions[node] - target.overlap;
+            self.prescribed[node] = true;
+            let displacement = target.target - self.positions[node] - target.overlap;
             self.positions[node] = target.target;
-            self.velocities[node] += led * velocity_share;
-            self.accelerations[node] += led * acceleration_share;
+            self.velocities[node] += displacement * to_velocity;
+            self.accelerations[node] += displacement * to_acceleration;
         }
     }
 
-    /// Keeps gaps. A force moves a node by h (E² `before` + `after`) times its acceleration, with `times` = [h, before, after] \[s\]; of
-    /// that way `velocity_share` goes on as velocity and `acceleration_share` as acceleration, as in [`lead`](Self::lead).
-    fn touch(
+    /// Enforces non-penetration. A force moves a node by h (E² `before` + `after`) times its acceleration, with `times` = [h, before, after]
+    /// \[s\]; that displacement goes on as in [`apply_targets`](Self::apply_targets).
+    fn enforce_contact(
         &mut self,
         model: &TissueModel,
         state: &State,
-        touching: &mut ContactStep<'_>,
+        contact: &mut ContactStep<'_>,
         [h, before, after]: [f64; 3],
-        [velocity_share, acceleration_share]: [f64; 2],
+        [to_velocity, to_acceleration]: [f64; 2],
     ) -> Result<(), StepFailure> {
         if !is_finite(&self.positions) {
             return Err(StepFailure::NotFinite);
         }
-        let (led, factors, w) = (&self.led, &self.factors, model.inverse_masses());
-        let mobility = |node: usize| match led[node] {
+        let (prescribed, factors, w) = (&self.prescribed, &self.factors, model.inverse_masses());
+        let mobility = |node: usize| match prescribed[node] {
             true => 0.0,
             false => h * (factors[node] * factors[node] * before + after) * w[node],
         };
         self.projection
-            .touch(touching, &state.positions, mobility, h, &mut self.positions);
-        for (node, way) in self.projection.ways().iter().enumerate() {
-            self.velocities[node] += way * velocity_share;
-            self.accelerations[node] += way * acceleration_share;
+            .project(contact, &state.positions, mobility, h, &mut self.positions);
+        for (node, change) in self.projection.changes().iter().enumerate() {
+            self.velocities[node] += change * to_velocity;
+            self.accelerations[node] += change * to_acceleration;
         }
         match is_finite(&self.positions) {
             true => Ok(()),
@@ -193,7 +194,7 @@ impl SolverExplicit {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
@@ -205,8 +206,8 @@ impl SolverExplicit {
         } else {
             self.accelerate(model, state, control, false, exec);
             if carried {
-                for (a, kept) in self.accelerations.iter_mut().zip(&state.accelerations) {
-                    *a += kept;
+                for (a, carried) in self.accelerations.iter_mut().zip(&state.accelerations) {
+                    *a += carried;
                 }
             }
         }
@@ -220,20 +221,14 @@ impl SolverExplicit {
             }
         }
         self.clamp(model, state, control, h);
-        self.lead(model, targets, 1.0 / h, 0.0);
+        self.apply_targets(model, targets, 1.0 / h, 0.0);
         if !is_finite(&self.positions) {
             return Err(StepFailure::NotFinite);
         }
         let mut touched: &[Contact] = &[];
-        if let Some(touching) = touching {
-            self.touch(
-                model,
-                state,
-                touching,
-                [h, 0.5 * h, 0.5 * h],
-                [1.0 / h, 0.0],
-            )?;
-            touched = &touching.contacts;
+        if let Some(contact) = contact {
+            self.enforce_contact(model, state, contact, [h, 0.5 * h, 0.5 * h], [1.0 / h, 0.0])?;
+            touched = &contact.contacts;
         }
 
         // From here on the solver holds the state before, to go back to.
@@ -258,13 +253,13 @@ impl SolverExplicit {
             std::mem::swap(&mut state.velocities, &mut self.velocities);
             return Err(StepFailure::NotFinite);
         }
-        self.settle(model, state, targets, touched, h);
+        self.match_velocities(model, state, targets, touched, h);
         Ok(())
     }
 
-    /// Gives nodes that are led or touched the velocity of what holds them, and the state the accelerations with which the next
+    /// Gives prescribed nodes and those in contact the velocity of what holds them, and the state the accelerations with which the next
     /// step goes on as if it had not been given.
-    fn settle(
+    fn match_velocities(
         &mut self,
         model: &TissueModel,
         state: &mut State,
@@ -278,21 +273,21 @@ impl SolverExplicit {
         for target in targets {
             let node = target.node as usize;
             if !model.is_clamped(node) {
-                let way = target.target - target.overlap - self.positions[node];
-                let change = way / h - state.velocities[node];
+                let displacement = target.target - target.overlap - self.positions[node];
+                let change = displacement / h - state.velocities[node];
                 state.velocities[node] += change;
                 self.accelerations[node] -= change * (2.0 * self.factors[node] / h);
             }
         }
         if touched.iter().any(|contact| contact.normal_force > 0.0) {
-            let (led, w) = (&self.led, model.inverse_masses());
-            let inverse_mass = |node: usize| if led[node] { 0.0 } else { w[node] };
+            let (prescribed, w) = (&self.prescribed, model.inverse_masses());
+            let inverse_mass = |node: usize| if prescribed[node] { 0.0 } else { w[node] };
             self.projection
-                .settle(touched, h, inverse_mass, &mut state.velocities);
+                .match_velocities(touched, h, inverse_mass, &mut state.velocities);
             for ((a, change), factor) in self
                 .accelerations
                 .iter_mut()
-                .zip(self.projection.ways())
+                .zip(self.projection.changes())
                 .zip(&self.factors)
             {
                 *a -= change * (2.0 * factor / h);
@@ -308,7 +303,7 @@ impl SolverExplicit {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
@@ -325,16 +320,16 @@ impl SolverExplicit {
             self.positions[node] += kick * h;
         }
         self.clamp(model, state, control, h);
-        let per_way = 1.0 / (h * (lag + 0.5 * h));
-        self.lead(model, targets, lag * per_way, per_way);
-        if let Some(touching) = touching {
+        let per_displacement = 1.0 / (h * (lag + 0.5 * h));
+        self.apply_targets(model, targets, lag * per_displacement, per_displacement);
+        if let Some(contact) = contact {
             self.factors.fill(1.0);
-            self.touch(
+            self.enforce_contact(
                 model,
                 state,
-                touching,
+                contact,
                 [h, lag, 0.5 * h],
-                [lag * per_way, per_way],
+                [lag * per_displacement, per_displacement],
             )?;
         }
         self.commit(state)?;
@@ -349,13 +344,13 @@ impl SolverExplicit {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
         self.accelerate(model, state, control, true, exec);
         if self.scheme == Scheme::ExplicitEuler {
-            if touching.is_some() {
+            if contact.is_some() {
                 return Err(StepFailure::NoContact {
                     reason: "a force of explicit Euler moves a node one step later only; use symplectic-euler, or any other method",
                 });
@@ -368,9 +363,9 @@ impl SolverExplicit {
                 [p + velocity * h, velocity]
             });
             self.clamp(model, state, control, h);
-            self.lead(model, targets, 1.0 / h, 0.0);
-            if let Some(touching) = touching {
-                self.touch(model, state, touching, [h, 0.0, h], [1.0 / h, 0.0])?;
+            self.apply_targets(model, targets, 1.0 / h, 0.0);
+            if let Some(contact) = contact {
+                self.enforce_contact(model, state, contact, [h, 0.0, h], [1.0 / h, 0.0])?;
             }
         }
         self.commit(state)?;
@@ -396,19 +391,19 @@ impl Solver for SolverExplicit {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         match self.scheme {
             Scheme::ExplicitEuler | Scheme::SymplecticEuler => {
-                self.euler(model, state, control, targets, touching, h, exec)?;
+                self.euler(model, state, control, targets, contact, h, exec)?;
             }
             Scheme::VelocityVerlet => {
-                self.velocity_verlet(model, state, control, targets, touching, h, exec)?;
+                self.velocity_verlet(model, state, control, targets, contact, h, exec)?;
             }
             Scheme::VelocityVerletLagged => {
-                self.lagged(model, state, control, targets, touching, h, exec)?;
+                self.lagged(model, state, control, targets, contact, h, exec)?;
             }
         }
         state.step = h;
@@ -425,8 +420,8 @@ impl Solver for SolverExplicit {
         self.velocities.resize(nodes, Vector3::zeros());
         self.accelerations.resize(nodes, Vector3::zeros());
         self.factors.resize(nodes, 1.0);
-        self.projection.follow(model);
-        self.led.resize(nodes, false);
+        follow(&mut self.projection, model);
+        self.prescribed.resize(nodes, false);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

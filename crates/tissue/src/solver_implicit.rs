@@ -12,7 +12,7 @@
 //!         stage 2    η = h/2    x̃ = x                       ṽ = 0                   then x_{n+1} is its solution, v_{n+1} = 0
 //! ```
 //!
-//! The stage of implicit midpoint is backward Euler over half the step; guarded midpoint goes over the other half in the same way
+//! The stage of implicit midpoint is backward Euler over half the step; guarded midpoint goes over the other half in the same manner
 //! when a tetrahedron has less than half of its volume, or edges 1.5 times as long as at rest (root mean square), in the middle
 //! of the step or at the end to which implicit midpoint would go on.
 //!
@@ -20,12 +20,12 @@
 //! only one of second order with that denominator that damps stiff modes entirely; without TR-BDF2's explicit first half it
 //! does not need the forces at the start, which are large right after a contact or a jump.
 //!
-//! Contacts keep their gaps at the end of each stage, with restitution 0. What has a force at the end of the first stage of SDIRK2 may be
+//! Non-penetration is enforced at the end of each stage, with restitution 0. What has a force at the end of the first stage of SDIRK2 may be
 //! an impact, which must not be extrapolated: the second stage is then backward Euler over the rest of the step. Implicit midpoint would
 //! reflect what touches: a step in which something is or comes near is made by SDIRK2 instead. So contact is of first order in all.
 //!
 //! Drag −c v and viscous forces are taken at the stage, so they are stable for every h. Clamps and targets move evenly
-//! during the step and are exactly where they are told in the end.
+//! during the step and are exactly at their ends in the end.
 //!
 //! # Limitations
 //! An oscillation of frequency ω is multiplied per step by
@@ -48,19 +48,21 @@
 //! then holds only up to the error of the linearisation. Loads are those of the end of the step in every stage: a load that
 //! changes is followed to first order only.
 
-use crate::contact::{Contact, ContactStep};
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver, Since, Touch};
+use crate::newton::{
+    Equation, EquationContact, Newton, NewtonOptions, NewtonSolver, SlipReference,
+};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
+use microsim_contact_solver::{Contact, ContactStep};
 use nalgebra::Vector3;
 
 /// γ of SDIRK2, 1 − 1/√2.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-/// A tetrahedron is distorted below this share of its volume at rest, or above this root mean square of the stretches of three of
+/// A tetrahedron is distorted below this ratio to its volume at rest, or above this root mean square of the stretches of three of
 /// its edges.
 const LEAST_VOLUME: f64 = 0.5;
 const MOST_STRETCH: f64 = 1.5;
@@ -101,7 +103,17 @@ pub struct SolverImplicit {
 impl SolverImplicit {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel, scheme: ImplicitScheme, newton: Newton) -> Self {
-        Self::with_solver(model, scheme, newton, NewtonSolver::new(model))
+        Self::with_options(model, scheme, newton, NewtonOptions::default())
+    }
+
+    /// As [`new`](Self::new), with other constants of Newton's method.
+    pub fn with_options(
+        model: &TissueModel,
+        scheme: ImplicitScheme,
+        newton: Newton,
+        options: NewtonOptions,
+    ) -> Self {
+        Self::with_solver(model, scheme, newton, NewtonSolver::new(model, options))
     }
 
     fn with_solver(
@@ -120,7 +132,7 @@ impl SolverImplicit {
                 base: zeros.clone(),
                 base_velocities: zeros.clone(),
                 extra: Vec::new(),
-                hold: Vec::new(),
+                regularisation: Vec::new(),
             },
             prescribed: Prescribed::new(model.node_count()),
             ends: zeros.clone(),
@@ -131,35 +143,35 @@ impl SolverImplicit {
         }
     }
 
-    /// Solves a stage with the span η \[s\] and the base already set; prescribed nodes have gone the share `way` of their way
-    /// from `start` \[m\]. `near` is a guess of the solution.
+    /// Solves a stage with the span η \[s\] and the base already set; prescribed nodes are at `step_fraction` of their
+    /// displacement from `start` \[m\]. `near` is a guess of the solution.
     #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
     fn stage(
         &mut self,
         model: &TissueModel,
         control: &Control,
         span: f64,
-        way: f64,
+        step_fraction: f64,
         start: &[Vector3<f64>],
         near: &[Vector3<f64>],
-        touch: Option<(&mut ContactStep<'_>, Since<'_>)>,
+        contact: Option<(&mut ContactStep<'_>, SlipReference<'_>)>,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
         self.equation.rate = 1.0 / span;
         for (node, start) in start.iter().enumerate() {
             let base = self.equation.base[node];
             self.ballistic[node] = base + self.equation.base_velocities[node] * span;
-            // As the end itself for the whole way, so that it is met to the last bit.
-            self.ends[node] = if way == 1.0 {
+            // At the end itself for the whole step, so that it is met to the last bit.
+            self.ends[node] = if step_fraction == 1.0 {
                 self.prescribed.ends[node]
             } else {
-                start + (self.prescribed.ends[node] - start) * way
+                start + (self.prescribed.ends[node] - start) * step_fraction
             };
         }
-        let touch = touch.map(|(touching, since)| Touch {
-            source: &mut *touching.source,
-            since,
-            way,
+        let contact = contact.map(|(step, slip_since)| EquationContact {
+            source: &mut *step.source,
+            slip_since,
+            step_fraction,
         });
         self.solver.solve(
             model,
@@ -168,7 +180,7 @@ impl SolverImplicit {
             &self.prescribed.fixed,
             &self.ends,
             &[near, &self.ballistic],
-            touch,
+            contact,
             &self.newton,
             exec,
         )
@@ -214,7 +226,7 @@ impl SolverImplicit {
         model: &TissueModel,
         state: &State,
         control: &Control,
-        mut touching: Option<&mut ContactStep<'_>>,
+        mut contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -236,11 +248,11 @@ impl SolverImplicit {
         let near = std::mem::take(&mut self.first_positions);
         // What has slid in the first stage, whose forces are spent, is not to slide back.
         let since = match touched {
-            true => Since {
+            true => SlipReference {
                 positions: &near,
                 drift: 1.0 - GAMMA,
             },
-            false => Since::all(&state.positions),
+            false => SlipReference::start(&state.positions),
         };
         let result = self.stage(
             model,
@@ -249,11 +261,11 @@ impl SolverImplicit {
             1.0,
             &state.positions,
             &near,
-            touching.as_deref_mut().map(|touching| (touching, since)),
+            contact.as_deref_mut().map(|contact| (contact, since)),
             exec,
         );
         self.first_positions = near;
-        if touching.is_some() {
+        if contact.is_some() {
             // The mean over the step.
             for contact in self.solver.contacts() {
                 // Two partners may touch the same nodes, from different sides.
@@ -275,20 +287,20 @@ impl SolverImplicit {
     }
 
     /// Whether anything is or will be touched where nodes fly on.
-    fn is_touched(&mut self, state: &State, touching: &mut ContactStep<'_>, h: f64) -> bool {
+    fn is_touched(&mut self, state: &State, contact: &mut ContactStep<'_>, h: f64) -> bool {
         for (node, x) in self.ballistic.iter_mut().enumerate() {
             *x = match self.prescribed.fixed[node] {
                 true => self.prescribed.ends[node],
                 false => state.positions[node] + state.velocities[node] * h,
             };
         }
-        touching.contacts.clear();
-        let source = &mut touching.source;
-        source.find(1.0, &self.ballistic, &mut touching.contacts);
-        !touching.contacts.is_empty()
+        contact.contacts.clear();
+        let source = &mut contact.source;
+        source.find(1.0, &self.ballistic, &mut contact.contacts);
+        !contact.contacts.is_empty()
     }
 
-    /// Makes a step in the way of `scheme`; prescribed nodes are set.
+    /// Makes a step by `scheme`; prescribed nodes are set.
     #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
     fn make(
         &mut self,
@@ -296,7 +308,7 @@ impl SolverImplicit {
         model: &TissueModel,
         state: &mut State,
         control: &Control,
-        mut touching: Option<&mut ContactStep<'_>>,
+        mut contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -305,7 +317,7 @@ impl SolverImplicit {
         self.equation
             .base_velocities
             .copy_from_slice(&state.velocities);
-        let (span, way) = match scheme {
+        let (span, step_fraction) = match scheme {
             ImplicitScheme::BackwardEuler => (h, 1.0),
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint => (0.5 * h, 0.5),
             ImplicitScheme::Sdirk2 => (GAMMA * h, GAMMA),
@@ -315,24 +327,24 @@ impl SolverImplicit {
             model,
             control,
             span,
-            way,
+            step_fraction,
             start,
             start,
-            touching
+            contact
                 .as_deref_mut()
-                .map(|touching| (touching, Since::all(start))),
+                .map(|contact| (contact, SlipReference::start(start))),
             exec,
         )?;
         if scheme == ImplicitScheme::Sdirk2 {
             self.first_positions
                 .copy_from_slice(&self.solver.trial.positions);
             let second =
-                self.second_stage(model, state, control, touching.as_deref_mut(), h, exec)?;
+                self.second_stage(model, state, control, contact.as_deref_mut(), h, exec)?;
             report.iterations += second.iterations;
             report.residual = report.residual.max(second.residual);
         }
         // The stage of implicit midpoint is a step of backward Euler over half the time: where the other half would be nonsense,
-        // it is made in the same way.
+        // it is made in the same manner.
         let guarded = scheme == ImplicitScheme::GuardedMidpoint && self.is_distorted(model, state);
         if guarded {
             let trial = &self.solver.trial;
@@ -346,10 +358,11 @@ impl SolverImplicit {
             report.iterations += second.iterations;
             report.residual = report.residual.max(second.residual);
         }
-        if let Some(touching) = touching {
+        if let Some(contact) = contact {
             let (equation, fixed) = (&self.equation, &self.prescribed.fixed);
-            self.solver.undo(model, control, equation, fixed, h, exec)?;
-            std::mem::swap(self.solver.contacts(), &mut touching.contacts);
+            self.solver
+                .undo_overlaps(model, control, equation, fixed, h, exec)?;
+            std::mem::swap(self.solver.contacts(), &mut contact.contacts);
         }
         let trial = &mut self.solver.trial;
         if guarded {
@@ -389,7 +402,7 @@ impl Solver for SolverImplicit {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -401,26 +414,26 @@ impl Solver for SolverImplicit {
             self.scheme,
             ImplicitScheme::Midpoint | ImplicitScheme::GuardedMidpoint
         );
-        self.balanced = touching.is_some();
-        let Some(touching) = touching else {
+        self.balanced = contact.is_some();
+        let Some(contact) = contact else {
             return self.make(self.scheme, model, state, control, None, h, exec);
         };
         let mut scheme = self.scheme;
         if midpoint {
-            if !self.is_touched(state, touching, h) {
+            if !self.is_touched(state, contact, h) {
                 let before = state.clone();
                 let report = self.make(scheme, model, state, control, None, h, exec)?;
-                touching.contacts.clear();
-                let source = &mut touching.source;
-                source.find(1.0, &state.positions, &mut touching.contacts);
-                if touching.contacts.is_empty() {
+                contact.contacts.clear();
+                let source = &mut contact.source;
+                source.find(1.0, &state.positions, &mut contact.contacts);
+                if contact.contacts.is_empty() {
                     return Ok(report);
                 }
                 *state = before;
             }
             scheme = ImplicitScheme::Sdirk2;
         }
-        self.make(scheme, model, state, control, Some(touching), h, exec)
+        self.make(scheme, model, state, control, Some(contact), h, exec)
     }
 
     fn follow(&mut self, model: &TissueModel) {

@@ -1,8 +1,8 @@
 //! Quasi-static solver: each step ends in static equilibrium.
 //!
 //! Solves f(x) = 0 for elements, weight and loads by Newton's method (`newton`) with clamps and targets at their ends. Where
-//! that does not converge the way there is cut: with the forces f_0 left over at the start, f(x) = (1 − s) f_0 is solved by the
-//! start for s = 0, and prescribed nodes go the share s of their way; s is halved on failure and doubled on success.
+//! that does not converge the path is divided: with the forces f_0 left over at the start, f(x) = (1 − s) f_0 is solved by the
+//! start for s = 0, and prescribed nodes go the fraction s of their displacement; s is halved on failure and doubled on success.
 //!
 //! # Limitations
 //! No inertia, no drag, no viscosity: the length of the step changes nothing, and velocities are zero after it. A body that is
@@ -11,22 +11,24 @@
 //! which it moves are wrong by that much of what it would take to strain it as far. Old overlaps are pushed out by force. A body
 //! that buckles ends in one of its equilibria, the nearest downhill. Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
-use crate::components::Components;
-use crate::contact::ContactStep;
 use crate::executor::Executor;
 use crate::model::TissueModel;
-use crate::newton::{Equation, Newton, NewtonSolver, Since, Touch};
+use crate::newton::{
+    Equation, EquationContact, Newton, NewtonOptions, NewtonSolver, SlipReference,
+};
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
+use microsim_contact_solver::{Components, ContactStep};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// The shortest share of a step that is tried.
-const SHORTEST: f64 = 1.0 / 64.0;
+/// The shortest part of a step that is tried; in 1e-3..0.5. A shorter one finds more equilibria, and fails later where there is none.
+const SHORTEST_PART: f64 = 1.0 / 64.0;
 
-/// Springs from the nodes of a part that contacts alone hold to where they were, over the stiffness of the node by itself.
-const LOOSE: f64 = 1e-4;
+/// Regularisation: springs from the nodes of a component that contacts alone hold to where they were, over the stiffness of the node by
+/// itself; in 1e-6..1e-2. Larger values creep less and make forces wrong by as much.
+const REGULARISATION: f64 = 1e-4;
 
 /// The solver: working memory for one model.
 #[derive(Clone, Debug)]
@@ -36,11 +38,11 @@ pub struct SolverQuasiStatic {
     equation: Equation,
     prescribed: Prescribed,
     components: Arc<Components>,
-    /// Of each connected part.
+    /// Of each connected component.
     held: Vec<bool>,
     /// f_0 \[N\].
     start_forces: Vec<Vector3<f64>>,
-    /// Where the prescribed nodes are after the share of the step \[m\].
+    /// Where the prescribed nodes are after the part of the step \[m\].
     ends: Vec<Vector3<f64>>,
     /// The last solution \[m\].
     solved: Vec<Vector3<f64>>,
@@ -50,7 +52,7 @@ impl SolverQuasiStatic {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel, newton: Newton) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
-        let solver = NewtonSolver::new(model);
+        let solver = NewtonSolver::new(model, NewtonOptions::default());
         Self {
             newton,
             components: model.components().clone(),
@@ -60,7 +62,7 @@ impl SolverQuasiStatic {
                 base: Vec::new(),
                 base_velocities: Vec::new(),
                 extra: Vec::new(),
-                hold: Vec::new(),
+                regularisation: Vec::new(),
             },
             prescribed: Prescribed::new(model.node_count()),
             held: vec![false; model.components().lowest.len()],
@@ -70,14 +72,14 @@ impl SolverQuasiStatic {
         }
     }
 
-    /// Gives each part that no prescribed node holds its springs; there must be a contact of it.
-    fn hold_loose_parts(
+    /// Gives each component that no prescribed node holds its springs; there must be a contact of it.
+    fn regularise_loose_components(
         &mut self,
         state: &State,
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
     ) -> Result<(), StepFailure> {
         self.held.fill(false);
-        self.equation.hold.clear();
+        self.equation.regularisation.clear();
         let Components { of_node, lowest } = &*self.components;
         for (&part, fixed) in of_node.iter().zip(&self.prescribed.fixed) {
             self.held[part as usize] |= fixed;
@@ -86,7 +88,7 @@ impl SolverQuasiStatic {
         let Some(first) = held.iter().position(|held| !held) else {
             return Ok(());
         };
-        let Some(touching) = touching else {
+        let Some(contact) = contact else {
             return Err(StepFailure::Singular {
                 node: lowest[first],
             });
@@ -94,28 +96,32 @@ impl SolverQuasiStatic {
         self.equation.base.clone_from(&state.positions);
         for (&part, stiffness) in of_node.iter().zip(self.solver.stiffness()) {
             let loose = !held[part as usize];
-            let spring = if loose { LOOSE * stiffness } else { 0.0 };
-            self.equation.hold.push(spring);
+            let spring = if loose {
+                REGULARISATION * stiffness
+            } else {
+                0.0
+            };
+            self.equation.regularisation.push(spring);
         }
-        touching.contacts.clear();
-        let source = &mut touching.source;
-        source.find(1.0, &state.positions, &mut touching.contacts);
-        for contact in &touching.contacts {
+        contact.contacts.clear();
+        let source = &mut contact.source;
+        source.find(1.0, &state.positions, &mut contact.contacts);
+        for contact in &contact.contacts {
             for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
                 if weight != 0.0 {
                     held[of_node[node as usize] as usize] = true;
                 }
             }
         }
-        touching.contacts.clear();
+        contact.contacts.clear();
         match held.iter().position(|held| !held) {
             Some(part) => Err(StepFailure::Singular { node: lowest[part] }),
             None => Ok(()),
         }
     }
 
-    /// Sets the equation at the share `s` of the step that starts at `start` \[m\].
-    fn set_share(&mut self, start: &[Vector3<f64>], s: f64) {
+    /// Sets the equation at the fraction `s` of the step that starts at `start` \[m\].
+    fn set_fraction(&mut self, start: &[Vector3<f64>], s: f64) {
         self.equation.extra.clear();
         if s == 1.0 {
             self.ends.copy_from_slice(&self.prescribed.ends);
@@ -135,7 +141,7 @@ impl Solver for SolverQuasiStatic {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        mut touching: Option<&mut ContactStep<'_>>,
+        mut contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -143,14 +149,14 @@ impl Solver for SolverQuasiStatic {
             return Err(StepFailure::NotFinite);
         }
         self.prescribed.set(model, state, control, targets);
-        self.hold_loose_parts(state, touching.as_deref_mut())?;
+        self.regularise_loose_components(state, contact.as_deref_mut())?;
         self.solver.begin(state, false);
         self.solved.copy_from_slice(&state.positions);
         let mut iterations = 0;
-        let (mut done, mut share) = (0.0, 1.0f64);
+        let (mut done, mut part) = (0.0, 1.0f64);
         let report = loop {
-            let s = (done + share).min(1.0);
-            self.set_share(&state.positions, s);
+            let s = (done + part).min(1.0);
+            self.set_fraction(&state.positions, s);
             let result = self.solver.solve(
                 model,
                 control,
@@ -158,10 +164,10 @@ impl Solver for SolverQuasiStatic {
                 &self.prescribed.fixed,
                 &self.ends,
                 &[&self.solved],
-                touching.as_deref_mut().map(|touching| Touch {
-                    source: &mut *touching.source,
-                    since: Since::all(&state.positions),
-                    way: s,
+                contact.as_deref_mut().map(|contact| EquationContact {
+                    source: &mut *contact.source,
+                    slip_since: SlipReference::start(&state.positions),
+                    step_fraction: s,
                 }),
                 &self.newton,
                 exec,
@@ -174,21 +180,21 @@ impl Solver for SolverQuasiStatic {
                         break report;
                     }
                     done = s;
-                    share *= 2.0;
+                    part *= 2.0;
                 }
                 Err(failure) => {
                     if let StepFailure::NotConverged { iterations: n, .. } = failure {
                         iterations += n;
                     }
-                    if done == 0.0 && share == 1.0 {
+                    if done == 0.0 && part == 1.0 {
                         let forces =
                             self.solver
                                 .static_forces(model, &state.positions, control, exec);
                         self.start_forces.copy_from_slice(forces);
                     }
                     self.solver.begin(state, false);
-                    share *= 0.5;
-                    if share < SHORTEST {
+                    part *= 0.5;
+                    if part < SHORTEST_PART {
                         return Err(match failure {
                             StepFailure::NotConverged { residual, .. } => {
                                 StepFailure::NotConverged {
@@ -205,8 +211,8 @@ impl Solver for SolverQuasiStatic {
         if !self.solver.trial.is_finite() {
             return Err(StepFailure::NotFinite);
         }
-        if let Some(touching) = touching {
-            std::mem::swap(self.solver.contacts(), &mut touching.contacts);
+        if let Some(contact) = contact {
+            std::mem::swap(self.solver.contacts(), &mut contact.contacts);
         }
         state.positions.copy_from_slice(&self.solved);
         state.velocities.fill(Vector3::zeros());

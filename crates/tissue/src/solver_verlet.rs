@@ -1,4 +1,4 @@
-//! Störmer–Verlet in the joint form (3.17, NUMERICS 2.2–2.4) with an exact drag factor.
+//! Leapfrog (Störmer–Verlet) in the joint form (3.17, NUMERICS 2.2–2.4) with an exact drag factor.
 //!
 //! The scheme is velocity Verlet with the factor e^(−ch/2) on the velocity before and after each step (NUMERICS 3.1), written
 //! for the velocity u = (p_n − p_{n−1})/h_old in the middle of a step. With E = e^(−c(h_old+h)/2) and the kick time
@@ -19,7 +19,7 @@
 //! ```
 //!
 //! which is (m/h²)(p* − 2p + p_{n−1}) − F for c = 0 and constant h (NUMERICS 2). All forces of a step are known before F̂ is
-//! formed, so any number of nodes is led at once, and exactly.
+//! formed, so any number of nodes is prescribed at once, and exactly.
 //!
 //! # Limitations
 //! Explicit: the step is bounded (`stability`). Energy oscillates but does not drift; momentum of internal forces is
@@ -28,13 +28,13 @@
 //! 1 + δ/2 times the right one, δ = h τ ω²) and the limit falls to h²ω² < 4 − 2δ (NUMERICS 3.1). Loads and clamps are taken as
 //! given for the end of the step: a load that changes is followed to first order only.
 
-use crate::contact::ContactStep;
+use crate::components::{follow, projection};
 use crate::executor::Executor;
 use crate::forces::Forces;
 use crate::model::TissueModel;
-use crate::projection::Projection;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
+use microsim_contact_solver::{ContactStep, Projection};
 use nalgebra::Vector3;
 
 /// The solver: working memory for one model, no state of its own between steps.
@@ -50,7 +50,8 @@ pub struct SolverVerlet {
     /// γ of the prediction, of each node \[s\].
     kicks: Vec<f64>,
     projection: Projection,
-    led: Vec<bool>,
+    /// Marks of the nodes with a target.
+    prescribed: Vec<bool>,
 }
 
 impl SolverVerlet {
@@ -63,8 +64,8 @@ impl SolverVerlet {
             predicted_velocities: zeros,
             step: 0.0,
             kicks: vec![0.0; model.node_count()],
-            projection: Projection::new(model),
-            led: vec![false; model.node_count()],
+            projection: projection(model),
+            prescribed: vec![false; model.node_count()],
         }
     }
 
@@ -104,8 +105,8 @@ impl SolverVerlet {
         &self.predicted
     }
 
-    /// Second half of the step begun by [`predict`](Self::predict) on the same state: adds the forces that lead the nodes
-    /// of `contacts` to their targets, and moves all nodes.
+    /// Second half of the step begun by [`predict`](Self::predict) on the same state: adds the forces that move nodes
+    /// to their `targets`, and moves all nodes.
     fn finish(&self, model: &TissueModel, state: &mut State, targets: &[NodeTarget]) {
         for node in 0..model.node_count() {
             state.positions[node] = self.predicted[node];
@@ -127,36 +128,36 @@ impl SolverVerlet {
         state.step = self.step;
     }
 
-    /// The second half of a step in which gaps are kept.
-    fn touch(
+    /// The second half of a step in which non-penetration is enforced.
+    fn enforce_contact(
         &mut self,
         model: &TissueModel,
         state: &mut State,
         targets: &[NodeTarget],
-        touching: &mut ContactStep<'_>,
+        contact: &mut ContactStep<'_>,
     ) -> Result<(), StepFailure> {
         let h = self.step;
-        self.led.fill(false);
+        self.prescribed.fill(false);
         for target in targets {
             let node = target.node as usize;
             if !model.is_clamped(node) {
-                let way = target.target - self.predicted[node];
+                let displacement = target.target - self.predicted[node];
                 self.predicted[node] = target.target;
-                self.predicted_velocities[node] += (way - target.overlap) / h;
-                self.led[node] = true;
+                self.predicted_velocities[node] += (displacement - target.overlap) / h;
+                self.prescribed[node] = true;
             }
         }
-        let mobility = |node: usize| match self.led[node] {
+        let mobility = |node: usize| match self.prescribed[node] {
             true => 0.0,
             false => h * self.kicks[node] * model.inverse_masses()[node],
         };
         let is_touched =
             self.projection
-                .touch(touching, &state.positions, mobility, h, &mut self.predicted);
+                .project(contact, &state.positions, mobility, h, &mut self.predicted);
         if is_touched {
-            let ways = self.projection.ways();
-            for (velocity, way) in self.predicted_velocities.iter_mut().zip(ways) {
-                *velocity += way / h;
+            let changes = self.projection.changes();
+            for (velocity, change) in self.predicted_velocities.iter_mut().zip(changes) {
+                *velocity += change / h;
             }
         }
         let sum: Vector3<f64> = self.predicted.iter().sum();
@@ -202,7 +203,7 @@ impl Solver for SolverVerlet {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        touching: Option<&mut ContactStep<'_>>,
+        contact: Option<&mut ContactStep<'_>>,
         h: f64,
         exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -214,9 +215,9 @@ impl Solver for SolverVerlet {
         if !sum.iter().all(|c| c.is_finite()) {
             return Err(StepFailure::NotFinite);
         }
-        match touching {
+        match contact {
             None => self.finish(model, state, targets),
-            Some(touching) => self.touch(model, state, targets, touching)?,
+            Some(contact) => self.enforce_contact(model, state, targets, contact)?,
         }
         Ok(StepReport {
             iterations: 1,
@@ -230,8 +231,8 @@ impl Solver for SolverVerlet {
         self.predicted.resize(nodes, Vector3::zeros());
         self.predicted_velocities.resize(nodes, Vector3::zeros());
         self.kicks.resize(nodes, 0.0);
-        self.projection.follow(model);
-        self.led.resize(nodes, false);
+        follow(&mut self.projection, model);
+        self.prescribed.resize(nodes, false);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -8,10 +8,10 @@
 //!
 //! then the elements are projected one after another, each set in the order in which the model holds it, as constraints with
 //! compliance (Gauss–Seidel), and the velocity is what came of it, (x − x_n)/h. In the limit of many iterations this is
-//! backward Euler with the sub-step. Clamped and led nodes move evenly and have no inverse mass.
+//! backward Euler with the sub-step. Prescribed nodes move evenly and have no inverse mass.
 //!
 //! Contacts (`projection`) are constraints without compliance in the same loop, after the elements; they are found once per sub-step,
-//! where the nodes have flown, and have the last word. The normal force told is the mean over the step, the friction force that of the last
+//! where the nodes have flown, and have the last word. The normal force published is the mean over the step, the friction force that of the last
 //! sub-step.
 //!
 //! # Limitations
@@ -20,13 +20,13 @@
 //! Linear momentum is conserved to rounding, angular momentum up to the first order of the sub-step. Loads are those of the start of a
 //! sub-step.
 
-use crate::contact::{Contact, ContactStep};
+use crate::components::{follow, projection};
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::prescribed::Prescribed;
-use crate::projection::{Kept, Projection, SWEEPS};
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
+use microsim_contact_solver::{Contact, ContactStep, GapConstraint, Projection};
 use nalgebra::Vector3;
 
 /// The solver: working memory for one model.
@@ -68,18 +68,18 @@ impl SolverXpbd {
             velocities: zeros.clone(),
             previous: zeros.clone(),
             loads: zeros,
-            projection: Projection::new(model),
+            projection: projection(model),
             contacts: Vec::new(),
         })
     }
 
-    /// Moves nodes as if nothing held them together; prescribed ones to the share `way` of their way from `start` \[m\].
+    /// Moves nodes as if no element coupled them; prescribed ones to `step_fraction` of their displacement from `start` \[m\].
     fn fly(
         &mut self,
         model: &TissueModel,
         control: &Control,
         start: &[Vector3<f64>],
-        way: f64,
+        step_fraction: f64,
         h: f64,
     ) {
         self.loads.fill(Vector3::zeros());
@@ -101,20 +101,20 @@ impl SolverXpbd {
                         control.gravity - control.gravity * weightless + self.loads[node] * w;
                     let velocity = self.velocities[node] * factor + acceleration * kick;
                     self.positions[node] + velocity * h
-                } else if way == 1.0 {
+                } else if step_fraction == 1.0 {
                     self.prescribed.ends[node]
                 } else {
-                    start[node] + (self.prescribed.ends[node] - start[node]) * way
+                    start[node] + (self.prescribed.ends[node] - start[node]) * step_fraction
                 };
             }
         }
     }
 
-    /// Finds the contacts where the nodes have flown, as they are for a sub-step of `h` \[s\]: rigid things move evenly. Those of the step
-    /// are told the forces of its last sub-step.
+    /// Finds the contacts where the nodes have flown, as they are for a sub-step of `h` \[s\]: rigid obstacles move evenly. Those of the step
+    /// are given the forces of its last sub-step.
     fn find(
         &mut self,
-        touching: &mut ContactStep<'_>,
+        step: &mut ContactStep<'_>,
         substep: u32,
         h: f64,
     ) -> Result<(), StepFailure> {
@@ -123,13 +123,13 @@ impl SolverXpbd {
             return Err(StepFailure::NotFinite);
         }
         if substep == 1 {
-            touching.contacts.clear();
+            step.contacts.clear();
         }
-        let way = f64::from(substep) / f64::from(self.substeps);
-        let source = &mut touching.source;
-        source.find(way, &self.positions, &mut touching.contacts);
+        let step_fraction = f64::from(substep) / f64::from(self.substeps);
+        let source = &mut step.source;
+        source.find(step_fraction, &self.positions, &mut step.contacts);
         self.contacts.clear();
-        for contact in &touching.contacts {
+        for contact in &step.contacts {
             let drift = contact.drift / f64::from(substep);
             self.contacts.push(Contact {
                 start_gap: contact.gap(&self.previous) + contact.normal.dot(&drift),
@@ -176,7 +176,7 @@ impl Solver for SolverXpbd {
         state: &mut State,
         control: &Control,
         targets: &[NodeTarget],
-        mut touching: Option<&mut ContactStep<'_>>,
+        mut contact: Option<&mut ContactStep<'_>>,
         h: f64,
         _exec: &dyn Executor,
     ) -> Result<StepReport, StepFailure> {
@@ -195,25 +195,29 @@ impl Solver for SolverXpbd {
         self.velocities.copy_from_slice(&state.velocities);
         let small = h / f64::from(self.substeps);
         for substep in 1..=self.substeps {
-            let way = f64::from(substep) / f64::from(self.substeps);
-            self.fly(model, control, &state.positions, way, small);
+            let step_fraction = f64::from(substep) / f64::from(self.substeps);
+            self.fly(model, control, &state.positions, step_fraction, small);
             self.multipliers.iter_mut().for_each(|all| all.fill(0.0));
-            if let Some(touching) = touching.as_deref_mut() {
-                self.find(touching, substep, small)?;
+            if let Some(step) = contact.as_deref_mut() {
+                self.find(step, substep, small)?;
             }
             for _ in 0..self.iterations {
                 self.project(model, &state.internal, small);
-                if touching.is_some() {
-                    let kept = Kept::Gaps(&self.previous);
+                if contact.is_some() {
+                    let start = &self.previous;
+                    let constraint = GapConstraint::Positions { start };
                     let positions = &mut self.positions;
-                    self.projection.keep(kept, 1, &mut self.contacts, positions);
+                    self.projection
+                        .enforce(constraint, 1, &mut self.contacts, positions);
                 }
             }
-            if touching.is_some() {
-                let kept = Kept::Gaps(&self.previous);
+            if contact.is_some() {
+                let start = &self.previous;
+                let constraint = GapConstraint::Positions { start };
                 let positions = &mut self.positions;
+                let sweeps = self.projection.sweeps();
                 self.projection
-                    .keep(kept, SWEEPS, &mut self.contacts, positions);
+                    .enforce(constraint, sweeps, &mut self.contacts, positions);
             }
             for ((v, x), previous) in self
                 .velocities
@@ -223,14 +227,14 @@ impl Solver for SolverXpbd {
             {
                 *v = (x - previous) / small;
             }
-            if let Some(touching) = touching.as_deref_mut() {
+            if let Some(step) = contact.as_deref_mut() {
                 let held = |node: usize| self.inverse_masses[node] == 0.0;
                 self.projection
-                    .undo(&self.contacts, held, small, &mut self.positions);
-                for (contact, kept) in touching.contacts.iter_mut().zip(&self.contacts) {
-                    contact.normal_force = kept.normal_force;
-                    contact.friction_force = kept.friction_force;
-                    contact.is_sliding = kept.is_sliding;
+                    .undo_overlaps(&self.contacts, held, small, &mut self.positions);
+                for (contact, solved) in step.contacts.iter_mut().zip(&self.contacts) {
+                    contact.normal_force = solved.normal_force;
+                    contact.friction_force = solved.friction_force;
+                    contact.is_sliding = solved.is_sliding;
                 }
             }
         }
@@ -272,7 +276,7 @@ impl Solver for SolverXpbd {
         ] {
             values.resize(nodes, Vector3::zeros());
         }
-        self.projection.follow(model);
+        follow(&mut self.projection, model);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

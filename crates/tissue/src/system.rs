@@ -1,19 +1,19 @@
 //! The linear systems of implicit methods: K + b·D + c·M of a model, assembled, factored, solved.
 //!
-//! Where the blocks of each element go is found once per model; a step only adds numbers, in a fixed order, and tells
-//! [`LinearSolver`] which nodes are prescribed. Nothing is kept from one system to the next.
+//! Where the blocks of each element go is found once per model; a step only adds numbers, in a fixed order, and gives
+//! [`LinearSolver`] the prescribed nodes. No number is retained from one system to the next.
 
-use crate::contact::Contact;
 use crate::elements::{MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
+use microsim_contact_solver::{Contact, LinearSystem};
 use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive, Pattern};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// The shares of a matrix K + b·D + r (r + c) M, c the drag per mass.
+/// The coefficients of a matrix K + b·D + r (r + c) M, c the drag per mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shares {
+pub(crate) struct MatrixCoefficients {
     /// b \[1/s\].
     pub damping: f64,
     /// r \[1/s\].
@@ -60,7 +60,7 @@ impl System {
         &mut self,
         model: &TissueModel,
         state: &State,
-        shares: Shares,
+        coefficients: MatrixCoefficients,
         tangent: Tangent,
     ) {
         self.matrix.clear();
@@ -68,13 +68,13 @@ impl System {
         for (index, (set, slots)) in model.sets().iter().zip(&*self.slots).enumerate() {
             let at = state.configuration(model, index);
             let mut window = MatrixWindow { slots, values };
-            set.add_tangent(&at, tangent, shares.damping, &mut window);
+            set.add_tangent(&at, tangent, coefficients.damping, &mut window);
         }
-        if shares.rate > 0.0 {
+        if coefficients.rate > 0.0 {
             for (nodes, drag) in model.drags() {
-                let share = shares.rate * (shares.rate + drag);
+                let factor = coefficients.rate * (coefficients.rate + drag);
                 for node in nodes.clone() {
-                    let block = Matrix3::from_diagonal_element(share * model.inertia(node));
+                    let block = Matrix3::from_diagonal_element(factor * model.inertia(node));
                     self.matrix.add_diagonal(node, &block);
                 }
             }
@@ -111,8 +111,28 @@ impl System {
         self.matrix.add_diagonal(node, &block);
     }
 
-    /// Adds w_i w_j `block` for the nodes i, j of each side of a contact; says whether they are coupled, without which nothing is added.
-    pub fn add_contact(&mut self, contact: &Contact, block: &Matrix3<f64>) -> bool {
+    /// The assembled matrix.
+    pub fn matrix(&self) -> &BlockMatrix {
+        &self.matrix
+    }
+
+    /// Prepares solutions with the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
+    pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
+        self.solver.factorise(&self.matrix, fixed)
+    }
+
+    /// As [`factorise`](Self::factorise), with an f64 Cholesky factor.
+    pub fn factorise_f64(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
+        self.solver.factorise_double(&self.matrix, fixed)
+    }
+}
+
+impl LinearSystem for System {
+    fn is_small(&self) -> bool {
+        self.solver.is_small()
+    }
+
+    fn add_contact(&mut self, contact: &Contact, block: &Matrix3<f64>) -> bool {
         let first = usize::from(contact.first);
         let mut places = [(0, 0.0); 12];
         let mut count = 0;
@@ -139,48 +159,24 @@ impl System {
         true
     }
 
-    /// The assembled matrix.
-    pub fn matrix(&self) -> &BlockMatrix {
-        &self.matrix
+    fn multiply(&self, p: &[Vector3<f64>], q: &mut [Vector3<f64>]) {
+        self.matrix.multiply(p, q);
     }
 
-    /// Whether a factor of double numbers costs no more than a few solutions.
-    pub fn is_small(&self) -> bool {
-        self.solver.is_small()
-    }
-
-    /// Prepares solutions with the assembled matrix, with rows and columns of the nodes marked in `fixed` those of the identity.
-    pub fn factorise(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
-        self.solver.factorise(&self.matrix, fixed)
-    }
-
-    /// As [`factorise`](Self::factorise), with double numbers.
-    pub fn factorise_double(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
-        self.solver.factorise_double(&self.matrix, fixed)
-    }
-
-    /// Solves in place until what is left is at most `tolerance` of the right-hand side. Prescribed nodes keep their entry, which
-    /// has no effect on the others.
-    pub fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
+    fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
         self.solver.solve(&self.matrix, x, tolerance)
     }
 
-    /// Sets `compliance` to J A⁻¹ Jᵀ with the matrix as it was factored, to the accuracy of the factor; says whether there is one.
-    pub fn set_compliance(
+    fn solve_with(
         &mut self,
-        rows: &[[(u32, Vector3<f64>); 4]],
-        compliance: &mut Vec<f64>,
-    ) -> bool {
-        self.solver.set_compliance(rows, compliance)
-    }
-
-    /// As [`solve`](Self::solve), for the matrix and what `add` adds: q += (…) p.
-    pub fn solve_with(
-        &mut self,
-        add: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        add: &mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
         x: &mut [Vector3<f64>],
         tolerance: f64,
     ) -> Result<(), NotPositive> {
         self.solver.solve_with(&self.matrix, add, x, tolerance)
+    }
+
+    fn set_delassus(&mut self, rows: &[[(u32, Vector3<f64>); 4]], operator: &mut Vec<f64>) -> bool {
+        self.solver.set_compliance(rows, operator)
     }
 }

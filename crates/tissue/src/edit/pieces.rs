@@ -1,8 +1,8 @@
 //! Whether an edit has taken a body apart.
 
 use super::plan::Plan;
-use crate::components::Groups;
 use crate::model::TissueModel;
+use microsim_contact_solver::Groups;
 use std::sync::Arc;
 
 impl TissueModel {

@@ -114,7 +114,7 @@ fn a_solver_that_follows_is_a_new_one() {
     }
 }
 
-fn anew_components(model: &TissueModel) -> crate::components::Components {
+fn anew_components(model: &TissueModel) -> microsim_contact_solver::Components {
     let mut copy = model.clone();
     copy.components = std::sync::OnceLock::new();
     (**copy.components()).clone()

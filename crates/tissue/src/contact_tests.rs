@@ -1,6 +1,5 @@
 //! Contact in all methods: closed forms, conservation, rest.
 
-use crate::contact::{Contact, ContactSource, ContactStep};
 use crate::executor::Serial;
 use crate::method::Method;
 use crate::model::TissueModel;
@@ -8,6 +7,7 @@ use crate::solver::{StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
 use crate::testing::{block_mesh, build, soft};
 use crate::{Newton, build_model};
+use microsim_contact_solver::{Contact, ContactSource, ContactStep};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 

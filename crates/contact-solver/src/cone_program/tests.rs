@@ -1,19 +1,25 @@
 //! The conditions of Signorini and Tresca, which no other solution of the convex problem has, on random contacts; and what has no solution.
 
 use super::*;
-use crate::testing::numbers;
+use microsim_random::Congruential;
 
-/// Of the largest way: the tolerance is one of products of force and way, so where both are next to nothing each is its root, 3e-5, times
-/// that of the ratio of the compliances, below 100.
-const WAYS: f64 = 3e-4;
-/// Compliances of contacts by themselves, as a share of the others.
+/// A fixed sequence of numbers in −1..1.
+fn numbers() -> impl FnMut() -> f64 {
+    let mut random = Congruential(7);
+    move || random.number()
+}
+
+/// Of the largest motion: the tolerance is one of products of force and motion, so where both are next to nothing each is its root, 3e-5,
+/// times that of the ratio of the compliances, below 100.
+const MOTIONS: f64 = 3e-4;
+/// Compliances of contacts by themselves, relative to the others.
 const OWN: f64 = 1e-4;
 
-/// Contacts with friction, their forces coupled by a random compliance of so many nodes; ways of about 1, downwards by `depth`.
+/// Contacts with friction, their forces coupled by a random compliance of so many nodes; motions of about 1, downwards by `depth`.
 struct Case {
     compliance: Vec<f64>,
     own: Vec<f64>,
-    ways: Vec<f64>,
+    motions: Vec<f64>,
     cones: Vec<Cone>,
 }
 
@@ -28,8 +34,11 @@ fn case(next: &mut impl FnMut() -> f64, contacts: usize, freedoms: usize, depth:
             compliance[i * count + j] = pairs.map(|(a, b)| a * b).sum();
         }
     }
-    let mut ways: Vec<f64> = (0..count).map(|_| next()).collect();
-    ways.iter_mut().step_by(3).for_each(|way| *way -= depth);
+    let mut motions: Vec<f64> = (0..count).map(|_| next()).collect();
+    motions
+        .iter_mut()
+        .step_by(3)
+        .for_each(|motion| *motion -= depth);
     // Some without friction, others with a little and much of it.
     let bounds: Vec<f64> = (0..contacts)
         .map(|k| [0.0, 0.01, 1.0][k % 3] * (1.0 + next().abs()))
@@ -38,30 +47,30 @@ fn case(next: &mut impl FnMut() -> f64, contacts: usize, freedoms: usize, depth:
     Case {
         compliance,
         own: vec![OWN; count],
-        ways,
+        motions,
         cones: cones.map(|(k, bound)| Cone::new(3 * k, bound)).collect(),
     }
 }
 
 impl Case {
     fn solve(&mut self) -> (bool, Vec<f64>) {
-        let mut forces = vec![0.0; self.ways.len()];
-        let found = Interior::default().solve(
+        let mut forces = vec![0.0; self.motions.len()];
+        let found = ConeProgram::new(InteriorPointOptions::default()).solve(
             &self.compliance,
             &self.own,
-            &self.ways,
+            &self.motions,
             &mut self.cones,
             &mut forces,
         );
         (found, forces)
     }
 
-    /// The ways with these forces.
-    fn ways_with(&self, forces: &[f64]) -> Vec<f64> {
+    /// The motions with these forces.
+    fn motions_with(&self, forces: &[f64]) -> Vec<f64> {
         let count = forces.len();
         let row = |i: usize| {
             let pairs = self.compliance[i * count..][..count].iter().zip(forces);
-            pairs.map(|(c, f)| c * f).sum::<f64>() + self.own[i] * forces[i] + self.ways[i]
+            pairs.map(|(c, f)| c * f).sum::<f64>() + self.own[i] * forces[i] + self.motions[i]
         };
         (0..count).map(row).collect()
     }
@@ -69,27 +78,30 @@ impl Case {
     fn check(&mut self) -> [usize; 4] {
         let (found, forces) = self.solve();
         assert!(found);
-        let ways = self.ways_with(&forces);
-        let reach = self.ways.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
-        let little = WAYS * reach;
+        let motions = self.motions_with(&forces);
+        let reach = self
+            .motions
+            .iter()
+            .fold(0.0, |most: f64, w| most.max(w.abs()));
+        let little = MOTIONS * reach;
         let mut kinds = [0; 4];
         for cone in &self.cones {
             let k = cone.first;
-            let [x, y] = [ways[k + 1], ways[k + 2]];
+            let [x, y] = [motions[k + 1], motions[k + 2]];
             let [a, b] = [forces[k + 1], forces[k + 2]];
             // Signorini: not below the floor, no force above it.
             assert!(
-                forces[k] >= 0.0 && ways[k] >= -little,
+                forces[k] >= 0.0 && motions[k] >= -little,
                 "{} {}",
                 forces[k],
-                ways[k]
+                motions[k]
             );
             let closed = forces[k] > 0.0;
             assert!(
-                !closed || ways[k] <= little,
+                !closed || motions[k] <= little,
                 "{} N at {} m",
                 forces[k],
-                ways[k]
+                motions[k]
             );
             kinds[usize::from(closed)] += 1;
             if cone.bound == 0.0 {
@@ -103,7 +115,7 @@ impl Case {
             let slide = (x * x + y * y).sqrt();
             kinds[2 + usize::from(cone.sticks)] += 1;
             if cone.sticks {
-                assert!(slide <= little, "sticks and is_sliding by {slide}");
+                assert!(slide <= little, "sticks and slides by {slide}");
             } else {
                 assert!(
                     size >= cone.bound * (1.0 - 1e-12),
@@ -138,9 +150,9 @@ fn random_contacts_obey_signorini_and_tresca() {
     assert!(kinds.iter().all(|kind| *kind > 50), "{kinds:?}");
 }
 
-/// Fewer nodes than contacts hold: only their own compliance says which has how much.
+/// Fewer nodes than contacts hold: only their own compliance decides which has how much.
 #[test]
-fn contacts_that_hold_the_same_nodes_share_the_force() {
+fn contacts_of_the_same_nodes_divide_the_force() {
     let mut next = numbers();
     for _ in 0..40 {
         case(&mut next, 8, 4, 0.5).check();
@@ -162,12 +174,12 @@ fn contacts_that_all_open_have_no_force() {
     }
 }
 
-/// No way, no force; and no solution where there is no number.
+/// No motion, no force; and no solution where there is no number.
 #[test]
 fn nothing_to_solve_and_nothing_to_be_solved() {
     let mut next = numbers();
     let mut still = case(&mut next, 3, 9, 0.0);
-    still.ways.fill(0.0);
+    still.motions.fill(0.0);
     let (found, forces) = still.solve();
     assert!(
         found && forces.iter().all(|force| force.abs() < 1e-100),
@@ -175,12 +187,12 @@ fn nothing_to_solve_and_nothing_to_be_solved() {
     );
     for broken in [f64::NAN, f64::INFINITY] {
         let mut case = case(&mut next, 3, 9, 0.5);
-        case.ways[3] = broken;
+        case.motions[3] = broken;
         let mut forces = vec![0.25; 9];
-        let found = Interior::default().solve(
+        let found = ConeProgram::new(InteriorPointOptions::default()).solve(
             &case.compliance,
             &case.own,
-            &case.ways,
+            &case.motions,
             &mut case.cones,
             &mut forces,
         );

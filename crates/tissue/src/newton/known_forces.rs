@@ -68,7 +68,7 @@ mod tests {
     use crate::executor::Serial;
     use crate::testing::{build, soft_block};
 
-    /// Positions, velocities and loads changed one by one, and back: always what is computed anew.
+    /// Positions, velocities and loads changed one by one, and back: always what is computed again.
     #[test]
     fn nothing_old_is_taken_for_new() {
         let model = build(&soft_block([2; 3]), |p| p.x < -0.9e-3);

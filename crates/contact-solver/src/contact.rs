@@ -1,9 +1,9 @@
-//! What a solver knows of contact: linear inequalities for the gaps between surfaces, with Coulomb friction.
+//! Contact constraints: linear inequalities for the gaps between surfaces, with Coulomb friction.
 //!
 //! A [`Contact`] is a point of contact, linearised where a [`ContactSource`] found it. With the normal n, weights w_i of its nodes
-//! and the offset o, its gap is g(x) = n·Σ w_i x_i − o. A solver keeps g ≥ [`floor`](Contact::floor) with a force λ ≥ 0 along n that is
-//! zero where g is larger (Signorini), and a force t across n on the first side with |t| ≤ μ λ that is against the sliding
-//! (Coulomb). How it gets there depends on the solver. What is not here: finding contacts (crate `contact`).
+//! and the offset o, its gap is g(x) = n·Σ w_i x_i − o. A solver enforces g ≥ [`floor`](Contact::floor) with a force λ ≥ 0 along n that
+//! is zero where g is larger (Signorini), and a force t across n on the first side with |t| ≤ μ λ that opposes the sliding
+//! (Coulomb). How it gets there depends on the solver.
 
 use nalgebra::Vector3;
 
@@ -21,28 +21,27 @@ pub struct Contact {
     pub normal: Vector3<f64>,
     /// o \[m\].
     pub offset: f64,
-    /// The gap to be kept \[m\]: 0, or below it where an old overlap is only to be undone in part in this step.
+    /// The least gap that is admissible \[m\]: 0, or below it where an old overlap is only to be undone in part in this step.
     pub floor: f64,
     /// The gap at the start of the step \[m\], for the same nodes, weights and normal; below 0 for an old overlap, whose undoing leaves
     /// no velocity and counts in no force.
     pub start_gap: f64,
     /// μ, ≥ 0.
     pub friction: f64,
-    /// How far a rigid other side moves at the point from the start of the step to the time the contact was found for \[m\].
+    /// Displacement of a rigid other side at the point from the start of the step to the time the contact was found for \[m\].
     pub drift: Vector3<f64>,
     /// λ \[N\], ≥ 0: on entry a guess (that of the last step), on exit what the solver found.
     pub normal_force: f64,
     /// t on the first side \[N\], across the normal: on entry that of the end of the last step, on exit what the solver found.
     pub friction_force: Vector3<f64>,
-    /// Whether the sides slide, as the solver found: t is all that friction holds, which it may have bounded with a λ from before its last
-    /// iterations. Where nothing holds they do.
+    /// Whether the sides slide: |t| is the friction bound, which a solver may have formed with a λ from before its last iterations. An
+    /// open contact slides.
     pub is_sliding: bool,
 }
 
 impl Contact {
-    /// One of a single node with a rigid thing, without friction and force, whose gap is n·x − o and is to be kept at 0.
-    #[cfg(test)]
-    pub(crate) fn of_node(node: u32, normal: Vector3<f64>, offset: f64) -> Self {
+    /// A frictionless contact without force of a single node with a rigid obstacle, whose gap is n·x − o and is to be at least 0.
+    pub fn of_node(node: u32, normal: Vector3<f64>, offset: f64) -> Self {
         Self {
             nodes: [node; 4],
             weights: [1.0, 0.0, 0.0, 0.0],
@@ -60,11 +59,13 @@ impl Contact {
     }
 
     /// The gap at `positions` \[m\].
+    #[inline]
     pub fn gap(&self, positions: &[Vector3<f64>]) -> f64 {
         self.normal.dot(&self.interpolate(positions)) - self.offset
     }
 
-    /// Σ w_i x_i.
+    /// Σ w_i v_i: the value on the first side minus that on the other one.
+    #[inline]
     pub fn interpolate(&self, values: &[Vector3<f64>]) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for (&node, &weight) in self.nodes.iter().zip(&self.weights) {
@@ -81,6 +82,7 @@ impl Contact {
     }
 
     /// The force on the first side \[N\].
+    #[inline]
     pub fn force(&self) -> Vector3<f64> {
         self.normal * self.normal_force + self.friction_force
     }
@@ -88,21 +90,18 @@ impl Contact {
 
 /// Where contacts come from.
 pub trait ContactSource {
-    /// Finds the contacts near `positions` \[m\], linearised there, with what is rigid at the fraction `step_fraction` of the step, in (0, 1].
+    /// Finds the contacts near `positions` \[m\], linearised there, with what is rigid at `step_fraction` of the step, in (0, 1].
     ///
-    /// On entry `contacts` holds those found before in this step, with what the solver made of them; on exit the new ones, in an
+    /// On entry `contacts` holds those found before in this step, with the forces that the solver found; on exit the new ones, in an
     /// order that depends on the geometry alone, with the last [`normal_force`](Contact::normal_force) of each and its
     /// [`friction_force`](Contact::friction_force) at the start of the step.
     fn find(&mut self, step_fraction: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>);
 }
 
-/// Contact in a step: where it comes from, and what became of it.
+/// Contact in a step of time or load.
 pub struct ContactStep<'a> {
     /// Where contacts come from.
     pub source: &'a mut dyn ContactSource,
     /// After the step: its contacts, with their forces.
     pub contacts: Vec<Contact>,
 }
-
-#[cfg(test)]
-mod tests;

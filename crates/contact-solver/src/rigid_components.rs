@@ -1,63 +1,54 @@
-//! Parts of a model that no element couples to others, moved as wholes.
+//! Rigid components: parts of a body that no element couples to the rest, moved as wholes.
 
 use crate::components::Components;
 use crate::contact::Contact;
-use crate::model::TissueModel;
+use crate::options::RigidComponentOptions;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Most sweeps over the contacts.
-const SWEEPS: u32 = 50;
-/// The largest change in a sweep that is none, as a share of an edge.
-const DONE: f64 = 1e-10;
-
-/// A part is pressed on by a force that would take it by this share of an edge in a step.
-const PRESSED: f64 = 1e-9;
-
-/// A part.
-#[derive(Clone, Copy, Debug)]
-struct Part {
+/// A component.
+#[derive(Clone, Copy, Debug, Default)]
+struct Component {
     mass: f64,
     held: bool,
-    way: Vector3<f64>,
+    displacement: Vector3<f64>,
     /// What is left of its forces \[N\], and what that is per length \[N/m\].
     left: Vector3<f64>,
     inertia: f64,
 }
 
-impl Part {
+impl Component {
     /// 1/m \[1/kg\]; 0 for one that is held.
     fn mobility(&self) -> f64 {
         if self.held { 0.0 } else { 1.0 / self.mass }
     }
 }
 
-/// Working memory for one model.
+/// Working memory for one body.
 #[derive(Clone, Debug)]
-pub(crate) struct Parts {
+pub struct RigidComponents {
     edge: f64,
+    options: RigidComponentOptions,
     components: Arc<Components>,
-    parts: Vec<Part>,
+    parts: Vec<Component>,
     pushes: Vec<f64>,
 }
 
-impl Parts {
-    /// Those of `model`.
-    pub fn new(model: &TissueModel) -> Self {
-        let components = model.components().clone();
-        let none = Part {
-            mass: 0.0,
-            held: false,
-            way: Vector3::zeros(),
-            left: Vector3::zeros(),
-            inertia: 0.0,
-        };
-        let mut parts = vec![none; components.lowest.len()];
+impl RigidComponents {
+    /// Those of a body with the mean edge length `edge` \[m\]; `inertia` is the mass of a node \[kg\].
+    pub fn new(
+        components: Arc<Components>,
+        edge: f64,
+        inertia: impl Fn(usize) -> f64,
+        options: RigidComponentOptions,
+    ) -> Self {
+        let mut parts = vec![Component::default(); components.lowest.len()];
         for (node, &part) in components.of_node.iter().enumerate() {
-            parts[part as usize].mass += model.inertia(node);
+            parts[part as usize].mass += inertia(node);
         }
         Self {
-            edge: model.mean_edge_length(),
+            edge,
+            options,
             components,
             parts,
             pushes: Vec::new(),
@@ -68,7 +59,7 @@ impl Parts {
     fn begin(&mut self, held: impl Fn(usize) -> bool) {
         for part in &mut self.parts {
             part.held = false;
-            part.way = Vector3::zeros();
+            part.displacement = Vector3::zeros();
             part.left = Vector3::zeros();
             part.inertia = 0.0;
         }
@@ -77,9 +68,9 @@ impl Parts {
         }
     }
 
-    /// Moves free parts, each by its share of mass, until all gaps are at their floors; nothing where that cannot be. `held` says of a
-    /// node whether it is prescribed. Parts that are pressed on stay: they would lose what they are strained. `h` is the length of
-    /// the step \[s\].
+    /// Moves free components, each by its part of the mass, until all gaps are at their floors; nothing where that cannot be. `held` is
+    /// whether a node is prescribed. Components on which contacts press stay: they would lose their strain. `h` is the length of the
+    /// step \[s\].
     pub fn separate(
         &mut self,
         contacts: &[Contact],
@@ -92,28 +83,31 @@ impl Parts {
             let sides = [Some(contact.nodes[0]), contact.other_side()];
             for node in sides.into_iter().flatten() {
                 let part = &mut self.parts[self.components.of_node[node as usize] as usize];
-                part.held |= contact.normal_force * h * h > PRESSED * part.mass * self.edge;
+                part.held |=
+                    contact.normal_force * h * h > self.options.pressed * part.mass * self.edge;
             }
         }
         let Self {
             edge,
+            options,
             components,
             parts,
             pushes,
         } = self;
         pushes.clear();
         pushes.resize(contacts.len(), 0.0);
-        let mut settled = false;
-        for _ in 0..SWEEPS {
+        let mut converged = false;
+        for _ in 0..options.sweeps {
             let mut largest = 0.0f64;
             for (contact, push) in contacts.iter().zip(&mut *pushes) {
                 let part = |node: u32| components.of_node[node as usize] as usize;
                 let first = part(contact.nodes[0]);
                 let second = contact.other_side().map(part);
-                let mut gap = contact.gap(positions) + contact.normal.dot(&parts[first].way);
+                let mut gap =
+                    contact.gap(positions) + contact.normal.dot(&parts[first].displacement);
                 let mut compliance = parts[first].mobility();
                 if let Some(second) = second {
-                    gap -= contact.normal.dot(&parts[second].way);
+                    gap -= contact.normal.dot(&parts[second].displacement);
                     compliance += parts[second].mobility();
                 }
                 if compliance == 0.0 || second == Some(first) {
@@ -124,23 +118,24 @@ impl Parts {
                 largest = largest.max((pushed - *push).abs() * compliance);
                 *push = pushed;
                 let first = &mut parts[first];
-                first.way += change * first.mobility();
+                first.displacement += change * first.mobility();
                 if let Some(second) = second {
                     let second = &mut parts[second];
-                    second.way -= change * second.mobility();
+                    second.displacement -= change * second.mobility();
                 }
             }
-            settled = largest <= DONE * *edge;
-            if settled {
+            converged = largest <= options.tolerance * *edge;
+            if converged {
                 break;
             }
         }
-        if settled {
-            self.go(positions);
+        if converged {
+            self.displace(positions);
         }
     }
 
-    /// Moves free parts by what is left of their forces \[N\], over the sum of what a way of a node takes \[N/m\].
+    /// Moves free components by the sum of the forces `left` over \[N\], over that of the forces per displacement of the nodes \[N/m\]: then
+    /// their momentum is that of all forces to rounding.
     pub fn balance(
         &mut self,
         fixed: &[bool],
@@ -155,14 +150,14 @@ impl Parts {
             part.inertia += inertia(node);
         }
         for part in self.parts.iter_mut().filter(|part| !part.held) {
-            part.way = part.left / part.inertia;
+            part.displacement = part.left / part.inertia;
         }
-        self.go(positions);
+        self.displace(positions);
     }
 
-    fn go(&self, positions: &mut [Vector3<f64>]) {
+    fn displace(&self, positions: &mut [Vector3<f64>]) {
         for (x, &part) in positions.iter_mut().zip(&self.components.of_node) {
-            *x += self.parts[part as usize].way;
+            *x += self.parts[part as usize].displacement;
         }
     }
 }

@@ -207,9 +207,10 @@ fn complementarity(
     height: impl Fn(usize) -> f64,
 ) -> Vec<f64> {
     use crate::elements::Tangent;
-    use crate::system::{Shares, System};
+    use crate::system::{MatrixCoefficients, System};
+    use microsim_contact_solver::LinearSystem;
     let mut system = System::new(model);
-    let none = Shares {
+    let none = MatrixCoefficients {
         damping: 0.0,
         rate: 0.0,
     };

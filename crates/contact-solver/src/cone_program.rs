@@ -1,27 +1,26 @@
-//! The forces of contacts among themselves, with bounds of friction that are given, by an interior-point method.
+//! The forces of contacts among themselves, with friction bounds that are given, by an interior-point method.
 //!
-//! With the compliance W of the contacts among themselves and their ways h without forces, the forces p = (λ, t) of all are the lowest
-//! point of
+//! With the Delassus operator W and the motions h of the contacts without forces, the forces p = (λ, t) of all are the lowest point of
 //!
 //! ```text
 //! ½ pᵀ W p + h·p        λ ≥ 0        |t| ≤ b
 //! ```
 //!
-//! where no gap is below its floor, none with a force above it, and what slides does so against all that its bound allows: Signorini's
-//! and Tresca's conditions are those of this convex problem. With s ≥ 0 the gaps above their floors and z ≥ 0 the way that is slid over
-//! its force,
+//! where no gap is below its floor, none with a force above it, and what slides does so against its whole bound: Signorini's and Tresca's
+//! conditions are those of this convex problem. With s ≥ 0 the gaps above their floors and z ≥ 0 the slip over its force,
 //!
 //! ```text
 //! (W p + h)_n = s     (W p + h)_t = −z t     λ s = τ     z (b² − |t|²)/2 = τ
 //! ```
 //!
 //! is solved by Newton's method while τ goes to zero, with Mehrotra's predictor and corrector (1992). It takes ten to twenty small
-//! factors, however many contacts open, close, stick or slide: a method that follows these one by one takes one for each, and may go in
-//! circles.
+//! factors, however many contacts open, close, stick or slide: a method that follows these one by one takes one for each, and may cycle.
+
+use crate::options::InteriorPointOptions;
 
 /// A contact among the forces.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cone {
+pub(crate) struct Cone {
     /// The place of λ among the forces; that of t is behind it where there is friction.
     pub first: usize,
     /// b \[N\]; 0 for none.
@@ -37,18 +36,10 @@ pub(super) struct Cone {
     at: usize,
 }
 
-/// Most iterations. Ten to twenty are enough in what was seen.
-const ITERATIONS: u32 = 50;
-
-/// What may be left of ways, as a share of the largest of them, and of products of forces and ways, as a share of those at the start.
-const TOLERANCE: f64 = 1e-9;
-
-/// The share of the way to the edge of what is allowed that is gone.
-const INSIDE: f64 = 0.99;
-
 /// Working memory.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Interior {
+#[derive(Clone, Debug)]
+pub(crate) struct ConeProgram {
+    options: InteriorPointOptions,
     /// The direction of each unknown.
     unknowns: Vec<usize>,
     /// W of the unknowns, and its factor with what conditions add, row after row.
@@ -57,9 +48,9 @@ pub(super) struct Interior {
     /// h, p, W p + h, and a step of p.
     base: Vec<f64>,
     forces: Vec<f64>,
-    ways: Vec<f64>,
+    motions: Vec<f64>,
     step: Vec<f64>,
-    /// The largest way without forces \[m\], and the largest force at the start \[N\].
+    /// The largest motion without forces \[m\], and the largest force at the start \[N\].
     reach: f64,
     scale: f64,
 }
@@ -91,22 +82,37 @@ impl Cone {
     }
 }
 
-impl Interior {
-    /// Sets `forces` \[N\], which holds a guess of them, for the compliance `compliance` \[m/N\], row after row, with `own` \[m/N\] that each
-    /// contact has by itself, and the ways `ways` \[m\] without forces: along a normal the gap above its floor. A cone tells what became
-    /// of it. Says whether the forces are found; if not, as where numbers are not finite, they stay the guess.
+impl ConeProgram {
+    pub fn new(options: InteriorPointOptions) -> Self {
+        Self {
+            options,
+            unknowns: Vec::new(),
+            compliance: Vec::new(),
+            factor: Vec::new(),
+            base: Vec::new(),
+            forces: Vec::new(),
+            motions: Vec::new(),
+            step: Vec::new(),
+            reach: 0.0,
+            scale: 0.0,
+        }
+    }
+
+    /// Sets `forces` \[N\], which holds a guess of them, for the compliance `compliance` \[m/N\], row after row, with `regularisation` \[m/N\] that each
+    /// contact has by itself, and the motions `motions` \[m\] without forces: along a normal the gap above its floor. A cone publishes what became
+    /// of it. Returns whether the forces are found; if not, as where numbers are not finite, they stay the guess.
     pub fn solve(
         &mut self,
         compliance: &[f64],
-        own: &[f64],
-        ways: &[f64],
+        regularisation: &[f64],
+        motions: &[f64],
         cones: &mut [Cone],
         forces: &mut [f64],
     ) -> bool {
-        self.begin(compliance, own, ways, cones, forces);
+        self.begin(compliance, regularisation, motions, cones, forces);
         self.enter(cones);
-        for _ in 0..ITERATIONS {
-            self.set_ways();
+        for _ in 0..self.options.iterations {
+            self.set_motions();
             if self.is_done(cones) {
                 self.finish(cones, forces);
                 return true;
@@ -122,8 +128,8 @@ impl Interior {
     fn begin(
         &mut self,
         compliance: &[f64],
-        own: &[f64],
-        ways: &[f64],
+        regularisation: &[f64],
+        motions: &[f64],
         cones: &mut [Cone],
         forces: &[f64],
     ) {
@@ -134,8 +140,8 @@ impl Interior {
             let count = if cone.bound > 0.0 { 3 } else { 1 };
             self.unknowns.extend(cone.first..cone.first + count);
         }
-        let all = ways.len();
-        for (part, numbers) in [(&mut self.base, ways), (&mut self.forces, forces)] {
+        let all = motions.len();
+        for (part, numbers) in [(&mut self.base, motions), (&mut self.forces, forces)] {
             part.clear();
             part.extend(self.unknowns.iter().map(|k| numbers[*k]));
         }
@@ -145,9 +151,9 @@ impl Interior {
             self.compliance
                 .extend(self.unknowns.iter().map(|column| entries[*column]));
             let diagonal = row * self.unknowns.len() + row;
-            self.compliance[diagonal] += own[direction];
+            self.compliance[diagonal] += regularisation[direction];
         }
-        self.ways.resize(self.unknowns.len(), 0.0);
+        self.motions.resize(self.unknowns.len(), 0.0);
         self.step.resize(self.unknowns.len(), 0.0);
     }
 
@@ -155,7 +161,7 @@ impl Interior {
     fn enter(&mut self, cones: &mut [Cone]) {
         let count = self.unknowns.len();
         let reach = self.base.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
-        // Any way at all where there is none: the forces are 0 then.
+        // Any motion at all where there is none: the forces are 0 then.
         let reach = if reach == 0.0 {
             f64::MIN_POSITIVE.sqrt()
         } else {
@@ -174,23 +180,23 @@ impl Interior {
         }
     }
 
-    fn set_ways(&mut self) {
+    fn set_motions(&mut self) {
         let count = self.unknowns.len();
-        self.ways.copy_from_slice(&self.base);
+        self.motions.copy_from_slice(&self.base);
         for (row, force) in self.compliance.chunks_exact(count).zip(&self.forces) {
-            let entries = self.ways.iter_mut().zip(row);
-            entries.for_each(|(way, entry)| *way += entry * force);
+            let entries = self.motions.iter_mut().zip(row);
+            entries.for_each(|(motion, entry)| *motion += entry * force);
         }
     }
 
     fn is_done(&self, cones: &[Cone]) -> bool {
-        let little = TOLERANCE * self.reach;
+        let little = self.options.tolerance * self.reach;
         cones.iter().all(|cone| {
-            let mut done = (self.ways[cone.at] - cone.gap).abs() <= little
+            let mut done = (self.motions[cone.at] - cone.gap).abs() <= little
                 && self.forces[cone.at] * cone.gap <= little * self.scale;
             if cone.bound > 0.0 {
                 let [a, b] = cone.across(&self.forces);
-                let [x, y] = cone.across(&self.ways);
+                let [x, y] = cone.across(&self.motions);
                 let wrong = (x + cone.slip * a).abs().max((y + cone.slip * b).abs());
                 let product = cone.slip * cone.reserve(&self.forces);
                 done &= wrong <= little && product <= little * cone.bound;
@@ -199,42 +205,42 @@ impl Interior {
         })
     }
 
-    /// One step of predictor and corrector; says whether there was one.
+    /// One step of predictor and corrector; returns whether there was one.
     fn advance(&mut self, cones: &mut [Cone]) -> bool {
         if !self.factorise(cones) {
             return false;
         }
         self.set_step(cones, 0.0, 0.0);
         let now = self.mean_product(cones, 0.0);
-        let ahead = self.mean_product(cones, self.longest(cones));
+        let ahead = self.mean_product(cones, self.longest_step(cones));
         let centred = ahead / now;
         let target = now * centred * centred * centred;
         self.set_step(cones, target, 1.0);
-        let share = (INSIDE * self.longest(cones)).min(1.0);
-        if !share.is_finite() {
+        let length = (self.options.step_to_boundary * self.longest_step(cones)).min(1.0);
+        if !length.is_finite() {
             return false;
         }
         for cone in cones {
-            cone.gap += share * cone.gap_step;
-            cone.slip += share * cone.slip_step;
+            cone.gap += length * cone.gap_step;
+            cone.slip += length * cone.slip_step;
         }
         for (force, step) in self.forces.iter_mut().zip(&self.step) {
-            *force += share * step;
+            *force += length * step;
         }
         true
     }
 
-    /// The mean of λ s and z (b² − |t|²)/2 after this share of the step.
-    fn mean_product(&self, cones: &[Cone], share: f64) -> f64 {
+    /// The mean of λ s and z (b² − |t|²)/2 after a step of this length.
+    fn mean_product(&self, cones: &[Cone], length: f64) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
-        let after = |k: usize| self.forces[k] + share * self.step[k];
+        let after = |k: usize| self.forces[k] + length * self.step[k];
         for cone in cones {
-            sum += after(cone.at) * (cone.gap + share * cone.gap_step);
+            sum += after(cone.at) * (cone.gap + length * cone.gap_step);
             count += 1.0;
             if cone.bound > 0.0 {
                 let (a, b) = (after(cone.at + 1), after(cone.at + 2));
                 let reserve = 0.5 * (cone.bound * cone.bound - a * a - b * b);
-                sum += reserve * (cone.slip + share * cone.slip_step);
+                sum += reserve * (cone.slip + length * cone.slip_step);
                 count += 1.0;
             }
         }
@@ -265,22 +271,25 @@ impl Interior {
     /// Sets the step to products of `target`; with `curved` 1, that of the step before is a prediction of what is of second order.
     fn set_step(&mut self, cones: &mut [Cone], target: f64, curved: f64) {
         let Self {
-            forces, ways, step, ..
+            forces,
+            motions,
+            step,
+            ..
         } = self;
         for cone in &mut *cones {
             let along = goal_along(cone, step, target, curved);
             let mut across = 0.0;
             if cone.bound > 0.0 {
                 let reserve = cone.reserve(forces);
-                let (t, d, way) = (cone.across(forces), cone.across(step), cone.across(ways));
+                let (t, d, h) = (cone.across(forces), cone.across(step), cone.across(motions));
                 across = goal_across(cone, &t, &d, target, curved) / reserve;
                 for k in 0..2 {
-                    let bent = curved * cone.slip_step * d[k];
-                    step[cone.at + 1 + k] = -way[k] - t[k] * across - bent;
+                    let second = curved * cone.slip_step * d[k];
+                    step[cone.at + 1 + k] = -h[k] - t[k] * across - second;
                 }
             }
-            step[cone.at] = along / forces[cone.at] - ways[cone.at];
-            // What conditions ask for, until the forces are known.
+            step[cone.at] = along / forces[cone.at] - motions[cone.at];
+            // What the conditions require, until the forces are known.
             cone.gap_step = along / forces[cone.at];
             cone.slip_step = across;
         }
@@ -296,12 +305,12 @@ impl Interior {
         }
     }
 
-    /// The share of the step at which the first condition is met with no reserve, at most 1 over [`INSIDE`].
-    fn longest(&self, cones: &[Cone]) -> f64 {
-        let mut share = 1.0 / INSIDE;
+    /// The step length at which the first condition is met with no reserve, at most 1 over [`InteriorPointOptions::step_to_boundary`].
+    fn longest_step(&self, cones: &[Cone]) -> f64 {
+        let mut length = 1.0 / self.options.step_to_boundary;
         let mut limit = |value: f64, step: f64| {
-            if value + share * step < 0.0 {
-                share = -value / step;
+            if value + length * step < 0.0 {
+                length = -value / step;
             }
         };
         for cone in cones {
@@ -317,33 +326,33 @@ impl Interior {
             let room = 2.0 * cone.reserve(&self.forces);
             if square > 0.0 {
                 let root = (along * along + square * room).sqrt();
-                share = share.min(room / (along + root));
+                length = length.min(room / (along + root));
             }
         }
-        share
+        length
     }
 
     /// Gives the forces: none, all of the bound, or something between.
     fn finish(&self, cones: &mut [Cone], forces: &mut [f64]) {
         let count = self.unknowns.len();
         for cone in cones {
-            let own = |k: usize| self.compliance[k * count + k];
+            let compliance_of = |k: usize| self.compliance[k * count + k];
             let force = self.forces[cone.at];
-            let closed = force * own(cone.at) > cone.gap;
+            let closed = force * compliance_of(cone.at) > cone.gap;
             forces[cone.first] = if closed { force } else { 0.0 };
             if cone.bound > 0.0 {
                 let [a, b] = cone.across(&self.forces);
                 let size = (a * a + b * b).sqrt();
-                let compliance = own(cone.at + 1) + own(cone.at + 2);
+                let compliance = compliance_of(cone.at + 1) + compliance_of(cone.at + 2);
                 let reserve = cone.reserve(&self.forces) / (cone.bound * cone.bound);
                 cone.sticks = cone.slip < reserve * compliance;
-                let share = if cone.sticks || size == 0.0 {
+                let ratio = if cone.sticks || size == 0.0 {
                     1.0
                 } else {
                     cone.bound / size
                 };
-                forces[cone.first + 1] = a * share;
-                forces[cone.first + 2] = b * share;
+                forces[cone.first + 1] = a * ratio;
+                forces[cone.first + 2] = b * ratio;
             }
         }
     }
@@ -361,7 +370,7 @@ fn goal_across(cone: &Cone, t: &[f64; 2], d: &[f64; 2], target: f64, curved: f64
     target + curved * (cone.slip_step * along + 0.5 * cone.slip * square)
 }
 
-/// Factors a symmetric matrix in place, A = L Lᵀ with Lᵀ in the upper triangle; says whether it is positive definite.
+/// Factors a symmetric matrix in place, A = L Lᵀ with Lᵀ in the upper triangle; returns whether it is positive definite.
 fn cholesky(matrix: &mut [f64], count: usize) -> bool {
     for k in 0..count {
         let (done, below) = matrix.split_at_mut((k + 1) * count);
@@ -373,9 +382,9 @@ fn cholesky(matrix: &mut [f64], count: usize) -> bool {
         let scale = 1.0 / pivot.sqrt();
         row.iter_mut().for_each(|entry| *entry *= scale);
         for (index, other) in below.chunks_exact_mut(count).enumerate() {
-            let share = row[index + 1];
+            let ratio = row[index + 1];
             let entries = other[k + 1 + index..].iter_mut().zip(&row[index + 1..]);
-            entries.for_each(|(entry, above)| *entry -= share * above);
+            entries.for_each(|(entry, above)| *entry -= ratio * above);
         }
     }
     true

@@ -1,0 +1,89 @@
+//! The interface of contact solvers, and the linear systems that they are given.
+
+use crate::contact::Contact;
+use microsim_sparse::NotPositive;
+use nalgebra::{Matrix3, Vector3};
+
+/// Finds the contact forces of one linearised step.
+///
+/// `Response` is what the solver knows of the bodies: how their nodes respond to forces. [`AugmentedLagrangian`] and
+/// [`InteriorPoint`] take a linear solver ([`SystemResponse`]), [`GaussSeidel`] a compliance of each node ([`NodalResponse`]).
+///
+/// [`AugmentedLagrangian`]: crate::AugmentedLagrangian
+/// [`InteriorPoint`]: crate::InteriorPoint
+/// [`GaussSeidel`]: crate::GaussSeidel
+/// [`NodalResponse`]: crate::NodalResponse
+pub trait ContactSolver<Response> {
+    /// The constraints, with what the method knows of each of them.
+    type Contacts: ?Sized;
+
+    /// Moves `motion`, one vector per node, by the response to contact forces that satisfy the laws of Signorini and Coulomb, and stores
+    /// these forces in `contacts`.
+    ///
+    /// # Errors
+    /// When the system shows not to be positive definite.
+    fn solve(
+        &mut self,
+        contacts: &mut Self::Contacts,
+        response: Response,
+        motion: &mut [Vector3<f64>],
+    ) -> Result<(), NotPositive>;
+}
+
+/// A system of linear equations of 3×3 blocks, one row per node: K, symmetric and positive definite, as it was last factored.
+pub trait LinearSystem {
+    /// Whether an f64 Cholesky factor costs no more than a few solutions.
+    fn is_small(&self) -> bool;
+
+    /// Adds w_i w_j `block` for the nodes i, j of each side of a contact to the matrix, before it is factored. Returns whether these nodes
+    /// are coupled; where they are not nothing is added.
+    fn add_contact(&mut self, contact: &Contact, block: &Matrix3<f64>) -> bool;
+
+    /// q = K p, without regard of prescribed nodes.
+    fn multiply(&self, p: &[Vector3<f64>], q: &mut [Vector3<f64>]);
+
+    /// Solves in place to a residual of `tolerance`, relative to the right-hand side. Prescribed nodes retain their entry, which has no
+    /// effect on the others.
+    ///
+    /// # Errors
+    /// When the matrix shows not to be positive definite.
+    fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive>;
+
+    /// As [`solve`](Self::solve), for the matrix and what `add` adds: q += (…) p.
+    ///
+    /// # Errors
+    /// When the sum shows not to be positive definite.
+    fn solve_with(
+        &mut self,
+        add: &mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        x: &mut [Vector3<f64>],
+        tolerance: f64,
+    ) -> Result<(), NotPositive>;
+
+    /// Sets `operator`, row after row, to the Delassus operator J K⁻¹ Jᵀ \[m/N\] of these rows of J, to the accuracy of the factor. Returns
+    /// whether there is a factor; without one nothing is done.
+    fn set_delassus(&mut self, rows: &[[(u32, Vector3<f64>); 4]], operator: &mut Vec<f64>) -> bool;
+}
+
+/// Bodies whose nodes respond to forces by a system of linear equations.
+pub struct SystemResponse<'a> {
+    /// K, factored.
+    pub system: &'a mut dyn LinearSystem,
+    /// The forces at the nodes that no contact has \[N\].
+    pub forces: &'a [Vector3<f64>],
+    /// Marks of the prescribed nodes, whose motion is given.
+    pub fixed: &'a [bool],
+    /// When the solution is accurate enough.
+    pub tolerances: Tolerances,
+}
+
+/// When the solution of a linearised step is accurate enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// Residual relative to all forces (inexact-solve tolerance η).
+    pub residual: f64,
+    /// As [`residual`](Self::residual), for the forces of contacts that have opened, closed or begun to slide.
+    pub changes: f64,
+    /// Multiplier residual, relative to the mean edge length.
+    pub multipliers: f64,
+}

@@ -1,0 +1,106 @@
+//! The three solvers on one problem.
+
+use crate::{
+    AugmentedLagrangian, Contact, ContactOptions, ContactSet, ContactSolver, GapConstraint,
+    GaussSeidel, InteriorPoint, NodalCompliance, NodalResponse, NodalSystem, SystemResponse,
+    Tolerances,
+};
+use nalgebra::Vector3;
+
+const STIFFNESSES: [f64; 3] = [100.0, 40.0, 250.0];
+const FRICTION: f64 = 0.4;
+
+/// Nodes of these stiffnesses \[N/m\] rest on a floor; they are pushed so that one sticks, one slides and one lifts off.
+fn pushes() -> [Vector3<f64>; 3] {
+    [
+        Vector3::new(0.03, 0.0, -0.1),
+        Vector3::new(0.03, -0.05, -0.1),
+        Vector3::new(0.01, 0.0, 0.1),
+    ]
+}
+
+fn contacts() -> Vec<Contact> {
+    let on = |node| Contact {
+        friction: FRICTION,
+        ..Contact::of_node(node, Vector3::z(), 0.0)
+    };
+    (0..3).map(on).collect()
+}
+
+/// Contacts and displacements \[m\].
+type Solution = (Vec<Contact>, Vec<Vector3<f64>>);
+
+fn implicit<S>(mut solver: S) -> Solution
+where
+    S: for<'a> ContactSolver<SystemResponse<'a>, Contacts = ContactSet>,
+{
+    let rest = [Vector3::zeros(); 3];
+    let mut set = ContactSet::new(3, 1e-2, ContactOptions::default().augmented_lagrangian);
+    let mut motion = rest.to_vec();
+    set.contacts = contacts();
+    // Coulomb's friction is that of the normal forces of the iteration before.
+    for _ in 0..4 {
+        set.linearise(&rest, &rest, false, |node| STIFFNESSES[node]);
+        motion.fill(Vector3::zeros());
+        let response = SystemResponse {
+            system: &mut NodalSystem::new(STIFFNESSES.to_vec()),
+            forces: &pushes(),
+            fixed: &[false; 3],
+            tolerances: Tolerances {
+                residual: 1e-10,
+                changes: 1e-10,
+                multipliers: 1e-10,
+            },
+        };
+        solver.solve(&mut set, response, &mut motion).unwrap();
+        set.publish();
+    }
+    (set.contacts, motion)
+}
+
+fn explicit() -> Solution {
+    let options = ContactOptions::default().gauss_seidel;
+    let mut contacts = contacts();
+    let mut compliance = NodalCompliance::default();
+    compliance.set(&contacts, |node| 1.0 / STIFFNESSES[node]);
+    let pushed = pushes().into_iter().zip(STIFFNESSES);
+    let mut motion: Vec<Vector3<f64>> = pushed.map(|(force, k)| force / k).collect();
+    let response = NodalResponse {
+        compliance: &compliance,
+        constraint: GapConstraint::Positions {
+            start: &[Vector3::zeros(); 3],
+        },
+        sweeps: options.sweeps,
+    };
+    let mut solver = GaussSeidel::new(1e-2, options);
+    solver.solve(&mut contacts, response, &mut motion).unwrap();
+    (contacts, motion)
+}
+
+/// Closed forms: t = −push where |push| ≤ μ λ, else the bound against it; λ = push downwards.
+#[test]
+fn all_solvers_find_the_closed_form() {
+    let options = ContactOptions::default();
+    let solutions = [
+        implicit(AugmentedLagrangian::new(3, options.augmented_lagrangian)),
+        implicit(InteriorPoint::new(3, options.interior_point)),
+        explicit(),
+    ];
+    for (contacts, motion) in solutions {
+        for (node, push) in pushes().iter().enumerate() {
+            let contact = &contacts[node];
+            let normal_force = (-push.z).max(0.0);
+            let across = Vector3::new(push.x, push.y, 0.0);
+            let bound = FRICTION * normal_force;
+            let friction_force = -across * (bound / across.norm()).min(1.0);
+            assert!((contact.normal_force - normal_force).abs() < 1e-6, "{node}");
+            let error = (contact.friction_force - friction_force).norm();
+            // The interior-point method retains a part of the friction force from before, a hundredth of the penalty.
+            assert!(error < 2e-4, "{node}: {error} N");
+            assert_eq!(contact.is_sliding, across.norm() > bound, "{node}");
+            let force = push + contact.force();
+            let error = (motion[node] - force / STIFFNESSES[node]).norm();
+            assert!(error < 1e-8, "{node}: {error} m");
+        }
+    }
+}

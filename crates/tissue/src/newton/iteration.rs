@@ -1,0 +1,190 @@
+//! The iteration of Newton's method.
+
+use super::equation::{Equation, EquationContact, Problem};
+use super::line_search::LineSearchOutcome;
+use super::options::Newton;
+use super::workspace::NewtonSolver;
+use crate::elements::Tangent;
+use crate::executor::Executor;
+use crate::model::TissueModel;
+use crate::solver::{StepFailure, StepReport};
+use crate::state::Control;
+use microsim_contact_solver::Tolerances;
+use nalgebra::Vector3;
+
+impl NewtonSolver {
+    /// Solves an equation from the better one of these guesses; `ends` are the places of the nodes marked in `fixed`. The solution
+    /// is in `trial`, with the velocities of the equation.
+    #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
+    pub fn solve(
+        &mut self,
+        model: &TissueModel,
+        control: &Control,
+        equation: &Equation,
+        fixed: &[bool],
+        ends: &[Vector3<f64>],
+        guesses: &[&[Vector3<f64>]],
+        mut contact: Option<EquationContact<'_>>,
+        newton: &Newton,
+        exec: &dyn Executor,
+    ) -> Result<StepReport, StepFailure> {
+        let problem = Problem {
+            model,
+            control,
+            equation,
+            fixed,
+            exec,
+        };
+        let options = self.options;
+        self.start(&problem, guesses);
+        self.searches = 0;
+        self.contacts.may_terminate_early = equation.rate > 0.0 && !newton.must_converge;
+        self.find(&problem, contact.as_mut());
+        let tolerances = Tolerances {
+            residual: newton.tolerance,
+            changes: match newton.must_converge {
+                true => 0.0,
+                false => options.contact.friction_tolerance,
+            },
+            multipliers: options.contact.multiplier_tolerances[usize::from(!newton.must_converge)],
+        };
+        let mut report = StepReport {
+            iterations: 0,
+            residual: self.evaluate(&problem, 0.0),
+        };
+        // In statics a body that has come to rest takes no work; a step of time always has its iteration.
+        let moved = |node: usize| ends[node] != self.trial.positions[node];
+        if equation.rate == 0.0
+            && report.residual <= newton.tolerance.min(options.rest_tolerance)
+            && self.contacts.multiplier_residual() <= tolerances.multipliers
+            && !(0..fixed.len()).any(|node| fixed[node] && moved(node))
+        {
+            self.publish(&problem);
+            return Ok(report);
+        }
+        self.retains_matrix = false;
+        let mut tangent = Tangent::Exact;
+        let (mut least, mut stagnated) = (f64::INFINITY, 0);
+        while report.iterations < newton.iterations || self.needs_more(newton, report.iterations) {
+            report.iterations += 1;
+            if !report.residual.is_finite() {
+                return Err(StepFailure::NotFinite);
+            }
+            self.from.copy_from_slice(&self.trial.positions);
+            self.set_loads(&problem);
+            let before = report.residual;
+            let early = self.takes_interior_point();
+            if early {
+                tangent = Tangent::Positive;
+            }
+            let mut outcome = self.iterate(&problem, ends, &mut tangent, before, tolerances)?;
+            match &mut outcome {
+                LineSearchOutcome::Step { length } => {
+                    *length = self.find_ahead(&problem, contact.as_mut(), *length);
+                }
+                LineSearchOutcome::Prescribed | LineSearchOutcome::NoDescent => {
+                    self.find(&problem, contact.as_mut());
+                }
+            }
+            report.residual = self.evaluate(&problem, self.noise(fixed));
+            if report.residual <= newton.tolerance
+                && report.residual.is_finite()
+                && self.contacts.multiplier_residual() <= tolerances.multipliers
+            {
+                self.publish(&problem);
+                return Ok(report);
+            }
+            let full = outcome == LineSearchOutcome::Step { length: 1.0 };
+            let full_early = full && early && self.takes_interior_point();
+            // Where forces are small the residual relative to them means little.
+            let overlaps = self.contacts.overlap() > options.contact.overlap;
+            let admissible = report.residual.is_finite() && !overlaps;
+            if full_early && admissible && self.is_short(options.contact.still) {
+                self.publish(&problem);
+                return Ok(report);
+            }
+            self.retains_matrix = full_early && self.is_short(options.contact.short);
+            stagnated = match report.residual < options.decrease * least {
+                true => 0,
+                false => stagnated + 1,
+            };
+            least = least.min(report.residual);
+            if stagnated >= options.stagnation && self.takes_interior_point() && !overlaps {
+                break;
+            }
+            if outcome == LineSearchOutcome::NoDescent {
+                break;
+            }
+            if full && report.residual < options.decrease * before {
+                tangent = Tangent::Exact;
+            }
+        }
+        if !report.residual.is_finite() {
+            return Err(StepFailure::NotFinite);
+        }
+        let enough = match self.contacts.is_empty() {
+            true => newton.tolerance,
+            false => options.stagnated_tolerance * newton.tolerance,
+        };
+        if newton.must_converge && report.residual > enough {
+            return Err(StepFailure::NotConverged {
+                iterations: report.iterations,
+                residual: report.residual,
+            });
+        }
+        self.publish(&problem);
+        Ok(report)
+    }
+
+    /// Whether overlaps take more iterations than were asked for.
+    fn needs_more(&self, newton: &Newton, iterations: u32) -> bool {
+        let options = &self.options.contact;
+        iterations < newton.iterations.saturating_add(options.more_iterations)
+            && self.contacts.overlap() > options.overlap
+    }
+
+    /// Makes one iteration from `trial`, whose residual is `residual` relative to the forces: with the matrix asked for in `tangent`, or with
+    /// the positive one where that is indefinite or its direction does not descend. `tangent` becomes the one that was used.
+    fn iterate(
+        &mut self,
+        problem: &Problem<'_>,
+        ends: &[Vector3<f64>],
+        tangent: &mut Tangent,
+        residual: f64,
+        tolerances: Tolerances,
+    ) -> Result<LineSearchOutcome, StepFailure> {
+        let [least, largest] = self.options.linear_tolerances;
+        let inexact = self.options.linear_inexactness * tolerances.residual / residual;
+        let tolerances = Tolerances {
+            residual: inexact.clamp(least, largest),
+            ..tolerances
+        };
+        loop {
+            let exact = *tangent == Tangent::Exact;
+            let moves = self.prescribe(problem.fixed, ends);
+            let direction = self
+                .factorise(problem, *tangent)
+                .and_then(|()| self.set_direction(problem.fixed, moves, tolerances));
+            match direction {
+                Ok(()) if moves => {
+                    self.follow_prescribed(problem, ends);
+                    return Ok(LineSearchOutcome::Prescribed);
+                }
+                Ok(()) => {
+                    // A curved path would not enforce non-penetration.
+                    let far = residual >= self.options.second_order.least_residual;
+                    self.set_second_order(problem, exact && far && self.contacts.is_empty());
+                    let outcome = self.search(problem);
+                    if outcome != LineSearchOutcome::NoDescent || (!exact && !self.retains_matrix) {
+                        return Ok(outcome);
+                    }
+                    self.evaluate(problem, 0.0);
+                }
+                Err(_) if exact || self.retains_matrix => {}
+                Err(failure) => return Err(self.why_not_positive(failure)),
+            }
+            *tangent = Tangent::Positive;
+            self.retains_matrix = false;
+        }
+    }
+}
