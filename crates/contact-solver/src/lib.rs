@@ -15,6 +15,8 @@
 //!
 //! What is not here: finding contacts (crate `contact`), elements, nonlinear iterations. Pure; the same numbers give the same bits.
 
+#![forbid(unsafe_code)]
+
 mod augmented_lagrangian;
 mod components;
 mod cone_program;

@@ -40,12 +40,12 @@ impl Projection {
         edge: f64,
         frequency: f64,
         components: RigidComponents,
-        options: ContactOptions,
+        options: &ContactOptions,
     ) -> Self {
         Self {
             edge,
             frequency,
-            options,
+            options: *options,
             solver: GaussSeidel::new(edge, options.gauss_seidel),
             compliance: NodalCompliance::default(),
             components,

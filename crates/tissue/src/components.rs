@@ -47,7 +47,7 @@ pub(crate) fn projection(model: &TissueModel) -> Projection {
         model.mean_edge_length(),
         model.rate_bound().sqrt(),
         rigid_components(model, options.rigid_components),
-        options,
+        &options,
     )
 }
 

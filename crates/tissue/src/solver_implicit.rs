@@ -103,7 +103,7 @@ pub struct SolverImplicit {
 impl SolverImplicit {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel, scheme: ImplicitScheme, newton: Newton) -> Self {
-        Self::with_options(model, scheme, newton, NewtonOptions::default())
+        Self::with_options(model, scheme, newton, &NewtonOptions::default())
     }
 
     /// As [`new`](Self::new), with other constants of Newton's method.
@@ -111,7 +111,7 @@ impl SolverImplicit {
         model: &TissueModel,
         scheme: ImplicitScheme,
         newton: Newton,
-        options: NewtonOptions,
+        options: &NewtonOptions,
     ) -> Self {
         Self::with_solver(model, scheme, newton, NewtonSolver::new(model, options))
     }

@@ -52,7 +52,7 @@ impl SolverQuasiStatic {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel, newton: Newton) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
-        let solver = NewtonSolver::new(model, NewtonOptions::default());
+        let solver = NewtonSolver::new(model, &NewtonOptions::default());
         Self {
             newton,
             components: model.components().clone(),

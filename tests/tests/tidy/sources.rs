@@ -5,9 +5,24 @@ use microsim_tests::repository;
 use std::path::{Path, PathBuf};
 
 /// Crates and plugins on which state and score of a run depend; all modules besides.
-const CRATES: [&str; 16] = [
-    "random", "geometry", "mesh", "sparse", "tissue", "contact", "cutting", "scene", "tracking",
-    "training", "sdk", "bus", "message", "session", "settings", "host",
+const CRATES: [&str; 17] = [
+    "random",
+    "geometry",
+    "mesh",
+    "sparse",
+    "contact-solver",
+    "tissue",
+    "contact",
+    "cutting",
+    "scene",
+    "tracking",
+    "training",
+    "sdk",
+    "bus",
+    "message",
+    "session",
+    "settings",
+    "host",
 ];
 const PLUGINS: [&str; 5] = [
     "translator",

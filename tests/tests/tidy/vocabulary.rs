@@ -34,7 +34,7 @@ const PENDING: &[&str] = &[
 ];
 
 /// Terms of items that are still to come.
-const PENDING_TERMS: &[&str] = &["ContactSolver", "Lonor"];
+const PENDING_TERMS: &[&str] = &["Lonor"];
 
 /// The cells of a table's row.
 fn cells(row: &str) -> Vec<String> {

@@ -56,22 +56,22 @@ pub(crate) struct NewtonSolver {
 
 impl NewtonSolver {
     /// Working memory for `model`.
-    pub fn new(model: &TissueModel, options: NewtonOptions) -> Self {
+    pub fn new(model: &TissueModel, options: &NewtonOptions) -> Self {
         Self::with_system(model, System::new(model), options)
     }
 
     /// That for the model of the same body after an edit.
     pub fn following(&self, model: &TissueModel) -> Self {
-        Self::with_system(model, self.system.following(model), self.options)
+        Self::with_system(model, self.system.following(model), &self.options)
     }
 
-    fn with_system(model: &TissueModel, system: System, options: NewtonOptions) -> Self {
+    fn with_system(model: &TissueModel, system: System, options: &NewtonOptions) -> Self {
         let nodes = model.node_count();
         let zeros = vec![Vector3::zeros(); nodes];
         let solvers = &options.contact_solvers;
         let edge = model.mean_edge_length();
         Self {
-            options,
+            options: *options,
             stiffness: rest_stiffness(model),
             retains_matrix: false,
             contacts: ContactSet::new(nodes, edge, solvers.augmented_lagrangian),
