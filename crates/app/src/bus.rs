@@ -45,7 +45,7 @@ fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
         })
         .collect();
     for own in manifests.iter().flat_map(|m| &m.message) {
-        let drops = own.overflow == microsim_settings::Overflow::DropOldest;
+        let drops = own.overflow == Overflow::DropOldest;
         kinds.insert(own.name.clone(), (own.version, drops));
     }
     kinds.retain(|name, _| args.kind.as_ref().is_none_or(|wanted| wanted == name));

@@ -16,10 +16,10 @@ const SIZE: u32 = 480;
 
 /// No pictures, as nobody asked for them.
 pub fn not_asked() -> Pictures {
-    Pictures::Missing(LocalText {
-        de: "es wurden keine verlangt; microsim report SITZUNG --html DATEI --pictures zeichnet sie.".into(),
-        en: "none were asked for; microsim report SESSION --html FILE --pictures draws them.".into(),
-    })
+    Pictures::Missing(LocalText::new(
+        "es wurden keine verlangt; microsim report SITZUNG --html DATEI --pictures zeichnet sie.",
+        "none were asked for; microsim report SESSION --html FILE --pictures draws them.",
+    ))
 }
 
 /// The pictures of the key moments, or why there are none.
@@ -30,10 +30,10 @@ pub fn key_pictures(
     threads: usize,
 ) -> Pictures {
     draw(installation, session, report, threads).unwrap_or_else(|why| {
-        Pictures::Missing(LocalText {
-            de: format!("sie ließen sich nicht zeichnen ({why})."),
-            en: format!("they could not be drawn ({why})."),
-        })
+        Pictures::Missing(LocalText::new(
+            format!("sie ließen sich nicht zeichnen ({why})."),
+            format!("they could not be drawn ({why})."),
+        ))
     })
 }
 

@@ -5,7 +5,6 @@ use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, say, say_json};
 use crate::session_file::{installation, read, report_of};
 use microsim_report::{Language, Page, Report, Verdict};
-use microsim_settings::PageLanguage;
 use std::path::{Path, PathBuf};
 
 /// Writes a file, naming it when that fails.
@@ -31,7 +30,7 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
             language: match args.lang.as_deref() {
                 Some("de") => Language::German,
                 Some(_) => Language::English,
-                None => page_language(installation.host.report.language),
+                None => installation.host.report.language,
             },
             pictures: match args.pictures {
                 true => key_pictures(&installation, &session, &report, 1),
@@ -78,14 +77,6 @@ pub fn write_beside(report: &Report, content: &Page, session: &Path) -> Result<P
     write(&metrics, &report.metrics_csv())?;
     write(&series, &report.series_csv())?;
     Ok(page)
-}
-
-/// The language of a page, as the report knows it.
-pub fn page_language(language: PageLanguage) -> Language {
-    match language {
-        PageLanguage::German => Language::German,
-        PageLanguage::English => Language::English,
-    }
 }
 
 /// Name of a verdict for people.

@@ -4,7 +4,7 @@ use crate::cli::{Place, RunArgs};
 use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, say, say_json};
 use crate::progress;
-use crate::report::{files_beside, page_language, summary, verdict_word, write_beside};
+use crate::report::{files_beside, summary, verdict_word, write_beside};
 use crate::session_file::{installation, is_session, read, report_of};
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
@@ -238,7 +238,7 @@ fn finish(
         key_pictures(installation, &recorded, &report, args.threads.into())
     };
     let page = Page {
-        language: page_language(installation.host.report.language),
+        language: installation.host.report.language,
         pictures,
     };
     let page = write_beside(&report, &page, session);

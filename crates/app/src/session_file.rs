@@ -151,10 +151,10 @@ impl ToolsOfRun {
             let same = self.tools.iter().filter(|other| other.model == slot.model);
             let title = match same.count() {
                 1 => title.clone(),
-                _ => LocalText {
-                    de: format!("{} ({})", title.de, slot.name),
-                    en: format!("{} ({})", title.en, slot.name),
-                },
+                _ => LocalText::new(
+                    format!("{} ({})", title.de, slot.name),
+                    format!("{} ({})", title.en, slot.name),
+                ),
             };
             Some((slot.name.clone(), title))
         });

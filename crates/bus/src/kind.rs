@@ -1,5 +1,7 @@
 //! Message kinds: a name for people, an id for the wire.
 
+use microsim_vocabulary::Overflow;
+
 /// The id of a message kind: the 64-bit FNV-1a hash of its name (Fowler, Noll, Vo). Two kinds of one run with equal
 /// ids are refused when they are registered.
 pub const fn kind_id(name: &str) -> u64 {
@@ -11,15 +13,6 @@ pub const fn kind_id(name: &str) -> u64 {
         i += 1;
     }
     hash
-}
-
-/// What happens when a subscriber's queue is full.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Overflow {
-    /// Events: nothing may be lost; the publication is refused and its sender is at fault.
-    Refuse,
-    /// States: the oldest message of the same kind in that queue makes room, and the loss is counted.
-    DropOldest,
 }
 
 /// A message kind that a run knows.

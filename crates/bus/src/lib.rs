@@ -19,5 +19,6 @@ mod router_tests;
 
 pub use block::{Block, BlockBuilder, BlockError, BlockView};
 pub use frame::{Frame, FrameError, Frames, Header, push_frame};
-pub use kind::{KindInfo, Overflow, kind_id};
+pub use kind::{KindInfo, kind_id};
+pub use microsim_vocabulary::Overflow;
 pub use router::{EndpointId, HOST, Limits, Router, RouterError, Violation};

@@ -7,7 +7,8 @@
 
 use crate::block::{Block, BlockError};
 use crate::frame::{FrameError, Frames, HEADER_SIZE, Header, push_stamped};
-use crate::kind::{KindInfo, Overflow, kind_id};
+use crate::kind::{KindInfo, kind_id};
+use microsim_vocabulary::Overflow;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt;
 

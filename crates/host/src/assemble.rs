@@ -12,7 +12,7 @@ use crate::input::{SourceSetup, source_setup};
 use crate::installed::{RunSetup, planned, probe};
 use crate::plan::{PlannedPart, PlannedPlugin, PluginKind, RunPlan};
 use crate::request::refuse;
-use microsim_message::{LocalText, SetupFile, config_value};
+use microsim_message::{SetupFile, config_value};
 use microsim_settings as settings;
 use serde_json::Value;
 use settings::{
@@ -71,10 +71,10 @@ impl Planner<'_> {
         let physics = !self.request.leaves_out(PluginKind::Physics.name());
         let mut plan = RunPlan {
             module: self.request.module.clone(),
-            module_title: text(&manifest.title),
+            module_title: manifest.title.clone(),
             level: self.request.level,
-            level_title: text(&level.title),
-            level_summary: text(&level.summary),
+            level_title: level.title.clone(),
+            level_summary: level.summary.clone(),
             seed: self.request.seed,
             tick_ns,
             steps: level.clock.steps,
@@ -214,13 +214,6 @@ impl Planner<'_> {
             files.push(SetupFile { name, bytes });
         }
         Ok(files)
-    }
-}
-
-fn text(text: &settings::LocalText) -> LocalText {
-    LocalText {
-        de: text.de.clone(),
-        en: text.en.clone(),
     }
 }
 

@@ -155,16 +155,12 @@ impl Installation {
 
 /// The motion metrics that every level may limit.
 pub fn known_metrics() -> Vec<settings::KnownMetric<'static>> {
-    use microsim_training::{Direction, MOTION_METRICS};
+    use microsim_training::MOTION_METRICS;
     let known = MOTION_METRICS.iter().filter_map(|metric| {
         Some(settings::KnownMetric {
             id: metric.id.as_ref(),
             unit: settings::Unit::of_symbol(&metric.unit)?,
-            direction: match metric.direction {
-                Direction::LowerIsBetter => settings::Direction::Lower,
-                Direction::HigherIsBetter => settings::Direction::Higher,
-                Direction::Range | Direction::Informative => settings::Direction::Inform,
-            },
+            direction: metric.direction,
         })
     });
     known.collect()

@@ -1,9 +1,10 @@
 //! What a run loads and computes, and why: decided before anything is loaded.
 
+pub use microsim_vocabulary::PluginKind;
+
 use microsim_bus::{KindInfo, Limits};
 use microsim_message::{LocalText, Setup};
 use microsim_settings::LevelPart;
-pub use microsim_settings::PluginKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -1,5 +1,6 @@
 //! The block generator: cells of six tetrahedra (NUMERICS 5).
 
+use crate::cell_split::cell_tets;
 use crate::{CellSplit, TetMesh};
 use nalgebra::Vector3;
 
@@ -92,7 +93,7 @@ impl Block {
         for k in 0..nz {
             for j in 0..ny {
                 for i in 0..nx {
-                    for tet in self.split.tets([i, j, k]) {
+                    for tet in cell_tets(self.split, [i, j, k]) {
                         tets.push(tet.map(node));
                     }
                 }

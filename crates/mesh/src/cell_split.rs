@@ -1,5 +1,7 @@
 //! Hexahedral cells cut into six tetrahedra (NUMERICS 5).
 
+use microsim_vocabulary::CellSplit;
+
 /// The orders in which the axes are walked, each with whether the path is positively oriented (even permutation).
 const WALKS: [([usize; 3], bool); 6] = [
     ([0, 1, 2], true),
@@ -10,41 +12,26 @@ const WALKS: [([usize; 3], bool); 6] = [
     ([2, 1, 0], false),
 ];
 
-/// How the cells of a generator are cut into six tetrahedra each: along one space diagonal, one tetrahedron per order in
-/// which the three axes are walked from its start to its end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CellSplit {
-    /// Every cell alike (Kuhn, Freudenthal). Fits any number of cells, also around a ring, but all diagonals point the
-    /// same way: the mesh is not isotropic.
-    #[default]
-    Kuhn,
-    /// Every second cell along each axis is the mirror image of its neighbour, so that the diagonals alternate and no
-    /// direction is preferred. A ring needs an even number of cells.
-    Mirrored,
-}
-
-impl CellSplit {
-    /// The six tetrahedra of the cell between the grid points `cell` and `cell` + 1, as grid points; positive where the
-    /// grid axes are right-handed.
-    pub(crate) fn tets(self, cell: [usize; 3]) -> [[[usize; 3]; 4]; 6] {
-        let mirrored = cell.map(|i| self == Self::Mirrored && i % 2 == 1);
-        // Each mirrored axis turns the orientation of every path.
-        let turned = mirrored.iter().filter(|&&m| m).count() % 2 == 1;
-        WALKS.map(|(axes, positive)| {
-            let mut corner = [0, 1, 2].map(|axis| cell[axis] + usize::from(mirrored[axis]));
-            let mut tet = [corner; 4];
-            for (step, axis) in axes.into_iter().enumerate() {
-                corner[axis] = if mirrored[axis] {
-                    cell[axis]
-                } else {
-                    cell[axis] + 1
-                };
-                tet[step + 1] = corner;
-            }
-            if positive == turned {
-                tet.swap(2, 3);
-            }
-            tet
-        })
-    }
+/// The six tetrahedra of the cell between the grid points `cell` and `cell` + 1, as grid points; positive where the
+/// grid axes are right-handed.
+pub(crate) fn cell_tets(split: CellSplit, cell: [usize; 3]) -> [[[usize; 3]; 4]; 6] {
+    let mirrored = cell.map(|i| split == CellSplit::Mirrored && i % 2 == 1);
+    // Each mirrored axis turns the orientation of every path.
+    let turned = mirrored.iter().filter(|&&m| m).count() % 2 == 1;
+    WALKS.map(|(axes, positive)| {
+        let mut corner = [0, 1, 2].map(|axis| cell[axis] + usize::from(mirrored[axis]));
+        let mut tet = [corner; 4];
+        for (step, axis) in axes.into_iter().enumerate() {
+            corner[axis] = if mirrored[axis] {
+                cell[axis]
+            } else {
+                cell[axis] + 1
+            };
+            tet[step + 1] = corner;
+        }
+        if positive == turned {
+            tet.swap(2, 3);
+        }
+        tet
+    })
 }

@@ -25,12 +25,12 @@ mod triangle_surface;
 mod tube;
 
 pub use block::{Block, BlockError};
-pub use cell_split::CellSplit;
 pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
 pub use edit::{Applied, CutFace, EditError, NewNode, Replaced, Replacement, Side, TopologyEdit};
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
 pub use mapping::{Location, Locator, Mapping, MappingError};
 pub use microsim_geometry::signed_volume;
+pub use microsim_vocabulary::CellSplit;
 pub use quality::{
     Distribution, ElementQuality, HISTOGRAM_BINS, Histogram, QualityReport, RankedElement,
 };

@@ -3,6 +3,7 @@
 //! The section is a polygon whose corners lie on the exact radii; its area is less than the ring's by the factor
 //! sin(2π/n)/(2π/n). Six tetrahedra per cell. With five, a ring of an odd number of cells cannot be closed.
 
+use crate::cell_split::cell_tets;
 use crate::{CellSplit, Surface, TetMesh};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -191,7 +192,7 @@ impl Tube {
             for l in 0..self.along {
                 for (r, &region) in cell_regions.iter().enumerate() {
                     // Around, along, outward: right-handed, like the frame.
-                    for tet in self.split.tets([a, l, r]) {
+                    for tet in cell_tets(self.split, [a, l, r]) {
                         tets.push(tet.map(node));
                         regions.push(region);
                     }

@@ -1,7 +1,7 @@
 //! The course of a level and its result.
 
-use crate::{LocalText, Message};
-use microsim_bus::Overflow;
+use crate::Message;
+use microsim_vocabulary::{LocalText, Overflow};
 use serde::{Deserialize, Serialize};
 
 /// What the operator (or the host) asks of the running module. An external input.

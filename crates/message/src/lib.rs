@@ -22,16 +22,18 @@ pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,
 };
-pub use object::{Colour, Finish, ObjectScene, ObjectSet, ObjectState, Shape};
+pub use microsim_vocabulary::{Finish, LocalText, ToolStatus};
+pub use object::{Colour, ObjectScene, ObjectSet, ObjectState, Shape};
 pub use setup::{
     Log, LogLevel, PictureRequest, Progress, SessionRecord, Setup, SetupFile, config_value,
 };
 pub use tool::{
     ContactForce, ContactForces, GRIP_MIN, TissueCut, TissueRecovery, ToolSample, ToolState,
-    ToolStates, ToolStatus,
+    ToolStates,
 };
 
-use microsim_bus::{Frame, Overflow, kind_id};
+use microsim_bus::{Frame, kind_id};
+use microsim_vocabulary::Overflow;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fmt;
 
@@ -93,15 +95,6 @@ pub fn encode<T: Serialize>(data: &T) -> Vec<u8> {
 /// The opposite of [`encode`].
 pub fn decode_bytes<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DecodeError> {
     rmp_serde::from_slice(bytes).map_err(|e| DecodeError(e.to_string()))
-}
-
-/// A text for people in the two languages of the project.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LocalText {
-    /// German.
-    pub de: String,
-    /// English.
-    pub en: String,
 }
 
 /// Position \[m\] and orientation (unit quaternion x, y, z, w) in a frame that the field's name or doc states.

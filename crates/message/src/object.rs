@@ -1,7 +1,7 @@
 //! Virtual objects: what a level names and a module activates, moves and colours.
 
 use crate::{Message, Pose};
-use microsim_bus::Overflow;
+use microsim_vocabulary::{Finish, Overflow};
 use serde::{Deserialize, Serialize};
 
 /// Colour, sRGB 0…1.
@@ -44,19 +44,6 @@ pub enum Shape {
         /// From end to end \[m\].
         length: f64,
     },
-}
-
-/// How a surface shines.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Finish {
-    /// Diffuse.
-    #[default]
-    Matte,
-    /// Wet tissue.
-    Moist,
-    /// Polished steel.
-    Metal,
 }
 
 /// Changes an object, or the colour of a rigid thing; what is `None` stays.

@@ -1,7 +1,7 @@
 //! What the host tells a plugin at the start, and the small services that travel as messages.
 
-use crate::{DecodeError, LocalText, Message};
-use microsim_bus::Overflow;
+use crate::{DecodeError, Message};
+use microsim_vocabulary::{LocalText, Overflow};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// A file of the plugin's own, by the name in its manifest.

@@ -1,7 +1,7 @@
 //! Tools in the field and what they do to tissue.
 
 use crate::{Message, Pose};
-use microsim_bus::Overflow;
+use microsim_vocabulary::{Overflow, ToolStatus};
 use serde::{Deserialize, Serialize};
 
 /// One input sample, translated: for metrics, which must not depend on the tick.
@@ -21,20 +21,6 @@ pub struct ToolSample {
 
 impl Message for ToolSample {
     const KIND: &'static str = "tool.sample";
-}
-
-/// What is known of an instrument now.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ToolStatus {
-    /// A fresh, valid pose.
-    Tracked,
-    /// The device does not see the instrument; the pose is the last valid one.
-    Occluded,
-    /// No sample since the run began.
-    NeverSeen,
-    /// The last sample is too old.
-    Stale,
 }
 
 /// One tool at the end of a tick.

@@ -29,5 +29,6 @@ mod tessellate;
 pub use error::RenderError;
 pub use image::Image;
 pub use light::{KEY_LIGHT_AZIMUTH, KEY_LIGHT_ZENITH, SHADOW_LEVEL, key_light_direction};
-pub use picture::{DRAPE, Finish, Item, Picture, Shape, View};
+pub use microsim_vocabulary::Finish;
+pub use picture::{DRAPE, Item, Picture, Shape, View};
 pub use renderer::Renderer;

@@ -1,5 +1,6 @@
 //! What to draw: a view and a list of items. Plain data, checked once before it is drawn.
 
+use microsim_vocabulary::Finish;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -153,17 +154,6 @@ impl Item {
 /// Colour of flesh, and how much of it the surface that a cut has opened has.
 const FLESH: [f32; 3] = [0.66, 0.13, 0.14];
 const OPENED: f32 = 0.5;
-
-/// How a surface answers light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finish {
-    /// No highlight: cloth, silicone, painted targets.
-    Matte,
-    /// A small sharp highlight and a bright rim: tissue under irrigation.
-    Moist,
-    /// Mirrors its surroundings, tinted by its colour: instruments.
-    Metal,
-}
 
 /// The form of an item, in the item's own frame. Both sides of every surface are drawn.
 #[derive(Clone, Debug, PartialEq)]

@@ -93,7 +93,7 @@ pub(crate) fn view_from_field(tilt: f64) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::Finish;
+    use microsim_vocabulary::Finish;
 
     const VIEW: View = View {
         centre: [0.0; 3],

@@ -10,10 +10,7 @@ use microsim_report::{Language, Page, Pictures, Report, ReportInput};
 const TICK: f64 = 0.02;
 
 fn text(de: &str, en: &str) -> LocalText {
-    LocalText {
-        de: de.into(),
-        en: en.into(),
-    }
+    LocalText::new(de.to_owned(), en.to_owned())
 }
 
 /// Two hands for a minute: reaching from target to target, a little tremor, the left one hidden now and then.

@@ -31,7 +31,8 @@ mod testing;
 
 pub use device::DeviceRecord;
 pub use force::ForceSeries;
-pub use html::{Language, Page, Pictures};
+pub use html::{Page, Pictures};
+pub use microsim_vocabulary::Language;
 pub use moment::{Moment, MomentKind};
 pub use motion::{ToolPresence, ToolSeries};
 pub use report::{EventRecord, MetricEntry, RecoveryRecord, Report, ReportInput, Verdict, Warning};

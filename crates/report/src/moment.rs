@@ -110,7 +110,11 @@ impl<'a> MomentCollector<'a> {
     }
 
     pub fn add_event(&mut self, tick: u64, now: f64, event: &LevelEvent) {
-        let key = (MomentKind::Event, event.id.clone(), event.text.en.clone());
+        let key = (
+            MomentKind::Event,
+            event.id.clone(),
+            event.text.en.to_string(),
+        );
         if self.goes_on(&key, now).is_none() {
             self.begins(key, now);
             let (text, id) = (event.text.clone(), Some(event.id.clone()));
@@ -149,16 +153,16 @@ impl<'a> MomentCollector<'a> {
         if let Some((force, tick, now, tool, body)) = self.largest.take() {
             let millinewtons = shown(force * 1e3, "mN");
             let (tool, body) = (self.session.tool_name(&tool), self.session.body_name(&body));
-            let text = LocalText {
-                de: format!(
+            let text = LocalText::new(
+                format!(
                     "Größte Kraft: {}, {} auf {}",
                     millinewtons.de, tool.de, body.de
                 ),
-                en: format!(
+                format!(
                     "Largest force: {}, {} on {}",
                     millinewtons.en, tool.en, body.en
                 ),
-            };
+            );
             self.add(MomentKind::LargestForce, tick, now, text, None);
         }
         if let Some(last) = ticks_end.checked_sub(1) {

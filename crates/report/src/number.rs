@@ -3,14 +3,12 @@
 
 use microsim_drawing::exponent;
 use microsim_message::LocalText;
+use std::borrow::Cow;
 
 /// A number with this many decimals, in both languages.
 pub fn fixed(value: f64, decimals: usize) -> LocalText {
     let en = microsim_drawing::fixed(value, decimals);
-    LocalText {
-        de: en.replace('.', ","),
-        en,
-    }
+    LocalText::new(en.replace('.', ","), en)
 }
 
 /// A value as people read it: three digits, but no more decimals than its unit deserves.
@@ -64,17 +62,15 @@ fn decimals(value: f64, unit: &str) -> usize {
 
 /// Without zeros at the end of the fraction.
 fn trimmed(text: LocalText) -> LocalText {
-    let cut = |text: String, sign| {
+    let cut = |text: Cow<'static, str>, sign| {
         if text.contains(sign) {
-            text.trim_end_matches('0').trim_end_matches(sign).into()
+            let short = text.trim_end_matches('0').trim_end_matches(sign);
+            short.to_owned().into()
         } else {
             text
         }
     };
-    LocalText {
-        de: cut(text.de, ','),
-        en: cut(text.en, '.'),
-    }
+    LocalText::new(cut(text.de, ','), cut(text.en, '.'))
 }
 
 fn with_unit(number: LocalText, unit: &str) -> LocalText {
@@ -83,10 +79,10 @@ fn with_unit(number: LocalText, unit: &str) -> LocalText {
         "°" => "",
         _ => "\u{a0}",
     };
-    LocalText {
-        de: format!("{}{space}{unit}", number.de),
-        en: format!("{}{space}{unit}", number.en),
-    }
+    LocalText::new(
+        format!("{}{space}{unit}", number.de),
+        format!("{}{space}{unit}", number.en),
+    )
 }
 
 /// A moment in Coordinated Universal Time, to the minute; `seconds` since 1970.
@@ -107,10 +103,10 @@ pub fn date_time(seconds: u64) -> LocalText {
     };
     let year = era * 400 + year_of_era + u64::from(month <= 2);
     let (hour, minute) = (seconds / 3_600 % 24, seconds / 60 % 60);
-    LocalText {
-        de: format!("{day:02}.{month:02}.{year}, {hour:02}:{minute:02} UTC"),
-        en: format!("{year}-{month:02}-{day:02}, {hour:02}:{minute:02} UTC"),
-    }
+    LocalText::new(
+        format!("{day:02}.{month:02}.{year}, {hour:02}:{minute:02} UTC"),
+        format!("{year}-{month:02}-{day:02}, {hour:02}:{minute:02} UTC"),
+    )
 }
 
 #[cfg(test)]

@@ -63,10 +63,7 @@ pub struct ReportInput {
 impl ReportInput {
     /// What the tool of a slot is called: the slot itself if nothing else is known.
     pub fn tool_name(&self, slot: &str) -> LocalText {
-        let unnamed = || LocalText {
-            de: slot.to_owned(),
-            en: slot.to_owned(),
-        };
+        let unnamed = || LocalText::new(slot.to_owned(), slot.to_owned());
         self.tools.get(slot).cloned().unwrap_or_else(unnamed)
     }
 

@@ -38,8 +38,8 @@ impl Report {
             let none = record.not_applicable.as_ref();
             table.row(&[
                 record.id.clone(),
-                record.title.en.clone(),
-                record.title.de.clone(),
+                record.title.en.to_string(),
+                record.title.de.to_string(),
                 record.category.clone(),
                 record.direction.clone(),
                 cell(record.value),
@@ -58,8 +58,8 @@ impl Report {
                 record.source.clone(),
                 cell(none.map(|text| &text.en)),
                 cell(none.map(|text| &text.de)),
-                record.advice.en.clone(),
-                record.advice.de.clone(),
+                record.advice.en.to_string(),
+                record.advice.de.to_string(),
                 cell(self.session.synthetic.as_ref()),
             ]);
         }

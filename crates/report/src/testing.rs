@@ -36,10 +36,7 @@ pub fn log(messages: &[&dyn AnyMessage]) -> Vec<u8> {
 
 /// The same text in both languages.
 pub fn text(text: &str) -> LocalText {
-    LocalText {
-        de: text.into(),
-        en: text.into(),
-    }
+    LocalText::new(text.to_owned(), text.to_owned())
 }
 
 /// A plain session with ticks of 1/8 s.

@@ -113,7 +113,13 @@ impl Drive {
 
     /// Follows an edit that brought `mesh` to where it is: what a clamp, grip or load has both nodes of that a new node comes from, it has too. `old` is
     /// the number of nodes before, `clamped` are the model's clamped nodes now.
-    pub fn update_after_edit(&mut self, edit: &TopologyEdit, old: usize, mesh: &TetMesh, clamped: &[u32]) {
+    pub fn update_after_edit(
+        &mut self,
+        edit: &TopologyEdit,
+        old: usize,
+        mesh: &TetMesh,
+        clamped: &[u32],
+    ) {
         let now = renumbering(edit, old);
         let rest = |node: u32| mesh.positions[node as usize];
         for clamp in &mut self.clamps {

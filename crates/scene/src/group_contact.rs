@@ -232,7 +232,12 @@ impl GroupContact {
     }
 
     /// Follows cuts of bodies: then it is what would be made anew.
-    pub fn update_after_edit(&mut self, members: &[Member], bodies: &[Body], surface_diffs: &[Option<SurfaceDiff>]) {
+    pub fn update_after_edit(
+        &mut self,
+        members: &[Member],
+        bodies: &[Body],
+        surface_diffs: &[Option<SurfaceDiff>],
+    ) {
         let first = members
             .iter()
             .position(|member| surface_diffs[member.body].is_some());

@@ -57,50 +57,23 @@ pub struct Course {
     refused: u64,
 }
 
-fn text(text: &settings::LocalText) -> LocalText {
-    LocalText {
-        de: text.de.clone(),
-        en: text.en.clone(),
-    }
-}
-
-fn trainers_text(text: &training::Text) -> LocalText {
-    LocalText {
-        de: text.de.to_string(),
-        en: text.en.to_string(),
-    }
-}
-
 fn own_definition(metric: &settings::ModuleMetric) -> MetricDefinition {
     let symbol = metric
         .display_unit
         .clone()
         .unwrap_or_else(|| metric.unit.symbol().into());
-    let title = |t: &settings::LocalText| training::Text {
-        de: t.de.clone().into(),
-        en: t.en.clone().into(),
-    };
     MetricDefinition {
         id: metric.id.clone().into(),
-        title: title(&metric.title),
+        title: metric.title.clone(),
         unit: metric.unit.symbol().into(),
         display_factor: metric.unit.from_si(1.0, &symbol).unwrap_or(1.0),
         display_unit: shown(&symbol).into(),
         decimals: 2,
-        direction: match metric.direction {
-            settings::Direction::Lower => training::Direction::LowerIsBetter,
-            settings::Direction::Higher => training::Direction::HigherIsBetter,
-            settings::Direction::Inform => training::Direction::Informative,
-        },
-        category: match metric.category {
-            settings::Category::Target => training::Category::TargetAchievement,
-            settings::Category::Efficiency => training::Category::Efficiency,
-            settings::Category::Handling => training::Category::InstrumentHandling,
-            settings::Category::Tissue => training::Category::TissueTreatment,
-        },
+        direction: metric.direction,
+        category: metric.category,
         formula: metric.formula.clone().into(),
         source: metric.source.clone().into(),
-        advice: title(&metric.advice),
+        advice: metric.advice.clone(),
     }
 }
 
@@ -137,21 +110,12 @@ fn limit(limit: &settings::Limit) -> training::Limit {
     }
 }
 
-fn category_id(category: training::Category) -> &'static str {
-    match category {
-        training::Category::TargetAchievement => "target",
-        training::Category::Efficiency => "efficiency",
-        training::Category::InstrumentHandling => "handling",
-        training::Category::TissueTreatment => "tissue",
-    }
-}
-
 fn direction_id(direction: training::Direction) -> &'static str {
     match direction {
-        training::Direction::LowerIsBetter => "lower-is-better",
-        training::Direction::HigherIsBetter => "higher-is-better",
+        training::Direction::Lower => "lower-is-better",
+        training::Direction::Higher => "higher-is-better",
         training::Direction::Range => "range",
-        training::Direction::Informative => "informative",
+        training::Direction::Inform => "informative",
     }
 }
 
@@ -193,7 +157,7 @@ impl Course {
             reason_texts: config
                 .reasons
                 .iter()
-                .map(|r| (r.id.clone(), text(&r.text)))
+                .map(|r| (r.id.clone(), r.text.clone()))
                 .collect(),
             targets,
             own: BTreeMap::new(),
@@ -439,8 +403,8 @@ impl Course {
                 .categories
                 .iter()
                 .map(|c| CategoryScore {
-                    id: category_id(c.category).into(),
-                    title: trainers_text(&c.category.title()),
+                    id: c.category.name().into(),
+                    title: c.category.title(),
                     score: c.score,
                 })
                 .collect(),
@@ -464,23 +428,23 @@ impl Course {
             let value = own.and_then(|m| m.value.number());
             let not_applicable = match own.map(|m| &m.value) {
                 Some(MetricValue::Value(_)) => None,
-                Some(MetricValue::NotApplicable(why)) => Some(trainers_text(&why.text())),
-                None => Some(LocalText {
-                    de: "in diesem Lauf nicht gemessen".into(),
-                    en: "not measured in this run".into(),
-                }),
+                Some(MetricValue::NotApplicable(why)) => Some(why.text()),
+                None => Some(LocalText::new(
+                    "in diesem Lauf nicht gemessen",
+                    "not measured in this run",
+                )),
             };
             MetricRecord {
                 id: definition.id.to_string(),
-                title: trainers_text(&definition.title),
+                title: definition.title.clone(),
                 unit: definition.unit.to_string(),
                 display_unit: definition.display_unit.to_string(),
                 display_factor: definition.display_factor,
                 direction: direction_id(definition.direction).into(),
-                category: category_id(definition.category).into(),
+                category: definition.category.name().into(),
                 formula: definition.formula.to_string(),
                 source: definition.source.to_string(),
-                advice: trainers_text(&definition.advice),
+                advice: definition.advice.clone(),
                 value,
                 not_applicable,
                 limit: judged.map(|r| LimitRecord {
@@ -526,7 +490,7 @@ impl Course {
                 }
             }
         };
-        LocalText { de, en }
+        LocalText::new(de, en)
     }
 
     /// All that evolves, as bytes.

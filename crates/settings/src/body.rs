@@ -3,7 +3,8 @@
 //! Frames: a block or tube is given in the frame of its level or scene, everything else of a body in the body's frame: origin
 //! at `centre`, axes parallel. Everything is in SI.
 
-use crate::text::{Colour, Finish};
+use crate::colour::Colour;
+use microsim_vocabulary::{CellSplit, Discretisation, Finish, LawName, terms};
 use serde::{Deserialize, Serialize};
 
 /// Most tetrahedra of a body: a few gigabytes.
@@ -38,7 +39,7 @@ pub struct Body {
     /// Angle of the sector of a tube \[rad\]; a full turn if `None`.
     pub arc: Option<f64>,
     /// How the cells of a block or tube are cut; `kuhn` if `None`.
-    pub split: Option<Split>,
+    pub split: Option<CellSplit>,
     /// Path of a mesh from the file's own folder.
     pub file: Option<String>,
     /// Length of one unit of the mesh file \[m\]; 1 m if `None`.
@@ -97,36 +98,16 @@ impl Body {
     }
 }
 
-/// What makes a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Generator {
-    /// A regular box of tetrahedra.
-    Block,
-    /// A tube of one or several layers.
-    Tube,
-    /// A file: tetrahedra, or a closed surface that is filled.
-    File,
-}
-
-impl Generator {
-    /// As files write them.
-    pub const NAMES: [&str; 3] = ["block", "tube", "file"];
-}
-
-/// How a cell is cut in six tetrahedra.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Split {
-    /// All cells alike.
-    Kuhn,
-    /// Neighbours are mirror images.
-    Mirrored,
-}
-
-impl Split {
-    /// As files write them.
-    pub const NAMES: [&str; 2] = ["kuhn", "mirrored"];
+terms! {
+    /// What makes a mesh.
+    pub enum Generator {
+        /// A regular box of tetrahedra.
+        Block = "block",
+        /// A tube of one or several layers.
+        Tube = "tube",
+        /// A file: tetrahedra, or a closed surface that is filled.
+        File = "file",
+    }
 }
 
 /// A layer of the wall of a tube.
@@ -287,81 +268,57 @@ pub struct Material {
 
 /// The law of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(try_from = "String", into = "&'static str")]
 pub enum Law {
     /// Springs along the edges, and area and volume forces (4.1, 4.2).
     Springs,
-    /// Corotational linear elasticity.
-    Corotational,
-    /// Stable neo-Hookean elasticity (Smith, de Goes, Kim 2018).
-    StableNeoHookean,
-    /// Compressible neo-Hookean elasticity with a logarithm.
-    NeoHookean,
-    /// Neo-Hookean elasticity without a logarithm: it is finite for inverted elements.
-    NeoHookeanPolynomial,
-    /// St Venant–Kirchhoff elasticity.
-    StVenantKirchhoff,
+    /// A continuum.
+    Continuum(LawName),
 }
 
 impl Law {
-    /// As files write them.
-    pub const NAMES: [&str; 6] = [
-        "springs",
-        "corotational",
-        "stable-neo-hookean",
-        "neo-hookean",
-        "neo-hookean-polynomial",
-        "st-venant-kirchhoff",
-    ];
+    /// All, springs first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        std::iter::once(Self::Springs).chain(LawName::ALL.map(Self::Continuum))
+    }
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Springs => "springs",
+            Self::Continuum(law) => law.name(),
+        }
+    }
 }
 
-/// Elements of a continuum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Discretisation {
-    /// The tetrahedra themselves; they lock from ν = 0.4 on.
-    Tetrahedra,
-    /// Domains around edges; they lock as well.
-    EdgeSmoothed,
-    /// Domains around nodes.
-    NodeSmoothed,
-    /// Shear around edges, pressure around nodes.
-    Selective,
-    /// Shear in tetrahedra, pressure around nodes.
-    NodalPressure,
-    /// Shear in tetrahedra, pressure in patches of about five.
-    PatchPressure,
+impl TryFrom<String> for Law {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let mut all = Self::all();
+        all.find(|law| law.name() == name)
+            .ok_or_else(|| format!("`{name}` is no law"))
+    }
 }
 
-impl Discretisation {
-    /// As files write them.
-    pub const NAMES: [&str; 6] = [
-        "tetrahedra",
-        "edge-smoothed",
-        "node-smoothed",
-        "selective",
-        "nodal-pressure",
-        "patch-pressure",
-    ];
+impl From<Law> for &'static str {
+    fn from(law: Law) -> Self {
+        law.name()
+    }
 }
 
-/// What the constants of springs mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpringForm {
-    /// Moduli, scaled with the elements: the same body on any mesh.
-    Scaled,
-    /// Constants of each element, equations 4.1 and 4.2.
-    Plain,
-    /// Constants of each element for relative changes, equations 3.5 to 3.8.
-    Normalised,
-    /// Moduli fitted to Young's modulus and Poisson's ratio.
-    Fitted,
-}
-
-impl SpringForm {
-    /// As files write them.
-    pub const NAMES: [&str; 4] = ["scaled", "plain", "normalised", "fitted"];
+terms! {
+    /// What the constants of springs mean.
+    pub enum SpringForm {
+        /// Moduli, scaled with the elements: the same body on any mesh.
+        Scaled = "scaled",
+        /// Constants of each element, equations 4.1 and 4.2.
+        Plain = "plain",
+        /// Constants of each element for relative changes, equations 3.5 to 3.8.
+        Normalised = "normalised",
+        /// Moduli fitted to Young's modulus and Poisson's ratio.
+        Fitted = "fitted",
+    }
 }
 
 /// Plastic flow (4.2, dilatation).

@@ -5,7 +5,7 @@ use crate::check::items;
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::schema::Kind;
-use crate::unit::Unit;
+use microsim_vocabulary::Unit;
 use serde_json::Value;
 
 /// A key with those who may have it, and those who need it.

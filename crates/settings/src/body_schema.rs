@@ -1,9 +1,8 @@
 //! The keys of a body, which levels and scenes share.
 
-use crate::body::{Discretisation, Generator, Law, Split, SpringForm};
+use crate::body::{Generator, Law, SpringForm};
 use crate::schema::{Form, Key, Kind};
-use crate::text::Finish;
-use crate::unit::Unit;
+use microsim_vocabulary::{CellSplit, Discretisation, Finish, Unit};
 use serde_json::json;
 
 /// Largest coordinate and size \[m\].
@@ -64,7 +63,7 @@ pub(crate) fn body_keys() -> Vec<Key> {
         ),
         Key::optional(
             "split",
-            Kind::choice(&Split::NAMES),
+            Kind::choice(&CellSplit::NAMES),
             "Of a block or tube: how cells are cut, `kuhn` (all alike, if left out) or `mirrored`.",
         ),
         Key::optional(
@@ -372,7 +371,7 @@ fn material_keys() -> Vec<Key> {
         ),
         Key::required(
             "law",
-            Kind::choice(&Law::NAMES),
+            Kind::Choice(Law::all().map(|law| law.name().to_owned()).collect()),
             "`springs` along edges with area and volume forces, or a law of a continuum.",
         ),
         Key::optional(

@@ -3,18 +3,18 @@
 //! A run is a scene with overrides: those of a resolution, of a variant, of a material and of a method, and a step. A sweep
 //! is the product of its lists; the runs of a scene are those of its sweeps in their order, each run once.
 
-use crate::body::Discretisation;
 use crate::chart_schema::chart_schema;
 use crate::check::{items, refers, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::overrides::Override;
 use crate::scene::Feature;
-use serde::Deserialize;
+use microsim_vocabulary::{Discretisation, terms};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// What is run and compared.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chart {
     /// How much time is allowed.
@@ -34,7 +34,7 @@ pub struct Chart {
 }
 
 /// How much time is allowed.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartBudget {
     /// CPU time of a run \[s\]; a run that needs more is cut off and said to be over budget.
@@ -46,7 +46,7 @@ pub struct ChartBudget {
 }
 
 /// How the exact solution on a mesh with a material is made.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartExact {
     /// Overrides for the equilibrium, `KEY=VALUE`.
@@ -58,7 +58,7 @@ pub struct ChartExact {
 }
 
 /// What `microsim tune` chooses from.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartTune {
     /// Numbers of cells as multiples of those of the file, from coarse to fine.
@@ -76,7 +76,7 @@ pub struct ChartTune {
 }
 
 /// A material with its discretisation.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartMaterial {
     /// Its name in sweeps.
@@ -88,7 +88,7 @@ pub struct ChartMaterial {
 }
 
 /// A method with the parameters that are tried.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartMethod {
     /// Its name in sweeps.
@@ -106,7 +106,7 @@ pub struct ChartMethod {
 }
 
 /// A scene of the chart.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartScene {
     /// Its name on the command line.
@@ -131,23 +131,18 @@ pub struct ChartScene {
     pub sweep: Vec<ChartSweep>,
 }
 
-/// What the exact solution on the same mesh, with the same material, is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ExactKind {
-    /// The equilibrium.
-    Rest,
-    /// The motion at a small step.
-    Motion,
-}
-
-impl ExactKind {
-    /// As files write them.
-    pub const NAMES: [&str; 2] = ["rest", "motion"];
+terms! {
+    /// What the exact solution on the same mesh, with the same material, is.
+    pub enum ExactKind {
+        /// The equilibrium.
+        Rest = "rest",
+        /// The motion at a small step.
+        Motion = "motion",
+    }
 }
 
 /// Something of a probe's series that is compared.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartMeasure {
     /// For people.
@@ -161,7 +156,7 @@ pub struct ChartMeasure {
 }
 
 /// A mesh.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartResolution {
     /// Its name.
@@ -171,7 +166,7 @@ pub struct ChartResolution {
 }
 
 /// Values of the scene's parameters.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartVariant {
     /// Its name.
@@ -188,7 +183,7 @@ pub struct ChartVariant {
 }
 
 /// A product of lists.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSweep {
     /// Whether it belongs to the quick chart.

@@ -1,10 +1,9 @@
 //! The keys of the plan of the chart.
 
-use crate::body::Discretisation;
 use crate::chart::ExactKind;
 use crate::scene::Feature;
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::unit::Unit;
+use microsim_vocabulary::{Discretisation, Unit};
 
 /// The schema of the chart's file.
 pub fn chart_schema() -> Schema {

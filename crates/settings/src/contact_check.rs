@@ -4,7 +4,7 @@ use crate::check::{items, refers, texts, unique};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::tool::check_jaws;
-use crate::unit::Unit;
+use microsim_vocabulary::Unit;
 use serde_json::Value;
 
 /// Sizes of rigid things: which shape needs them, and which may have them.

@@ -3,9 +3,9 @@
 use crate::body_schema::{point, size, size3};
 use crate::rigid::RigidShape;
 use crate::schema::{Form, Key, Kind};
-use crate::text::Finish;
 use crate::tool::{capsule_keys, jaw_keys, sharpness_key};
-use crate::unit::Unit;
+use microsim_vocabulary::Finish;
+use microsim_vocabulary::Unit;
 use serde_json::json;
 
 /// The list of pairs.

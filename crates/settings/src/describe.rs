@@ -4,7 +4,7 @@
 
 use crate::read::local_text_keys;
 use crate::schema::{Form, Key, Kind, Presence, Schema, range};
-use crate::unit::Unit;
+use microsim_vocabulary::Unit;
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema of a kind of file.

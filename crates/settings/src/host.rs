@@ -3,12 +3,12 @@
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::schema::{Key, Kind, Schema};
-use crate::unit::Unit;
-use serde::Deserialize;
+use microsim_vocabulary::{Language, Unit};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// How the host runs sessions.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Host {
     /// What is written of a session.
@@ -24,7 +24,7 @@ pub struct Host {
 }
 
 /// What is written of a session.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SessionSettings {
     /// Folder of the session files, seen from the root of the installation.
@@ -34,7 +34,7 @@ pub struct SessionSettings {
 }
 
 /// What is drawn of a session.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureSettings {
     /// Pictures per simulated second \[Hz\].
@@ -46,33 +46,17 @@ pub struct PictureSettings {
 }
 
 /// The page that is written of a session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReportSettings {
     /// The language in which it opens.
-    pub language: PageLanguage,
+    pub language: Language,
     /// Whether a run draws the key moments into it, where there is a graphics driver.
     pub pictures: bool,
 }
 
-/// A language of pages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub enum PageLanguage {
-    /// German.
-    #[serde(rename = "de")]
-    German,
-    /// English.
-    #[serde(rename = "en")]
-    English,
-}
-
-impl PageLanguage {
-    /// As files and the command line write them.
-    pub const NAMES: [&str; 2] = ["de", "en"];
-}
-
 /// What happens in real time when ticks come late.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateSettings {
     /// A tick that begins later than this is counted as late \[s\].
@@ -82,7 +66,7 @@ pub struct LateSettings {
 }
 
 /// The queues of the bus.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QueueSettings {
     /// Messages that a queue holds.
@@ -122,7 +106,7 @@ pub fn host_schema() -> Schema {
     let report = vec![
         Key::with_default(
             "language",
-            Kind::choice(&PageLanguage::NAMES),
+            Kind::choice(&Language::NAMES),
             "Language in which the page opens; the reader may switch.",
             "en",
         ),

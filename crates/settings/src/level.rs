@@ -5,16 +5,16 @@
 //! microscope. Everything is in SI.
 
 use crate::body::Body;
+use crate::colour::Colour;
 use crate::contact::{ContactPair, CutPair};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::level_check::check;
 use crate::level_schema::level_schema;
-use crate::manifest::{Direction, Manifest};
+use crate::manifest::Manifest;
 use crate::method::{Accuracy, Method, Tuned};
 use crate::rigid::Rigid;
-use crate::text::{Colour, Finish, LocalText};
-use crate::unit::Unit;
+use microsim_vocabulary::{Direction, Finish, LocalText, Unit, terms};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -170,13 +170,18 @@ struct ObjectFile {
     active: bool,
 }
 
-#[derive(Clone, Copy, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum ShapeName {
-    Sphere,
-    Capsule,
-    Box,
-    Ring,
+terms! {
+    /// Forms of virtual objects.
+    pub(crate) enum ShapeName {
+        /// A ball.
+        Sphere = "sphere",
+        /// A ball that is drawn out along z.
+        Capsule = "capsule",
+        /// A box along the axes.
+        Box = "box",
+        /// A torus around z.
+        Ring = "ring",
+    }
 }
 
 impl TryFrom<ObjectFile> for Object {

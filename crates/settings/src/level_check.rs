@@ -6,10 +6,10 @@ use crate::contact_check::{check_contacts, check_cuts, check_rigid};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::level::{KnownMetric, expanded_names};
-use crate::manifest::{Direction, Manifest};
+use crate::manifest::Manifest;
 use crate::method::check_method;
 use crate::schema::Kind;
-use crate::unit::Unit;
+use microsim_vocabulary::{Direction, Unit};
 use serde_json::Value;
 
 /// Complains about all that is wrong in a level that was read by its schema.
@@ -247,7 +247,7 @@ fn check_limit(reading: &mut Reading, limit: &KeyPath, metric: &KnownMetric<'_>)
             full > zero,
             "`full` above `zero`, as higher values of the metric are better",
         ),
-        Direction::Inform => (full != zero, "`full` other than `zero`"),
+        Direction::Range | Direction::Inform => (full != zero, "`full` other than `zero`"),
     };
     if !consistent {
         let found = format!(

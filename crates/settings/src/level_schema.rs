@@ -2,11 +2,12 @@
 
 use crate::body_schema::{body_keys, point, size, size3};
 use crate::contact_schema::{contact_list, cut_list, rigid_list};
+use crate::level::ShapeName;
 use crate::manifest::Manifest;
 use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::text::Finish;
-use crate::unit::Unit;
+use microsim_vocabulary::Finish;
+use microsim_vocabulary::Unit;
 use serde_json::json;
 
 /// The schema of a level; of the module whose manifest is given, or of any.
@@ -159,11 +160,7 @@ fn object_keys() -> Vec<Key> {
             Kind::Integer { min: 1, max: 256 },
             "Makes that many equal objects, named NAME-1, NAME-2 and so on.",
         ),
-        Key::required(
-            "shape",
-            Kind::choice(&["sphere", "capsule", "box", "ring"]),
-            "Its form.",
-        ),
+        Key::required("shape", Kind::choice(&ShapeName::NAMES), "Its form."),
         Key::optional(
             "radius",
             size(),

@@ -16,6 +16,7 @@ mod body_schema;
 mod chart;
 mod chart_schema;
 mod check;
+mod colour;
 mod contact;
 mod contact_check;
 mod contact_schema;
@@ -43,16 +44,14 @@ mod scene_check;
 mod scene_schema;
 mod schema;
 mod script;
-mod text;
 mod tool;
 mod trainees;
 mod translator;
 mod tree;
-mod unit;
 
 pub use body::{
-    Body, Clamp, Coupling, Discretisation, Generator, Law, Layer, Load, MAX_ELEMENTS, Material,
-    MotionKey, Nodes, Plasticity, Shell, Split, SpringForm, Start,
+    Body, Clamp, Coupling, Generator, Law, Layer, Load, MAX_ELEMENTS, Material, MotionKey, Nodes,
+    Plasticity, Shell, SpringForm, Start,
 };
 pub use body_schema::LENGTH_MAX;
 pub use chart::{
@@ -60,6 +59,7 @@ pub use chart::{
     ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
 };
 pub use chart_schema::chart_schema;
+pub use colour::Colour;
 pub use contact::{ContactPair, CutPair, SceneTool, ToolKey};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover};
@@ -68,8 +68,8 @@ pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
 pub use explain::{LevelPart, level_parts};
 pub use guess::guess_kind;
 pub use host::{
-    Host, LateSettings, PageLanguage, PictureSettings, QueueSettings, ReportSettings,
-    SessionSettings, host_schema, load_host, read_host,
+    Host, LateSettings, PictureSettings, QueueSettings, ReportSettings, SessionSettings,
+    host_schema, load_host, read_host,
 };
 pub use level::{
     Clock, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape, ToolSlot, View,
@@ -77,11 +77,15 @@ pub use level::{
 };
 pub use level_schema::level_schema;
 pub use manifest::{
-    Category, Direction, KeyType, Manifest, MessageKind, ModuleKey, ModuleMetric, Overflow,
-    PluginFile, PluginKind, Reason, load_manifest, read_manifest,
+    KeyType, Manifest, MessageKind, ModuleKey, ModuleMetric, PluginFile, Reason, load_manifest,
+    read_manifest,
 };
 pub use manifest_schema::manifest_schema;
-pub use method::{Accuracy, Method, MethodName, Tuned};
+pub use method::{Accuracy, Method, Tuned};
+pub use microsim_vocabulary::{
+    Category, CellSplit, Direction, Discretisation, Finish, Interpolation, Language, LawName,
+    LocalText, MethodName, Overflow, PluginKind, QuantityError, Unit,
+};
 pub use overrides::Override;
 pub use plugin_config::{
     BodyLook, ModuleConfig, ObjectsConfig, PhysicsConfig, RecorderConfig, RecordingConfig,
@@ -96,10 +100,9 @@ pub use scene::{End, Expect, Feature, Probe, Quantity, Scene, SceneRun, load_sce
 pub use scene_schema::scene_schema;
 pub use schema::{Form, Key, Kind, Presence, Schema};
 pub use script::{
-    Interpolation, Script, ScriptKey, ScriptTool, load_script, orientation_of_direction,
-    read_script, script_schema,
+    Script, ScriptKey, ScriptTool, load_script, orientation_of_direction, read_script,
+    script_schema,
 };
-pub use text::{Colour, Finish, LocalText};
 pub use tool::{Jaw, Tool, ToolCapsule, load_tool, read_tool, tool_schema};
 pub use trainees::{
     Sourced, TraineeProfile, Trainees, load_trainees, read_trainees, trainees_schema,
@@ -108,7 +111,6 @@ pub use translator::{
     DeviceMap, OpeningName, OpeningSource, Translator, load_translator, read_translator,
     translator_schema,
 };
-pub use unit::{QuantityError, Unit};
 
 /// The kinds of file, by the names that the command line uses, each with a line about it.
 pub const KINDS: [(&str, &str); 10] = [

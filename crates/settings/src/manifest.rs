@@ -6,14 +6,13 @@ use crate::error::ConfigErrors;
 use crate::manifest_check::check;
 use crate::manifest_schema::manifest_schema;
 use crate::schema::{Key, Kind, Presence};
-use crate::text::LocalText;
-use crate::unit::Unit;
+use microsim_vocabulary::{Category, Direction, LocalText, Overflow, PluginKind, Unit, terms};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
 /// What a plugin or module says of itself.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
     /// Unique among plugins and modules.
@@ -50,46 +49,8 @@ pub struct Manifest {
     pub file: Vec<PluginFile>,
 }
 
-/// What a plugin does in the tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PluginKind {
-    /// Brings device samples.
-    Source,
-    /// Makes tool poses of device samples.
-    Translator,
-    /// Computes bodies and forces.
-    Physics,
-    /// Judges: a training module.
-    Module,
-    /// Holds the virtual objects.
-    Objects,
-    /// Draws pictures.
-    Renderer,
-    /// Writes what flows.
-    Recorder,
-}
-
-impl PluginKind {
-    /// As files write them.
-    pub const NAMES: [&str; 7] = [
-        "source",
-        "translator",
-        "physics",
-        "module",
-        "objects",
-        "renderer",
-        "recorder",
-    ];
-
-    /// As files write it.
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-}
-
 /// A message kind that a plugin brings.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MessageKind {
     /// Begins with the plugin's name and a dot.
@@ -102,18 +63,8 @@ pub struct MessageKind {
     pub overflow: Overflow,
 }
 
-/// What happens when a queue is full.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Overflow {
-    /// Sending is refused.
-    Refuse,
-    /// The oldest message is lost.
-    DropOldest,
-}
-
 /// A key of a level's table `[module]`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModuleKey {
     /// As levels write it.
@@ -137,22 +88,22 @@ pub struct ModuleKey {
     pub doc: String,
 }
 
-/// What the value of a module's key may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum KeyType {
-    /// A number with a unit.
-    Quantity,
-    /// A whole number.
-    Integer,
-    /// `true` or `false`.
-    Bool,
-    /// A text.
-    Text,
-    /// One of some texts.
-    Choice,
-    /// Several quantities of one unit.
-    Vector,
+terms! {
+    /// What the value of a module's key may be.
+    pub enum KeyType {
+        /// A number with a unit.
+        Quantity = "quantity",
+        /// A whole number.
+        Integer = "integer",
+        /// `true` or `false`.
+        Bool = "bool",
+        /// A text.
+        Text = "text",
+        /// One of some texts.
+        Choice = "choice",
+        /// Several quantities of one unit.
+        Vector = "vector",
+    }
 }
 
 /// A metric that a module computes.
@@ -179,32 +130,6 @@ pub struct ModuleMetric {
     pub advice: LocalText,
 }
 
-/// Which values of a metric are good.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Direction {
-    /// Small ones.
-    Lower,
-    /// Large ones.
-    Higher,
-    /// Neither: it only informs.
-    Inform,
-}
-
-/// Which part of the score a metric belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Category {
-    /// Target achievement.
-    Target,
-    /// Efficiency.
-    Efficiency,
-    /// Instrument handling.
-    Handling,
-    /// Tissue treatment.
-    Tissue,
-}
-
 /// Why a level can be failed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -216,7 +141,7 @@ pub struct Reason {
 }
 
 /// A file of the plugin's own.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PluginFile {
     /// By which the plugin asks for it.
@@ -226,14 +151,6 @@ pub struct PluginFile {
 }
 
 impl KeyType {
-    /// As files write them, in the order of the variants.
-    pub const NAMES: [&str; 6] = ["quantity", "integer", "bool", "text", "choice", "vector"];
-
-    /// As files write it.
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
     /// What a value of this type may be; `None` if something that the type needs is missing.
     pub(crate) fn value_kind(
         self,

@@ -5,7 +5,7 @@ use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::manifest::KeyType;
 use crate::schema::Kind;
-use crate::unit::Unit;
+use microsim_vocabulary::Unit;
 use serde::Deserialize;
 use serde_json::Value;
 

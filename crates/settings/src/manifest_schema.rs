@@ -1,8 +1,8 @@
 //! The keys of a manifest.
 
-use crate::manifest::{KeyType, PluginKind};
+use crate::manifest::KeyType;
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::unit::Unit;
+use microsim_vocabulary::{Category, Direction, Overflow, PluginKind, Unit};
 
 /// Most components of a vector key.
 const KEY_VECTOR_MAX: i64 = 16;
@@ -72,7 +72,7 @@ pub fn manifest_schema() -> Schema {
                     Key::required("doc", Kind::Text, "What it says."),
                     Key::required(
                         "overflow",
-                        Kind::choice(&["refuse", "drop-oldest"]),
+                        Kind::choice(&Overflow::NAMES),
                         "What happens when its queue is full.",
                     ),
                 ]),
@@ -169,7 +169,6 @@ fn module_key_keys() -> Vec<Key> {
 }
 
 fn metric_keys() -> Vec<Key> {
-    let categories = ["target", "efficiency", "handling", "tissue"];
     vec![
         Key::required(
             "id",
@@ -184,12 +183,12 @@ fn metric_keys() -> Vec<Key> {
         ),
         Key::required(
             "direction",
-            Kind::choice(&["lower", "higher", "inform"]),
+            Kind::choice(&Direction::NAMES),
             "Whether lower or higher values are better, or whether it only informs.",
         ),
         Key::required(
             "category",
-            Kind::choice(&categories),
+            Kind::choice(&Category::NAMES),
             "Which part of the score it belongs to.",
         ),
         Key::required(

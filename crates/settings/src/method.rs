@@ -4,7 +4,7 @@
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::schema::{Key, Kind};
-use crate::unit::Unit;
+use microsim_vocabulary::{MethodName, Unit};
 use serde::{Deserialize, Serialize};
 
 /// A method with the parameters that a file gives; the rest is the method's own.
@@ -23,63 +23,20 @@ pub struct Method {
     pub substeps: Option<u32>,
 }
 
-/// A method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MethodName {
-    /// Position Verlet in its joint form.
-    StoermerVerlet,
-    /// Explicit Euler.
-    ExplicitEuler,
-    /// Symplectic Euler.
-    SymplecticEuler,
-    /// Velocity Verlet in its standard form.
-    VelocityVerlet,
-    /// Velocity Verlet with stored values of the step before.
-    VelocityVerletLagged,
-    /// Backward Euler.
-    ImplicitEuler,
-    /// Implicit midpoint.
-    ImplicitMidpoint,
-    /// Implicit midpoint that drops speed where a tetrahedron is distorted.
-    GuardedMidpoint,
-    /// L-stable Runge–Kutta method of two implicit stages.
-    Sdirk2,
-    /// Static equilibrium at the end of each step.
-    QuasiStatic,
-    /// Position-based dynamics with compliance.
-    Xpbd,
-}
-
-impl MethodName {
-    /// As files write them.
-    pub const NAMES: [&str; 11] = [
-        "stoermer-verlet",
-        "explicit-euler",
-        "symplectic-euler",
-        "velocity-verlet",
-        "velocity-verlet-lagged",
-        "implicit-euler",
-        "implicit-midpoint",
-        "guarded-midpoint",
-        "sdirk2",
-        "quasi-static",
-        "xpbd",
-    ];
-
-    /// As files write it.
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// The parameters that it has.
-    fn parameters(name: &str) -> &'static [&'static str] {
-        match name {
-            "implicit-euler" | "implicit-midpoint" | "guarded-midpoint" | "sdirk2"
-            | "quasi-static" => &["iterations", "tolerance", "must_converge"],
-            "xpbd" => &["iterations", "substeps"],
-            _ => &[],
-        }
+/// The parameters that a method has.
+fn parameters(method: MethodName) -> &'static [&'static str] {
+    match method {
+        MethodName::ImplicitEuler
+        | MethodName::ImplicitMidpoint
+        | MethodName::GuardedMidpoint
+        | MethodName::Sdirk2
+        | MethodName::QuasiStatic => &["iterations", "tolerance", "must_converge"],
+        MethodName::Xpbd => &["iterations", "substeps"],
+        MethodName::StoermerVerlet
+        | MethodName::ExplicitEuler
+        | MethodName::SymplecticEuler
+        | MethodName::VelocityVerlet
+        | MethodName::VelocityVerletLagged => &[],
     }
 }
 
@@ -243,14 +200,13 @@ pub(crate) fn check_method(reading: &mut Reading, key: &KeyPath) {
     let name = reading
         .value()
         .pointer("/method/name")
-        .and_then(|name| name.as_str())
-        .map(str::to_owned);
-    let Some(name) = name else { return };
-    let own = MethodName::parameters(&name);
+        .and_then(|name| MethodName::from_name(name.as_str()?));
+    let Some(method) = name else { return };
+    let own = parameters(method);
     for parameter in ["iterations", "tolerance", "must_converge", "substeps"] {
         let key = key.key(parameter);
         if reading.is_written(&key) && !own.contains(&parameter) {
-            let expected = format!("no `{parameter}`, which {name} does not have");
+            let expected = format!("no `{parameter}`, which {} does not have", method.name());
             reading.complain(&key, &format!("`{parameter}`"), &expected);
         }
     }

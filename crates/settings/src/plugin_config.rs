@@ -2,6 +2,7 @@
 //! the files of the installation. On the wire they are the value `config` of a set-up.
 
 use crate::body::Body;
+use crate::colour::Colour;
 use crate::contact::{ContactPair, CutPair};
 use crate::level::{Level, Limit, MetricParameters, Object, Physics, ToolSlot, View};
 use crate::manifest::{Manifest, ModuleMetric, Reason};
@@ -9,9 +10,9 @@ use crate::method::Method;
 use crate::recording::RecordingMap;
 use crate::rigid::Rigid;
 use crate::script::Script;
-use crate::text::{Colour, Finish};
 use crate::tool::Tool;
 use crate::translator::{DeviceMap, OpeningName, OpeningSource, Translator};
+use microsim_vocabulary::Finish;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;

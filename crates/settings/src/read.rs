@@ -3,7 +3,7 @@
 use crate::error::{ConfigError, KeyPath, Position};
 use crate::schema::{Form, Key, Kind, Presence, enumerate};
 use crate::tree::{Item, Node};
-use crate::unit::{QuantityError, Unit};
+use microsim_vocabulary::{QuantityError, Unit};
 use serde_json::{Map, Value};
 
 /// How far the length of a quaternion may be from 1: what four digits after the point leave.

@@ -4,7 +4,7 @@ use crate::check::{items, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::unit::Unit;
+use microsim_vocabulary::Unit;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

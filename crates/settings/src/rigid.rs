@@ -3,7 +3,8 @@
 //! Frames: a thing lies in the frame of its level or scene by `position` and `orientation`, about its centre unless its
 //! shape says otherwise. Everything is in SI.
 
-use crate::text::{Colour, Finish};
+use crate::colour::Colour;
+use microsim_vocabulary::Finish;
 use serde::{Deserialize, Serialize};
 
 /// A rigid thing that stands.

@@ -13,13 +13,12 @@ use crate::overrides::Override;
 use crate::rigid::Rigid;
 use crate::scene_check::check;
 use crate::scene_schema::scene_schema;
-use crate::text::LocalText;
-use crate::unit::Unit;
-use serde::Deserialize;
+use microsim_vocabulary::{LocalText, Unit, terms};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A scene.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// For people: its name.
@@ -53,7 +52,7 @@ pub struct Scene {
 }
 
 /// How long a scene runs, and in which steps.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneRun {
     /// Simulated time; with `end = "rest"` the longest \[s\].
@@ -74,23 +73,18 @@ pub struct SceneRun {
     pub containment: bool,
 }
 
-/// When a scene ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum End {
-    /// After its duration.
-    Time,
-    /// When no node has been faster than the speed of rest over a whole sample.
-    Rest,
-}
-
-impl End {
-    /// As files write them.
-    pub const NAMES: [&str; 2] = ["time", "rest"];
+terms! {
+    /// When a scene ends.
+    pub enum End {
+        /// After its duration.
+        Time = "time",
+        /// When no node has been faster than the speed of rest over a whole sample.
+        Rest = "rest",
+    }
 }
 
 /// A number that is sampled into the series.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
     /// Its name.
@@ -111,65 +105,45 @@ pub struct Probe {
     pub axis: Option<[f64; 3]>,
 }
 
-/// What a probe measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Quantity {
-    /// Mean displacement along a direction.
-    Displacement,
-    /// Displacement of the centre of mass along a direction.
-    Centre,
-    /// Mean change of the distance from an axis.
-    Radius,
-    /// Largest distance of a node from its place at rest.
-    Distance,
-    /// Force along a direction with which clamps hold those of the nodes that they hold now; loads and weight are not in it.
-    Force,
-    /// Torque about an axis with which clamps hold those of the nodes that they hold now.
-    Torque,
-    /// Relative change of the body's volume.
-    Volume,
-    /// Smallest volume of an element, as a share of that at rest; negative for an inverted one.
-    SmallestVolume,
-    /// Kinetic, elastic and potential energy of the body, the last one 0 at rest.
-    Energy,
-    /// Force of another side on the body along a direction, mean over the sample before.
-    ContactForce,
-    /// Sum of the sizes of the normal forces of a tool's jaws on the body, mean over the sample before.
-    Grip,
-    /// How far another body is ahead of this one along a direction: its least coordinate less the largest one of the nodes.
-    Gap,
-    /// Share of the nodes that are inside other bodies, tools and rigid things that the body touches.
-    Inside,
-    /// Depth of the deepest of these.
-    Depth,
-    /// Number of edges of the body's surface through triangles of another body's, and the other way round.
-    Crossings,
-    /// Number of pieces that the body has come apart into.
-    Pieces,
+terms! {
+    /// What a probe measures.
+    pub enum Quantity {
+        /// Mean displacement along a direction.
+        Displacement = "displacement",
+        /// Displacement of the centre of mass along a direction.
+        Centre = "centre",
+        /// Mean change of the distance from an axis.
+        Radius = "radius",
+        /// Largest distance of a node from its place at rest.
+        Distance = "distance",
+        /// Force along a direction with which clamps hold those of the nodes that they hold now; loads and weight are not in it.
+        Force = "force",
+        /// Torque about an axis with which clamps hold those of the nodes that they hold now.
+        Torque = "torque",
+        /// Relative change of the body's volume.
+        Volume = "volume",
+        /// Smallest volume of an element, as a share of that at rest; negative for an inverted one.
+        SmallestVolume = "smallest-volume",
+        /// Kinetic, elastic and potential energy of the body, the last one 0 at rest.
+        Energy = "energy",
+        /// Force of another side on the body along a direction, mean over the sample before.
+        ContactForce = "contact-force",
+        /// Sum of the sizes of the normal forces of a tool's jaws on the body, mean over the sample before.
+        Grip = "grip",
+        /// How far another body is ahead of this one along a direction: its least coordinate less the largest one of the nodes.
+        Gap = "gap",
+        /// Share of the nodes that are inside other bodies, tools and rigid things that the body touches.
+        Inside = "inside",
+        /// Depth of the deepest of these.
+        Depth = "depth",
+        /// Number of edges of the body's surface through triangles of another body's, and the other way round.
+        Crossings = "crossings",
+        /// Number of pieces that the body has come apart into.
+        Pieces = "pieces",
+    }
 }
 
 impl Quantity {
-    /// As files write them.
-    pub const NAMES: [&str; 16] = [
-        "displacement",
-        "centre",
-        "radius",
-        "distance",
-        "force",
-        "torque",
-        "volume",
-        "smallest-volume",
-        "energy",
-        "contact-force",
-        "grip",
-        "gap",
-        "inside",
-        "depth",
-        "crossings",
-        "pieces",
-    ];
-
     /// Unit of its values.
     pub fn unit(self) -> Unit {
         match self {
@@ -189,7 +163,7 @@ impl Quantity {
 }
 
 /// What must come out of a probe.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
     /// The probe.
@@ -208,40 +182,25 @@ pub struct Expect {
     pub source: String,
 }
 
-/// What is taken from a series.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Feature {
-    /// The last value.
-    AtEnd,
-    /// The largest value.
-    Largest,
-    /// Largest minus smallest value.
-    Spread,
-    /// The largest value before the curve has fallen for a time.
-    FirstPeak,
-    /// When that is.
-    FirstPeakTime,
-    /// Frequency of the crossings of the middle.
-    Frequency,
+terms! {
+    /// What is taken from a series.
+    pub enum Feature {
+        /// The last value.
+        AtEnd = "at-end",
+        /// The largest value.
+        Largest = "largest",
+        /// Largest minus smallest value.
+        Spread = "spread",
+        /// The largest value before the curve has fallen for a time.
+        FirstPeak = "first-peak",
+        /// When that is.
+        FirstPeakTime = "first-peak-time",
+        /// Frequency of the crossings of the middle.
+        Frequency = "frequency",
+    }
 }
 
 impl Feature {
-    /// As files write them.
-    pub const NAMES: [&str; 6] = [
-        "at-end",
-        "largest",
-        "spread",
-        "first-peak",
-        "first-peak-time",
-        "frequency",
-    ];
-
-    /// As files write it.
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
     /// Unit of its values for a probe of this quantity.
     pub fn unit(self, quantity: Quantity) -> Unit {
         match self {

@@ -6,7 +6,7 @@ use crate::level_schema::view_keys;
 use crate::method::{accuracy_keys, method_keys, tuned_keys};
 use crate::scene::{End, Feature, Quantity};
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::unit::Unit;
+use microsim_vocabulary::Unit;
 use serde_json::json;
 
 /// The schema of a scene.

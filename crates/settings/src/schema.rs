@@ -3,7 +3,7 @@
 //! One engine serves our own files and the keys that a training module declares in its manifest. From the same tree
 //! come the reader ([`crate::Document::read`]), the JSON Schema and the reference table.
 
-use crate::unit::Unit;
+use microsim_vocabulary::Unit;
 use serde_json::Value;
 
 /// A kind of file.

@@ -4,8 +4,8 @@ use crate::check::{items, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::unit::Unit;
 use microsim_tracking as tracking;
+use microsim_vocabulary::{Interpolation, Unit};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -33,11 +33,7 @@ impl Script {
             device: tool.name.as_str().into(),
             keyframes: tool.key.iter().map(ScriptKey::keyframe).collect(),
         });
-        let interpolation = match self.interpolation {
-            Interpolation::MinimumJerk => tracking::Interpolation::MinimumJerk,
-            Interpolation::Linear => tracking::Interpolation::Linear,
-        };
-        tracking::Script::new(tracks.collect(), interpolation)
+        tracking::Script::new(tracks.collect(), self.interpolation)
     }
 }
 
@@ -52,16 +48,6 @@ impl ScriptKey {
             visible: self.visible,
         }
     }
-}
-
-/// How a tool moves between two keys.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Interpolation {
-    /// From rest to rest, as a hand does: s = 10τ³ − 15τ⁴ + 6τ⁵.
-    MinimumJerk,
-    /// At constant speed.
-    Linear,
 }
 
 /// One scripted tool.
@@ -204,7 +190,7 @@ pub fn script_schema() -> Schema {
         ),
         Key::required("key", keys, "Its poses in the order of time."),
     ];
-    let interpolation = Kind::choice(&["minimum-jerk", "linear"]);
+    let interpolation = Kind::choice(&Interpolation::NAMES);
     Schema {
         name: "script".to_owned(),
         doc: "A scripted trainee: timed poses and openings of each tool.".to_owned(),

@@ -4,11 +4,11 @@
 //! the left one opens towards +x, the right one towards −x, each by half of the opening angle. The file shows them closed.
 
 use crate::check::{items, texts, unique};
+use crate::colour::Colour;
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::text::{Colour, Finish, LocalText};
-use crate::unit::Unit;
+use microsim_vocabulary::{Finish, LocalText, Unit, terms};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -56,16 +56,16 @@ pub struct ToolCapsule {
     pub edge: Option<[f64; 3]>,
 }
 
-/// What a part of an instrument moves with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Jaw {
-    /// With the shaft.
-    Fixed,
-    /// With the jaw that opens towards +x.
-    Left,
-    /// With the jaw that opens towards −x.
-    Right,
+terms! {
+    /// What a part of an instrument moves with.
+    pub enum Jaw {
+        /// With the shaft.
+        Fixed = "fixed",
+        /// With the jaw that opens towards +x.
+        Left = "left",
+        /// With the jaw that opens towards −x.
+        Right = "right",
+    }
 }
 
 impl Jaw {
@@ -97,7 +97,7 @@ pub(crate) fn capsule_keys() -> Vec<Key> {
         ),
         Key::with_default(
             "jaw",
-            Kind::choice(&["fixed", "left", "right"]),
+            Kind::choice(&Jaw::NAMES),
             "What it moves with: the shaft, the jaw that opens towards +x, or the one towards -x.",
             "fixed",
         ),

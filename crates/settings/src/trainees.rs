@@ -7,12 +7,12 @@ use crate::check::{texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::unit::Unit;
-use serde::Deserialize;
+use microsim_vocabulary::Unit;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Kinds of synthetic trainees.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trainees {
     /// The kinds.
@@ -20,7 +20,7 @@ pub struct Trainees {
 }
 
 /// One kind of synthetic trainee.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TraineeProfile {
     /// Its name.
@@ -50,7 +50,7 @@ pub struct TraineeProfile {
 }
 
 /// A value and where it comes from.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sourced {
     /// The value, in SI.

@@ -8,7 +8,7 @@ use crate::check::{texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::schema::{Form, Key, Kind, Schema};
-use crate::unit::Unit;
+use microsim_vocabulary::{Unit, terms};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::Path;
@@ -55,16 +55,16 @@ pub enum OpeningSource {
     Fixed(f64),
 }
 
-/// Openings that have a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum OpeningName {
-    /// As the device says.
-    Device,
-    /// Always 0.
-    Closed,
-    /// Always 1.
-    Open,
+terms! {
+    /// Openings that have a name.
+    pub enum OpeningName {
+        /// As the device says.
+        Device = "device",
+        /// Always 0.
+        Closed = "closed",
+        /// Always 1.
+        Open = "open",
+    }
 }
 
 impl OpeningSource {
@@ -83,7 +83,7 @@ impl OpeningSource {
 pub fn translator_schema() -> Schema {
     let point = || Kind::vector3(Unit::Length, 10.0);
     let identity = || json!([0.0, 0.0, 0.0, 1.0]);
-    let names = ["device", "closed", "open"].map(str::to_owned).to_vec();
+    let names = OpeningName::NAMES.map(str::to_owned).to_vec();
     let opening = Kind::ChoiceOr(names, Box::new(Kind::quantity(Unit::Ratio, 0.0, 1.0)));
     let device = vec![
         Key::required(

@@ -18,6 +18,7 @@ mod stable_neo_hookean;
 pub mod viscosity;
 
 pub use corotational::Corotational;
+pub use microsim_vocabulary::LawName;
 pub use neo_hookean::NeoHookean;
 pub use neo_hookean_polynomial::NeoHookeanPolynomial;
 pub use principal::PrincipalTangent;
@@ -54,7 +55,7 @@ impl Lame {
 /// A hyperelastic, isotropic material law.
 pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// Its name in files and reports.
-    const NAME: &'static str;
+    const NAME: LawName;
 
     /// Whether Ψ = μ/2 tr FᵀF + (λ+μ)/2 (det F − 1 − μ/(λ+μ))² up to a constant, so that position-based methods can treat it
     /// as two constraints with compliance.
@@ -89,21 +90,6 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     }
 }
 
-/// The laws by name: one list for files, reports and comparisons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LawName {
-    /// [`StVenantKirchhoff`].
-    StVenantKirchhoff,
-    /// [`NeoHookean`].
-    NeoHookean,
-    /// [`Corotational`].
-    Corotational,
-    /// [`StableNeoHookean`].
-    StableNeoHookean,
-    /// [`NeoHookeanPolynomial`].
-    NeoHookeanPolynomial,
-}
-
 /// Evaluates an expression with the type of a named law: `with_law!(name, L => Continuum::<L>::new(..))`.
 macro_rules! with_law {
     ($name:expr, $law:ident => $body:expr) => {
@@ -133,46 +119,15 @@ macro_rules! with_law {
 }
 pub(crate) use with_law;
 
-impl LawName {
-    /// All laws.
-    pub const ALL: [Self; 5] = [
-        Self::StVenantKirchhoff,
-        Self::NeoHookean,
-        Self::Corotational,
-        Self::StableNeoHookean,
-        Self::NeoHookeanPolynomial,
-    ];
-
-    /// Names of all laws, in the order of [`ALL`](Self::ALL).
-    pub const NAMES: [&'static str; 5] = [
-        StVenantKirchhoff::NAME,
-        NeoHookean::NAME,
-        Corotational::NAME,
-        StableNeoHookean::NAME,
-        NeoHookeanPolynomial::NAME,
-    ];
-
-    /// Its name in files and reports.
-    pub fn name(self) -> &'static str {
-        with_law!(self, L => L::NAME)
-    }
-
-    /// The law of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|law| law.name() == name)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn names_lead_back_to_their_laws() {
-        for (law, name) in LawName::ALL.into_iter().zip(LawName::NAMES) {
-            assert_eq!((law.name(), LawName::from_name(name)), (name, Some(law)));
+    fn a_name_selects_the_law_that_has_it() {
+        for law in LawName::ALL {
+            assert_eq!(with_law!(law, L => L::NAME), law);
         }
-        assert_eq!(LawName::from_name("hooke"), None);
     }
 
     #[test]

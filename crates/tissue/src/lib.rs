@@ -40,11 +40,12 @@ pub use executor::{Executor, Serial};
 pub use flow::flow;
 pub use forces::Forces;
 pub use material::{
-    Behaviour, BuildError, Coefficients, ContinuumConstants, Discretisation, Fit, KindConstants,
-    Material, MaterialError, SpringConstants, SpringForm, SpringModuli, build_model, fit,
+    Behaviour, BuildError, Coefficients, ContinuumConstants, Fit, KindConstants, Material,
+    MaterialError, SpringConstants, SpringForm, SpringModuli, build_model, fit,
 };
 pub use method::{Method, MethodError};
 pub use microsim_contact_solver::{Contact, ContactSource, ContactStep};
+pub use microsim_vocabulary::{Discretisation, MethodName};
 pub use model::{ModelError, TissueModel};
 pub use newton::{
     LineSearchOptions, Newton, NewtonContactOptions, NewtonOptions, SecondOrderOptions,

@@ -7,7 +7,7 @@ mod continuum;
 mod part;
 mod springs;
 
-pub use continuum::{ContinuumConstants, Discretisation};
+pub use continuum::ContinuumConstants;
 pub(crate) use part::{Carried, Part};
 pub use springs::{
     Coefficients, Fit, KindConstants, SpringConstants, SpringForm, SpringModuli, fit,

@@ -8,6 +8,7 @@ use crate::solver_implicit::{ImplicitScheme, SolverImplicit};
 use crate::solver_quasi_static::SolverQuasiStatic;
 use crate::solver_verlet::SolverVerlet;
 use crate::solver_xpbd::SolverXpbd;
+use microsim_vocabulary::MethodName;
 
 /// A method with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,21 +60,26 @@ impl std::fmt::Display for MethodError {
 impl std::error::Error for MethodError {}
 
 impl Method {
+    /// Which method it is, without its parameters.
+    pub fn kind(&self) -> MethodName {
+        match self {
+            Self::StoermerVerlet => MethodName::StoermerVerlet,
+            Self::ExplicitEuler => MethodName::ExplicitEuler,
+            Self::SymplecticEuler => MethodName::SymplecticEuler,
+            Self::VelocityVerlet => MethodName::VelocityVerlet,
+            Self::VelocityVerletLagged => MethodName::VelocityVerletLagged,
+            Self::ImplicitEuler(_) => MethodName::ImplicitEuler,
+            Self::ImplicitMidpoint(_) => MethodName::ImplicitMidpoint,
+            Self::GuardedMidpoint(_) => MethodName::GuardedMidpoint,
+            Self::Sdirk2(_) => MethodName::Sdirk2,
+            Self::QuasiStatic(_) => MethodName::QuasiStatic,
+            Self::Xpbd { .. } => MethodName::Xpbd,
+        }
+    }
+
     /// Its name in files and reports.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::StoermerVerlet => "stoermer-verlet",
-            Self::ExplicitEuler => "explicit-euler",
-            Self::SymplecticEuler => "symplectic-euler",
-            Self::VelocityVerlet => "velocity-verlet",
-            Self::VelocityVerletLagged => "velocity-verlet-lagged",
-            Self::ImplicitEuler(_) => "implicit-euler",
-            Self::ImplicitMidpoint(_) => "implicit-midpoint",
-            Self::GuardedMidpoint(_) => "guarded-midpoint",
-            Self::Sdirk2(_) => "sdirk2",
-            Self::QuasiStatic(_) => "quasi-static",
-            Self::Xpbd { .. } => "xpbd",
-        }
+        self.kind().name()
     }
 
     /// Whether its step is bounded by [`stability::stable_step`](crate::stability::stable_step); explicit Euler needs a shorter

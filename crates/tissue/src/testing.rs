@@ -1,12 +1,11 @@
 //! Bodies and numbers that the tests of this crate share.
 
 use crate::law::LawName;
-use crate::material::{
-    Behaviour, ContinuumConstants, Discretisation, Material, SpringConstants, build_model,
-};
+use crate::material::{Behaviour, ContinuumConstants, Material, SpringConstants, build_model};
 use crate::model::TissueModel;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_random::Congruential;
+use microsim_vocabulary::Discretisation;
 use nalgebra::Vector3;
 
 /// Soft tissue of springs and volumes.

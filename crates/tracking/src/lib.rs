@@ -30,12 +30,13 @@ pub use csv_error::{CsvError, CsvProblem};
 pub use csv_recording::{
     Column, ColumnMap, DeviceColumns, MAX_SAMPLES, OpeningColumn, Recording, read_csv,
 };
+pub use microsim_vocabulary::{Interpolation, ToolStatus};
 pub use rotation::{NORM_TOLERANCE, QuaternionError};
 pub use sample::Sample;
-pub use script::{Interpolation, Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
+pub use script::{Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
 pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics};
 pub use trainee::{Profile, Trainee};
 pub use translator::{
     Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch, ToolPose, ToolState,
-    ToolStatus, TranslatedSample, Translator, TranslatorError, TranslatorState,
+    TranslatedSample, Translator, TranslatorError, TranslatorState,
 };

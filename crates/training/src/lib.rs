@@ -22,7 +22,6 @@ mod parameter;
 mod score;
 pub mod signal;
 pub mod smoothness;
-mod text;
 pub mod tremor;
 
 pub use catalogue::{MOTION_METRICS, id};
@@ -32,9 +31,9 @@ pub use level::{
     REASON_TARGETS_MISSED, Target,
 };
 pub use measure::{Measurement, motion_metrics};
-pub use metric::{Category, Direction, MetricDefinition, MetricValue, NotApplicable};
+pub use metric::{MetricDefinition, MetricValue, NotApplicable};
+pub use microsim_vocabulary::{Category, Direction, LocalText};
 pub use motion::{MotionBytesError, MotionError, MotionLog, Sample, path_length, rotation_angle};
 pub use parameter::{MetricParameters, Parameter, ParameterError};
 pub use score::{Assessment, CategoryScore, Limit, LimitError, Rules, ScoreRecord, TargetCount};
-pub use text::Text;
 pub use tremor::tremor_rms;

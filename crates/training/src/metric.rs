@@ -6,55 +6,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::text::Text;
-
-/// Which value of a metric is better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Direction {
-    /// Smaller is better.
-    LowerIsBetter,
-    /// Larger is better.
-    HigherIsBetter,
-    /// A value in the middle is better than one on either side; the level's limit states where.
-    Range,
-    /// Neither side is better by itself: shown, never limited.
-    Informative,
-}
-
-/// The part of the score that a metric belongs to (the categories that users of Eyesi expect, DOMAIN 2).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Category {
-    /// What was to be done, and how well.
-    TargetAchievement,
-    /// Time and paths.
-    Efficiency,
-    /// How the instruments were moved.
-    InstrumentHandling,
-    /// What the tissue had to bear.
-    TissueTreatment,
-}
-
-impl Category {
-    /// All, in the order in which they are shown.
-    pub const ALL: [Category; 4] = [
-        Category::TargetAchievement,
-        Category::Efficiency,
-        Category::InstrumentHandling,
-        Category::TissueTreatment,
-    ];
-
-    /// Name for people.
-    pub const fn title(self) -> Text {
-        match self {
-            Category::TargetAchievement => Text::new("Zielerreichung", "Target achievement"),
-            Category::Efficiency => Text::new("Effizienz", "Efficiency"),
-            Category::InstrumentHandling => Text::new("Instrumentenführung", "Instrument handling"),
-            Category::TissueTreatment => Text::new("Gewebebehandlung", "Tissue treatment"),
-        }
-    }
-}
+use microsim_vocabulary::{Category, Direction, LocalText};
 
 /// Everything about a metric but its value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,7 +14,7 @@ pub struct MetricDefinition {
     /// Unique name, lower case with hyphens.
     pub id: Cow<'static, str>,
     /// Name for people.
-    pub title: Text,
+    pub title: LocalText,
     /// SI unit of the value; "1" for a number or fraction.
     pub unit: Cow<'static, str>,
     /// Unit in which people read it.
@@ -80,7 +32,7 @@ pub struct MetricDefinition {
     /// Where the definition comes from.
     pub source: Cow<'static, str>,
     /// What the trainee can do to improve it: one sentence.
-    pub advice: Text,
+    pub advice: LocalText,
 }
 
 /// Why a metric has no value. Ordered by how far its computation came: of several segments without a value, the one that
@@ -107,41 +59,41 @@ pub enum NotApplicable {
     /// The numbers are so large that the result overflows.
     Overflow,
     /// A module's own reason.
-    Stated(Text),
+    Stated(LocalText),
 }
 
 impl NotApplicable {
     /// The reason in words.
-    pub fn text(&self) -> Text {
+    pub fn text(&self) -> LocalText {
         match self {
-            NotApplicable::NotMeasured => Text::new("nicht gemessen", "not measured"),
+            NotApplicable::NotMeasured => LocalText::fixed("nicht gemessen", "not measured"),
             NotApplicable::NoSamples => {
-                Text::new("kein Instrument wurde erfasst", "no instrument was tracked")
+                LocalText::fixed("kein Instrument wurde erfasst", "no instrument was tracked")
             }
-            NotApplicable::NotTwoHands => Text::new(
+            NotApplicable::NotTwoHands => LocalText::fixed(
                 "es wurden nicht genau zwei Instrumente erfasst",
                 "not exactly two instruments were tracked",
             ),
-            NotApplicable::NotTogether => Text::new(
+            NotApplicable::NotTogether => LocalText::fixed(
                 "die Instrumente wurden nicht lange genug gleichzeitig erfasst",
                 "the instruments were not tracked together for long enough",
             ),
-            NotApplicable::NoShortestPath => Text::new(
+            NotApplicable::NoShortestPath => LocalText::fixed(
                 "die Aufgabe hat keinen kürzesten Weg",
                 "the task has no shortest path",
             ),
-            NotApplicable::SegmentTooShort => Text::new(
+            NotApplicable::SegmentTooShort => LocalText::fixed(
                 "jeder zusammenhängende Abschnitt ist zu kurz",
                 "every contiguous stretch is too short",
             ),
             NotApplicable::SampleRateTooLow => {
-                Text::new("zu wenige Messwerte je Sekunde", "too few samples a second")
+                LocalText::fixed("zu wenige Messwerte je Sekunde", "too few samples a second")
             }
-            NotApplicable::NoMotion => Text::new(
+            NotApplicable::NoMotion => LocalText::fixed(
                 "keine Bewegung, die sich beurteilen lässt",
                 "no motion that can be evaluated",
             ),
-            NotApplicable::Overflow => Text::new(
+            NotApplicable::Overflow => LocalText::fixed(
                 "der Zahlenbereich reicht nicht",
                 "the numbers are too large",
             ),

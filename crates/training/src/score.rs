@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::level::settle_reasons;
 use crate::measure::Measurement;
-use crate::metric::{Category, Direction, MetricDefinition, MetricValue, NotApplicable};
+use crate::metric::{MetricDefinition, MetricValue, NotApplicable};
+use microsim_vocabulary::{Category, Direction};
 
 /// The limit of a metric in a level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -237,7 +238,7 @@ impl Rules {
                     .filter_map(|record| record.points)
                     .collect();
                 let handling = match (points.as_slice(), category) {
-                    ([], Category::TargetAchievement) => 100.0,
+                    ([], Category::Target) => 100.0,
                     ([], _) => return None,
                     (points, _) => mean(points),
                 };
@@ -319,10 +320,10 @@ fn check(limit: &Limit, direction: Direction) -> Result<(), LimitError> {
         _ => {}
     }
     let rising = match direction {
-        Direction::LowerIsBetter => limit.full < limit.zero,
-        Direction::HigherIsBetter => limit.full > limit.zero,
+        Direction::Lower => limit.full < limit.zero,
+        Direction::Higher => limit.full > limit.zero,
         Direction::Range => limit.full != limit.zero,
-        Direction::Informative => return Err(LimitError::Informative(id())),
+        Direction::Inform => return Err(LimitError::Informative(id())),
     };
     if rising {
         Ok(())

@@ -31,7 +31,7 @@ pub struct Coordination {
 pub type Module = Training<Coordination>;
 
 fn text(de: String, en: String) -> LocalText {
-    LocalText { de, en }
+    LocalText::new(de, en)
 }
 
 impl Coordination {

@@ -136,10 +136,7 @@ impl PushStrip {
             course.target_done(
                 tick,
                 &self.marks[state.current].name,
-                LocalText {
-                    de: format!("Marke {n} gehalten"),
-                    en: format!("Mark {n} held"),
-                },
+                LocalText::new(format!("Marke {n} gehalten"), format!("Mark {n} held")),
             )?;
             mark_colour(tick, &self.marks[state.current].name, colour::DONE);
             state.current = n;
@@ -181,10 +178,7 @@ impl PushStrip {
         let piece = state.progress.piece(block, site);
         if state.current == 0 && state.progress.off {
             (state.current, state.colour) = (1, colour::WAITING);
-            let text = LocalText {
-                de: "Stück abgeschnitten".into(),
-                en: "Piece cut off".into(),
-            };
+            let text = LocalText::new("Stück abgeschnitten", "Piece cut off");
             course.target_done(tick, &self.marks[0].name, text)?;
             tick.publish(&ObjectSet {
                 name: self.marks[0].name.clone(),
@@ -201,10 +195,7 @@ impl PushStrip {
         show_colour(&mut state.colour, tick, TRAY, colour);
         if delivered.done {
             state.current = 2;
-            let text = LocalText {
-                de: "Stück liegt in der Schale".into(),
-                en: "Piece lies in the tray".into(),
-            };
+            let text = LocalText::new("Stück liegt in der Schale", "Piece lies in the tray");
             course.target_done(tick, TRAY, text)?;
         }
         Ok(())

@@ -130,10 +130,10 @@ impl TouchSpheres {
                 course.target_done(
                     tick,
                     &target(state.current),
-                    LocalText {
-                        de: format!("Kugel {} geschafft", state.current + 1),
-                        en: format!("Sphere {} done", state.current + 1),
-                    },
+                    LocalText::new(
+                        format!("Kugel {} geschafft", state.current + 1),
+                        format!("Sphere {} done", state.current + 1),
+                    ),
                 )?;
                 course.set_shortest_path(self.shortest_path(start));
                 mark_colour(tick, &target(state.current), colour::DONE);
@@ -151,10 +151,10 @@ impl TouchSpheres {
                 course.event(
                     tick,
                     "touch-lost",
-                    LocalText {
-                        de: format!("Kugel {} nach {held:.2} s verloren", state.current + 1),
-                        en: format!("Sphere {} lost after {held:.2} s", state.current + 1),
-                    },
+                    LocalText::new(
+                        format!("Kugel {} nach {held:.2} s verloren", state.current + 1),
+                        format!("Sphere {} lost after {held:.2} s", state.current + 1),
+                    ),
                 );
             }
             DwellState::Holding(_) | DwellState::Idle => {}

@@ -125,7 +125,7 @@ impl Objects {
                     Solid::Cuboid { half_size, .. } => Shape::Box { half_size },
                     Solid::Cylinder { radius, length } => Shape::Cylinder { radius, length },
                 },
-                finish: finish(thing.finish),
+                finish: thing.finish,
                 stands: true,
             });
             self.start.push(State {
@@ -137,14 +137,6 @@ impl Objects {
                 colour: thing.colour.srgb(),
             });
         }
-    }
-}
-
-fn finish(finish: microsim_settings::Finish) -> Finish {
-    match finish {
-        microsim_settings::Finish::Matte => Finish::Matte,
-        microsim_settings::Finish::Moist => Finish::Moist,
-        microsim_settings::Finish::Metal => Finish::Metal,
     }
 }
 
@@ -176,7 +168,7 @@ impl Plugin for Objects {
                         LevelShape::Box { half_size } => Shape::Box { half_size },
                         LevelShape::Ring { radius, tube } => Shape::Ring { radius, tube },
                     },
-                    finish: finish(object.finish),
+                    finish: object.finish,
                     stands: false,
                 });
                 self.start.push(State {

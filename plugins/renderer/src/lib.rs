@@ -7,7 +7,7 @@
 
 use microsim_geometry::Pose as Place;
 use microsim_gpu::Gpu;
-use microsim_render::{DRAPE, Finish, Item, Picture, Renderer, Shape, View};
+use microsim_render::{DRAPE, Item, Picture, Renderer, Shape, View};
 use microsim_sdk::message::{
     self, ObjectScene, ObjectState, PictureRequest, TISSUE_SNAPSHOT, ToolState, ToolStates,
     ToolStatus,
@@ -31,23 +31,11 @@ fn colour(colour: settings::Colour) -> [f32; 3] {
     colour.srgb().map(|c| c as f32)
 }
 
-fn finish(finish: settings::Finish) -> Finish {
-    match finish {
-        settings::Finish::Matte => Finish::Matte,
-        settings::Finish::Moist => Finish::Moist,
-        settings::Finish::Metal => Finish::Metal,
-    }
-}
-
 /// An object in the field of view of this diameter \[m\].
 fn object(object: &ObjectState, field: f64) -> Item {
     let (position, orientation) = (object.pose.position, object.pose.orientation);
     let colour = object.colour.map(|c| c as f32);
-    let finish = match object.finish {
-        message::Finish::Matte => Finish::Matte,
-        message::Finish::Moist => Finish::Moist,
-        message::Finish::Metal => Finish::Metal,
-    };
+    let finish = object.finish;
     let item = |shape| Item::new(shape, position, colour, finish).at(position, orientation);
     match object.shape {
         message::Shape::Sphere { radius } => item(Shape::Sphere { radius }),
@@ -88,7 +76,7 @@ fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
             b: posed(part.b),
             radius: part.radius,
         };
-        let item = Item::new(shape, [0.0; 3], colour(model.colour), finish(model.finish));
+        let item = Item::new(shape, [0.0; 3], colour(model.colour), model.finish);
         let opacity = if state.status == ToolStatus::Tracked {
             1.0
         } else {
@@ -122,7 +110,7 @@ fn body(block: &BlockView<'_>, bodies: &[BodyLook]) -> Option<Vec<Item>> {
         &triangles.collect::<Vec<_>>(),
         &inner.collect::<Vec<_>>(),
         colour(body.colour),
-        finish(body.finish),
+        body.finish,
     ))
 }
 

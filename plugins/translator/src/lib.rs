@@ -39,15 +39,6 @@ fn mapping(device: &DeviceMap) -> Mapping {
     }
 }
 
-fn status(status: tracking::ToolStatus) -> ToolStatus {
-    match status {
-        tracking::ToolStatus::NeverSeen => ToolStatus::NeverSeen,
-        tracking::ToolStatus::Tracked => ToolStatus::Tracked,
-        tracking::ToolStatus::Occluded => ToolStatus::Occluded,
-        tracking::ToolStatus::Stale => ToolStatus::Stale,
-    }
-}
-
 impl TranslatorPlugin {
     fn translator(&mut self) -> Result<&mut Translator, Fault> {
         self.translator
@@ -138,7 +129,7 @@ impl TranslatorPlugin {
             ToolState {
                 tool: slot.name.clone(),
                 model: slot.model.clone(),
-                status: state.map_or(ToolStatus::NeverSeen, |s| status(s.status)),
+                status: state.map_or(ToolStatus::NeverSeen, |s| s.status),
                 pose: pose
                     .map(|p| Pose {
                         position: p.position,

@@ -165,10 +165,7 @@ impl<const SAVES: bool> Plugin for Counting<SAVES> {
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
         self.0 += 1;
-        let text = LocalText {
-            de: String::new(),
-            en: self.0.to_string(),
-        };
+        let text = LocalText::new(String::new(), self.0.to_string());
         tick.publish(&LevelEvent {
             id: "count".into(),
             time: tick.time(),
@@ -195,6 +192,7 @@ fn counted<P: Plugin>(mut host: TestHost<P>) -> Vec<String> {
             .expect("an event")
             .text
             .en
+            .into_owned()
     });
     ticks.collect()
 }

@@ -46,7 +46,7 @@ impl Pictures {
             bodies: settings
                 .body
                 .iter()
-                .map(|body| (colour(body.colour), finish(body.finish)))
+                .map(|body| (colour(body.colour), body.finish))
                 .collect(),
             interval: settings.run.frame,
             next: 0.0,
@@ -138,7 +138,7 @@ fn view(given: Option<settings::View>, scene: &Scene) -> View {
 
 /// The parts of an obstacle.
 fn rigid(given: &settings::Rigid, obstacle: &ObstacleSpec, field: f64) -> Vec<Item> {
-    let (colour, finish) = (colour(given.colour), finish(given.finish));
+    let (colour, finish) = (colour(given.colour), given.finish);
     let item = |part: &ObstaclePart| {
         let turn = part.pose.orientation.coords;
         let (position, orientation) = (part.pose.position.into(), turn.into());
@@ -162,12 +162,4 @@ fn rigid(given: &settings::Rigid, obstacle: &ObstacleSpec, field: f64) -> Vec<It
 
 fn colour(colour: settings::Colour) -> [f32; 3] {
     colour.srgb().map(|c| c as f32)
-}
-
-fn finish(finish: settings::Finish) -> Finish {
-    match finish {
-        settings::Finish::Matte => Finish::Matte,
-        settings::Finish::Moist => Finish::Moist,
-        settings::Finish::Metal => Finish::Metal,
-    }
 }

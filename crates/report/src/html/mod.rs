@@ -13,21 +13,12 @@ pub use text::in_both;
 use crate::Report;
 use crate::plot::{colour_class, force_plot, path_plots, speed_plot};
 use microsim_drawing::PageHead;
-use microsim_message::LocalText;
+use microsim_vocabulary::{Language, LocalText};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use text::{bilingual, spans};
 
 const STYLE: &str = include_str!("style.css");
-
-/// The language in which a page opens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Language {
-    /// German.
-    German,
-    /// English.
-    English,
-}
 
 /// The pictures of the key moments.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,12 +1,13 @@
 //! What the page must and must not hold.
 
-use super::{Language, Page, Pictures};
+use super::{Page, Pictures};
 use crate::testing::{contact, failed_result, input, log, text};
 use crate::{Report, ReportInput, Verdict};
 use microsim_message::{
     ContactForces, InputSample, LevelEvent, LevelPhase, LevelState, Log, LogLevel, Pose,
     TissueRecovery, ToolSample,
 };
+use microsim_vocabulary::Language;
 
 const ATTACK: &str = "<script src=\"https://evil.example/x.js\">'&</script>";
 

@@ -5,10 +5,7 @@ use microsim_message::LocalText;
 
 /// A text of the page itself.
 pub fn in_both(de: &str, en: &str) -> LocalText {
-    LocalText {
-        de: de.into(),
-        en: en.into(),
-    }
+    LocalText::new(de.to_owned(), en.to_owned())
 }
 
 /// A text as elements, of which the page shows the chosen language; escaped.

@@ -75,10 +75,7 @@ fn draw(
     let mut out = String::new();
     open(&mut out, WIDTH, bottom + BELOW, title);
     grid(&mut out, x, y, (APART, APART));
-    let label = |text: &str| LocalText {
-        de: text.into(),
-        en: text.into(),
-    };
+    let label = |text: &str| LocalText::new(text.to_owned(), text.to_owned());
     svg_text(
         &mut out,
         (RIGHT, bottom + 33.0),

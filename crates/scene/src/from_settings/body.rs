@@ -7,7 +7,7 @@ use crate::spec::{
     StartSpec,
 };
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
-use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, Tube, TubeSide, fill};
+use microsim_mesh::{Arc, Block, Layer, TetMesh, Tube, TubeSide, fill};
 use microsim_settings as settings;
 use microsim_tissue::Material;
 use nalgebra::Vector3;
@@ -111,10 +111,7 @@ fn mesh(
     notes: &mut Vec<String>,
 ) -> Result<(TetMesh, Vec<Face>), FromSettingsError> {
     let wrong = |cause| FromSettingsError::new(key.key("generator"), cause);
-    let split = match body.split {
-        None | Some(settings::Split::Kuhn) => CellSplit::Kuhn,
-        Some(settings::Split::Mirrored) => CellSplit::Mirrored,
-    };
+    let split = body.split.unwrap_or_default();
     match body.generator {
         settings::Generator::Block => {
             let size = body

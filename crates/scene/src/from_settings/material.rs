@@ -3,7 +3,6 @@
 use super::error::{FromSettingsError, missing};
 use microsim_settings as settings;
 use microsim_tissue::elements::Plasticity;
-use microsim_tissue::law::LawName;
 use microsim_tissue::{
     Behaviour, Coefficients, ContinuumConstants, Discretisation, KindConstants, Material,
     SpringConstants, SpringForm, SpringModuli,
@@ -51,25 +50,16 @@ fn behaviour(
             let constants = SpringConstants { form, plasticity };
             return Ok((Behaviour::Springs(constants), modulus));
         }
-        settings::Law::Corotational => LawName::Corotational,
-        settings::Law::StableNeoHookean => LawName::StableNeoHookean,
-        settings::Law::NeoHookean => LawName::NeoHookean,
-        settings::Law::NeoHookeanPolynomial => LawName::NeoHookeanPolynomial,
-        settings::Law::StVenantKirchhoff => LawName::StVenantKirchhoff,
+        settings::Law::Continuum(law) => law,
     };
     let young = value("youngs_modulus", material.youngs_modulus)?;
     let constants = ContinuumConstants {
         law,
         young,
         poisson: value("poisson_ratio", material.poisson_ratio)?,
-        discretisation: match material.discretisation {
-            None | Some(settings::Discretisation::Tetrahedra) => Discretisation::Tetrahedra,
-            Some(settings::Discretisation::EdgeSmoothed) => Discretisation::EdgeSmoothed,
-            Some(settings::Discretisation::NodeSmoothed) => Discretisation::NodeSmoothed,
-            Some(settings::Discretisation::Selective) => Discretisation::Selective,
-            Some(settings::Discretisation::NodalPressure) => Discretisation::NodalPressure,
-            Some(settings::Discretisation::PatchPressure) => Discretisation::PatchPressure,
-        },
+        discretisation: material
+            .discretisation
+            .unwrap_or(Discretisation::Tetrahedra),
     };
     Ok((Behaviour::Continuum(constants), Some(young)))
 }

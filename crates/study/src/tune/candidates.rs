@@ -234,7 +234,7 @@ fn discretised(scene: &settings::Scene, discretisation: Discretisation) -> Optio
             }
         }
     }
-    let name = Discretisation::NAMES[discretisation as usize];
+    let name = discretisation.name();
     let set = |(b, m): &(usize, usize)| format!("body.{b}.material.{m}.discretisation={name}");
     (!continua.is_empty()).then(|| Elements {
         title: format!("{name} elements"),

@@ -10,12 +10,13 @@ use crate::elements::key::Key;
 use crate::elements::{Elements, NodeWindow, Plasticity, Tangent};
 use crate::law::LawName;
 use crate::material::{
-    Behaviour, Coefficients, ContinuumConstants, Discretisation, KindConstants, Material,
-    SpringConstants, SpringForm, SpringModuli, build_model,
+    Behaviour, Coefficients, ContinuumConstants, KindConstants, Material, SpringConstants,
+    SpringForm, SpringModuli, build_model,
 };
 use crate::state::State;
 use crate::testing::{block_mesh, numbers};
 use by_hand::ByHand;
+use microsim_vocabulary::Discretisation;
 use nalgebra::{DMatrix, Vector3};
 
 /// Sums of some hundred terms in another order.

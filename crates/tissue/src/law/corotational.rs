@@ -1,7 +1,7 @@
 //! Corotational linear elasticity.
 
 use super::decomposition::{SignedSvd, rotation_of};
-use super::{Lame, Law, Matrix9, PrincipalTangent};
+use super::{Lame, Law, LawName, Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ ‖F − R‖² + λ/2 tr²(RᵀF − 1), R the proper rotation nearest to F: P = 2μ (F − R) + λ tr(RᵀF − 1) R (Müller & Gross 2004;
@@ -19,7 +19,7 @@ pub struct Corotational;
 const SMALLEST_SUM: f64 = 1e-8;
 
 impl Law for Corotational {
-    const NAME: &'static str = "corotational";
+    const NAME: LawName = LawName::Corotational;
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let r = rotation_of(f);

@@ -2,7 +2,7 @@
 
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, Matrix9, PrincipalTangent};
+use super::{Lame, Law, LawName, Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ ln J + λ/2 ln²J, J = det F (Bonet & Wood 1997).
@@ -34,7 +34,7 @@ fn log_volume(j: f64) -> [f64; 3] {
 }
 
 impl Law for NeoHookean {
-    const NAME: &'static str = "neo-hookean";
+    const NAME: LawName = LawName::NeoHookean;
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let [log, ..] = log_volume(f.determinant());

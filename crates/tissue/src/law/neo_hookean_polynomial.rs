@@ -2,7 +2,7 @@
 
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, Matrix9, PrincipalTangent};
+use super::{Lame, Law, LawName, Matrix9, PrincipalTangent};
 use crate::elements::Lanes;
 use nalgebra::{Matrix3, Vector3};
 
@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct NeoHookeanPolynomial;
 
 impl Law for NeoHookeanPolynomial {
-    const NAME: &'static str = "neo-hookean-polynomial";
+    const NAME: LawName = LawName::NeoHookeanPolynomial;
     const IS_SUM_OF_SQUARES: bool = true;
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {

@@ -1,6 +1,6 @@
 //! St Venant–Kirchhoff: linear in Green's strain.
 
-use super::{Lame, Law, Matrix9};
+use super::{Lame, Law, LawName, Matrix9};
 use nalgebra::Matrix3;
 
 /// Ψ = μ E:E + λ/2 tr²E with Green's strain E = (FᵀF − 1)/2.
@@ -50,7 +50,7 @@ pub(super) fn material_tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
 }
 
 impl Law for StVenantKirchhoff {
-    const NAME: &'static str = "st-venant-kirchhoff";
+    const NAME: LawName = LawName::StVenantKirchhoff;
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let strain = strain(f);

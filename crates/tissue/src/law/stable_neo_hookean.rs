@@ -2,7 +2,7 @@
 
 use super::decomposition::cofactor;
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, Matrix9, PrincipalTangent};
+use super::{Lame, Law, LawName, Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ'/2 (I − 3) + λ'/2 (J − α)² − μ'/2 ln(I + 1) up to a constant, I = tr FᵀF, J = det F, α = 1 + 3μ'/(4λ') (Smith, de Goes,
@@ -21,7 +21,7 @@ fn own_constants(lame: &Lame) -> (f64, f64) {
 }
 
 impl Law for StableNeoHookean {
-    const NAME: &'static str = "stable-neo-hookean";
+    const NAME: LawName = LawName::StableNeoHookean;
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let (mu, lambda) = own_constants(lame);

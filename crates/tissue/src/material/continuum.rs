@@ -5,8 +5,9 @@ use crate::elements::key::Key;
 use crate::elements::{
     Continuum, EDGE_SHARE, Elements, NODE_SHARE, Smoothed, SmoothingDomains, Tetrahedra,
 };
-use crate::law::{Lame, Law, LawName, with_law};
+use crate::law::{Lame, Law, with_law};
 use microsim_mesh::TetMesh;
+use microsim_vocabulary::{Discretisation, LawName};
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
@@ -21,92 +22,6 @@ pub struct ContinuumConstants {
     pub poisson: f64,
     /// How the mesh carries it.
     pub discretisation: Discretisation,
-}
-
-/// How the tetrahedra of a mesh carry a continuum.
-///
-/// Linear tetrahedra are too stiff in bending, and lock when the tissue is nearly incompressible: more volumes want to be kept
-/// than nodes can move (NUMERICS 1.6). Share of the right static sag of the cantilever there (quadratic hexahedra, 34.43, 33.87
-/// and 33.7 mm) with the neo-Hookean law at ν = 0.3 / 0.45 / 0.49, largest explicit step on M at ν = 0.49:
-///
-/// | | S, 3 cells high | M, 7 cells high | step |
-/// |---|---|---|---|
-/// | tetrahedra | 73 / 53 / 25 % | 93 / 84 / 58 % | 42 µs |
-/// | edge-smoothed | 98 / 91 / 74 % | 100 / 99 / 95 % | 47 µs |
-/// | node-smoothed | 116 / 114 / 112 % | 104 / 104 / 103 % | 54 µs |
-/// | selective | 101 / 97 / 93 % | 101 / 100 / 99 % | 54 µs |
-/// | nodal-pressure | 80 / 77 / 73 % | 96 / 94 / 93 % | 53 µs |
-/// | patch-pressure | 81 / 80 / 79 % | 96 / 95 / 95 % | |
-///
-/// The other laws differ by less than 1 % (the last row is that of the stable neo-Hookean law). Take selective where it can be paid
-/// for, and patch-pressure with implicit methods in real time: its matrices couple hardly more nodes than those of tetrahedra. A
-/// static solution of M takes 1.5 (ν = 0.3) to 2.5 times (0.49) as long as with tetrahedra, with nodal-pressure 3.5 to 5 times, with
-/// selective 4 to 7 times (`microsim chart --quick`; `cargo xtask bench kernels` and `bench solvers` have the parts).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Discretisation {
-    /// The tetrahedra themselves.
-    Tetrahedra,
-    /// Domains around edges (ES-FEM-T4). Right in bending, locks late.
-    EdgeSmoothed,
-    /// Domains around nodes (NS-FEM-T4). Does not lock, but is too soft: no mode without energy, yet a crowd of short waves with
-    /// hardly any. In a free block of 4 × 3 × 3 cells the 14 lowest modes lie between 46 and 61 Hz, the lowest with
-    /// tetrahedra is at 80, around edges at 63 Hz.
-    NodeSmoothed,
-    /// The part of μ around edges, the part of λ around nodes (selective ES/NS-FEM-T4; Onishi, Amaya 2014). Neither locks nor
-    /// has soft short waves.
-    Selective,
-    /// The part of μ in tetrahedra, the part of λ around nodes: the pressure of the averaged volume of a node (after Bonet &
-    /// Burton 1998; their volume is the mean of the volumes, here it is that of the mean deformation gradient). Does not lock,
-    /// but stays as stiff in bending as tetrahedra without pressure.
-    NodalPressure,
-    /// The part of μ in tetrahedra, the part of λ in patches of about five around a common edge: one pressure for each, of the volume
-    /// of the mean deformation gradient (after the patches of de Souza Neto et al. 2005). Does not lock: there are fewer patches than
-    /// nodes. As stiff in bending as nodal-pressure. After a cut the patches that it touched are formed anew.
-    PatchPressure,
-}
-
-impl Discretisation {
-    /// All discretisations.
-    pub const ALL: [Self; 6] = [
-        Self::Tetrahedra,
-        Self::EdgeSmoothed,
-        Self::NodeSmoothed,
-        Self::Selective,
-        Self::NodalPressure,
-        Self::PatchPressure,
-    ];
-
-    /// Names of all discretisations, in the order of [`ALL`](Self::ALL).
-    pub const NAMES: [&'static str; 6] = [
-        "tetrahedra",
-        "edge-smoothed",
-        "node-smoothed",
-        "selective",
-        "nodal-pressure",
-        "patch-pressure",
-    ];
-
-    /// Its name in files and reports.
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// The discretisation of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|one| one.name() == name)
-    }
-
-    /// Whether the volumes of single tetrahedra make the body too stiff at this Poisson's ratio: from there on the cantilever S
-    /// loses at least 7 % of its sag to them.
-    pub fn locks(self, poisson: f64) -> bool {
-        match self {
-            Self::Tetrahedra => poisson >= 0.4,
-            Self::EdgeSmoothed => poisson >= 0.45,
-            Self::NodeSmoothed | Self::Selective | Self::NodalPressure | Self::PatchPressure => {
-                false
-            }
-        }
-    }
 }
 
 impl ContinuumConstants {
@@ -305,16 +220,5 @@ mod tests {
                 assert_eq!(constants.cauchy_stress(&stretched(gone)), Matrix3::zeros());
             }
         }
-    }
-
-    #[test]
-    fn names_lead_back_to_their_discretisations() {
-        for (one, name) in Discretisation::ALL.into_iter().zip(Discretisation::NAMES) {
-            assert_eq!(
-                (one.name(), Discretisation::from_name(name)),
-                (name, Some(one))
-            );
-        }
-        assert_eq!(Discretisation::from_name("hexahedra"), None);
     }
 }

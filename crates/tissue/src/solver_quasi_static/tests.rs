@@ -3,10 +3,11 @@
 use super::*;
 use crate::elements::{Constraint, Springs};
 use crate::executor::Serial;
-use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
 use crate::solver_implicit::{ImplicitScheme, SolverImplicit};
 use crate::state::NodeTarget;
 use crate::testing::{block_mesh, build, soft_block};
+use microsim_vocabulary::Discretisation;
 use std::sync::Arc;
 
 const TIGHT: Newton = Newton {

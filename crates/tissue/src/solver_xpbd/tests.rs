@@ -4,12 +4,13 @@ use super::*;
 use crate::elements::{Constraint, Springs};
 use crate::executor::Serial;
 use crate::law::LawName;
-use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
 use crate::method::Method;
 use crate::newton::Newton;
 use crate::solver_implicit::{ImplicitScheme, SolverImplicit};
 use crate::state::NodeTarget;
 use crate::testing::{build, numbers, soft_block};
+use microsim_vocabulary::Discretisation;
 use std::sync::Arc;
 
 /// Masses of 1 kg, 1 m apart in a line along x, with viscous springs; the first one is clamped.

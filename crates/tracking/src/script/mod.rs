@@ -11,18 +11,10 @@ use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
+use microsim_vocabulary::Interpolation;
+
 use crate::rotation::{checked_unit, slerp};
 use crate::{QuaternionError, Sample};
-
-/// How a script moves between keyframes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interpolation {
-    /// As a hand does: smooth, at rest in every keyframe.
-    #[default]
-    MinimumJerk,
-    /// With steady speed, and a jump of it in every keyframe.
-    Linear,
-}
 
 /// A pose at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]

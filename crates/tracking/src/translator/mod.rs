@@ -23,7 +23,7 @@ use std::error::Error;
 use std::fmt;
 
 pub use mapping::{Mapping, MappingProblem, Opening, TranslatorError};
-pub use state::{StateMismatch, ToolPose, ToolState, ToolStatus, TranslatorState};
+pub use state::{StateMismatch, ToolPose, ToolState, TranslatorState};
 
 use crate::rotation::{checked_unit, product, rotated};
 use crate::{QuaternionError, Sample};

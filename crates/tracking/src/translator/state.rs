@@ -3,22 +3,10 @@
 use std::error::Error;
 use std::fmt;
 
+use microsim_vocabulary::ToolStatus;
 use serde::{Deserialize, Serialize};
 
 use super::Mapping;
-
-/// How well a tool is known. "Connected" is not "tracked": a tool whose pose is old or missing never looks fine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ToolStatus {
-    /// No valid sample has arrived yet.
-    NeverSeen,
-    /// The last sample is recent and valid.
-    Tracked,
-    /// The last sample is recent, but its device was not visible or its values were refused.
-    Occluded,
-    /// No sample has arrived for too long.
-    Stale,
-}
 
 /// Where a tool was, by one valid sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -171,17 +159,6 @@ impl ToolMemory {
             (Some(_), false, true) => ToolStatus::Tracked,
             (Some(_), false, false) => ToolStatus::Occluded,
         }
-    }
-}
-
-impl fmt::Display for ToolStatus {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NeverSeen => "never seen",
-            Self::Tracked => "tracked",
-            Self::Occluded => "occluded",
-            Self::Stale => "stale",
-        })
     }
 }
 

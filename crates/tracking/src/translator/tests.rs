@@ -1,5 +1,6 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
+use crate::ToolStatus;
 use proptest::prelude::*;
 
 use super::*;
@@ -168,7 +169,7 @@ fn openings() {
 /// One tool through all statuses. The device's clock is 100 s ahead of the session's, which plays no part.
 #[test]
 fn statuses_over_a_timeline() {
-    use ToolStatus::{NeverSeen, Occluded, Stale, Tracked};
+    use crate::ToolStatus::{NeverSeen, Occluded, Stale, Tracked};
     let mut translator = translator(Mapping::identity("stylus", "forceps"));
     let seen = |now_s: f64, x| Some(sample(now_s + 100.0, [x, 0.0, 0.0], IDENTITY));
     let lost = |now_s: f64| Some(hidden(now_s + 100.0));

@@ -1,6 +1,6 @@
 use super::*;
 use crate::catalogue::{MOTION_METRICS, id};
-use crate::text::Text;
+use microsim_vocabulary::LocalText;
 use std::borrow::Cow;
 
 const NONE: [&str; 0] = [];
@@ -32,8 +32,8 @@ fn measured(metric: &str, value: f64) -> Measurement {
 fn angle_error(direction: Direction) -> MetricDefinition {
     MetricDefinition {
         id: Cow::Borrowed("angle-error"),
-        title: Text::new("Winkelfehler", "Angle error"),
-        category: Category::TargetAchievement,
+        title: LocalText::fixed("Winkelfehler", "Angle error"),
+        category: Category::Target,
         direction,
         ..MOTION_METRICS[3].clone()
     }
@@ -71,7 +71,7 @@ fn a_pass_and_its_score() {
     assert!(assessment.passed && assessment.failed.is_empty());
     // (50 − 20)/40 = 75 %, (0.5 − 0.2)/0.4 = 75 %, (200 − 50)/200 = 75 %.
     for (category, score) in scores(&assessment) {
-        let expected = if category == Category::TargetAchievement {
+        let expected = if category == Category::Target {
             100.0
         } else {
             75.0
@@ -82,11 +82,7 @@ fn a_pass_and_its_score() {
         .into_iter()
         .map(|(category, _)| category)
         .collect();
-    let present = [
-        Category::TargetAchievement,
-        Category::Efficiency,
-        Category::InstrumentHandling,
-    ];
+    let present = [Category::Target, Category::Efficiency, Category::Handling];
     assert_eq!(categories, present, "no tissue, no score for it");
     assert!((assessment.total - 250.0 / 3.0).abs() < 1e-12);
     let record = &assessment.records[2];
@@ -204,10 +200,7 @@ fn what_is_not_applicable_is_stated_and_does_not_fail() {
         ]
     );
     assert_eq!(assessment.records[2].within, None);
-    let expected = [
-        (Category::TargetAchievement, 100.0),
-        (Category::Efficiency, 50.0),
-    ];
+    let expected = [(Category::Target, 100.0), (Category::Efficiency, 50.0)];
     assert_eq!(
         scores(&assessment),
         expected,
@@ -217,7 +210,7 @@ fn what_is_not_applicable_is_stated_and_does_not_fail() {
 
 #[test]
 fn a_module_joins_with_its_own_metric() {
-    let own = angle_error(Direction::LowerIsBetter);
+    let own = angle_error(Direction::Lower);
     let rules = Rules::new(
         MOTION_METRICS.iter().chain([&own]),
         vec![at_most("angle-error", 0.2, 0.4, 0.0)],
@@ -229,7 +222,7 @@ fn a_module_joins_with_its_own_metric() {
         NONE,
     );
     assert_eq!(assessment.failed, ["angle-error", "targets-missed"]);
-    let [(Category::TargetAchievement, score)] = scores(&assessment)[..] else {
+    let [(Category::Target, score)] = scores(&assessment)[..] else {
         panic!("{assessment:?}")
     };
     assert!(
@@ -248,11 +241,7 @@ fn points_run_linearly_and_stop_at_the_ends() {
         (9.0, 0.0, 0.0),
         (f64::NAN, 0.0, 0.0),
     ] {
-        assert_eq!(
-            points(&limit, Direction::LowerIsBetter, value),
-            lower,
-            "{value}"
-        );
+        assert_eq!(points(&limit, Direction::Lower, value), lower, "{value}");
         assert_eq!(points(&limit, Direction::Range, value), range, "{value}");
     }
     let both = Limit {

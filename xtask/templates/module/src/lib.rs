@@ -97,10 +97,7 @@ impl Exercise for {{Name}} {
         state.touched |= inside;
         let shown = match state.dwell.update(tick.time(), inside) {
             DwellState::Complete => {
-                let printed = LocalText {
-                    de: "Kugel geschafft".into(),
-                    en: "Sphere done".into(),
-                };
+                let printed = LocalText::new("Kugel geschafft", "Sphere done");
                 course.target_done(tick, SPHERE, printed)?;
                 colour::DONE
             }

@@ -3,10 +3,11 @@
 use crate::elements::contract::{check_assembly, check_factors};
 use crate::elements::{Configuration, ElementMatrix, NodeWindow, Tangent};
 use crate::law::LawName;
-use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
 use crate::model::TissueModel;
 use crate::testing::{numbers, soft_block};
 use microsim_mesh::TetMesh;
+use microsim_vocabulary::Discretisation;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Pa·s per Pa.

@@ -37,7 +37,12 @@ fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
     let count = tetrahedra.count();
     let all = forces(std::slice::from_ref(&(0..count)));
     // To the bit: parts of a body begin anywhere.
-    assert_eq!(all, forces(&[0..3, 3..3, 3..18, 18..count]), "{}", L::NAME);
+    assert_eq!(
+        all,
+        forces(&[0..3, 3..3, 3..18, 18..count]),
+        "{:?}",
+        L::NAME
+    );
 
     let mut single = vec![Vector3::zeros(); positions.len()];
     let mut window = NodeWindow {
@@ -54,7 +59,7 @@ fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
     }
     for (all, single) in all.iter().zip(&single) {
         // Sums of 24 elements' forces at a node, each of some hundred operations; near rest stresses are differences of larger numbers.
-        assert!((all - single).norm() < 1e-12 * size, "{}", L::NAME);
+        assert!((all - single).norm() < 1e-12 * size, "{:?}", L::NAME);
     }
 }
 

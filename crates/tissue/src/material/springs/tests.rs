@@ -5,11 +5,12 @@ use crate::elements::Configuration;
 use crate::executor::Serial;
 use crate::homogenise::homogenise;
 use crate::law::LawName;
-use crate::material::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
 use crate::method::Method;
 use crate::state::{Control, State};
 use crate::testing::block_mesh;
 use microsim_mesh::{Block, CellSplit};
+use microsim_vocabulary::Discretisation;
 use nalgebra::{Matrix3, Vector3};
 
 fn block(size: f64, cells: usize, split: CellSplit) -> TetMesh {

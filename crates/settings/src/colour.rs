@@ -1,16 +1,6 @@
-//! Small values that several kinds of file share.
+//! Colours as files write them.
 
 use serde::{Deserialize, Serialize};
-
-/// A text for people, in both languages of the program.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LocalText {
-    /// German.
-    pub de: String,
-    /// English.
-    pub en: String,
-}
 
 /// A colour in sRGB, 8 bits each, written `#rrggbb`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,23 +40,6 @@ impl From<Colour> for String {
     fn from(colour: Colour) -> Self {
         format!("#{:02x}{:02x}{:02x}", colour.red, colour.green, colour.blue)
     }
-}
-
-/// How a surface answers light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Finish {
-    /// Diffuse only.
-    Matte,
-    /// Wet tissue: diffuse with a small sharp highlight.
-    Moist,
-    /// Polished steel.
-    Metal,
-}
-
-impl Finish {
-    /// As files write them.
-    pub const NAMES: [&str; 3] = ["matte", "moist", "metal"];
 }
 
 #[cfg(test)]

@@ -1,0 +1,118 @@
+//! Laws, discretisations, methods and meshes.
+
+use crate::terms;
+
+terms! {
+    /// The material laws of continua.
+    pub enum LawName {
+        /// St Venant–Kirchhoff elasticity.
+        StVenantKirchhoff = "st-venant-kirchhoff",
+        /// Compressible neo-Hookean elasticity with a logarithm.
+        NeoHookean = "neo-hookean",
+        /// Corotational linear elasticity.
+        Corotational = "corotational",
+        /// Stable neo-Hookean elasticity (Smith, de Goes, Kim 2018).
+        StableNeoHookean = "stable-neo-hookean",
+        /// Neo-Hookean elasticity without a logarithm: it is finite for inverted elements.
+        NeoHookeanPolynomial = "neo-hookean-polynomial",
+    }
+}
+
+terms! {
+    /// How the tetrahedra of a mesh carry a continuum.
+    ///
+    /// Linear tetrahedra are too stiff in bending, and lock when the tissue is nearly incompressible: more volumes want to be preserved
+    /// than nodes can move (NUMERICS 1.6). Share of the right static sag of the cantilever there (quadratic hexahedra, 34.43, 33.87
+    /// and 33.7 mm) with the neo-Hookean law at ν = 0.3 / 0.45 / 0.49, largest explicit step on M at ν = 0.49:
+    ///
+    /// | | S, 3 cells high | M, 7 cells high | step |
+    /// |---|---|---|---|
+    /// | tetrahedra | 73 / 53 / 25 % | 93 / 84 / 58 % | 42 µs |
+    /// | edge-smoothed | 98 / 91 / 74 % | 100 / 99 / 95 % | 47 µs |
+    /// | node-smoothed | 116 / 114 / 112 % | 104 / 104 / 103 % | 54 µs |
+    /// | selective | 101 / 97 / 93 % | 101 / 100 / 99 % | 54 µs |
+    /// | nodal-pressure | 80 / 77 / 73 % | 96 / 94 / 93 % | 53 µs |
+    /// | patch-pressure | 81 / 80 / 79 % | 96 / 95 / 95 % | |
+    ///
+    /// The other laws differ by less than 1 % (the last row is that of the stable neo-Hookean law). Take selective where it can be paid
+    /// for, and patch-pressure with implicit methods in real time: its matrices couple hardly more nodes than those of tetrahedra. A
+    /// static solution of M takes 1.5 (ν = 0.3) to 2.5 times (0.49) as long as with tetrahedra, with nodal-pressure 3.5 to 5 times, with
+    /// selective 4 to 7 times (`microsim chart --quick`; `cargo xtask bench kernels` and `bench solvers` have the parts).
+    pub enum Discretisation {
+        /// The tetrahedra themselves.
+        Tetrahedra = "tetrahedra",
+        /// Domains around edges (ES-FEM-T4). Right in bending, locks late.
+        EdgeSmoothed = "edge-smoothed",
+        /// Domains around nodes (NS-FEM-T4). Does not lock, but is too soft: no mode without energy, yet a crowd of short waves with
+        /// hardly any. In a free block of 4 × 3 × 3 cells the 14 lowest modes lie between 46 and 61 Hz, the lowest with
+        /// tetrahedra is at 80, around edges at 63 Hz.
+        NodeSmoothed = "node-smoothed",
+        /// The part of μ around edges, the part of λ around nodes (selective ES/NS-FEM-T4; Onishi, Amaya 2014). Neither locks nor
+        /// has soft short waves.
+        Selective = "selective",
+        /// The part of μ in tetrahedra, the part of λ around nodes: the pressure of the averaged volume of a node (after Bonet &
+        /// Burton 1998; their volume is the mean of the volumes, here it is that of the mean deformation gradient). Does not lock,
+        /// but stays as stiff in bending as tetrahedra without pressure.
+        NodalPressure = "nodal-pressure",
+        /// The part of μ in tetrahedra, the part of λ in patches of about five around a common edge: one pressure for each, of the volume
+        /// of the mean deformation gradient (after the patches of de Souza Neto et al. 2005). Does not lock: there are fewer patches than
+        /// nodes. As stiff in bending as nodal-pressure. After a cut the patches that it touched are formed again.
+        PatchPressure = "patch-pressure",
+    }
+}
+
+impl Discretisation {
+    /// Whether the volumes of single tetrahedra make the body too stiff at this Poisson's ratio: from there on the cantilever S
+    /// loses at least 7 % of its sag to them.
+    pub fn locks(self, poisson: f64) -> bool {
+        match self {
+            Self::Tetrahedra => poisson >= 0.4,
+            Self::EdgeSmoothed => poisson >= 0.45,
+            Self::NodeSmoothed | Self::Selective | Self::NodalPressure | Self::PatchPressure => {
+                false
+            }
+        }
+    }
+}
+
+terms! {
+    /// The integrators and solvers of the equations of motion.
+    pub enum MethodName {
+        /// Störmer–Verlet in its joint form, drag by the exact factor.
+        StoermerVerlet = "stoermer-verlet",
+        /// Explicit Euler (3.12, 3.13).
+        ExplicitEuler = "explicit-euler",
+        /// Symplectic Euler.
+        SymplecticEuler = "symplectic-euler",
+        /// Velocity Verlet in its standard form, drag by the exact factor.
+        VelocityVerlet = "velocity-verlet",
+        /// Velocity Verlet as a loop with stored values of the step before (3.19, 3.20 as printed), drag from the old velocity.
+        VelocityVerletLagged = "velocity-verlet-lagged",
+        /// Backward Euler.
+        ImplicitEuler = "implicit-euler",
+        /// Implicit midpoint.
+        ImplicitMidpoint = "implicit-midpoint",
+        /// Implicit midpoint that drops speed where a tetrahedron is distorted.
+        GuardedMidpoint = "guarded-midpoint",
+        /// Second-order L-stable Runge–Kutta method of two implicit stages.
+        Sdirk2 = "sdirk2",
+        /// Static equilibrium at the end of each step.
+        QuasiStatic = "quasi-static",
+        /// Position-based dynamics with compliance.
+        Xpbd = "xpbd",
+    }
+}
+
+terms! {
+    /// How the cells of a mesh generator are cut into six tetrahedra each: along one space diagonal, one tetrahedron per order in
+    /// which the three axes are walked from its start to its end.
+    #[derive(Default)]
+    pub enum CellSplit {
+        /// Every cell alike (Kuhn, Freudenthal). Fits any number of cells, also around a ring, but all diagonals point in
+        /// one direction: the mesh is not isotropic.
+        Kuhn = "kuhn" default,
+        /// Every second cell along each axis is the mirror image of its neighbour, so that the diagonals alternate and no
+        /// direction is preferred. A ring needs an even number of cells.
+        Mirrored = "mirrored",
+    }
+}

@@ -1,0 +1,79 @@
+//! Plug-ins, messages, tools and appearance.
+
+use crate::terms;
+
+terms! {
+    /// Kind of a plug-in. The order is that of a tick; the last two only observe.
+    pub enum PluginKind {
+        /// Publishes samples of devices.
+        Source = "source",
+        /// Turns samples of devices into poses of tools.
+        Translator = "translator",
+        /// Computes bodies and forces.
+        Physics = "physics",
+        /// Runs the task, measures and scores: a training module.
+        Module = "module",
+        /// Holds the virtual objects.
+        Objects = "objects",
+        /// Draws pictures.
+        Renderer = "renderer",
+        /// Writes the session.
+        Recorder = "recorder",
+    }
+}
+
+impl PluginKind {
+    /// Observers receive messages, but nothing in the run depends on them: no state, no place on the bus.
+    pub const fn is_observer(self) -> bool {
+        matches!(self, Self::Renderer | Self::Recorder)
+    }
+}
+
+terms! {
+    /// What happens when the queue of a subscriber is full.
+    pub enum Overflow {
+        /// For events: nothing may be lost, so the publication is refused and its sender is at fault.
+        Refuse = "refuse",
+        /// For states: the oldest message of the same kind in that queue makes room, and the loss is counted.
+        DropOldest = "drop-oldest",
+    }
+}
+
+terms! {
+    /// How well the pose of a tool is known. "Connected" is not "tracked": a tool whose pose is old or missing never looks
+    /// fine.
+    pub enum ToolStatus {
+        /// The last sample is recent and valid.
+        Tracked = "tracked",
+        /// The last sample is recent, but its device was not visible or its values were refused; the pose is the last valid one.
+        Occluded = "occluded",
+        /// No valid sample has arrived yet.
+        NeverSeen = "never-seen",
+        /// No sample has arrived for too long.
+        Stale = "stale",
+    }
+}
+
+terms! {
+    /// How a scripted tool moves between two keyframes.
+    #[derive(Default)]
+    pub enum Interpolation {
+        /// From rest to rest, as a hand does: s = 10τ³ − 15τ⁴ + 6τ⁵ (Flash & Hogan 1985).
+        MinimumJerk = "minimum-jerk" default,
+        /// At constant speed, which jumps in every keyframe.
+        Linear = "linear",
+    }
+}
+
+terms! {
+    /// How a surface reflects light.
+    #[derive(Default)]
+    pub enum Finish {
+        /// Diffuse, without highlight: cloth, silicone, painted targets.
+        Matte = "matte" default,
+        /// Diffuse with a small sharp highlight and a bright rim: tissue under irrigation.
+        Moist = "moist",
+        /// Mirrors its surroundings, tinted by its colour: instruments.
+        Metal = "metal",
+    }
+}
