@@ -17,7 +17,7 @@
 //! | `extension` | initialised | same, between two ticks | yes |
 //! | `stop` | initialised | same, once, last | yes |
 //!
-//! **Rationale.** Everything that a plugin says or hears is bytes, so that a plugin can be recorded, replayed and moved
+//! **Rationale.** Everything that a plugin receives or publishes is bytes, so that a plugin can be recorded, replayed and moved
 //! into a process of its own. The trait below never grows: a plugin built against an older, smaller trait would be
 //! refused by a newer host. Abilities that come later are asked for by name through `extension`.
 
@@ -58,7 +58,7 @@ pub const ROOT_SYMBOL: &str = "_1as_0lib_1header_0root_bmodule_bloader";
 pub enum FaultKind {
     /// The plugin cannot go on.
     Error,
-    /// Something that the plugin needs is not on this machine (a graphics driver, say); the text says what.
+    /// Something that the plugin needs is not on this machine (a graphics driver, for example); the text names it.
     Unavailable,
     /// The plugin panicked; the SDK caught it at the boundary.
     Panic,
@@ -95,7 +95,7 @@ pub struct BlockOut {
     pub words: RVec<u64>,
 }
 
-/// What `process` is told. All times are simulated.
+/// What `process` is given. All times are simulated.
 #[repr(C)]
 #[derive(StableAbi, Clone, Copy)]
 pub struct Call<'a> {
@@ -107,7 +107,7 @@ pub struct Call<'a> {
     pub tick_ns: u64,
     /// Solver steps in the tick.
     pub steps: u32,
-    /// Messages for this plugin, framed as `microsim_bus::frame` says, in the order of their publication.
+    /// Messages for this plugin, framed as in `microsim_bus::frame`, in the order of their publication.
     pub messages: RSlice<'a, u8>,
     /// The latest block of each kind and name that this plugin subscribes to.
     pub blocks: RSlice<'a, Block<'a>>,

@@ -2,7 +2,7 @@
 
 use crate::chart::{machine, thread_seconds};
 use crate::cli::AtlasArgs;
-use crate::output::{Exit, Problem, say};
+use crate::output::{Exit, Problem, print};
 use crate::progress::StatusLine;
 use microsim_study::PageInfo;
 use microsim_study::atlas::{Atlas, Extent};
@@ -12,7 +12,7 @@ use std::time::Instant;
 pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     let start = Instant::now();
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
-    let extent = if args.quick {
+    let extent = if args.short {
         Extent::Short
     } else {
         Extent::Full
@@ -24,7 +24,7 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     status.finish();
     let info = PageInfo {
         machine: machine(),
-        command: format!("microsim atlas{}", if args.quick { " --quick" } else { "" }),
+        command: format!("microsim atlas{}", if args.short { " --quick" } else { "" }),
         date: args.date.clone(),
         ..PageInfo::default()
     };
@@ -45,10 +45,10 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
         std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
     }
     for sentence in atlas.findings() {
-        say(sentence)?;
+        print(sentence)?;
     }
     let page = args.out.join("atlas.html");
-    say(format!(
+    print(format!(
         "{} after {:.0} s",
         page.display(),
         start.elapsed().as_secs_f64()

@@ -1,7 +1,7 @@
 //! `microsim bus`.
 
 use crate::cli::{BusArgs, Place};
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::session_file::{installation, read};
 use microsim_bus::{Frames, HOST, Overflow, kind_id};
 use microsim_host::record::Session;
@@ -25,7 +25,7 @@ pub fn bus(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
     }
 }
 
-/// The kinds, and who speaks and hears them.
+/// The kinds, and who publishes and receives them.
 fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
     let manifests: Vec<_> = installation
@@ -67,7 +67,7 @@ fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
         }));
     }
     if args.json {
-        say_json(&Value::Array(table))?;
+        print_json(&Value::Array(table))?;
         return Ok(Exit::Done);
     }
     let names = |list: &Value| {
@@ -83,12 +83,12 @@ fn kinds(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
             names.join(", ")
         }
     };
-    say(format!(
-        "{:<20} {:>3}  {:<12} {:<44} heard by",
+    print(format!(
+        "{:<20} {:>3}  {:<12} {:<44} received by",
         "kind", "v", "when full", "published by"
     ))?;
     for row in &table {
-        say(format!(
+        print(format!(
             "{:<20} {:>3}  {:<12} {:<44} {}",
             row["kind"].as_str().unwrap_or_default(),
             row["version"],
@@ -107,11 +107,11 @@ fn messages(path: &Path, args: &BusArgs) -> Result<Exit, Problem> {
         let session = read(path)?;
         let rows = rows(&session, args, shown);
         if args.json {
-            say_json(&Value::Array(rows))?;
+            print_json(&Value::Array(rows))?;
             return Ok(Exit::Done);
         }
         for row in &rows {
-            say(format!(
+            print(format!(
                 "{:>6} {:>10.3} s  {:<16} {:<18} {}",
                 row["tick"],
                 row["time"].as_f64().unwrap_or_default(),

@@ -1,7 +1,7 @@
 //! `microsim chart`: speed against accuracy, as CSV, SVG and one HTML page.
 
 use crate::cli::{ChartArgs, Place};
-use crate::output::{Exit, Problem, say};
+use crate::output::{Exit, Problem, print};
 use crate::progress::StatusLine;
 use crate::scene_file::folder;
 use microsim_scene::{Serial, scene_spec};
@@ -38,14 +38,14 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         .into());
     }
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
-    let groups = groups(&chart, args.quick, &args.scene);
+    let groups = groups(&chart, args.short, &args.scene);
     let scenes = plan.parent().unwrap_or(Path::new("")).to_path_buf();
-    let limit = if args.quick {
+    let limit = if args.short {
         chart.budget.quick_total
     } else {
         f64::INFINITY
     };
-    let budget = if args.quick {
+    let budget = if args.short {
         chart.budget.quick_run
     } else {
         chart.budget.run
@@ -105,20 +105,20 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         notes: match args.jobs {
             1 => Vec::new(),
             jobs => vec![format!(
-                "{jobs} runs at a time: they share the caches and the memory of the machine, so times are longer than those of single runs."
+                "{jobs} runs at a time: they divide the caches and the memory between them of the machine, so times are longer than those of single runs."
             )],
         },
         left_out: left_out.into_iter().map(|(_, text)| text).collect(),
     };
     write(&results, &info, &args.out)?;
     for panel in results.panels() {
-        say(format!("{}: {}", panel.title(), panel.sentence()))?;
+        print(format!("{}: {}", panel.title(), panel.sentence()))?;
     }
     for text in &info.left_out {
-        say(format!("Left out for lack of time: {text}"))?;
+        print(format!("Left out for lack of time: {text}"))?;
     }
     let page = args.out.join("chart.html");
-    say(format!(
+    print(format!(
         "{} after {:.0} s",
         page.display(),
         start.elapsed().as_secs_f64()
@@ -190,13 +190,13 @@ fn write(results: &Results, info: &PageInfo, out: &Path) -> Result<(), Problem> 
 /// The command that makes the same chart again.
 fn command(args: &ChartArgs) -> String {
     let mut words = vec!["microsim chart".to_owned()];
-    words.extend(args.quick.then(|| "--quick".to_owned()));
+    words.extend(args.short.then(|| "--quick".to_owned()));
     words.extend(args.scene.iter().map(|name| format!("--scene {name}")));
     words.extend((args.jobs > 1).then(|| format!("--jobs {}", args.jobs)));
     words.join(" ")
 }
 
-/// Processor and number of cores, as far as the system says.
+/// Processor and number of cores, as far as the system knows.
 pub fn machine() -> String {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu

@@ -2,7 +2,7 @@
 
 use crate::cli::{CheckArgs, Place};
 use crate::mesh_file;
-use crate::output::{Exit, Problem, say_if_read as say};
+use crate::output::{Exit, Problem, print_if_read as print};
 use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
 use microsim_host::assemble::{Input, Installation, Request, assemble, known_metrics};
@@ -55,15 +55,15 @@ pub fn check(place: &Place, args: &CheckArgs) -> Result<Exit, Problem> {
             "problems": findings.problems,
             "warnings": findings.warnings,
         });
-        say(format!("{document:#}"))?;
+        print(format!("{document:#}"))?;
     } else {
         for warning in &findings.warnings {
-            say(format!("warning: {warning}"))?;
+            print(format!("warning: {warning}"))?;
         }
         for problem in &findings.problems {
-            say(problem)?;
+            print(problem)?;
         }
-        say(format!(
+        print(format!(
             "{} checked, {} with problems",
             findings.checked.len(),
             findings.problems.len()
@@ -276,7 +276,7 @@ fn nothing<T>(_: T) -> Vec<String> {
     Vec::new()
 }
 
-/// One file by what it is: its place and name say which kind, or else what stands in it.
+/// One file by what it is: its place and name give the kind, or else what stands in it.
 fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
     if !path.exists() {
         return Err(format!("{}: no such file", path.display()));

@@ -1,4 +1,4 @@
-//! The command line: what may be said, with its help. Validates, does nothing.
+//! The command line: commands, options and their help. Validates, does nothing.
 
 use clap::{Args, Parser, Subcommand};
 use microsim_host::assemble::Input;
@@ -18,7 +18,7 @@ pub struct Cli {
     pub command: Command,
 }
 
-/// Where things are.
+/// Where the installation is.
 #[derive(Debug, Args)]
 pub struct Place {
     /// Folder with plugins/, modules/, config/ and assets/ [default: the folder of this program]
@@ -49,13 +49,13 @@ pub enum Command {
     Report(ReportArgs),
     /// Write the motion of a synthetic trainee along the plan of a script, as a script
     Trainee(TraineeArgs),
-    /// Show which messages flow: the kinds and who speaks and hears them, or all messages of a session
+    /// Show which messages flow: the kinds and who publishes and receives them, or all messages of a session
     Bus(BusArgs),
     /// Validate config, scenes, meshes, modules, levels, scripts and recordings without running them
     Check(CheckArgs),
     /// Print the JSON Schema of a kind of file, for editors
     Schema(SchemaArgs),
-    /// Say what this machine has and lacks
+    /// Show what this machine has and lacks
     Doctor,
 }
 
@@ -122,7 +122,7 @@ pub struct RunArgs {
     /// Leave something out, for tests: a kind of plugin, friction, or lonor (all cutting); such a run is no result
     #[arg(long, value_name = "WHAT", value_parser = ["physics", "friction", "lonor"])]
     pub without: Vec<String>,
-    /// Say what would be loaded and computed, and why; runs nothing
+    /// Show what would be loaded and computed, and why; runs nothing
     #[arg(long)]
     pub explain: bool,
     /// Exit with status 1 unless the level is passed
@@ -149,7 +149,7 @@ pub struct RunArgs {
 #[command(
     override_usage = "microsim simulate SCENE [OPTIONS]",
     after_help = "Exit status 1: it diverged, or a scene that ends at rest did not come to rest within its duration; with --require
-also when an expectation was missed. The JSON document says which: status \"ok\", \"not-at-rest\" or \"diverged\".
+also when an expectation was missed. The JSON document has it: status \"ok\", \"not-at-rest\" or \"diverged\".
 
 Examples:
   microsim simulate cantilever
@@ -195,9 +195,9 @@ pub struct SimulateArgs {
 
 #[derive(Debug, Args)]
 pub struct ChartArgs {
-    /// Only the quick part of the plan, within its time
-    #[arg(long)]
-    pub quick: bool,
+    /// Only the short part of the plan, within its time
+    #[arg(long = "quick")]
+    pub short: bool,
     /// Folder for chart.html, chart.csv and a drawing per scene
     #[arg(long, value_name = "DIR", default_value = "chart", value_parser = utf8_path)]
     pub out: PathBuf,
@@ -215,8 +215,8 @@ pub struct ChartArgs {
 #[derive(Debug, Args)]
 pub struct AtlasArgs {
     /// One or two of each kind, in less than a minute
-    #[arg(long)]
-    pub quick: bool,
+    #[arg(long = "quick")]
+    pub short: bool,
     /// Folder for atlas.html, atlas.md, the tables as CSV and the drawings
     #[arg(long, value_name = "DIR", default_value = "atlas", value_parser = utf8_path)]
     pub out: PathBuf,
@@ -321,7 +321,7 @@ pub struct TraineeArgs {
 
 #[derive(Debug, Args)]
 pub struct BusArgs {
-    /// Session file; without one, the kinds of messages and who speaks and hears them
+    /// Session file; without one, the kinds of messages and who publishes and receives them
     #[arg(value_parser = utf8_path)]
     pub session: Option<PathBuf>,
     /// Only messages of this kind

@@ -1,34 +1,34 @@
 //! `microsim doctor`.
 
 use crate::cli::Place;
-use crate::output::{Exit, Problem, say};
+use crate::output::{Exit, Problem, print};
 use crate::processor;
 use crate::session_file::installation;
 use microsim_host::assemble::probe_renderer;
 
-/// Says what this machine has and lacks. Only what keeps runs from working makes the answer negative.
+/// Prints what this machine has and lacks. Only what keeps runs from working makes the answer negative.
 pub fn doctor(place: &Place) -> Result<Exit, Problem> {
     let mut healthy = true;
-    say(format!("version        {}", env!("CARGO_PKG_VERSION")))?;
+    print(format!("version        {}", env!("CARGO_PKG_VERSION")))?;
     let installation = installation(place)?;
-    say(format!("installation   {}", installation.root.display()))?;
+    print(format!("installation   {}", installation.root.display()))?;
     let (plugins, modules) = (
         installation.tree.plugins.len(),
         installation.tree.modules.len(),
     );
-    say(format!(
+    print(format!(
         "found          {modules} modules, {plugins} plugins"
     ))?;
     for complaint in &installation.complaints {
         healthy = false;
-        say(format!("  problem      {complaint}"))?;
+        print(format!("  problem      {complaint}"))?;
     }
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    say(format!("processors     {cores}"))?;
+    print(format!("processors     {cores}"))?;
     // Had it lacked one, the program would have ended before.
     match processor::used_names().as_str() {
-        "" => say("instructions   those of every such processor; without FMA solvers are slow")?,
-        names => say(format!("instructions   {names}: the processor has them"))?,
+        "" => print("instructions   those of every such processor; without FMA solvers are slow")?,
+        names => print(format!("instructions   {names}: the processor has them"))?,
     }
     let folder = crate::run::session_folder(&installation);
     let writable = std::fs::create_dir_all(&folder).and_then(|()| {
@@ -37,18 +37,18 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
         std::fs::remove_file(&probe)
     });
     match writable {
-        Ok(()) => say(format!("sessions       {} (writable)", folder.display()))?,
+        Ok(()) => print(format!("sessions       {} (writable)", folder.display()))?,
         Err(error) => {
             healthy = false;
-            say(format!(
+            print(format!(
                 "sessions       {} cannot be written: {error}",
                 folder.display()
             ))?;
         }
     }
     match probe_renderer(&installation) {
-        Ok(()) => say("pictures       on")?,
-        Err(reason) => say(format!("pictures       off: {reason}"))?,
+        Ok(()) => print("pictures       on")?,
+        Err(reason) => print(format!("pictures       off: {reason}"))?,
     }
     Ok(if healthy { Exit::Done } else { Exit::Negative })
 }

@@ -2,7 +2,7 @@
 
 use crate::check::files_in;
 use crate::cli::{ListArgs, Place};
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::session_file::installation;
 use microsim_host::assemble::known_metrics;
 use microsim_settings as settings;
@@ -59,34 +59,34 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
         eprintln!("microsim: {complaint}");
     }
     if args.json {
-        say_json(&json!({ "modules": modules, "scenes": scenes, "plugins": plugins }))?;
+        print_json(&json!({ "modules": modules, "scenes": scenes, "plugins": plugins }))?;
         return Ok(Exit::Done);
     }
     let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
-    say("Modules")?;
+    print("Modules")?;
     for module in &modules {
-        say(format!(
+        print(format!(
             "  {:<16} {}",
             text(&module["name"]),
             text(&module["summary"]["en"])
         ))?;
         for level in module["levels"].as_array().into_iter().flatten() {
-            say(format!(
+            print(format!(
                 "    level {}  {}",
                 level["level"],
                 text(&level["title"]["en"])
             ))?;
         }
     }
-    say("Scenes")?;
+    print("Scenes")?;
     for scene in &scenes {
         let (name, title) = (text(&scene["name"]), text(&scene["title"]["en"]));
-        say(format!("  {name:<20} {title}"))?;
+        print(format!("  {name:<20} {title}"))?;
     }
-    say("Plugins")?;
+    print("Plugins")?;
     for plugin in &plugins {
         let (name, kind) = (text(&plugin["name"]), text(&plugin["kind"]));
-        say(format!(
+        print(format!(
             "  {name:<16} {kind:<11} {}",
             text(&plugin["summary"]["en"])
         ))?;

@@ -1,4 +1,4 @@
-//! How the program ends and speaks: exit status, standard output, the log.
+//! How the program ends and prints: exit status, standard output, the log.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -41,7 +41,7 @@ impl<E: Display> From<E> for Problem {
 }
 
 /// Writes a line to standard output.
-pub fn say(text: impl Display) -> Result<(), Problem> {
+pub fn print(text: impl Display) -> Result<(), Problem> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{text}").map_err(|error| match error.kind() {
         ErrorKind::BrokenPipe => Problem::BrokenPipe,
@@ -50,14 +50,14 @@ pub fn say(text: impl Display) -> Result<(), Problem> {
 }
 
 /// Writes a line to standard output for those who read it: where an exit status follows, it does not depend on that.
-pub fn say_if_read(text: impl Display) -> Result<(), Problem> {
-    match say(text) {
+pub fn print_if_read(text: impl Display) -> Result<(), Problem> {
+    match print(text) {
         Err(Problem::BrokenPipe) => Ok(()),
         other => other,
     }
 }
 
 /// Writes a JSON document, and nothing else, to standard output.
-pub fn say_json(value: &serde_json::Value) -> Result<(), Problem> {
-    say(format!("{value:#}"))
+pub fn print_json(value: &serde_json::Value) -> Result<(), Problem> {
+    print(format!("{value:#}"))
 }

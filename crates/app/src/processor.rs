@@ -2,7 +2,7 @@
 //! a word.
 //!
 //! The processor itself is asked (`cpuid`). `is_x86_feature_detected!` would not ask: it is true at compile time for all that
-//! the build may use. A processor without AVX at all is told before `main`, whose first instructions may be of that kind.
+//! the build may use. A processor without AVX at all is refused before `main`, whose first instructions may be of that kind.
 
 /// Instructions that the build may use (`.cargo/config.toml`), and whether this one does.
 const USED: [(Instructions, bool); 7] = [
@@ -114,7 +114,7 @@ fn found() -> Vec<Instructions> {
 #[cfg(target_arch = "x86_64")]
 fn saves_wide_registers() -> bool {
     let low: u32;
-    // SAFETY: asked only where `cpuid` says that the system lets programs use `xgetbv`, which reads and nothing else.
+    // SAFETY: asked only where `cpuid` shows that the system lets programs use `xgetbv`, which reads and nothing else.
     unsafe {
         std::arch::asm!("xgetbv", in("ecx") 0, out("eax") low, out("edx") _, options(nomem, nostack, preserves_flags));
     }

@@ -1,7 +1,7 @@
 //! `microsim replay`.
 
 use crate::cli::{Place, ReplayArgs};
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::run::{picture_plan, refuse_old_pictures};
 use crate::session_file::{installation, read};
 use microsim_host::assemble::locate;
@@ -13,6 +13,9 @@ use serde_json::json;
 pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
     let mut session = read(&args.session)?;
+    session
+        .check_recomputable()
+        .map_err(|e| format!("session {}: {e}", args.session.display()))?;
     let plan = &session.header.plan;
     let pictures = args
         .frames
@@ -42,7 +45,7 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
     let recomputed = outcome.ticks > 0 && !session.damaged;
     let verified = outcome.difference.is_none() && recomputed;
     if args.json {
-        say_json(&json!({
+        print_json(&json!({
             "session": args.session,
             "ticks": outcome.ticks,
             "verified": verified,
@@ -55,11 +58,11 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
         }))?;
     } else {
         if let Some(complaint) = &session.complaint {
-            say(format!("The recording is not complete: {complaint}"))?;
+            print(format!("The recording is not complete: {complaint}"))?;
         }
         match &outcome.difference {
-            None if outcome.ticks == 0 => say("There is no tick to replay")?,
-            None => say(format!(
+            None if outcome.ticks == 0 => print("There is no tick to replay")?,
+            None => print(format!(
                 "Replayed {} ticks to the bit{}; state hash {}",
                 outcome.ticks,
                 if session.complaint.is_some() {
@@ -69,7 +72,7 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
                 },
                 outcome.state_hash
             ))?,
-            Some(difference) => say(format!(
+            Some(difference) => print(format!(
                 "The replay first differs at tick {} ({:.3} s): {}",
                 difference.tick,
                 (difference.tick + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9,
@@ -77,7 +80,7 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
             ))?,
         }
         if let Some(pictures) = &outcome.pictures {
-            say(crate::run::picture_line(pictures, args.frames.as_deref()))?;
+            print(crate::run::picture_line(pictures, args.frames.as_deref()))?;
         }
     }
     Ok(if args.verify && !verified {

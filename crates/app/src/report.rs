@@ -2,7 +2,7 @@
 
 use crate::cli::{Place, ReportArgs};
 use crate::key_pictures::{key_pictures, not_asked};
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::session_file::{installation, read, report_of};
 use microsim_report::{Language, Page, Report, Verdict};
 use std::path::{Path, PathBuf};
@@ -47,9 +47,9 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
     }
     if args.json {
         let value: serde_json::Value = serde_json::from_str(&report.to_json())?;
-        say_json(&value)?;
+        print_json(&value)?;
     } else {
-        say(summary(&report))?;
+        print(summary(&report))?;
     }
     Ok(Exit::Done)
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::{Place, RunArgs};
 use crate::key_pictures::{key_pictures, not_asked};
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::progress;
 use crate::report::{files_beside, summary, verdict_word, write_beside};
 use crate::session_file::{installation, is_session, read, report_of};
@@ -141,7 +141,7 @@ fn refuse_existing(args: &RunArgs, session: &Path) -> Result<(), Problem> {
     args.frames.as_deref().map_or(Ok(()), refuse_old_pictures)
 }
 
-/// Pictures of two runs in one folder cannot be told apart.
+/// Pictures of two runs in one folder cannot be distinguished.
 pub fn refuse_old_pictures(folder: &Path) -> Result<(), Problem> {
     let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let old = entries.find(|e| {
@@ -192,7 +192,7 @@ fn carry_out(
             Some(reported) => bar.set_message(format!(
                 "{} {:.0} %",
                 reported.what.en,
-                100.0 * reported.share
+                100.0 * reported.fraction
             )),
             None => bar.set_position((time * 10.0) as u64),
         },
@@ -213,7 +213,7 @@ fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     Ok(written.map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
-/// Writes what a run leaves behind, and tells.
+/// Writes what a run leaves behind, and prints it.
 fn finish(
     installation: &Installation,
     plan: &RunPlan,
@@ -242,11 +242,11 @@ fn finish(
         pictures,
     };
     let page = write_beside(&report, &page, session);
-    let told = match (args.json, page.as_deref().ok()) {
+    let printed = match (args.json, page.as_deref().ok()) {
         (true, page) => tell_json(plan, session, page, outcome, &report),
-        (false, page) => tell(args, session, page, outcome, &report),
+        (false, page) => print_outcome(args, session, page, outcome, &report),
     };
-    // What went wrong with the run comes last and counts most; a full disk, say, keeps the report from being written, too.
+    // What went wrong with the run comes last and counts most; a full disk, for example, keeps the report from being written, too.
     if let Some(failure) = &outcome.failure {
         if let Err(Problem::Text(problem)) = page {
             eprintln!("microsim: {problem}");
@@ -264,7 +264,7 @@ fn finish(
         eprintln!("microsim: the level ended before --stop-at; {path} was not written");
     }
     page?;
-    match told {
+    match printed {
         Ok(()) | Err(Problem::BrokenPipe) => {}
         Err(problem) => return Err(problem),
     }
@@ -276,7 +276,7 @@ fn finish(
     })
 }
 
-fn tell(
+fn print_outcome(
     args: &RunArgs,
     session: &Path,
     page: Option<&Path>,
@@ -284,25 +284,25 @@ fn tell(
     report: &Report,
 ) -> Result<(), Problem> {
     if outcome.checkpoint.is_some() {
-        say(format!(
+        print(format!(
             "Stopped after {} ticks with a checkpoint",
             outcome.ticks
         ))?;
     } else {
-        say(summary(report))?;
+        print(summary(report))?;
     }
     if outcome.late_ticks > 0 {
-        say(format!(
+        print(format!(
             "{} of {} ticks began late",
             outcome.late_ticks, outcome.ticks
         ))?;
     }
     if let Some(pictures) = &outcome.pictures {
-        say(picture_line(pictures, args.frames.as_deref()))?;
+        print(picture_line(pictures, args.frames.as_deref()))?;
     }
-    say(format!("Session: {}", session.display()))?;
+    print(format!("Session: {}", session.display()))?;
     match page {
-        Some(page) => say(format!("Report:  {}", page.display())),
+        Some(page) => print(format!("Report:  {}", page.display())),
         None => Ok(()),
     }
 }
@@ -314,7 +314,7 @@ fn tell_json(
     outcome: &RunOutcome,
     report: &Report,
 ) -> Result<(), Problem> {
-    say_json(&json!({
+    print_json(&json!({
         "module": plan.module,
         "level": plan.level,
         "seed": plan.seed,
@@ -351,37 +351,37 @@ fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
             .iter()
             .map(|p| json!({ "what": p.what, "name": p.name, "why": p.why }))
             .collect();
-        say_json(&json!({
+        print_json(&json!({
             "module": plan.module, "level": plan.level, "tick_s": plan.tick_ns as f64 * 1e-9,
             "steps": plan.steps, "plugins": plugins, "parts": parts, "without": plan.without,
         }))?;
         return Ok(Exit::Done);
     }
-    say(format!(
+    print(format!(
         "{}, level {}: {}",
         plan.module, plan.level, plan.level_title.en
     ))?;
-    say(format!(
+    print(format!(
         "  tick {} ms, {} solver steps in each",
         plan.tick_ns as f64 * 1e-6,
         plan.steps
     ))?;
-    say("Loaded, in the order of a tick")?;
+    print("Loaded, in the order of a tick")?;
     for plugin in &plan.plugins {
-        say(format!(
+        print(format!(
             "  {:<10} {:<18} {}",
             plugin.kind.name(),
             plugin.name,
             plugin.why
         ))?;
     }
-    say("Computed and shown")?;
+    print("Computed and shown")?;
     for part in &plan.parts {
-        say(format!(
+        print(format!(
             "  {:<10} {:<18} {}",
             part.what, part.name, part.why
         ))?;
     }
-    say("Nothing else.")?;
+    print("Nothing else.")?;
     Ok(Exit::Done)
 }

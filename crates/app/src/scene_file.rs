@@ -19,7 +19,7 @@ const PRINTED: usize = 10;
 /// A scene that can run.
 #[derive(Debug)]
 pub struct SceneFile {
-    /// What its file says.
+    /// What its file holds.
     pub loaded: Loaded<settings::Scene>,
     /// What it is made of.
     pub spec: SceneSpec,
@@ -233,7 +233,7 @@ fn too_large(mesh: &TetMesh) -> Option<String> {
     let size = extent.fold(0.0, f64::max);
     (size > settings::LENGTH_MAX).then(|| {
         format!(
-            "the mesh is {} long: say with `scale` how long one unit of the file is, such as scale = \"1 mm\"",
+            "the mesh is {} long: give with `scale` how long one unit of the file is, such as scale = \"1 mm\"",
             settings::Unit::Length.describe(format!("{size:.3e}").parse().unwrap_or(size))
         )
     })
@@ -300,7 +300,7 @@ fn blame(
         let of = spec.bodies.iter().find(|of| of.name == *body);
         if of.is_some_and(|of| share_nodes(&of.mesh, from, to)) {
             return format!(
-                "{place}: regions {from} and {to} of body '{body}' share nodes, which joins them already: leave the coupling out, or give each region nodes of its own"
+                "{place}: regions {from} and {to} of body '{body}' have common nodes, which joins them already: leave the coupling out, or give each region nodes of its own"
             );
         }
     }

@@ -1,7 +1,7 @@
 //! `microsim schema`.
 
 use crate::cli::{Place, SchemaArgs};
-use crate::output::{Exit, Problem, say, say_json};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::session_file::installation;
 use microsim_settings as settings;
 
@@ -9,9 +9,9 @@ use microsim_settings as settings;
 pub fn schema(place: &Place, args: &SchemaArgs) -> Result<Exit, Problem> {
     let Some(kind) = &args.kind else {
         for (kind, doc) in settings::KINDS {
-            say(format!("{kind:<12} {doc}"))?;
+            print(format!("{kind:<12} {doc}"))?;
         }
-        say("level:MODULE as level, with the keys of that module")?;
+        print("level:MODULE as level, with the keys of that module")?;
         return Ok(Exit::Done);
     };
     let schema = match kind.split_once(':') {
@@ -32,9 +32,9 @@ pub fn schema(place: &Place, args: &SchemaArgs) -> Result<Exit, Problem> {
         .into());
     };
     if args.markdown {
-        say(settings::reference(&schema))?;
+        print(settings::reference(&schema))?;
     } else {
-        say_json(&settings::json_schema(&schema))?;
+        print_json(&settings::json_schema(&schema))?;
     }
     Ok(Exit::Done)
 }

@@ -27,7 +27,7 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
     }
     if !root.join("plugins").is_dir() {
         return Err(format!(
-            "no plugins/ below {}; say with --root where MicroSim is installed (`cargo xtask build` makes target/microsim)",
+            "no plugins/ below {}; give with --root where MicroSim is installed (`cargo xtask build` makes target/microsim)",
             root.display()
         )
         .into());

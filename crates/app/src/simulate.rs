@@ -8,7 +8,7 @@ mod pool;
 mod table;
 
 use crate::cli::{Place, SimulateArgs};
-use crate::output::{Exit, Problem, say_if_read as say};
+use crate::output::{Exit, Problem, print_if_read as print};
 use crate::progress;
 use crate::scene_file::{SceneFile, find};
 use cpu::cpu_seconds;
@@ -43,7 +43,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         (None, _) => {}
     }
     let quiet = args.json.as_deref() == Some(Path::new("-"));
-    // A file that cannot be written is said before the time is spent.
+    // A file that cannot be written is reported before the time is spent.
     let mut json_file = match &args.json {
         Some(file) if !quiet => {
             Some(File::create(file).map_err(|e| format!("{}: {e}", file.display()))?)
@@ -51,7 +51,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         _ => None,
     };
     if !quiet {
-        say(table::heading(&scene, &path))?;
+        print(table::heading(&scene, &path))?;
     }
 
     let pool = match args.threads {
@@ -113,7 +113,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     if let Some(file) = &args.json {
         let document = document(&scene, &outcome);
         match &mut json_file {
-            None => say(format!("{document:#}"))?,
+            None => print(format!("{document:#}"))?,
             Some(open) => {
                 let mut buffered = std::io::BufWriter::new(open);
                 let written = writeln!(buffered, "{document:#}").and_then(|()| buffered.flush());
@@ -122,18 +122,18 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         }
     }
     if !quiet {
-        say(table::result(&scene, cpu))?;
+        print(table::result(&scene, cpu))?;
         if let Some(file) = &args.json {
-            say(format!("Everything in {}", file.display()))?;
+            print(format!("Everything in {}", file.display()))?;
         }
         if let Some((folder, count)) = files {
-            say(format!(
+            print(format!(
                 "{count} meshes in {}; open the .pvd in ParaView",
                 folder.display()
             ))?;
         }
         if let Some((folder, count)) = drawn {
-            say(format!("{count} pictures in {}", folder.display()))?;
+            print(format!("{count} pictures in {}", folder.display()))?;
         }
     }
     let diverged = matches!(scene.runner.end(), Some(End::Diverged(_)));

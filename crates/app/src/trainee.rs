@@ -1,7 +1,7 @@
 //! `microsim trainee`: the motion of a synthetic trainee along the plan of a script, as a script.
 
 use crate::cli::{Place, TraineeArgs};
-use crate::output::{Exit, Problem, say};
+use crate::output::{Exit, Problem, print};
 use crate::session_file::installation;
 use microsim_settings::{Sourced, TraineeProfile, load_script, load_trainees};
 use microsim_tracking::{Profile, Script, Trainee};
@@ -38,7 +38,7 @@ pub fn trainee(place: &Place, args: &TraineeArgs) -> Result<Exit, Problem> {
         std::io::Write::write_all(&mut file, text(&motion, plan.rate, &made).as_bytes())
     });
     written.map_err(|e| format!("{}: {e}", args.out.display()))?;
-    say(format!(
+    print(format!(
         "{}: {made}; {:.1} s instead of {:.1} s",
         args.out.display(),
         motion.duration(),

@@ -5,7 +5,7 @@ mod level;
 
 use crate::chart::{plan_path, thread_seconds};
 use crate::cli::{Place, TuneArgs};
-use crate::output::{Exit, Problem, say};
+use crate::output::{Exit, Problem, print};
 use crate::scene_file::find;
 use crate::session_file::installation;
 use microsim_drawing::{percent, significant};
@@ -112,19 +112,19 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     }
     report(&tuning, &goal)?;
     let Some(choice) = tuning.choice() else {
-        say(format!(
+        print(format!(
             "{file}: nothing keeps an error of {}; the file is as it was",
             percent(goal.error)
         ))?;
         return Ok(Exit::Negative);
     };
     if args.dry_run {
-        say(format!("{file} is as it was (--dry-run)"))?;
+        print(format!("{file} is as it was (--dry-run)"))?;
         return Ok(Exit::Done);
     }
     let written = edit::write(&target, &scene, choice, &tuning)?;
     std::fs::write(&target.path, written).map_err(|e| format!("{file}: {e}"))?;
-    say(format!(
+    print(format!(
         "Written into {file}; `microsim tune {} --verify` measures it again",
         target.name
     ))?;
@@ -228,25 +228,25 @@ fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Ex
 
 /// The table of what was tried.
 fn report(tuning: &Tuning, goal: &Goal) -> Result<(), Problem> {
-    say(format!(
+    print(format!(
         "Demanded: an error of at most {}, a margin of {}",
         percent(goal.error),
         goal.margin
     ))?;
     for sentence in tuning.sentences() {
-        say(format!("  rejected  {sentence}"))?;
+        print(format!("  rejected  {sentence}"))?;
     }
     if let Some(choice) = tuning.choice() {
-        say(format!("  chosen    {}", figures(choice)))?;
+        print(format!("  chosen    {}", figures(choice)))?;
     }
     if let Some(locking) = tuning.locking {
-        say(format!(
+        print(format!(
             "  linear tetrahedra, which lock, on the chosen mesh: error {}",
             percent(locking)
         ))?;
     }
     if let Some(doubt) = tuning.doubt {
-        say(format!(
+        print(format!(
             "  the measure itself may be off by {}",
             percent(doubt)
         ))?;
@@ -294,7 +294,7 @@ fn verify(
     let mut compare = |name: &str, found: Option<f64>, stated: Option<f64>, same: Agreement| {
         let same = found.zip(stated).is_some_and(|(a, b)| same(a, b));
         confirmed &= same;
-        say(format!(
+        print(format!(
             "{name} {} (stated {}){}",
             found.map_or("unknown".into(), percent),
             stated.map_or("nothing".into(), percent),
@@ -316,7 +316,7 @@ fn verify(
         compare("error of linear tetrahedra", locking, tuned.locking, equal)?;
     }
     // Times are not the same: they are shown, and decide nothing.
-    say(format!(
+    print(format!(
         "{} CPU s per simulated s (stated {})",
         found
             .cost
@@ -325,7 +325,7 @@ fn verify(
             .cost
             .map_or("nothing".into(), |cost| significant(cost, 2)),
     ))?;
-    say(format!(
+    print(format!(
         "allowed is an error of {}: {}",
         percent(goal.error),
         if confirmed {

@@ -14,7 +14,7 @@
 //! | 6 + 4 i … | array i: name id, element type, number of elements, first word |
 //! | 6 + 4 n … | the arrays, each starting at a word |
 //!
-//! Node and element ids in the arrays are stable: they are never reused, so that a reader which kept an id over a cut
+//! Node and element ids in the arrays are stable: they are never reused, so that a reader which holds an id over a cut
 //! finds the same node or none.
 
 use crate::kind::kind_id;

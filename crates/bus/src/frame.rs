@@ -7,7 +7,7 @@ use std::fmt;
 
 /// Bytes of a header.
 pub const HEADER_SIZE: usize = 24;
-/// Largest payload: more than the largest record of a session, so that it is the recorder who says that one is too
+/// Largest payload: more than the largest record of a session, so that it is the recorder who reports that one is too
 /// large. Larger states travel as blocks.
 pub const MAX_PAYLOAD: usize = 1 << 27;
 

@@ -18,9 +18,9 @@ pub const fn kind_id(name: &str) -> u64 {
 /// A message kind that a run knows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KindInfo {
-    /// Full name, say `tool.states`.
+    /// Full name, for example `tool.states`.
     pub name: String,
-    /// Version of the payload; a receiver that knows another one says so.
+    /// Version of the payload; a receiver that knows another one refuses it.
     pub version: u16,
     /// Rule for a full queue.
     pub overflow: Overflow,

@@ -3,7 +3,7 @@
 //! - [`kind`]: names of message kinds and their ids.
 //! - [`frame`]: how a message travels as bytes behind a header.
 //! - [`block`]: how a large state travels as one relocatable block of plain data.
-//! - [`router`]: who may publish and who hears what; the queues and their overflow rule; order.
+//! - [`router`]: who may publish and who receives what; the queues and their overflow rule; order.
 //!
 //! Not here: typed messages (crate `message`), threads, clocks. Order is that of publication; two runs with the same
 //! publications give the same queues to the byte.

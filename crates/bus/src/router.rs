@@ -1,4 +1,4 @@
-//! Who may publish, who hears what, in which order, and what happens when a queue is full.
+//! Who may publish, who receives what, in which order, and what happens when a queue is full.
 //!
 //! Every publication is checked against the sender's declared topics, stamped with time and sender, appended to the
 //! log of the tick and to the queue of every subscriber but the sender. Queues are bounded ([`Limits`]); the rule for

@@ -223,7 +223,7 @@ fn hash_every(host: &settings::Host, tick_ns: u64) -> u64 {
 }
 
 /// The renderer for a session that was recorded without one: it looks at the level as it is installed now. Pictures are
-/// as wide and high as `size` says \[px\], else as the host's configuration.
+/// as wide and high as `size` \[px\], else as the host's configuration.
 pub fn renderer_for(
     installation: &Installation,
     plan: &RunPlan,

@@ -114,7 +114,7 @@ pub struct Engine {
 }
 
 /// Digest of all in a plan that decides what is computed: not where libraries lie, nor how they were built, nor what
-/// observers are told.
+/// observers are given.
 pub fn plan_digest(plan: &RunPlan) -> Hash {
     let mut parts = vec![
         plan.module.clone().into_bytes(),

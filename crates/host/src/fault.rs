@@ -9,7 +9,7 @@ use std::fmt;
 pub struct Failure {
     /// Name of the plugin.
     pub plugin: String,
-    /// The call, say `process`.
+    /// The call, for example `process`.
     pub call: String,
     /// Tick in which it happened.
     pub tick: u64,

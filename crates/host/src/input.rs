@@ -155,7 +155,7 @@ pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), A
 fn session_input(path: &Path, bytes: &[u8]) -> Result<SourceSetup, AssembleError> {
     let session =
         Session::read(bytes).map_err(|e| AssembleError(format!("{}: {e}", path.display())))?;
-    // Each with the time at which it arrived: devices need not share a clock.
+    // Each with the time at which it arrived: devices need not have one clock.
     let mut samples: Vec<(f64, InputSample)> = Vec::new();
     let mut devices = BTreeSet::new();
     for (index, tick) in session.ticks.iter().chain(&session.failed_tick) {

@@ -58,7 +58,7 @@ impl Installation {
                 ) + &self.hidden(name),
             )
         })?;
-        self.sound(name, found)
+        self.unless_wrong(name, found)
     }
 
     /// A module with its levels.
@@ -83,11 +83,11 @@ impl Installation {
                 ) + &self.hidden(name),
             )
         })?;
-        self.sound(name, found)
+        self.unless_wrong(name, found)
     }
 
-    /// What was found, unless something is wrong with a manifest of this name: that there is another one, say.
-    fn sound<T>(&self, name: &str, found: T) -> Result<T, AssembleError> {
+    /// What was found, unless something is wrong with a manifest of this name: that there is another one, for example.
+    fn unless_wrong<T>(&self, name: &str, found: T) -> Result<T, AssembleError> {
         let modules = self.tree.modules.iter().map(|m| &m.manifest);
         let files: Vec<String> = self
             .tree

@@ -2,7 +2,7 @@
 //!
 //! - [`plan`]: what a run loads and computes, and why; decided first.
 //! - [`installation`]: plugins, modules and levels below a folder.
-//! - [`assemble`]: makes a plan from a module, a level and an input (`input`: what its source is told).
+//! - [`assemble`]: makes a plan from a module, a level and an input (`input`: what its source is given).
 //! - [`loader`]: libraries, checked before their code runs.
 //! - [`engine`]: the deterministic loop and its running hash.
 //! - [`run`]: a run at the edge: wall clock, controls, recording, pictures.

@@ -86,7 +86,7 @@ pub fn load(plugin: &PlannedPlugin) -> Result<PluginBox, LoadError> {
 fn open(path: &Path) -> Result<Library, libloading::Error> {
     use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
     // SAFETY: a plugin library has no initialisers but those of Rust's runtime, which need nothing. That a file of another kind
-    // lies here cannot be told before it is opened; the operator has put it there.
+    // lies here cannot be known before it is opened; the operator has put it there.
     unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Into::into)
 }
 
@@ -94,7 +94,7 @@ fn open(path: &Path) -> Result<Library, libloading::Error> {
 #[cfg(not(unix))]
 fn open(path: &Path) -> Result<Library, libloading::Error> {
     // SAFETY: a plugin library has no initialisers but those of Rust's runtime, which need nothing. That a file of another kind
-    // lies here cannot be told before it is opened; the operator has put it there.
+    // lies here cannot be known before it is opened; the operator has put it there.
     unsafe { Library::new(path) }
 }
 

@@ -156,12 +156,12 @@ impl Pictures {
         match sent {
             Ok(()) => {}
             Err(TrySendError::Full(())) => self.left_out += 1,
-            // The thread has ended with a failure; `finish` says which.
+            // The thread has ended with a failure; `finish` returns it.
             Err(TrySendError::Disconnected(())) => self.jobs = None,
         }
     }
 
-    /// Waits for the pictures that are under way.
+    /// Waits for the pictures that are not drawn yet.
     pub fn finish(mut self) -> PictureReport {
         self.jobs = None;
         let off = match self.thread.take().map(JoinHandle::join) {

@@ -45,7 +45,7 @@ pub struct PlannedPlugin {
     pub version: String,
     /// Topics that it publishes.
     pub publishes: Vec<String>,
-    /// Topics that it hears.
+    /// Topics that it subscribes to.
     pub subscribes: Vec<String>,
     /// Message kinds that it brings.
     pub own_kinds: Vec<OwnKind>,
@@ -57,7 +57,7 @@ pub struct PlannedPlugin {
     pub library_hash: String,
     /// Why it is loaded, one sentence.
     pub why: String,
-    /// What it is told.
+    /// What it is given.
     pub setup: Setup,
 }
 
@@ -115,7 +115,7 @@ pub struct RunPlan {
     /// By what a synthetic trainee was made; `None` for all other input.
     #[serde(default)]
     pub synthetic: Option<String>,
-    /// Digest of what the source is told, hexadecimal: a checkpoint belongs to its input.
+    /// Digest of what the source is given, hexadecimal: a checkpoint belongs to its input.
     pub input_digest: String,
     /// Messages that the queue of one plugin holds.
     pub queue_messages: u32,

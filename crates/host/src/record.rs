@@ -20,8 +20,11 @@ pub mod kind {
     pub const FAILURE: u8 = 4;
 }
 
-/// Version of the records that this host writes and reads.
-pub const RECORD_FORMAT: u32 = 1;
+/// Version of the records that this host writes and recomputes.
+pub const RECORD_FORMAT: u32 = 2;
+
+/// The oldest version of the records that this host reads: their results can be shown, not recomputed.
+pub const OLDEST_FORMAT: u32 = 1;
 
 /// The first record: all that a replay needs besides the inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,7 +56,7 @@ pub struct TickRecord {
     pub chain: Vec<u8>,
     /// Digests of all saved states, at fixed intervals.
     pub states: Option<Vec<StateDigest>>,
-    /// A plugin failed in this tick: `log` is what was said until then, and `chain` is that of the tick before.
+    /// A plugin failed in this tick: `log` is what was published until then, and `chain` is that of the tick before.
     pub failed: bool,
 }
 
@@ -137,6 +140,21 @@ impl From<NotASession> for SessionError {
 }
 
 impl Session {
+    /// Refuses a session that another version has to recompute: its messages have other names or forms.
+    pub fn check_recomputable(&self) -> Result<(), SessionError> {
+        let Header {
+            format, version, ..
+        } = &self.header;
+        if *format == RECORD_FORMAT {
+            return Ok(());
+        }
+        Err(SessionError(format!(
+            "recorded with MicroSim {version} (record format {format}), which recomputes it; this is MicroSim {} (record format \
+             {RECORD_FORMAT}); `microsim report` shows its result",
+            env!("CARGO_PKG_VERSION")
+        )))
+    }
+
     /// Reads all that is complete; what is wrong with the rest stands in `complaint`.
     pub fn read(bytes: &[u8]) -> Result<Self, SessionError> {
         let reading = read(bytes)?;
@@ -202,9 +220,11 @@ fn check_format(frame: &Frame<'_>) -> Result<(), SessionError> {
         format: u32,
     }
     match parse::<Format>(frame) {
-        Ok(Format { format }) if format != RECORD_FORMAT => Err(SessionError(format!(
-            "its records have format {format}, this version reads format {RECORD_FORMAT}"
-        ))),
+        Ok(Format { format }) if !(OLDEST_FORMAT..=RECORD_FORMAT).contains(&format) => {
+            Err(SessionError(format!(
+                "its records have format {format}, this version reads formats {OLDEST_FORMAT} to {RECORD_FORMAT}"
+            )))
+        }
         _ => Ok(()),
     }
 }

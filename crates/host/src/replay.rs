@@ -54,6 +54,9 @@ pub fn replay(
     options: ReplayOptions,
     mut locate: impl FnMut(&PlannedPlugin) -> Result<PlannedPlugin, RunError>,
 ) -> Result<ReplayOutcome, RunError> {
+    session
+        .check_recomputable()
+        .map_err(|e| RunError::Host(e.to_string()))?;
     let mut plan = session.header.plan.clone();
     let mut rebuilt = Vec::new();
     // The input is in the ticks, and nothing is recorded again.

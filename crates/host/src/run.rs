@@ -68,7 +68,7 @@ pub struct RunOutcome {
     pub ticks: u64,
     /// The plugin that ended the run, if one failed.
     pub failure: Option<Failure>,
-    /// Failures that did not end it (while stopping, say).
+    /// Failures that did not end it (while stopping, for example).
     pub complaints: Vec<String>,
     /// What came of the pictures.
     pub pictures: Option<PictureReport>,

@@ -11,7 +11,7 @@ use microsim_sdk::{Fault, Plugin, RandomStream, Services, Setup, Tick, export::c
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A number that is handed on; each plugin that hears it adds its own mark.
+/// A number that is handed on; each plugin that receives it adds its own mark.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Count(u64);
 
@@ -19,7 +19,7 @@ impl Message for Count {
     const KIND: &'static str = "counter.count";
 }
 
-/// What the last of the chain says.
+/// What the last of the chain publishes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Sum(f64);
 
@@ -71,7 +71,7 @@ impl Plugin for Counter {
     }
 }
 
-/// Sums what it hears in fixed parts over the host's threads.
+/// Sums what it receives in fixed parts over the host's threads.
 #[derive(Default)]
 struct Adder {
     services: Option<Services>,
@@ -101,8 +101,8 @@ impl Plugin for Adder {
             }
             let parts: Vec<AtomicU64> = (0..8).map(|_| AtomicU64::new(0)).collect();
             services.parallel.for_each(parts.len(), &|part| {
-                let share = 1.0 / (n as f64 + part as f64);
-                parts[part].store(share.to_bits(), Ordering::Relaxed);
+                let part_value = 1.0 / (n as f64 + part as f64);
+                parts[part].store(part_value.to_bits(), Ordering::Relaxed);
             });
             // The order of the sum is that of the parts, whatever thread computed them.
             self.sum += parts

@@ -1,6 +1,7 @@
-//! What input sources say: samples in the device's own frame.
+//! What input sources publish: samples in the device's own frame.
 
-use crate::{Message, Pose};
+use crate::pose::Pose;
+use crate::wire::Message;
 use serde::{Deserialize, Serialize};
 
 /// One sample of one tracked instrument. An external input: recorded, and fed by tick when a session is replayed.

@@ -1,7 +1,13 @@
 //! The list of the platform's own kinds.
 
-use crate::*;
+use crate::input::{InputEnd, InputSample};
+use crate::level::{LevelControl, LevelEvent, LevelState, TrainingResult};
+use crate::object::{ObjectScene, ObjectSet};
+use crate::setup::{Log, PictureRequest, Progress, SessionRecord};
+use crate::tool::{ContactForces, TissueCut, TissueRecovery, ToolSample, ToolStates};
+use crate::wire::Message;
 use microsim_bus::KindInfo;
+use microsim_vocabulary::Overflow;
 
 /// Kind of the blocks that carry the nodes and surface of a body: arrays `node_id` (u32), `position` (f64, 3 per node,
 /// field frame, m), `piece` (u32, one per node: which piece of the body it is of, 0 before any came off), `triangle` (u32, 3 rows of

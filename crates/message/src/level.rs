@@ -1,6 +1,6 @@
-//! The course of a level and its result.
+//! The state of a level and its result.
 
-use crate::Message;
+use crate::wire::Message;
 use microsim_vocabulary::{LocalText, Overflow};
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ pub enum LevelControl {
     Pause,
     /// Go on after a pause.
     Resume,
-    /// All sources have ended: judge what there is.
+    /// All sources have ended: evaluate what there is.
     InputEnded,
     /// End without a verdict on the trainee.
     Abort,
@@ -41,7 +41,7 @@ pub enum LevelPhase {
     Failed,
 }
 
-/// Course of the level; published whenever it changes.
+/// State of the level; published whenever it changes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LevelState {
     /// Phase.
@@ -62,7 +62,7 @@ impl Message for LevelState {
 /// Something worth a line in the report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelEvent {
-    /// Id, say `target-done`.
+    /// Id, for example `target-done`.
     pub id: String,
     /// Running time of the level \[s\].
     pub time: f64,
@@ -90,7 +90,7 @@ pub struct LimitRecord {
 /// One metric of a result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MetricRecord {
-    /// Id, say `path-length`.
+    /// Id, for example `path-length`.
     pub id: String,
     /// Name for people.
     pub title: LocalText,
@@ -104,7 +104,7 @@ pub struct MetricRecord {
     pub direction: String,
     /// Id of the score category.
     pub category: String,
-    /// Id of the formula, say `path-length/1`.
+    /// Id of the formula, for example `path-length/1`.
     pub formula: String,
     /// Where the definition comes from.
     pub source: String,

@@ -1,6 +1,7 @@
 //! Virtual objects: what a level names and a module activates, moves and colours.
 
-use crate::{Message, Pose};
+use crate::pose::Pose;
+use crate::wire::Message;
 use microsim_vocabulary::{Finish, Overflow};
 use serde::{Deserialize, Serialize};
 
@@ -46,10 +47,10 @@ pub enum Shape {
     },
 }
 
-/// Changes an object, or the colour of a rigid thing; what is `None` stays.
+/// Changes an object, or the colour of a rigid obstacle; what is `None` stays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectSet {
-    /// Unique name of the object or rigid thing.
+    /// Unique name of the object or rigid obstacle.
     pub name: String,
     /// Shown or not.
     pub active: Option<bool>,
@@ -63,10 +64,10 @@ impl Message for ObjectSet {
     const KIND: &'static str = "object.set";
 }
 
-/// One object as it is now, or a solid part of a rigid thing.
+/// One object as it is now, or a solid part of a rigid obstacle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectState {
-    /// Name of the object, or of the rigid thing, whose parts share it.
+    /// Name of the object, or of the rigid obstacle, whose parts all have its name.
     pub name: String,
     /// Shape in its own frame.
     pub shape: Shape,
@@ -78,10 +79,10 @@ pub struct ObjectState {
     pub finish: Finish,
 }
 
-/// All active objects and all rigid things; published whenever one of them changes.
+/// All active objects and all rigid obstacles; published whenever one of them changes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectScene {
-    /// The rigid things, then the objects, in the level's order.
+    /// The rigid obstacles, then the objects, in the level's order.
     pub objects: Vec<ObjectState>,
 }
 

@@ -1,6 +1,6 @@
-//! What the host tells a plugin at the start, and the small services that travel as messages.
+//! What the host gives a plugin at the start, and the small services that travel as messages.
 
-use crate::{DecodeError, Message};
+use crate::wire::{DecodeError, Message};
 use microsim_vocabulary::{LocalText, Overflow};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -34,7 +34,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The configuration as the type that host and plugin share.
+    /// The configuration as the type that host and plugin have in common.
     pub fn configuration<T: DeserializeOwned>(&self) -> Result<T, DecodeError> {
         let read = T::deserialize(&self.config);
         read.map_err(|e| DecodeError(format!("the configuration of \"{}\": {e}", self.name)))
@@ -80,15 +80,16 @@ pub struct Progress {
     /// What is being done.
     pub what: LocalText,
     /// 0…1.
-    pub share: f64,
+    pub fraction: f64,
 }
 
 impl Message for Progress {
     const KIND: &'static str = "host.progress";
+    const VERSION: u16 = 2;
     const OVERFLOW: Overflow = Overflow::DropOldest;
 }
 
-/// The host asks the renderer for a picture of what it hears in the same call.
+/// The host asks the renderer for a picture of what it receives in the same call.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PictureRequest {
     /// File to write, PNG.

@@ -1,6 +1,7 @@
 //! Tools in the field and what they do to tissue.
 
-use crate::{Message, Pose};
+use crate::pose::Pose;
+use crate::wire::Message;
 use microsim_vocabulary::{Overflow, ToolStatus};
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +29,7 @@ impl Message for ToolSample {
 pub struct ToolState {
     /// Tool slot of the level.
     pub tool: String,
-    /// Tool model, say `forceps`.
+    /// Tool model, for example `forceps`.
     pub model: String,
     /// Tracking state.
     pub status: ToolStatus,
@@ -50,17 +51,20 @@ impl Message for ToolStates {
     const OVERFLOW: Overflow = Overflow::DropOldest;
 }
 
-/// Force of a tool, a rigid thing or another body on one body, mean over a tick.
+/// Force of a tool, a rigid obstacle or another body on one body, mean over a tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactForce {
-    /// Tool slot; in [`ContactForces::between`] the name of the rigid thing or other body, that of the body itself in self-contact.
-    pub tool: String,
+    /// What touches the body: a tool slot; in [`ContactForces::between`] the name of a rigid obstacle or body, that of the body itself in
+    /// self-contact.
+    #[serde(alias = "tool")]
+    pub partner: String,
     /// Body.
     pub body: String,
     /// Force on the tissue in the field \[N\].
     pub force: [f64; 3],
     /// Largest magnitude within the tick \[N\].
-    pub peak: f64,
+    #[serde(alias = "peak")]
+    pub peak_force: f64,
     /// Impulse in the tick \[N s\].
     pub impulse: f64,
     /// Point of application in the field \[m\].
@@ -70,15 +74,15 @@ pub struct ContactForce {
     /// Largest displacement of a touched node from its rest position along the force \[m\].
     pub indentation: f64,
     /// Time within the tick with a force above the level's limit for this pair \[s\].
-    #[serde(default)]
-    pub over_limit: f64,
-    /// Share of the normal force that acts where nothing slides, from 0 to 1.
-    #[serde(default)]
-    pub stick: f64,
+    #[serde(default, alias = "over_limit")]
+    pub time_over_limit: f64,
+    /// Fraction of the normal force that acts where nothing slides, from 0 to 1.
+    #[serde(default, alias = "stick")]
+    pub sticking_fraction: f64,
     /// Force with which both jaws of a tool squeeze the tissue between them: the smaller of what each pushes it towards the other
     /// one, without friction \[N\]. From [`GRIP_MIN`] on they grip it.
-    #[serde(default)]
-    pub grip: f64,
+    #[serde(default, alias = "grip")]
+    pub grip_force: f64,
     /// The pieces of the body that are touched, by their numbers in the snapshots, ascending.
     #[serde(default)]
     pub pieces: Vec<u32>,
@@ -93,13 +97,16 @@ pub const GRIP_MIN: f64 = 1e-3;
 pub struct ContactForces {
     /// The contacts of tools, in the order of the level's pairs.
     pub contacts: Vec<ContactForce>,
-    /// Those of bodies with rigid things, with each other and with themselves.
+    /// Those of bodies with rigid obstacles, with each other and with themselves.
     #[serde(default)]
     pub between: Vec<ContactForce>,
 }
 
 impl Message for ContactForces {
     const KIND: &'static str = "contact.forces";
+    const VERSION: u16 = 2;
+    // Version 1 had other names of fields.
+    const OLDEST_VERSION: u16 = 1;
 }
 
 /// Tissue was cut; published in the tick of the edit, once per body and tool.

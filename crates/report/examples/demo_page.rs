@@ -72,10 +72,10 @@ fn tick(tick: u64) -> Vec<u8> {
             &mut log,
             &ContactForces {
                 contacts: vec![ContactForce {
-                    tool: "right".into(),
+                    partner: "right".into(),
                     body: "strip".into(),
                     force: [0.0, 0.0, -force],
-                    peak: 1.3 * force,
+                    peak_force: 1.3 * force,
                     impulse: force * TICK,
                     point: [0.0; 3],
                     depth: 2e-5,

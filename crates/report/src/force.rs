@@ -37,12 +37,12 @@ impl ForceCollector {
     pub fn add(&mut self, tick: u64, now: f64, forces: ContactForces) {
         for contact in forces.contacts {
             let same =
-                |(s, _): &(ForceSeries, u64)| s.tool == contact.tool && s.body == contact.body;
+                |(s, _): &(ForceSeries, u64)| s.tool == contact.partner && s.body == contact.body;
             let at = match self.pairs.iter().position(same) {
                 Some(at) => at,
                 None => {
                     let series = ForceSeries {
-                        tool: contact.tool,
+                        tool: contact.partner,
                         body: contact.body,
                         ..ForceSeries::default()
                     };
@@ -58,8 +58,8 @@ impl ForceCollector {
                 .contact
                 .push(number + u32::from(tick > last.saturating_add(1)));
             series.force.push((x * x + y * y + z * z).sqrt());
-            series.peak.push(contact.peak);
-            series.grip.push(contact.grip);
+            series.peak.push(contact.peak_force);
+            series.grip.push(contact.grip_force);
             series.depth.push(contact.depth);
             series.indentation.push(contact.indentation);
             *last = tick;

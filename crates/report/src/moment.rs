@@ -124,15 +124,15 @@ impl<'a> MomentCollector<'a> {
 
     pub fn add_forces(&mut self, tick: u64, now: f64, forces: &ContactForces) {
         for contact in &forces.contacts {
-            let (tool, body) = (&contact.tool, &contact.body);
-            if contact.grip >= GRIP_MIN && !self.session.sharp.contains(tool) {
+            let (tool, body) = (&contact.partner, &contact.body);
+            if contact.grip_force >= GRIP_MIN && !self.session.sharp.contains(tool) {
                 self.happens(MomentKind::Grip, tick, now, tool, body);
             }
-            if contact.over_limit > 0.0 {
+            if contact.time_over_limit > 0.0 {
                 self.happens(MomentKind::ExcessForce, tick, now, tool, body);
             }
-            if contact.peak > self.largest.as_ref().map_or(0.0, |largest| largest.0) {
-                self.largest = Some((contact.peak, tick, now, tool.clone(), body.clone()));
+            if contact.peak_force > self.largest.as_ref().map_or(0.0, |largest| largest.0) {
+                self.largest = Some((contact.peak_force, tick, now, tool.clone(), body.clone()));
             }
         }
     }
@@ -349,9 +349,9 @@ mod tests {
 
     fn squeezed(force: [f64; 3], over_limit: f64) -> ContactForces {
         let mut contact = contact("left", "strip", force);
-        contact.grip = 0.01;
-        contact.peak = force[2];
-        contact.over_limit = over_limit;
+        contact.grip_force = 0.01;
+        contact.peak_force = force[2];
+        contact.time_over_limit = over_limit;
         ContactForces {
             contacts: vec![contact],
             ..ContactForces::default()
@@ -427,7 +427,7 @@ mod tests {
         };
         let mut both = squeezed([0.0, 0.0, 0.01], 0.1);
         let mut other = both.contacts[0].clone();
-        other.tool = "right".into();
+        other.partner = "right".into();
         both.contacts.push(other);
         let ticks = [
             (

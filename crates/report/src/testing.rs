@@ -115,10 +115,10 @@ pub fn failed_result(failed: &[&str]) -> TrainingResult {
 /// A contact of a tool with a body \[N\].
 pub fn contact(tool: &str, body: &str, force: [f64; 3]) -> ContactForce {
     ContactForce {
-        tool: tool.into(),
+        partner: tool.into(),
         body: body.into(),
         force,
-        peak: 8.0,
+        peak_force: 8.0,
         impulse: 0.0,
         point: [0.0; 3],
         depth: 1e-4,

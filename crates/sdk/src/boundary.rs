@@ -1,6 +1,10 @@
 //! The one place where calls cross: bytes become types, panics become faults.
 
-use crate::{Fault, Parallel, Plugin, Services, Tick};
+use crate::fault::Fault;
+use crate::panic::{caught, install_hook};
+use crate::parallel::Parallel;
+use crate::plugin::{Plugin, Services};
+use crate::tick::Tick;
 use abi_stable::{
     sabi_trait::TD_Opaque,
     std_types::{ROption, RResult, RSlice, RStr, RVec},
@@ -11,65 +15,14 @@ use microsim_abi::{
 };
 use microsim_bus::BlockView;
 use microsim_message::{Setup, decode_bytes};
-use std::any::Any;
-use std::cell::{Cell, RefCell};
 use std::mem::ManuallyDrop;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::Once;
-
-thread_local! {
-    static CROSSING: Cell<bool> = const { Cell::new(false) };
-    static PANIC: RefCell<String> = const { RefCell::new(String::new()) };
-}
-
-/// Keeps the place of a panic for the fault's text instead of printing it; panics elsewhere go on as before.
-fn install_panic_hook() {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let previous = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |info| {
-            if CROSSING.get() {
-                PANIC.with_borrow_mut(|text| *text = info.to_string());
-            } else {
-                previous(info);
-            }
-        }));
-    });
-}
-
-/// A panic that was caught, with what the hook has kept of it.
-pub(crate) struct Caught {
-    text: String,
-    content: Box<dyn Any + Send>,
-}
-
-impl Caught {
-    /// Lets the panic go on, on this thread.
-    pub(crate) fn resume(self) -> ! {
-        PANIC.set(self.text);
-        resume_unwind(self.content)
-    }
-}
-
-/// Calls, and catches a panic.
-pub(crate) fn caught<T>(call: impl FnOnce() -> T) -> Result<T, Caught> {
-    let before = CROSSING.replace(true);
-    let result = catch_unwind(AssertUnwindSafe(call));
-    CROSSING.set(before);
-    result.map_err(|content| Caught {
-        text: PANIC.take(),
-        content,
-    })
-}
 
 fn guarded<T>(call: impl FnOnce() -> Result<T, Fault>) -> RResult<T, AbiFault> {
     match caught(call) {
         Ok(Ok(value)) => RResult::ROk(value),
         Ok(Err(fault)) => RResult::RErr(fault.to_abi()),
         Err(panic) => {
-            // Its destructor is the plugin's own: it might panic again, where nothing catches it.
-            std::mem::forget(panic.content);
-            let text = panic.text.replace('\n', " ");
+            let text = panic.into_text().replace('\n', " ");
             RResult::RErr(AbiFault {
                 kind: FaultKind::Panic,
                 text: text.into(),
@@ -183,7 +136,7 @@ impl<P: Plugin> PluginObject for Boundary<P> {
 
 /// Constructs a plugin behind the boundary.
 pub fn create<P: Plugin>() -> RResult<PluginBox, AbiFault> {
-    install_panic_hook();
+    install_hook();
     guarded(|| {
         let plugin = ManuallyDrop::new(P::new());
         let boundary = Boundary {

@@ -1,15 +1,20 @@
-//! The frame of a training module: set up, hear, judge, conclude, save and restore. A module says what is asked for
+//! The frame of a training module: set up, handle messages, update, conclude, save and restore. A module states what is asked for
 //! ([`Exercise`]); [`Training`] makes a plugin of it.
 
-use crate::{Course, Fault, ModuleConfig, Plugin, Services, Setup, Tick};
+use crate::fault::Fault;
+use crate::level_run::LevelRun;
+use crate::plugin::{Plugin, Services};
+use crate::tick::Tick;
+use microsim_message::Setup;
 use microsim_message::{decode_bytes, encode};
+use microsim_settings::ModuleConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt;
 
 /// What a level of a training module asks for. The value itself does not change in a run; what evolves is its state.
 pub trait Exercise: fmt::Debug + Send + Sized + 'static {
-    /// All that evolves besides the course; equal states give equal bytes.
+    /// All that evolves besides the run of the level; equal states give equal bytes.
     type State: fmt::Debug + Serialize + DeserializeOwned + Send;
 
     /// From the set-up of a level, with the ids of its targets.
@@ -18,25 +23,25 @@ pub trait Exercise: fmt::Debug + Send + Sized + 'static {
     /// The state before the first tick.
     fn start(&self) -> Result<Self::State, Fault>;
 
-    /// What is to be seen from the first tick on, published once, before the first [`Exercise::judge`]; nothing unless a module says so.
+    /// What is to be seen from the first tick on, published once, before the first [`Exercise::update`]; nothing by default.
     fn show(&self, _tick: &mut Tick<'_>) {}
 
-    /// One tick, in every phase of the level, up to its end: see [`Course::running`].
-    fn judge(
+    /// One tick, in every phase of the level, up to its end: see [`LevelRun::is_running`].
+    fn update(
         &self,
         state: &mut Self::State,
-        course: &mut Course,
+        run: &mut LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault>;
 
     /// Asked once, when the level ends: which reasons speak against a pass that only then are known.
-    fn reasons(&self, state: &Self::State, course: &mut Course);
+    fn reasons(&self, state: &Self::State, run: &mut LevelRun);
 }
 
 #[derive(Debug)]
 struct Level<E: Exercise> {
     exercise: E,
-    course: Course,
+    run: LevelRun,
     /// Whether [`Exercise::show`] has been called.
     shown: bool,
     state: E::State,
@@ -64,7 +69,7 @@ impl<E: Exercise> Plugin for Training<E> {
         let config: ModuleConfig = setup.configuration()?;
         let (exercise, targets) = E::new(setup, &config)?;
         self.level = Some(Level {
-            course: Course::new(&config, targets)?,
+            run: LevelRun::new(&config, targets)?,
             shown: false,
             state: exercise.start()?,
             exercise,
@@ -74,7 +79,7 @@ impl<E: Exercise> Plugin for Training<E> {
 
     fn reset(&mut self) -> Result<(), Fault> {
         let level = self.level()?;
-        level.course.reset()?;
+        level.run.reset()?;
         level.shown = false;
         level.state = level.exercise.start()?;
         Ok(())
@@ -83,32 +88,32 @@ impl<E: Exercise> Plugin for Training<E> {
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
         let Level {
             exercise,
-            course,
+            run,
             shown,
             state,
         } = self.level()?;
         if !std::mem::replace(shown, true) {
             exercise.show(tick);
         }
-        course.hear(tick)?;
-        if !course.finished() {
-            exercise.judge(state, course, tick)?;
+        run.handle(tick)?;
+        if !run.is_finished() {
+            exercise.update(state, run, tick)?;
         }
-        course.conclude(tick, |course| exercise.reasons(state, course))
+        run.conclude(tick, |run| exercise.reasons(state, run))
     }
 
     fn save(&self) -> Vec<u8> {
         let parts = self.level.as_ref().map(|level| {
-            let course = serde_bytes::ByteBuf::from(level.course.save());
-            (course, level.shown, &level.state)
+            let run = serde_bytes::ByteBuf::from(level.run.save());
+            (run, level.shown, &level.state)
         });
         encode(&parts)
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
         let parts: Option<(serde_bytes::ByteBuf, bool, E::State)> = decode_bytes(state)?;
-        if let (Some(level), Some((course, shown, state))) = (&mut self.level, parts) {
-            level.course.restore(&course)?;
+        if let (Some(level), Some((run, shown, state))) = (&mut self.level, parts) {
+            level.run.restore(&run)?;
             level.shown = shown;
             level.state = state;
         }

@@ -24,7 +24,7 @@ impl Fault {
         }
     }
 
-    /// Something that the plugin needs is not on this machine; the text says what.
+    /// Something that the plugin needs is not on this machine; the text names it.
     pub fn unavailable(text: impl Into<String>) -> Self {
         Self {
             text: text.into(),

@@ -6,10 +6,10 @@
 //! - [`RandomStream`]: named, seeded random numbers that can be saved.
 //! - [`Playback`]: samples of a file as an input source.
 //! - [`Parallel`]: a parallel loop with a fixed partition (physics only).
-//! - [`Course`]: levels, targets, limits, metrics and the result of a training module.
+//! - [`LevelRun`]: phases, targets, limits, metrics and the result of a training module.
 //! - [`Tray`]: the inner space of a tray of the level.
 //! - [`Exercise`]: what a training module asks for; [`Training`] is the frame around it.
-//! - [`tissue`]: marks that follow tissue, grips, cuts booked to marks, pieces, rings.
+//! - [`tissue`]: marks that follow tissue, grips, cuts assigned to marks, pieces, rings.
 //! - [`TestHost`]: runs a plugin in-process without any file, every crossing through a byte copy.
 //!
 //! The raw boundary (crate `abi`) is not visible from here; every panic is caught before it reaches it.
@@ -20,10 +20,12 @@
 )]
 
 mod boundary;
-mod course;
 mod direction;
 mod exercise;
 mod fault;
+mod level_rules;
+mod level_run;
+mod panic;
 mod parallel;
 mod playback;
 mod plugin;
@@ -34,10 +36,10 @@ mod tick;
 pub mod tissue;
 mod tray;
 
-pub use course::Course;
 pub use direction::{axis, turned_to};
 pub use exercise::{Exercise, Training};
 pub use fault::Fault;
+pub use level_run::LevelRun;
 pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as name_id};
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
@@ -47,7 +49,7 @@ pub use playback::Playback;
 pub use plugin::{Plugin, Services};
 pub use random::RandomStream;
 pub use shortest_path::shortest_path;
-pub use test_host::{Heard, TestHost};
+pub use test_host::{Published, TestHost};
 pub use tick::Tick;
 pub use tray::Tray;
 

@@ -1,6 +1,6 @@
 //! The host's parallel loop, safe.
 
-use crate::boundary::{Caught, caught};
+use crate::panic::{Caught, caught};
 use microsim_abi::{ParallelBody, ParallelFor};
 use std::ffi::c_void;
 use std::sync::Mutex;

@@ -1,6 +1,7 @@
-//! Samples that are known beforehand, published as simulated time goes by: what sources of files share.
+//! Samples that are known beforehand, published as simulated time goes by: what sources of files have in common.
 
-use crate::{Fault, Tick};
+use crate::fault::Fault;
+use crate::tick::Tick;
 use microsim_message::{InputEnd, InputSample, decode_bytes, encode};
 
 /// Plays samples, each at the time at which it is due.

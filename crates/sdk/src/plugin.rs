@@ -1,6 +1,8 @@
 //! The safe face of the plugin contract.
 
-use crate::{Fault, Parallel, Tick};
+use crate::fault::Fault;
+use crate::parallel::Parallel;
+use crate::tick::Tick;
 use microsim_message::Setup;
 
 /// What the host offers beyond messages. Log and progress are messages ([`Tick::log`]); files of the plugin's own and
@@ -11,7 +13,7 @@ pub struct Services {
     pub parallel: Parallel,
 }
 
-/// A plugin of any kind. What it does is decided by the messages that it hears and publishes; its manifest declares
+/// A plugin of any kind. What it does is decided by the messages that it receives and publishes; its manifest declares
 /// them. Which thread calls what, and in which state, stands in the crate `abi`: one thread at a time, never
 /// re-entrantly.
 ///
@@ -27,7 +29,7 @@ pub trait Plugin: Send + Sized + 'static {
     /// Goes back to the state right after `initialise`.
     fn reset(&mut self) -> Result<(), Fault>;
 
-    /// One tick: hears, thinks, publishes.
+    /// One tick: receives, computes, publishes.
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault>;
 
     /// All that evolves, as bytes; equal states give equal bytes. The state hash, replay and restoring rest on it.

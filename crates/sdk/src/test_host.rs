@@ -1,8 +1,10 @@
 //! Runs one plugin in-process, without any file, through the same boundary as a loaded library. Every crossing goes
-//! through a copy of the bytes, so that a plugin which keeps a pointer, or tells the tick by anything but its
+//! through a copy of the bytes, so that a plugin which holds a pointer, or knows the tick by anything but its
 //! messages, is found out here.
 
-use crate::{Fault, Plugin, boundary};
+use crate::boundary;
+use crate::fault::Fault;
+use crate::plugin::Plugin;
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault as AbiFault, FaultKind, PluginBox};
 use microsim_bus::{EndpointId, Frames, KindInfo, Limits, Router};
@@ -16,12 +18,12 @@ const TESTER: &str = "tester";
 
 /// What a plugin published in one tick.
 #[derive(Clone, Debug, Default)]
-pub struct Heard {
+pub struct Published {
     messages: Vec<u8>,
     blocks: Vec<Vec<u64>>,
 }
 
-impl Heard {
+impl Published {
     /// The messages of one kind, oldest first.
     pub fn all<M: Message>(&self) -> Vec<M> {
         Frames::new(&self.messages)
@@ -62,7 +64,7 @@ fn open<T>(result: RResult<T, AbiFault>) -> Result<T, Fault> {
 }
 
 impl<P: Plugin> TestHost<P> {
-    /// Creates and initialises a module as its manifest (the text of `module.toml`) says, at a level with this configuration, in ticks
+    /// Creates and initialises a module by its manifest (the text of `module.toml`), at a level with this configuration, in ticks
     /// of 8 ms.
     pub fn of_module(
         manifest: &str,
@@ -135,7 +137,7 @@ impl<P: Plugin> TestHost<P> {
         self
     }
 
-    /// Publishes a message that the plugin hears in the next tick (if it subscribes to its kind).
+    /// Publishes a message that the plugin receives in the next tick (if it subscribes to its kind).
     pub fn send<M: Message>(&mut self, message: &M) {
         let mut bytes = Vec::new();
         push(&mut bytes, message);
@@ -167,7 +169,7 @@ impl<P: Plugin> TestHost<P> {
     }
 
     /// One tick: what the plugin published, or its fault. A publication that the manifest does not declare is a fault.
-    pub fn tick(&mut self) -> Result<Heard, Fault> {
+    pub fn tick(&mut self) -> Result<Published, Fault> {
         if self.moving {
             let state = self.save()?;
             self.object = open(boundary::create::<P>())?;
@@ -197,7 +199,7 @@ impl<P: Plugin> TestHost<P> {
             blocks: RSlice::from_slice(&blocks),
         }))?;
         self.tick += 1;
-        let mut heard = Heard::default();
+        let mut published = Published::default();
         let violation = |v: microsim_bus::Violation| Fault::new(v.to_string());
         self.router
             .publish(self.plugin, time_ns, &output.messages)
@@ -206,12 +208,12 @@ impl<P: Plugin> TestHost<P> {
             self.router
                 .publish_block(self.plugin, block.kind, &block.words)
                 .map_err(violation)?;
-            heard.blocks.push(block.words.to_vec());
+            published.blocks.push(block.words.to_vec());
         }
         self.router.take_log();
         self.router.take_messages(self.tester);
-        heard.messages = output.messages.to_vec();
-        Ok(heard)
+        published.messages = output.messages.to_vec();
+        Ok(published)
     }
 
     /// Ticks until a message of kind `M` comes, at most `ticks` times.

@@ -1,10 +1,10 @@
 //! One `process` call, typed.
 
-use crate::Fault;
+use crate::fault::Fault;
 use microsim_bus::{BlockView, Frame, Frames, kind_id};
 use microsim_message::{Log, LogLevel, Message, decode, push};
 
-/// What a plugin hears and says in one tick.
+/// What a plugin receives and publishes in one tick.
 #[derive(Debug)]
 pub struct Tick<'a> {
     pub(crate) index: u64,
@@ -73,7 +73,7 @@ impl<'a> Tick<'a> {
         message.map_err(Fault::from)
     }
 
-    /// Publishes a message; subscribers that come later in the tick hear it in this tick, the others in the next.
+    /// Publishes a message; subscribers that come later in the tick receive it in this tick, the others in the next.
     pub fn publish<M: Message>(&mut self, message: &M) {
         push(&mut self.out, message);
     }

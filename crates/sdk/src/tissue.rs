@@ -9,14 +9,14 @@ mod pieces;
 mod ring;
 
 pub use contacts::{Contacts, Grasp, Grip, Releases};
-pub use cuts::{Booking, CutFindings, CutLog, MarkLine};
+pub use cuts::{Assignment, CutFindings, CutLog, MarkLine};
 pub use delivery::{Delivered, Delivery};
 pub use marks::{colour, mark_colour, mark_places, show_colour, show_mark};
 pub use patch::{Patch, PatchPlace};
 pub use pieces::{PieceView, Probes};
 pub use ring::Ring;
 
-use crate::Fault;
+use crate::fault::Fault;
 use microsim_settings::ModuleConfig;
 
 /// The name of the tissue of a level: its first body. A fault where it has none.

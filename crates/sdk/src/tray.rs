@@ -1,11 +1,11 @@
 //! The inner space of a tray: where a module finds out what lies in it.
 
-use crate::Fault;
+use crate::fault::Fault;
 use microsim_geometry::Pose;
 use microsim_settings::{Rigid, RigidShape};
 use nalgebra::Vector3;
 
-/// The inner space of a rigid thing of the shape `tray`, from the floor to the rim.
+/// The inner space of a rigid obstacle of the shape `tray`, from the floor to the rim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tray {
     name: String,
@@ -25,12 +25,12 @@ impl Tray {
                 half_size,
             }),
             _ => Err(Fault::new(format!(
-                "the level needs a [[rigid]] thing \"{name}\" of the shape \"tray\""
+                "the level needs a [[rigid]] obstacle \"{name}\" of the shape \"tray\""
             ))),
         }
     }
 
-    /// The rigid thing's name.
+    /// The obstacle's name.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::fmt;
 
-use crate::{
+use crate::layout::{
     FORMAT_VERSION, HEADER_CHECKED, HEADER_LENGTH, KIND_END, MAGIC, MAX_PAYLOAD, PRELUDE_LENGTH,
 };
 
@@ -100,7 +100,7 @@ pub enum NotASession {
 
 /// Reads all complete frames of a session file.
 ///
-/// Stops at the first tear or damage and says where that is; whatever `bytes` are, there is no panic, and memory is
+/// Stops at the first tear or damage and reports where that is; whatever `bytes` are, there is no panic, and memory is
 /// needed for the list of frames only, whose length their checked headers bound.
 ///
 /// # Errors
@@ -123,7 +123,7 @@ pub fn read(bytes: &[u8]) -> Result<Reading<'_>, NotASession> {
     Ok(Reading { frames, ending })
 }
 
-/// Appends all complete frames to `frames` and says how the file ends.
+/// Appends all complete frames to `frames` and gives the ending of the file.
 fn read_frames<'a>(bytes: &'a [u8], frames: &mut Vec<Frame<'a>>) -> Ending {
     let mut offset = PRELUDE_LENGTH;
     loop {
@@ -281,7 +281,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::Writer;
+    use crate::writer::Writer;
 
     /// Kind, tick and payload of each frame of the small file that the tests cut and damage.
     const FRAMES: [(u8, u64, &[u8]); 5] = [
@@ -327,7 +327,7 @@ mod tests {
         assert_eq!(reading.last_tick(), Some(251));
     }
 
-    /// Every cut: all frames that were complete before it are recovered, and the ending says what it was.
+    /// Every cut: all frames that were complete before it are recovered, and the ending names what it was.
     #[test]
     fn every_prefix_gives_its_complete_frames() {
         let (bytes, boundaries) = small_file();

@@ -2,19 +2,19 @@
 
 use std::io::{self, ErrorKind, Write};
 
-use crate::{FORMAT_VERSION, HEADER_CHECKED, HEADER_LENGTH, KIND_END, MAGIC, MAX_PAYLOAD};
+use crate::layout::{FORMAT_VERSION, HEADER_CHECKED, HEADER_LENGTH, KIND_END, MAGIC, MAX_PAYLOAD};
 
 /// Appends frames to a sink.
 ///
 /// The sink should not buffer (a `File`, not a `BufWriter`): bytes in a buffer of the process die with it.
-/// Dropping a writer does not close the file: only a frame of kind [`KIND_END`] that the caller appends says that the
+/// Dropping a writer does not close the file: only a frame of kind [`KIND_END`] that the caller appends states that the
 /// session came to its regular end.
 #[derive(Debug)]
 pub struct Writer<W> {
     sink: W,
     sequence: u64,
     state: State,
-    /// The frame under construction; kept to spare an allocation per frame.
+    /// The frame under construction; held to spare an allocation per frame.
     frame: Vec<u8>,
 }
 
@@ -126,7 +126,8 @@ fn refusal(message: String) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Ending, PRELUDE_LENGTH, read};
+    use crate::layout::PRELUDE_LENGTH;
+    use crate::reader::{Ending, read};
 
     /// A disk with room for `room` bytes: takes what fits, then fails; counts the calls of `write`.
     struct SmallDisk {

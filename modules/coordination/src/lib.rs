@@ -12,9 +12,9 @@ mod state;
 use microsim_sdk::message::{
     LocalText, ObjectSet, Pose, TISSUE_SNAPSHOT, TissueCut, ToolStates, ToolStatus,
 };
-use microsim_sdk::tissue::{Booking, Grasp, Patch, Probes, colour, show_colour, show_mark};
+use microsim_sdk::tissue::{Assignment, Grasp, Patch, Probes, colour, show_colour, show_mark};
 use microsim_sdk::{
-    BlockView, Course, Exercise, Fault, ModuleConfig, Setup, Tick, Training, export_plugin,
+    BlockView, Exercise, Fault, LevelRun, ModuleConfig, Setup, Tick, Training, export_plugin,
     turned_to,
 };
 use microsim_training::DwellState;
@@ -36,7 +36,7 @@ fn text(de: String, en: String) -> LocalText {
 
 impl Coordination {
     /// Which tissue carries the marks and what distinguishes the pieces, as the tissue lies in the first tick.
-    fn settle(&self, state: &mut State, block: &BlockView<'_>) -> Result<(), Fault> {
+    fn find_tissue(&self, state: &mut State, block: &BlockView<'_>) -> Result<(), Fault> {
         for mark in &self.site.marks {
             let around = |end: [f64; 3]| Patch::around(end, self.site.keys.mark_radius, block);
             let [Some(first), Some(second)] = mark.ends().map(around) else {
@@ -78,13 +78,13 @@ impl Coordination {
     }
 
     /// Where tools come into view while the level runs, for the economy of motion.
-    fn see(&self, state: &mut State, course: &mut Course, tick: &Tick<'_>) -> Result<(), Fault> {
+    fn see(&self, state: &mut State, run: &mut LevelRun, tick: &Tick<'_>) -> Result<(), Fault> {
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         // A tick without a message about tools has as many of them as before.
         let count = state.starts.len().max(tools.len());
         state.starts.resize(count, None);
         for (tool, start) in tools.iter().zip(&mut state.starts) {
-            if course.running() && start.is_none() && tool.status == ToolStatus::Tracked {
+            if run.is_running() && start.is_none() && tool.status == ToolStatus::Tracked {
                 *start = Some(tool.pose.position);
             }
         }
@@ -92,7 +92,7 @@ impl Coordination {
             let shortest = self
                 .site
                 .shortest_path(&state.starts, state.contacts.was_held);
-            course.set_shortest_path(shortest);
+            run.set_shortest_path(shortest);
         }
         Ok(())
     }
@@ -101,14 +101,14 @@ impl Coordination {
     fn update_contacts(
         &self,
         state: &mut State,
-        course: &Course,
+        run: &LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         let was_too_hard = state.contacts.too_hard;
         state
             .contacts
-            .hear(tick, &self.site.body, &self.site.holders, course.running())?;
-        if !course.running() {
+            .update(tick, &self.site.body, &self.site.holders, run.is_running())?;
+        if !run.is_running() {
             return Ok(());
         }
         let held = state.contacts.held_by_any();
@@ -117,14 +117,14 @@ impl Coordination {
         }
         if held && !state.grip_told {
             state.grip_told = true;
-            course.event(
+            run.event(
                 tick,
                 "grip",
                 text("Gewebe gegriffen".into(), "Tissue gripped".into()),
             );
         }
         if state.contacts.too_hard && !was_too_hard {
-            course.event(
+            run.event(
                 tick,
                 "excess-force",
                 text(
@@ -137,10 +137,10 @@ impl Coordination {
     }
 
     /// Cuts of a tick. One is steadied by what holds the tissue beside its mark, as far as the next mark or clamp.
-    fn book(
+    fn assign(
         &self,
         state: &mut State,
-        course: &Course,
+        run: &LevelRun,
         block: &BlockView<'_>,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
@@ -157,11 +157,11 @@ impl Coordination {
             }
             match state
                 .cuts
-                .book(&cut, &lines, self.site.keys.mark_reach, steadied)
+                .assign(&cut, &lines, self.site.keys.mark_reach, steadied)
             {
-                Booking::Mark { index, first: true } => {
+                Assignment::Mark { index, first: true } => {
                     let n = index + 1;
-                    course.event(
+                    run.event(
                         tick,
                         "cut",
                         text(
@@ -170,8 +170,8 @@ impl Coordination {
                         ),
                     );
                 }
-                Booking::Stray => {
-                    course.event(
+                Assignment::Stray => {
+                    run.event(
                         tick,
                         "stray-cut",
                         text(
@@ -180,14 +180,14 @@ impl Coordination {
                         ),
                     );
                 }
-                Booking::Tear => {
-                    course.event(
+                Assignment::Tear => {
+                    run.event(
                         tick,
                         "tear",
                         text("Gewebe eingerissen".into(), "Tissue torn".into()),
                     );
                 }
-                Booking::Mark { first: false, .. } | Booking::Nothing => {}
+                Assignment::Mark { first: false, .. } | Assignment::Nothing => {}
             }
         }
         Ok(())
@@ -197,7 +197,7 @@ impl Coordination {
     fn hold(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         place: Option<[f64; 3]>,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
@@ -210,7 +210,7 @@ impl Coordination {
         hold.had |= held;
         if hold.drops.watch(tick.time(), hold.had && !held) {
             hold.had = false;
-            course.event(
+            run.event(
                 tick,
                 "drop",
                 text("Gewebe entglitten".into(), "Tissue slipped away".into()),
@@ -228,7 +228,7 @@ impl Coordination {
         let colour = colour::of(done, holds);
         show_colour(&mut state.colour, tick, &mark.name, colour);
         if done {
-            course.target_done(
+            run.target_done(
                 tick,
                 &mark.name,
                 text(
@@ -244,18 +244,17 @@ impl Coordination {
     fn part(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         block: &BlockView<'_>,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         for (index, mark) in self.site.marks.iter().enumerate() {
-            if course.is_done(&mark.name)
-                || state.probes.apart(index, index + 1, block) != Some(true)
+            if run.is_done(&mark.name) || state.probes.apart(index, index + 1, block) != Some(true)
             {
                 continue;
             }
             let n = index + 1;
-            course.target_done(
+            run.target_done(
                 tick,
                 &mark.name,
                 text(
@@ -276,20 +275,14 @@ impl Coordination {
     fn deliver(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         block: &BlockView<'_>,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         let Some(tray) = &self.site.tray else {
             return Ok(());
         };
-        if !self
-            .site
-            .marks
-            .iter()
-            .all(|mark| course.is_done(&mark.name))
-            || course.is_done(TRAY)
-        {
+        if !self.site.marks.iter().all(|mark| run.is_done(&mark.name)) || run.is_done(TRAY) {
             return Ok(());
         }
         let Some(piece) = state.probes.piece(1, block) else {
@@ -297,7 +290,7 @@ impl Coordination {
         };
         if !state.off {
             state.off = true;
-            course.event(
+            run.event(
                 tick,
                 "piece",
                 text("Stück ist frei".into(), "Piece is free".into()),
@@ -307,7 +300,7 @@ impl Coordination {
             .delivery
             .watch(tick.time(), &piece, &state.contacts, tray);
         if delivered.dropped {
-            course.event(
+            run.event(
                 tick,
                 "drop",
                 text("Stück fallen gelassen".into(), "Piece dropped".into()),
@@ -316,7 +309,7 @@ impl Coordination {
         let colour = colour::of(delivered.done, delivered.lies);
         show_colour(&mut state.colour, tick, TRAY, colour);
         if delivered.done {
-            course.target_done(
+            run.target_done(
                 tick,
                 TRAY,
                 text(
@@ -329,13 +322,13 @@ impl Coordination {
     }
 
     /// What has been measured so far.
-    fn measure(&self, state: &State, course: &mut Course) {
-        course.measure("peak-force", state.contacts.peak_force);
-        course.measure("excess-time", state.contacts.excess);
-        course.measure("peak-grip", state.contacts.peak_grip);
+    fn measure(&self, state: &State, run: &mut LevelRun) {
+        run.measure("peak-force", state.contacts.peak_force);
+        run.measure("excess-time", state.contacts.excess);
+        run.measure("peak-grip", state.contacts.peak_grip);
         if self.site.keys.task == Task::Hold {
             if let (n @ 1.., errors) = state.hold.counted {
-                course.measure("place-error", errors / n as f64);
+                run.measure("place-error", errors / n as f64);
             }
         } else {
             let found = state.cuts.findings(self.site.keys.cut_width);
@@ -347,9 +340,7 @@ impl Coordination {
                 ("steadied", found.steadied),
             ];
             for (id, value) in values {
-                value
-                    .into_iter()
-                    .for_each(|value| course.measure(id, value));
+                value.into_iter().for_each(|value| run.measure(id, value));
             }
         }
         let drops = match self.site.keys.task {
@@ -359,7 +350,7 @@ impl Coordination {
         };
         // What was never in a grip cannot be dropped.
         if let Some(drops) = drops.filter(|_| state.contacts.was_held) {
-            course.measure("drops", f64::from(drops.count));
+            run.measure("drops", f64::from(drops.count));
         }
     }
 }
@@ -383,25 +374,25 @@ impl Exercise for Coordination {
         }
     }
 
-    fn judge(
+    fn update(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        self.update_contacts(state, course, tick)?;
-        self.see(state, course, tick)?;
+        self.update_contacts(state, run, tick)?;
+        self.see(state, run, tick)?;
         // Without tissue there is nothing to measure, and what was not measured is not zero.
         let Some(block) = tick.block(TISSUE_SNAPSHOT, &self.site.body) else {
             return Ok(());
         };
         if state.patches.is_empty() {
-            self.settle(state, &block)?;
+            self.find_tissue(state, &block)?;
         }
         let mut first = None;
         for (index, (mark, ends)) in self.site.marks.iter().zip(&state.patches).enumerate() {
             // One that is done is shown no more, or stays where it was held.
-            if course.is_done(&mark.name) {
+            if run.is_done(&mark.name) {
                 continue;
             }
             let place = self.follow(mark, ends, &block, tick);
@@ -409,37 +400,33 @@ impl Exercise for Coordination {
                 first = place;
             }
         }
-        if !course.running() {
+        if !run.is_running() {
             return Ok(());
         }
-        self.book(state, course, &block, tick)?;
+        self.assign(state, run, &block, tick)?;
         match self.site.keys.task {
-            Task::Hold => self.hold(state, course, first, tick)?,
-            Task::Cut => self.part(state, course, &block, tick)?,
+            Task::Hold => self.hold(state, run, first, tick)?,
+            Task::Cut => self.part(state, run, &block, tick)?,
             Task::Deliver => {
-                self.part(state, course, &block, tick)?;
-                self.deliver(state, course, &block, tick)?;
+                self.part(state, run, &block, tick)?;
+                self.deliver(state, run, &block, tick)?;
             }
         }
-        self.measure(state, course);
+        self.measure(state, run);
         Ok(())
     }
 
-    fn reasons(&self, state: &State, course: &mut Course) {
+    fn reasons(&self, state: &State, run: &mut LevelRun) {
         let open = self
             .site
             .targets()
             .iter()
-            .any(|target| !course.is_done(target));
+            .any(|target| !run.is_done(target));
         if !open || state.starts.iter().all(Option::is_none) {
             return;
         }
-        let uncut = self
-            .site
-            .marks
-            .iter()
-            .any(|mark| !course.is_done(&mark.name));
-        course.speaks_against(match self.site.keys.task {
+        let uncut = self.site.marks.iter().any(|mark| !run.is_done(&mark.name));
+        run.add_reason(match self.site.keys.task {
             Task::Hold if state.hold.reached => "dwell-too-short",
             Task::Hold if state.hold.loose => "not-gripped",
             Task::Hold => "not-in-ring",

@@ -1,4 +1,4 @@
-//! What evolves in a level besides its course.
+//! What evolves in a level besides its [`microsim_sdk::LevelRun`].
 
 use microsim_sdk::Fault;
 use microsim_sdk::message::Colour;

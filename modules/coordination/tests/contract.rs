@@ -6,7 +6,7 @@ use microsim_sdk::message::{
     ContactForce, ContactForces, LevelControl, LevelEvent, ObjectSet, Pose, TISSUE_SNAPSHOT,
     TissueCut, ToolSample, ToolState, ToolStates, ToolStatus, TrainingResult,
 };
-use microsim_sdk::{BlockBuilder, Fault, Heard, TestHost};
+use microsim_sdk::{BlockBuilder, Fault, Published, TestHost};
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -146,12 +146,16 @@ const NODES: [([f64; 3], usize); 7] = [
     ([0.004, 0.0, 0.0], 2),
 ];
 
-fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Heard {
+fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Published {
     tick_with(host, scene, &[("left", Some(0.0)), ("right", Some(0.0))])
 }
 
 /// With tools at heights above the origin \[m\]; those without one are not in view.
-fn tick_with(host: &mut TestHost<Module>, scene: &Scene, tools: &[(&str, Option<f64>)]) -> Heard {
+fn tick_with(
+    host: &mut TestHost<Module>,
+    scene: &Scene,
+    tools: &[(&str, Option<f64>)],
+) -> Published {
     let place = |(place, part): &([f64; 3], usize)| {
         let by = if *part == 1 { scene.by } else { [0.0; 3] };
         [0, 1, 2].map(|k| place[k] + by[k])
@@ -178,15 +182,15 @@ fn tick_with(host: &mut TestHost<Module>, scene: &Scene, tools: &[(&str, Option<
     host.send(&ToolStates {
         tools: tools.iter().map(state).collect(),
     });
-    let contact = |tool: &str, part: usize, grip: f64, stick: f64| ContactForce {
-        tool: tool.into(),
+    let contact = |tool: &str, part: usize, grip_force: f64, sticking_fraction: f64| ContactForce {
+        partner: tool.into(),
         body: "tissue".into(),
         // At the clamps, or in the middle between the marks.
         point: place(&NODES[3 * part]),
         force: [0.0, 0.0, scene.force],
-        over_limit: if scene.force > 0.02 { 0.008 } else { 0.0 },
-        stick,
-        grip,
+        time_over_limit: if scene.force > 0.02 { 0.008 } else { 0.0 },
+        sticking_fraction,
+        grip_force,
         pieces: vec![scene.pieces[part]],
         ..ContactForce::default()
     };

@@ -19,7 +19,7 @@ use microsim_sdk::tissue::{
     tissue_of,
 };
 use microsim_sdk::{
-    BlockView, Course, Exercise, Fault, ModuleConfig, Object, Setup, Shape, Tick, Training, Tray,
+    BlockView, Exercise, Fault, LevelRun, ModuleConfig, Object, Setup, Shape, Tick, Training, Tray,
     export_plugin, shortest_path,
 };
 use microsim_training::{Dwell, DwellState};
@@ -32,7 +32,7 @@ const SUNK: f64 = 0.7;
 /// The object of the level that is the ring.
 const RING: &str = "ring";
 
-/// What evolves here besides the course.
+/// What evolves here besides the run of the level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     patches: Vec<Patch>,
@@ -96,17 +96,17 @@ impl PushStrip {
     }
 
     /// One tick of a task at marks: the tissue at the current one against what is asked for.
-    fn judge_mark(
+    fn update_mark(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         block: &BlockView<'_>,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         let Some(patch) = state
             .patches
             .get(state.current)
-            .filter(|_| course.running())
+            .filter(|_| run.is_running())
         else {
             return Ok(());
         };
@@ -133,7 +133,7 @@ impl PushStrip {
         }
         if state.dwell.update(tick.time(), holds) == DwellState::Complete {
             let n = state.current + 1;
-            course.target_done(
+            run.target_done(
                 tick,
                 &self.marks[state.current].name,
                 LocalText::new(format!("Marke {n} gehalten"), format!("Mark {n} held")),
@@ -153,15 +153,15 @@ impl PushStrip {
     }
 
     /// One tick of the task `cut`.
-    fn judge_cut(
+    fn update_cut(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         site: &Site,
         block: &BlockView<'_>,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        if !course.running() {
+        if !run.is_running() {
             return Ok(());
         }
         let steadied = state.contacts.held_by_all();
@@ -172,14 +172,14 @@ impl PushStrip {
                 state
                     .progress
                     .cuts
-                    .book(&cut, mark, f64::INFINITY, |_| steadied);
+                    .assign(&cut, mark, f64::INFINITY, |_| steadied);
             }
         }
         let piece = state.progress.piece(block, site);
         if state.current == 0 && state.progress.off {
             (state.current, state.colour) = (1, colour::WAITING);
             let text = LocalText::new("Stück abgeschnitten", "Piece cut off");
-            course.target_done(tick, &self.marks[0].name, text)?;
+            run.target_done(tick, &self.marks[0].name, text)?;
             tick.publish(&ObjectSet {
                 name: self.marks[0].name.clone(),
                 active: Some(false),
@@ -196,20 +196,20 @@ impl PushStrip {
         if delivered.done {
             state.current = 2;
             let text = LocalText::new("Stück liegt in der Schale", "Piece lies in the tray");
-            course.target_done(tick, TRAY, text)?;
+            run.target_done(tick, TRAY, text)?;
         }
         Ok(())
     }
 
     /// What has been measured so far.
-    fn measure(&self, state: &State, course: &mut Course) {
+    fn measure(&self, state: &State, run: &mut LevelRun) {
         // Without tissue there is nothing to measure, and nothing is not zero.
         if !state.patches.is_empty() {
             if let Task::Push { .. } = self.task {
-                course.measure("peak-force", state.contacts.peak_force);
-                course.measure("overshoot", state.overshoot);
+                run.measure("peak-force", state.contacts.peak_force);
+                run.measure("overshoot", state.overshoot);
             } else {
-                course.measure("peak-grip", state.contacts.peak_grip);
+                run.measure("peak-grip", state.contacts.peak_grip);
             }
             let drops = match self.task {
                 Task::Push { .. } => None,
@@ -218,7 +218,7 @@ impl PushStrip {
             };
             // What was never in a grip cannot be dropped.
             if let Some(drops) = drops.filter(|_| state.contacts.was_held) {
-                course.measure("drops", f64::from(drops.count));
+                run.measure("drops", f64::from(drops.count));
             }
         }
         if let (n @ 1.., errors) = state.counted {
@@ -226,13 +226,13 @@ impl PushStrip {
                 Task::Push { .. } => "depth-error",
                 _ => "place-error",
             };
-            course.measure(id, errors / n as f64);
+            run.measure(id, errors / n as f64);
         }
         if let Task::Cut(_) = self.task {
             let found = state.progress.cuts.findings(f64::INFINITY);
-            course.measure("stray-cut", found.stray);
+            run.measure("stray-cut", found.stray);
             if let Some(distance) = found.distance {
-                course.measure("cut-distance", distance);
+                run.measure("cut-distance", distance);
             }
         }
     }
@@ -328,15 +328,15 @@ impl Exercise for PushStrip {
         }
     }
 
-    fn judge(
+    fn update(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         state
             .contacts
-            .hear(tick, &self.body, &self.tools, course.running())?;
+            .update(tick, &self.body, &self.tools, run.is_running())?;
         if let Some(block) = tick.block(TISSUE_SNAPSHOT, &self.body) {
             if state.patches.is_empty() {
                 for mark in &self.marks {
@@ -350,34 +350,34 @@ impl Exercise for PushStrip {
             // The strip sags under gravity when the run begins: depth counts from where it lies when it is first touched.
             if !state.contacts.touched {
                 for patch in &mut state.patches {
-                    patch.settle(&block);
+                    patch.set_reference(&block);
                 }
             }
             self.move_marks(state, &block, tick);
             match &self.task {
-                Task::Cut(site) => self.judge_cut(state, course, site, &block, tick)?,
-                _ => self.judge_mark(state, course, &block, tick)?,
+                Task::Cut(site) => self.update_cut(state, run, site, &block, tick)?,
+                _ => self.update_mark(state, run, &block, tick)?,
             }
         }
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         let tool = tools
             .iter()
             .find(|t| t.tool == self.tools[0] && t.status == ToolStatus::Tracked);
-        if let (true, None, Some(tool)) = (course.running(), state.start, tool) {
+        if let (true, None, Some(tool)) = (run.is_running(), state.start, tool) {
             state.start = Some(tool.pose.position);
             // Two hands divide a path as they like.
             if let Task::Push { depth, tolerance } = self.task {
                 let least = depth - tolerance;
-                course.set_shortest_path(self.shortest_path(tool.pose.position, least));
+                run.set_shortest_path(self.shortest_path(tool.pose.position, least));
             }
         }
-        self.measure(state, course);
+        self.measure(state, run);
         Ok(())
     }
 
-    fn reasons(&self, state: &State, course: &mut Course) {
+    fn reasons(&self, state: &State, run: &mut LevelRun) {
         if state.current < self.targets.len() && state.start.is_some() {
-            course.speaks_against(reason(state, &self.task));
+            run.add_reason(reason(state, &self.task));
         }
     }
 }

@@ -71,10 +71,10 @@ fn hold(host: &mut TestHost<Module>, depth: f64, force: f64, ticks: u64) -> Opti
         host.send_tools(&[("right", Pose::default())]);
         host.send(&ContactForces {
             contacts: vec![ContactForce {
-                tool: "right".into(),
+                partner: "right".into(),
                 body: "strip".into(),
                 force: [0.0, 0.6 * force, -0.8 * force],
-                peak: force,
+                peak_force: force,
                 impulse: 0.0,
                 point: [0.0; 3],
                 depth: 0.0,

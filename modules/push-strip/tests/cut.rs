@@ -115,11 +115,11 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
     host.send_block(&block.finish());
     host.send_tools(&[("left", Pose::default()), ("right", Pose::default())]);
     let last = pieces[3];
-    let force = |tool: &str, grip: f64| ContactForce {
-        tool: tool.into(),
+    let force = |tool: &str, grip_force: f64| ContactForce {
+        partner: tool.into(),
         body: "strip".into(),
-        stick: 1.0,
-        grip,
+        sticking_fraction: 1.0,
+        grip_force,
         pieces: vec![last],
         ..ContactForce::default()
     };

@@ -15,7 +15,7 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::tissue::{colour, distance, mark_colour, show_colour};
 use microsim_sdk::{
-    Course, Exercise, Fault, ModuleConfig, Setup, Shape, Tick, Training, axis, export_plugin,
+    Exercise, Fault, LevelRun, ModuleConfig, Setup, Shape, Tick, Training, axis, export_plugin,
     shortest_path, turned_to,
 };
 use microsim_training::{Dwell, DwellState};
@@ -37,7 +37,7 @@ pub struct Keys {
     pub direction_max: f64,
 }
 
-/// What evolves here besides the course.
+/// What evolves here besides the run of the level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     current: usize,
@@ -93,7 +93,7 @@ impl TouchSpheres {
     fn touch(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         tool: &ToolState,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
@@ -127,7 +127,7 @@ impl TouchSpheres {
         }
         match state.dwell.update(tick.time(), counts) {
             DwellState::Complete => {
-                course.target_done(
+                run.target_done(
                     tick,
                     &target(state.current),
                     LocalText::new(
@@ -135,7 +135,7 @@ impl TouchSpheres {
                         format!("Sphere {} done", state.current + 1),
                     ),
                 )?;
-                course.set_shortest_path(self.shortest_path(start));
+                run.set_shortest_path(self.shortest_path(start));
                 mark_colour(tick, &target(state.current), colour::DONE);
                 state.current += 1;
                 state.dwell.reset();
@@ -148,7 +148,7 @@ impl TouchSpheres {
             }
             DwellState::Lost(held) => {
                 state.losses += 1;
-                course.event(
+                run.event(
                     tick,
                     "touch-lost",
                     LocalText::new(
@@ -249,28 +249,28 @@ impl Exercise for TouchSpheres {
         self.show_needle(tick, self.places.first());
     }
 
-    fn judge(
+    fn update(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
-        if let (true, Some(tool)) = (course.running(), tools.iter().find(|t| t.tool == self.tool)) {
-            self.touch(state, course, tool, tick)?;
+        if let (true, Some(tool)) = (run.is_running(), tools.iter().find(|t| t.tool == self.tool)) {
+            self.touch(state, run, tool, tick)?;
         }
-        course.measure("losses", f64::from(state.losses));
+        run.measure("losses", f64::from(state.losses));
         if let (n @ 1.., angles, distances) = state.counted {
-            course.measure("angle-error", angles / n as f64);
-            course.measure("centre-distance", distances / n as f64);
+            run.measure("angle-error", angles / n as f64);
+            run.measure("centre-distance", distances / n as f64);
         }
         Ok(())
     }
 
-    fn reasons(&self, state: &State, course: &mut Course) {
+    fn reasons(&self, state: &State, run: &mut LevelRun) {
         let unfinished = state.current < self.places.len();
         if let (true, Some(reason)) = (unfinished, reason(state, &self.keys)) {
-            course.speaks_against(reason);
+            run.add_reason(reason);
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Virtual objects (dissertation, 5.2.1): unique names, places in a scene graph, properties for drawing; a module
-//! activates, moves and colours them by name. The rigid things of the level are shown as well: they stand, and a module
+//! activates, moves and colours them by name. The rigid obstacles of the level are shown as well: they stand, and a module
 //! may colour them.
 //!
 //! Tetrahedral bodies are the physics plugin's; model and texture files are not here.
@@ -22,7 +22,7 @@ struct Model {
     parent: Option<usize>,
     shape: Shape,
     finish: Finish,
-    /// Whether it is a part of a rigid thing.
+    /// Whether it is a part of a rigid obstacle.
     stands: bool,
 }
 
@@ -90,7 +90,7 @@ impl Objects {
             }
             if model.stands && (change.active.is_some() || change.pose.is_some()) {
                 return Err(Fault::new(format!(
-                    "a module moves or hides the rigid thing \"{}\": it stands, its colour alone may change",
+                    "a module moves or hides the rigid obstacle \"{}\": it stands, its colour alone may change",
                     change.name
                 )));
             }
@@ -113,7 +113,7 @@ impl Objects {
         )))
     }
 
-    /// The solid parts of a rigid thing.
+    /// The solid parts of a rigid obstacle.
     fn add_rigid(&mut self, thing: &Rigid) {
         let place = Place::from_arrays(thing.position, thing.orientation);
         for part in thing.shape.parts() {

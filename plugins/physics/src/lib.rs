@@ -136,17 +136,17 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
         other => scene.partner_name(other),
     };
     ContactForce {
-        tool: with.into(),
+        partner: with.into(),
         body: scene.body(contact.body).name().into(),
         force: contact.force_on_tissue,
-        peak: contact.peak_force_n,
+        peak_force: contact.peak_force_n,
         impulse: contact.impulse_ns,
         point: contact.point,
         depth: contact.max_depth_m,
         indentation: contact.indentation_m,
-        over_limit: contact.over_limit_s,
-        stick: contact.stick_fraction,
-        grip: contact.grip_n,
+        time_over_limit: contact.over_limit_s,
+        sticking_fraction: contact.stick_fraction,
+        grip_force: contact.grip_n,
         pieces: contact.pieces.clone(),
     }
 }
@@ -211,7 +211,7 @@ impl Plugin for Physics {
         let report = match report {
             Ok(report) => report,
             // The scene stands at its last good state; the trainee sees tissue that does not move for a tick, and the
-            // report says so.
+            // report shows it.
             Err(diverged) => {
                 tick.log(LogLevel::Error, diverged.to_string());
                 tick.publish(&TissueRecovery {
@@ -281,7 +281,7 @@ impl Plugin for Physics {
         }
         for tool in &report.jumped {
             let text = format!(
-                "tool \"{}\" jumped: it was not led through the tissue on its way",
+                "tool \"{}\" jumped: it was not guided through the tissue between its poses",
                 scene.tool_name(*tool)
             );
             tick.log(LogLevel::Warn, text);

@@ -46,13 +46,13 @@ impl TranslatorPlugin {
             .ok_or_else(|| Fault::new("not initialised"))
     }
 
-    fn hear(&mut self, message: InputSample, tick: &mut Tick<'_>) -> Result<(), Fault> {
+    fn handle(&mut self, message: InputSample, tick: &mut Tick<'_>) -> Result<(), Fault> {
         let now = tick.time();
         if !self.devices.contains(&message.device) {
             if self.idle_devices.insert(message.device.clone()) {
                 let device = &message.device;
                 tick.log(LogLevel::Warn, format!(
-                    "device \"{device}\" drives no tool of this level; say which one in config/translator.toml"
+                    "device \"{device}\" drives no tool of this level; name one in config/translator.toml"
                 ));
             }
             return Ok(());
@@ -168,7 +168,7 @@ impl Plugin for TranslatorPlugin {
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
         for message in tick.messages::<InputSample>()? {
-            self.hear(message, tick)?;
+            self.handle(message, tick)?;
         }
         let states = self.states(tick.time())?;
         tick.publish(&states);

@@ -1,4 +1,4 @@
-//! What `simulate` says to people.
+//! What `simulate` prints for people.
 
 use crate::scene_file::SceneFile;
 use microsim_scene::{End, Verdict};
@@ -180,7 +180,7 @@ fn number(unit: Unit, value: f64) -> String {
         return format!("{} mm", round(shown));
     }
     let text = unit.describe(round(value));
-    // Smaller than the smallest symbol: zeros say nothing.
+    // Smaller than the smallest symbol: zeros show nothing.
     if text.contains("0.000") {
         let symbol = if unit == Unit::Ratio {
             ""
@@ -192,12 +192,12 @@ fn number(unit: Unit, value: f64) -> String {
     text
 }
 
-/// A share with its sign: 0.0312 as "+3.12 %", 2e-7 as "+2.0e-7".
-fn percent(share: f64) -> String {
-    if share != 0.0 && share.abs() < 5e-5 {
-        return format!("{share:+.1e}");
+/// A ratio with its sign: 0.0312 as "+3.12 %", 2e-7 as "+2.0e-7".
+fn percent(ratio: f64) -> String {
+    if ratio != 0.0 && ratio.abs() < 5e-5 {
+        return format!("{ratio:+.1e}");
     }
-    format!("{:+.2} %", share * 100.0)
+    format!("{:+.2} %", ratio * 100.0)
 }
 
 /// Five digits are enough for people.

@@ -93,7 +93,7 @@ fn parsed(text: &str) -> Value {
     text.parse().unwrap_or_else(|_| Value::from(text))
 }
 
-/// Puts a value where a path of keys and indices leads; tables and lists on the way must be there, keys need not.
+/// Puts a value where a path of keys and indices leads; tables and lists along it must be there, keys need not.
 fn replace(item: &mut Item, path: &str, new: Value) -> Option<()> {
     let (step, rest) = path
         .split_once('.')

@@ -8,7 +8,7 @@
 use microsim_settings::{Override, Unit};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value};
 
-/// The pull as a share of the modulus of the tissue: the strain right below it.
+/// The pull as a fraction of the modulus of the tissue: the strain right below it.
 const PULL: f64 = 0.03;
 
 /// A level as far as `tune` needs it.

@@ -1,7 +1,8 @@
 //! What tools do to a body: whether they hold it, how hard, for how long too hard; and how often it was let go.
 
 use super::{MarkLine, Probes, distance, dot, length, place_of};
-use crate::{Fault, Tick};
+use crate::fault::Fault;
+use crate::tick::Tick;
 use microsim_bus::BlockView;
 use microsim_message::{ContactForce, ContactForces, GRIP_MIN};
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Time without a grip after which tissue has been let go \[s\]. A grip that trembles for a tick has not let go.
 const LET_GO: f64 = 0.1;
 
-/// Share of the normal force that has to act where nothing slides, for tissue to move with the jaws. Tissue that is held at rest
+/// Fraction of the normal force that has to act where nothing slides, for tissue to move with the jaws. Tissue that is held at rest
 /// under tension may be at the limit of its friction over more than half of the grip, and what sticks holds it nevertheless.
 const HELD_STICK: f64 = 0.25;
 
@@ -31,7 +32,7 @@ pub struct Contacts {
     pub was_held: bool,
     /// The grips of each of the tools that hold in the last tick; none where it held nothing.
     pub held: Vec<Vec<Grip>>,
-    /// Rigid things and bodies that it touched in the last tick, each with the pieces of it that did.
+    /// Rigid obstacles and bodies that it touched in the last tick, each with the pieces of it that did.
     pub on: Vec<(String, Vec<u32>)>,
     /// Largest force of a tool on it, mean over a tick \[N\].
     pub peak_force: f64,
@@ -44,8 +45,8 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Hears the contacts of a tick. `holders` are the tools that hold it; while `counts` is false, nothing is added up.
-    pub fn hear(
+    /// Takes over the contacts of a tick. `holders` are the tools that hold it; while `counts` is false, nothing is added up.
+    pub fn update(
         &mut self,
         tick: &Tick<'_>,
         body: &str,
@@ -61,7 +62,7 @@ impl Contacts {
             .collect();
         self.touched |= !contacts.is_empty();
         let held = |tool: &String| {
-            let held = contacts.iter().filter(|c| c.tool == *tool && holds(c));
+            let held = contacts.iter().filter(|c| c.partner == *tool && holds(c));
             let grip = |c: &&ContactForce| Grip {
                 place: c.point,
                 pieces: c.pieces.clone(),
@@ -72,16 +73,19 @@ impl Contacts {
         self.was_held |= counts && self.held_by_any();
         let between = forces.iter().flat_map(|f| &f.between).filter(of_it);
         self.on = between
-            .map(|contact| (contact.tool.clone(), contact.pieces.clone()))
+            .map(|contact| (contact.partner.clone(), contact.pieces.clone()))
             .collect();
-        let excess = contacts.iter().map(|c| c.over_limit).fold(0.0, f64::max);
+        let excess = contacts
+            .iter()
+            .map(|c| c.time_over_limit)
+            .fold(0.0, f64::max);
         self.too_hard = excess > 0.0;
         if counts {
             self.excess += excess;
             for contact in contacts {
                 self.peak_force = self.peak_force.max(length(contact.force));
-                if holders.contains(&contact.tool) {
-                    self.peak_grip = self.peak_grip.max(contact.grip);
+                if holders.contains(&contact.partner) {
+                    self.peak_grip = self.peak_grip.max(contact.grip_force);
                 }
             }
         }
@@ -104,7 +108,7 @@ impl Contacts {
         grips.any(|grip| grip.pieces.contains(&piece))
     }
 
-    /// Whether a piece of it touches a rigid thing or body.
+    /// Whether a piece of it touches a rigid obstacle or body.
     pub fn is_on(&self, name: &str, piece: u32) -> bool {
         let mut on = self.on.iter();
         on.any(|(other, pieces)| other == name && pieces.contains(&piece))
@@ -114,7 +118,9 @@ impl Contacts {
 /// Whether jaws hold tissue: they grip it, and it moves with them. Tissue that lies on jaws is not gripped, and what slides along
 /// them is not held.
 fn holds(contact: &ContactForce) -> bool {
-    contact.grip >= GRIP_MIN && contact.stick >= HELD_STICK && !contact.pieces.is_empty()
+    contact.grip_force >= GRIP_MIN
+        && contact.sticking_fraction >= HELD_STICK
+        && !contact.pieces.is_empty()
 }
 
 /// Counts how often something was let go for good.
@@ -123,19 +129,19 @@ pub struct Releases {
     /// How often so far.
     pub count: u32,
     since: Option<f64>,
-    told: bool,
+    reported: bool,
 }
 
 impl Releases {
-    /// Whether it counts as let go from `time` \[s\] on; `loose` tells whether nobody has it where somebody should.
+    /// Whether it counts as let go from `time` \[s\] on; `loose` is whether nobody has it where somebody should.
     pub fn watch(&mut self, time: f64, loose: bool) -> bool {
         if !loose {
-            (self.since, self.told) = (None, false);
+            (self.since, self.reported) = (None, false);
             return false;
         }
         let since = *self.since.get_or_insert(time);
-        let gone = !self.told && time - since >= LET_GO;
-        self.told |= gone;
+        let gone = !self.reported && time - since >= LET_GO;
+        self.reported |= gone;
         self.count += u32::from(gone);
         gone
     }

@@ -1,8 +1,9 @@
-//! Cuts booked to the marks that they belong to: how far from a mark and how askew tissue was cut, and what was cut or tore
+//! Cuts assigned to the marks that they belong to: how far from a mark and how askew tissue was cut, and what was cut or tore
 //! elsewhere. Everything is measured in the tissue at rest, so that stretching it does not make a cut better.
 
 use super::{dot, length};
-use crate::{Fault, axis};
+use crate::axis;
+use crate::fault::Fault;
 use microsim_message::TissueCut;
 use microsim_settings::Object;
 use serde::{Deserialize, Serialize};
@@ -91,7 +92,7 @@ pub struct CutLog {
 
 /// Where a cut belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Booking {
+pub enum Assignment {
     /// To a mark; `first` if nothing had been cut there before.
     Mark {
         /// Its index.
@@ -120,27 +121,27 @@ pub struct CutFindings {
     pub stray: f64,
     /// Area that tore by itself \[m²\].
     pub torn: f64,
-    /// Share of the area opened by tools that was opened in tissue that was held. `None` if nothing was cut.
+    /// Fraction of the area opened by tools that was opened in tissue that was held. `None` if nothing was cut.
     pub steadied: Option<f64>,
 }
 
 impl CutLog {
-    /// Books a cut to the nearest of the marks, if it is within `reach` \[m\] and runs along its line rather than away from it. `steadied` is
-    /// asked whether the tissue at the nearest mark was held, by the mark's index, whether or not the cut is booked to it.
-    pub fn book(
+    /// Assigns a cut to the nearest of the marks, if it is within `reach` \[m\] and runs along its line rather than away from it. `steadied` is
+    /// asked whether the tissue at the nearest mark was held, by the mark's index, whether or not the cut is assigned to it.
+    pub fn assign(
         &mut self,
         cut: &TissueCut,
         marks: &[MarkLine],
         reach: f64,
         steadied: impl FnOnce(usize) -> bool,
-    ) -> Booking {
+    ) -> Assignment {
         self.marks.resize(marks.len(), Vec::new());
         if cut.area <= 0.0 {
-            return Booking::Nothing;
+            return Assignment::Nothing;
         }
         if cut.tool.is_empty() {
             self.torn += cut.area;
-            return Booking::Tear;
+            return Assignment::Tear;
         }
         let away = |mark: &MarkLine| mark.away(cut.rest_centroid);
         let all = marks.iter().enumerate();
@@ -151,7 +152,7 @@ impl CutLog {
         let is_its_cut = |mark: &MarkLine| away(mark) <= reach && mark.is_cut_by(cut.rest_normal);
         let Some((index, mark)) = nearest.filter(|(_, mark)| is_its_cut(mark)) else {
             self.elsewhere += cut.area;
-            return Booking::Stray;
+            return Assignment::Stray;
         };
         let cosine = dot(cut.rest_normal, mark.across);
         let normal = cut.rest_normal.map(|c| if cosine < 0.0 { -c } else { c });
@@ -164,13 +165,13 @@ impl CutLog {
             beside: dot(offset, mark.across).abs(),
             sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
         });
-        Booking::Mark { index, first }
+        Assignment::Mark { index, first }
     }
 
     /// What is known so far. The cut of a mark is where most of it was cut: openings whose middle is farther than `width` \[m\] from the
     /// plane of all of them, which has their mean normal and lies where half of their area is on either side, and from the plane that the
     /// mark asks for as well, are stray, so that a good cut does not make up for a wound beside it. The plane of a single one does not
-    /// say where it is: that of a small bite is uncertain, and that of a slit beside the mark may pass through it.
+    /// show where it is: that of a small bite is uncertain, and that of a slit beside the mark may pass through it.
     pub fn findings(&self, width: f64) -> CutFindings {
         let (mut distance, mut sine) = (None, None);
         let (mut at_marks, mut stray) = (0.0, self.elsewhere);
@@ -253,7 +254,7 @@ mod tests {
     fn findings(cuts: &[TissueCut]) -> CutFindings {
         let mut log = CutLog::default();
         for cut in cuts {
-            log.book(cut, &[mark()], 1.2e-3, |_| false);
+            log.assign(cut, &[mark()], 1.2e-3, |_| false);
         }
         log.findings(0.4e-3)
     }
@@ -298,8 +299,8 @@ mod tests {
     fn a_slit_lengthwise_through_the_mark_is_stray() {
         let mut log = CutLog::default();
         let slit = cut(0.0, 1e-6, [0.0, -1.0, 0.0]);
-        let booked = log.book(&slit, &[mark()], 1.2e-3, |_| false);
-        assert_eq!(booked, Booking::Stray);
+        let assigned = log.assign(&slit, &[mark()], 1.2e-3, |_| false);
+        assert_eq!(assigned, Assignment::Stray);
         let found = log.findings(0.4e-3);
         assert_eq!(
             (found.distance, found.angle, found.stray),
@@ -327,7 +328,7 @@ mod tests {
         let mut log = CutLog::default();
         let mut steadied = |x: f64| {
             let cut = cut(x, 1e-6, [1.0, 0.0, 0.0]);
-            log.book(&cut, &marks, 1.2e-3, |index| index == 1);
+            log.assign(&cut, &marks, 1.2e-3, |index| index == 1);
             log.findings(0.4e-3).steadied
         };
         assert_eq!(steadied(0.0), Some(0.0));

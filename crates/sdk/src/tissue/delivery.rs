@@ -1,11 +1,12 @@
 //! A piece that has come off, is carried to a tray and let go there.
 
 use super::{Contacts, PieceView, Releases};
-use crate::{Fault, Tray};
+use crate::fault::Fault;
+use crate::tray::Tray;
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
 
-/// How far a piece has got on its way to a tray.
+/// How far a piece has got towards a tray.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Delivery {
     /// How often it was let go where it does not fall into the tray.

@@ -1,6 +1,7 @@
 //! Marks: objects of the level that lie on tissue and move with it, and their colours.
 
-use crate::{Fault, Tick};
+use crate::fault::Fault;
+use crate::tick::Tick;
 use microsim_message::{Colour, ObjectSet};
 use microsim_settings::Object;
 
@@ -54,7 +55,7 @@ pub fn show_mark(tick: &mut Tick<'_>, name: &str, colour: Colour) {
     });
 }
 
-/// Lets an object or rigid thing show a colour if it is another one than `shown`, which it becomes.
+/// Lets an object or rigid obstacle show a colour if it is another one than `shown`, which it becomes.
 pub fn show_colour(shown: &mut Colour, tick: &mut Tick<'_>, name: &str, colour: Colour) {
     if *shown != colour {
         *shown = colour;
@@ -62,7 +63,7 @@ pub fn show_colour(shown: &mut Colour, tick: &mut Tick<'_>, name: &str, colour: 
     }
 }
 
-/// Lets an object or rigid thing show a colour.
+/// Lets an object or rigid obstacle show a colour.
 pub fn mark_colour(tick: &mut Tick<'_>, name: &str, colour: Colour) {
     tick.publish(&ObjectSet {
         name: name.to_owned(),

@@ -4,14 +4,14 @@ use super::{place_of, row_of};
 use microsim_bus::BlockView;
 use serde::{Deserialize, Serialize};
 
-/// Nodes within this share of the tissue's thickness from its top belong to the upper surface.
+/// Nodes within this fraction of the tissue's thickness from its top belong to the upper surface.
 const TOP_LAYER: f64 = 0.25;
 
 /// The upper surface of the tissue around a mark.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
     nodes: Vec<u32>,
-    /// Height of each node when it was last settled \[m\].
+    /// Reference height of each node \[m\].
     heights: Vec<f64>,
     /// From the mean place of the nodes to the mark \[m\].
     offset: [f64; 3],
@@ -20,7 +20,7 @@ pub struct Patch {
 /// Where a patch is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchPlace {
-    /// Depth of the deepest of its nodes below where they lay when it was last settled \[m\].
+    /// Depth of the deepest of its nodes below their reference heights \[m\].
     pub depth: f64,
     /// Place of its mark, carried along by its mean node \[m\].
     pub place: [f64; 3],
@@ -60,7 +60,7 @@ impl Patch {
     }
 
     /// Depth counts from where the tissue lies now.
-    pub fn settle(&mut self, block: &BlockView<'_>) -> Option<()> {
+    pub fn set_reference(&mut self, block: &BlockView<'_>) -> Option<()> {
         let (ids, positions) = (block.u32s("node_id")?, block.f64s("position")?);
         for (id, height) in self.nodes.iter().zip(&mut self.heights) {
             if let Some(row) = row_of(ids, *id) {

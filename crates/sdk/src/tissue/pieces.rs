@@ -4,7 +4,7 @@ use super::{distance, place_of, row_of};
 use microsim_bus::BlockView;
 use serde::{Deserialize, Serialize};
 
-/// Nodes that tell pieces apart: one in each part that may come off.
+/// Nodes that distinguish pieces: one in each part that may come off.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Probes {
     nodes: Vec<u32>,

@@ -1,7 +1,7 @@
 //! A ring of the level that marked tissue is brought into.
 
 use super::distance;
-use crate::Fault;
+use crate::fault::Fault;
 use microsim_settings::{Object, Shape};
 
 /// The opening of an object of the shape `ring`.

@@ -8,7 +8,7 @@
 use microsim_sdk::message::{Colour, LocalText, ToolStates, ToolStatus};
 use microsim_sdk::tissue::{colour, distance, show_colour};
 use microsim_sdk::{
-    Course, ModuleConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, export_plugin,
+    LevelRun, ModuleConfig, Exercise, Fault, Object, Setup, Shape, Tick, Training, export_plugin,
 };
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ pub struct {{Name}} {
     radius: f64,
 }
 
-/// What evolves besides the course.
+/// What evolves besides the run of the level.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     dwell: Dwell,
@@ -84,21 +84,21 @@ impl Exercise for {{Name}} {
         })
     }
 
-    fn judge(
+    fn update(
         &self,
         state: &mut State,
-        course: &mut Course,
+        run: &mut LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        if !course.running() {
+        if !run.is_running() {
             return Ok(());
         }
         let inside = self.is_inside(tick)?;
         state.touched |= inside;
         let shown = match state.dwell.update(tick.time(), inside) {
             DwellState::Complete => {
-                let printed = LocalText::new("Kugel geschafft", "Sphere done");
-                course.target_done(tick, SPHERE, printed)?;
+                let text = LocalText::new("Kugel geschafft", "Sphere done");
+                run.target_done(tick, SPHERE, text)?;
                 colour::DONE
             }
             DwellState::Holding(_) => colour::HOLDING,
@@ -109,13 +109,13 @@ impl Exercise for {{Name}} {
             DwellState::Idle => colour::CURRENT,
         };
         show_colour(&mut state.colour, tick, SPHERE, shown);
-        course.measure("losses", f64::from(state.losses));
+        run.measure("losses", f64::from(state.losses));
         Ok(())
     }
 
-    fn reasons(&self, state: &State, course: &mut Course) {
-        if state.touched && !course.is_done(SPHERE) {
-            course.speaks_against(DWELL_TOO_SHORT);
+    fn reasons(&self, state: &State, run: &mut LevelRun) {
+        if state.touched && !run.is_done(SPHERE) {
+            run.add_reason(DWELL_TOO_SHORT);
         }
     }
 }
