@@ -1,14 +1,14 @@
 //! Filling a front: with the blocks of the matrix, and with the updates of its children.
 
 use crate::BlockMatrix;
-use crate::kernels::{Octet, WIDTH, triangle_start};
-use crate::real::Real;
+use crate::kernels::triangle_start;
+use crate::real::{Octet, Real, WIDTH};
 use crate::symbolic::{Entry, Front, Kind, Symbolic};
 
-/// A pivot must exceed this share of the diagonal entry it is left of. Each subtraction rounds by up to ε/2 of that
-/// entry, and there are some hundreds of either sign; what is smaller has no correct digit. A longer way through many
-/// fronts can leave more, but a larger share would refuse slender bodies, whose pivots are small rightly.
-fn pivot_share<T: Real>() -> T {
+/// A pivot must exceed this fraction of the diagonal entry that it is the rest of. Each subtraction rounds by up to ε/2 of that
+/// entry, and there are some hundreds of either sign; what is smaller has no correct digit. A longer path through many
+/// fronts can leave more, but a larger fraction would refuse slender bodies, whose pivots are small rightly.
+fn pivot_fraction<T: Real>() -> T {
     T::EPSILON * T::from_f64(64.0)
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn assemble<T: Real>(
                     let diagonal = if is_fixed { 1.0 } else { block[(a, a)] };
                     set(target + WIDTH * a, diagonal);
                     least[column as usize + a] =
-                        pivot_share::<T>() * T::from_f64(diagonal.max(0.0));
+                        pivot_fraction::<T>() * T::from_f64(diagonal.max(0.0));
                 }
             }
             _ if is_fixed => {}

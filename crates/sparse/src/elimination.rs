@@ -43,7 +43,7 @@ fn elimination_tree(graph: &Graph, sequence: &[u32]) -> (Vec<u32>, Vec<u32>) {
     for (k, &node) in sequence.iter().enumerate() {
         let k = k as u32;
         for &other in graph.neighbours(node) {
-            // Climb to the root of what is eliminated so far, shortening the way for the next climb.
+            // Climb to the root of what is eliminated so far, shortening the path for the next climb.
             let mut below = place[other as usize];
             while below < k {
                 let next = ancestor[below as usize];
@@ -160,7 +160,7 @@ impl Supernodes {
         let count = self.columns.len();
         let mut children = vec![Vec::new(); count];
         for p in 0..count {
-            let mut kept = Vec::new();
+            let mut left = Vec::new();
             for child in std::mem::take(&mut children[p]) {
                 let child: usize = child;
                 let (s, u) = (self.columns[p].len(), self.rows[p].len());
@@ -170,13 +170,13 @@ impl Supernodes {
                     columns.append(&mut self.columns[p]);
                     self.columns[p] = columns;
                     self.rows[child] = Vec::new();
-                    kept.append(&mut children[child]);
+                    left.append(&mut children[child]);
                 } else {
-                    kept.push(child);
+                    left.push(child);
                 }
             }
-            kept.iter().for_each(|&child| self.parent[child] = p as u32);
-            children[p] = kept;
+            left.iter().for_each(|&child| self.parent[child] = p as u32);
+            children[p] = left;
             if self.parent[p] != NONE {
                 children[self.parent[p] as usize].push(p);
             }
@@ -184,7 +184,7 @@ impl Supernodes {
         self
     }
 
-    /// Numbers what is left anew, in postorder.
+    /// Renumbers what is left, in postorder.
     fn into_fronts(mut self, sequence: &[u32]) -> Fronts {
         let order: Vec<u32> = postorder(&self.parent)
             .into_iter()
@@ -222,7 +222,7 @@ impl Supernodes {
 }
 
 /// Cost of a front that eliminates `s` nodes and updates `u`, in multiplications: the arithmetic, ten for each number
-/// of the update matrix, which is written and then added to the parent, and a fixed share for walking through it. The
+/// of the update matrix, which is written and then added to the parent, and a fixed cost for walking through it. The
 /// weights were measured on grids of 256 to 10,309 nodes; the optimum is flat.
 fn cost(s: usize, u: usize) -> f64 {
     let (s, u) = (3.0 * s as f64, 3.0 * u as f64);

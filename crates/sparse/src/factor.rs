@@ -11,10 +11,9 @@ use nalgebra::Vector3;
 use crate::BlockMatrix;
 use crate::assembly::{Part, Places, assemble};
 use crate::kernels::{
-    Octet, WIDTH, factor_panel, outer_product, solve_backward, solve_forward, solve_strip,
-    triangle_start,
+    factor_panel, outer_product, solve_backward, solve_forward, solve_strip, triangle_start,
 };
-use crate::real::Real;
+use crate::real::{Octet, Real, WIDTH};
 use crate::symbolic::{Front, Symbolic};
 
 /// The matrix is not positive definite, to working accuracy, or not finite.
@@ -285,7 +284,7 @@ fn load<T: Real>(octets: &mut [Octet<T>], x: &[T]) {
     }
 }
 
-/// The way back.
+/// Backward substitution.
 fn store<T: Real>(octets: &[Octet<T>], x: &mut [T]) {
     for (octet, x) in octets.iter().zip(x.chunks_mut(WIDTH)) {
         x.copy_from_slice(&octet.0[..x.len()]);
@@ -304,7 +303,7 @@ fn gather<T: Real>(octets: &mut [Octet<T>], rows: &[u32], x: &[T]) {
     }
 }
 
-/// The way back.
+/// Backward substitution.
 fn scatter<T: Real>(octets: &[Octet<T>], rows: &[u32], x: &mut [T]) {
     for (k, &row) in rows.iter().enumerate() {
         for (a, value) in x[3 * row as usize..][..3].iter_mut().enumerate() {

@@ -11,7 +11,7 @@ pub struct CgOutcome {
     pub residual: f64,
     /// Whether the residual is at most the tolerance.
     pub converged: bool,
-    /// A direction p with p·A p ≤ 0, or not finite, ended it: A is not positive definite. The node with the largest share of that;
+    /// A direction p with p·A p ≤ 0, or not finite, ended it: A is not positive definite. The node with the largest contribution to that;
     /// `x` is the last iterate before. With r·C⁻¹ r ≤ 0 it ends too, and only has not converged: C is not positive definite.
     pub negative_curvature: Option<usize>,
 }
@@ -102,8 +102,9 @@ impl ConjugateGradients {
             outcome.iterations += 1;
             let curvature = dot(p, q);
             if curvature <= 0.0 || !curvature.is_finite() {
-                let share = |node: &usize| p[*node].dot(&q[*node]);
-                let lowest = (0..p.len()).min_by(|a, b| share(a).total_cmp(&share(b)));
+                let contribution = |node: &usize| p[*node].dot(&q[*node]);
+                let lowest =
+                    (0..p.len()).min_by(|a, b| contribution(a).total_cmp(&contribution(b)));
                 outcome.negative_curvature = lowest;
                 return outcome;
             }

@@ -1,6 +1,6 @@
 //! Dense kernels on strips: the arithmetic of a front.
 //!
-//! A matrix is kept in strips of eight rows; a strip is a run of columns, each an [`Octet`] of its eight rows. Both operands
+//! A matrix is stored in strips of eight rows; a strip is a run of columns, each an [`Octet`] of its eight rows. Both operands
 //! of a product A Bᵀ of two strips are then read in order and no packing is needed. As many columns of a tile of results are
 //! worked on together as fill eight registers of 256 bits ([`Real::product`]): more would not fit beside the operands, with
 //! fewer the processor waits for its own sums.
@@ -9,48 +9,14 @@
 //! (`mul_add`), whatever the width of the registers: the same bits on every machine. The build must allow the instruction for
 //! that (x86-64-v3); without it the bits are the same, but a call of a function per number makes it useless. Only indices of whole strips are checked at run time, once per tile.
 
-use crate::real::Real;
-
-/// One column of a strip: eight rows. Aligned so that a load never crosses a cache line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(32))]
-pub struct Octet<T>(pub [T; WIDTH]);
-
-impl<T: Real> Octet<T> {
-    pub const ZERO: Self = Self([T::ZERO; WIDTH]);
-}
-
-/// Rows of a strip, and columns of a tile.
-pub const WIDTH: usize = 8;
+use crate::real::{Octet, Real, Tile, WIDTH};
 
 /// Strips that are worked on together against one other strip, so that this one is read from memory once.
 const BLOCK: usize = 4;
 
-/// Eight columns of a strip.
-pub type Tile<T> = [Octet<T>; WIDTH];
-
 /// Where strip `i` of a lower triangle begins: strip k holds the columns 0..8(k + 1).
 pub(crate) fn triangle_start(i: usize) -> usize {
     WIDTH * i * (i + 1) / 2
-}
-
-/// Columns `first..first + C` of the tile A Bᵀ: entry (row r of a, row c of b) = Σ_p a_rp b_cp, at column c, lane r.
-#[inline(always)]
-pub(crate) fn columns_of_product<T: Real, const C: usize>(
-    a: &[Octet<T>],
-    b: &[Octet<T>],
-    first: usize,
-) -> [Octet<T>; C] {
-    let mut tile = [[T::ZERO; WIDTH]; C];
-    for (a, b) in a.iter().zip(b) {
-        for (c, column) in tile.iter_mut().enumerate() {
-            let b = b.0[first + c];
-            for (sum, a) in column.iter_mut().zip(&a.0) {
-                *sum = a.mul_add(b, *sum);
-            }
-        }
-    }
-    tile.map(Octet)
 }
 
 /// tile − A Bᵀ.
@@ -149,7 +115,7 @@ pub(crate) fn factor_panel<T: Real>(
     Ok(())
 }
 
-/// Finishes tile `j` of a strip: less what its columns before share with the strip `pivot`, then solved against the
+/// Finishes tile `j` of a strip: less the products of its columns before with those of the strip `pivot`, then solved against the
 /// last tile of that one.
 #[inline(always)]
 fn eliminate<T: Real>(strip: &mut [Octet<T>], pivot: &[Octet<T>], j: usize) {

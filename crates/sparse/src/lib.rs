@@ -1,7 +1,7 @@
 //! Sparse symmetric positive definite matrices of 3×3 blocks: assembly, ordering, Cholesky factor, a preconditioner of two levels,
 //! conjugate gradients, and the choice among them.
 //!
-//! One block row per node of a mesh, one block per pair of coupled nodes. The way of an implicit solver:
+//! One block row per node of a mesh, one block per pair of coupled nodes. Its use by an implicit solver:
 //!
 //! ```
 //! use std::sync::Arc;
@@ -14,7 +14,7 @@
 //! let mut solver = LinearSolver::new(&pattern, &positions);
 //! let mut matrix = BlockMatrix::zeros(pattern);
 //!
-//! // Each step: numbers, preparation, solution to a share of the right-hand side.
+//! // Each step: numbers, preparation, solution to a residual relative to the right-hand side.
 //! matrix.clear();
 //! for (i, j) in [(0, 1), (1, 2)] {
 //!     matrix.add_diagonal(i, &Matrix3::identity());

@@ -95,7 +95,7 @@ impl Ordering {
 struct Dissection<'a> {
     graph: Graph,
     positions: Option<&'a [Vector3<f64>]>,
-    /// Per node: the part it belongs to at present; parts are numbered anew at every cut.
+    /// Per node: the part it belongs to at present; parts are renumbered at every cut.
     part: Vec<u32>,
     parts: u32,
     /// Per node: the coordinate by which its part is cut.

@@ -1,11 +1,11 @@
-//! Solutions of systems with one pattern and many matrices: the way is chosen by the pattern, with a surer one behind it.
+//! Solution of systems with one pattern and many matrices: the method is chosen by the pattern, with more robust ones to fall back on.
 //!
 //! 1. Conjugate gradients with a [`TwoLevel`] preconditioner: large solid bodies.
-//! 2. Conjugate gradients with a factor of single numbers: small and slender bodies. Half the time and memory of one of double
-//!    numbers; two or three iterations.
-//! 3. A factor of double numbers, whose solution is as exact as they are.
+//! 2. Conjugate gradients with an f32 Cholesky factor as preconditioner: small and slender bodies. Half the time and memory of one
+//!    in f64; two or three iterations.
+//! 3. An f64 Cholesky factor, whose solution is exact to rounding.
 //!
-//! Where a way does not come to the tolerance the next one is taken, for this matrix alone: nearly incompressible bodies and very
+//! Where a method does not reach the tolerance the next one is taken, for this matrix alone: nearly incompressible bodies and very
 //! slender ones without inertia may need that. The solution is the same up to the tolerance, and the choice depends on the numbers
 //! only, never on time.
 
@@ -28,7 +28,7 @@ const FEW: f64 = 1e7;
 /// Distances of nodes along a cell of the lattice.
 const SPACING: f64 = 3.5;
 
-/// Most iterations with two levels, and with a factor of single numbers: by then the next way costs less.
+/// Most iterations with two levels, and with an f32 factor: by then the next method costs less.
 const ITERATIONS_TWO_LEVEL: usize = 80;
 const ITERATIONS_SINGLE: usize = 12;
 
@@ -38,12 +38,12 @@ const ITERATIONS_MORE: usize = 60;
 /// Adds a product with the first vector to the second one.
 type Add<'a> = &'a mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]);
 
-/// The ways, in order.
+/// The methods, in the order of their robustness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Way {
+enum Method {
     TwoLevel,
-    Single,
-    Double,
+    FactorF32,
+    FactorF64,
 }
 
 /// A solver for matrices of one pattern.
@@ -52,12 +52,12 @@ pub struct LinearSolver {
     /// The analysis of the factors, once it was needed.
     symbolic: OnceLock<Arc<Symbolic>>,
     positions: Arc<[Vector3<f64>]>,
-    /// The first way of the pattern that it was made for.
-    origin: Way,
-    first: Way,
-    /// The way whose numbers are those of the matrix.
-    way: Way,
-    /// The first way; those behind it are made when they are needed first.
+    /// The method of the pattern that it was made for.
+    origin: Method,
+    first: Method,
+    /// The method that holds the numbers of the matrix.
+    method: Method,
+    /// The first method; those after it are made when they are first needed.
     two_level: Option<Box<TwoLevel>>,
     single: Option<Box<Factor<f32>>>,
     double: Option<Box<Factor<f64>>>,
@@ -72,18 +72,18 @@ impl LinearSolver {
     /// Analyses the pattern; `positions` \[m\] are those of its nodes.
     pub fn new(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Self {
         let symbolic = analyse(pattern, positions);
-        let origin = first_way(&symbolic, pattern);
+        let origin = first_method(&symbolic, pattern);
         Self::with_analysis(Some(symbolic), pattern, positions.into(), [origin; 2])
     }
 
-    /// One for another pattern of the same body, which was cut. Where the first way was two levels it stays so, and nothing is
-    /// analysed that this way does not need: that is most of the work. Else the choice is that of the new pattern. So it depends on the pattern
+    /// One for another pattern of the same body, which was cut. Where the first method was two levels it stays so, and nothing is
+    /// analysed that this method does not need: that is most of the work. Else the choice is that of the new pattern. So it depends on the pattern
     /// that the solver was made for and on the present one, not on those between.
     pub fn following(&self, pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Self {
-        let symbolic = (self.origin != Way::TwoLevel).then(|| analyse(pattern, positions));
+        let symbolic = (self.origin != Method::TwoLevel).then(|| analyse(pattern, positions));
         let first = match &symbolic {
-            Some(symbolic) => first_way(symbolic, pattern),
-            None => Way::TwoLevel,
+            Some(symbolic) => first_method(symbolic, pattern),
+            None => Method::TwoLevel,
         };
         Self::with_analysis(symbolic, pattern, positions.into(), [self.origin, first])
     }
@@ -92,15 +92,16 @@ impl LinearSolver {
         symbolic: Option<Arc<Symbolic>>,
         pattern: &Arc<Pattern>,
         positions: Arc<[Vector3<f64>]>,
-        [origin, first]: [Way; 2],
+        [origin, first]: [Method; 2],
     ) -> Self {
         let zeros = vec![Vector3::zeros(); positions.len()];
-        let two_level = (first == Way::TwoLevel).then(|| Box::new(two_level(pattern, &positions)));
+        let two_level =
+            (first == Method::TwoLevel).then(|| Box::new(two_level(pattern, &positions)));
         let mut solver = Self {
             symbolic: symbolic.map_or_else(OnceLock::new, OnceLock::from),
             origin,
             first,
-            way: first,
+            method: first,
             two_level,
             single: None,
             double: None,
@@ -114,9 +115,9 @@ impl LinearSolver {
         solver
     }
 
-    /// Memory for the numbers of the first way, now and not with the first matrix: new memory takes as long as a factor.
+    /// Memory for the numbers of the first method, now and not with the first matrix: new memory takes as long as a factor.
     fn make_room(&mut self) {
-        if let (Way::Single, Some(symbolic)) = (self.first, self.symbolic.get()) {
+        if let (Method::FactorF32, Some(symbolic)) = (self.first, self.symbolic.get()) {
             self.single = Some(Box::new(Factor::new(symbolic.clone())));
         }
     }
@@ -130,14 +131,14 @@ impl LinearSolver {
         self.prepare(matrix, self.first)
     }
 
-    /// Whether a factor of double numbers costs about as much as a few solutions: [`factorise_double`](Self::factorise_double) is no
+    /// Whether an f64 factor costs about as much as a few solutions: [`factorise_double`](Self::factorise_double) is no
     /// luxury then.
     pub fn is_small(&self) -> bool {
         let few = |symbolic: &Arc<Symbolic>| symbolic.flops() <= FEW;
-        self.first == Way::Single && self.symbolic.get().is_some_and(few)
+        self.first == Method::FactorF32 && self.symbolic.get().is_some_and(few)
     }
 
-    /// As [`factorise`](Self::factorise), with double numbers: solutions are as exact as they are.
+    /// As [`factorise`](Self::factorise), with an f64 factor: solutions are exact to rounding.
     ///
     /// # Errors
     /// When the matrix shows not to be positive definite.
@@ -147,31 +148,34 @@ impl LinearSolver {
         fixed: &[bool],
     ) -> Result<(), NotPositive> {
         self.fixed.copy_from_slice(fixed);
-        self.prepare(matrix, Way::Double)
+        self.prepare(matrix, Method::FactorF64)
     }
 
-    /// The first way in a word, for reports.
-    pub fn way(&self) -> &'static str {
+    /// The name of the first method, for reports.
+    pub fn method_name(&self) -> &'static str {
         match self.first {
-            Way::TwoLevel => "two levels",
-            Way::Single | Way::Double => "factor",
+            Method::TwoLevel => "two levels",
+            Method::FactorF32 | Method::FactorF64 => "factor",
         }
     }
 
-    /// Bytes of the numbers and places of the ways that were needed so far.
+    /// Bytes of the numbers and places of the methods that were needed so far.
     pub fn bytes(&self) -> usize {
         let entries = self.symbolic.get().map_or(0, |symbolic| {
             symbolic.factor_entries() + symbolic.workspace_entries()
         });
-        let two_level = self.two_level.as_ref().map_or(0, |way| way.bytes());
+        let two_level = self
+            .two_level
+            .as_ref()
+            .map_or(0, |two_level| two_level.bytes());
         let single = self.single.as_ref().map_or(0, |_| 4 * entries);
         let double = self.double.as_ref().map_or(0, |_| 8 * entries);
         two_level + single + double + 8 * size_of_val(&*self.solution)
     }
 
-    /// Takes over the numbers of `matrix` for `way`, or for the first one behind it that can.
-    fn prepare(&mut self, matrix: &BlockMatrix, way: Way) -> Result<(), NotPositive> {
-        self.way = way;
+    /// Takes over the numbers of `matrix` for `method`, or for the first one after it that can.
+    fn prepare(&mut self, matrix: &BlockMatrix, method: Method) -> Result<(), NotPositive> {
+        self.method = method;
         let fixed = &*self.fixed;
         let (pattern, positions) = (matrix.pattern(), &self.positions);
         let symbolic = || {
@@ -179,22 +183,22 @@ impl LinearSolver {
                 .get_or_init(|| analyse(pattern, positions))
                 .clone()
         };
-        match way {
-            Way::TwoLevel => self
+        match method {
+            Method::TwoLevel => self
                 .two_level
                 .get_or_insert_with(|| Box::new(two_level(matrix.pattern(), &self.positions)))
                 .refresh(matrix, fixed),
-            Way::Single => {
+            Method::FactorF32 => {
                 let single = self
                     .single
                     .get_or_insert_with(|| Box::new(Factor::new(symbolic())));
                 if single.factorise(matrix, Some(fixed)).is_ok() {
                     return Ok(());
                 }
-                // Single numbers may be too few.
-                self.prepare(matrix, Way::Double)
+                // The precision of f32 may be too low.
+                self.prepare(matrix, Method::FactorF64)
             }
-            Way::Double => self
+            Method::FactorF64 => self
                 .double
                 .get_or_insert_with(|| Box::new(Factor::new(symbolic())))
                 .factorise(matrix, Some(fixed)),
@@ -218,7 +222,7 @@ impl LinearSolver {
         assert_eq!(x.len(), self.fixed.len(), "one vector per node");
         self.set_right_side(x);
         while !self.attempt(matrix, None, tolerance)? {
-            self.prepare(matrix, self.next_way())?;
+            self.prepare(matrix, self.next_method())?;
         }
         self.give(x);
         Ok(())
@@ -226,7 +230,7 @@ impl LinearSolver {
 
     /// As [`solve`](Self::solve), for the sum of `matrix` and a symmetric one that `add` stands for: it adds its product with the first
     /// vector to the second one. The sum is positive definite; few of its eigenvalues, relative to `matrix`, are far from 1. The
-    /// last way ends after so many iterations with what it has, which is closer than nothing.
+    /// last method ends after a limited number of iterations with the solution that it has, which is closer than none.
     ///
     /// # Errors
     /// When the sum, or the matrix, shows not to be positive definite; `x` is as before.
@@ -242,15 +246,16 @@ impl LinearSolver {
     ) -> Result<(), NotPositive> {
         assert_eq!(x.len(), self.fixed.len(), "one vector per node");
         self.set_right_side(x);
-        while !self.attempt(matrix, Some(&mut add), tolerance)? && self.way != Way::Double {
-            self.prepare(matrix, self.next_way())?;
+        while !self.attempt(matrix, Some(&mut add), tolerance)? && self.method != Method::FactorF64
+        {
+            self.prepare(matrix, self.next_method())?;
         }
         self.give(x);
         Ok(())
     }
 
     /// Sets `compliance` to J A⁻¹ Jᵀ, row by row, with the matrix A of the last [`factorise`](Self::factorise), to the accuracy of its
-    /// factor; each row of J has the vectors of up to four nodes. Those at fixed nodes count as 0. Says whether there is a factor;
+    /// factor; each row of J has the vectors of up to four nodes. Those at fixed nodes count as 0. Returns whether there is a factor;
     /// if not nothing is done.
     pub fn set_compliance(
         &mut self,
@@ -258,18 +263,18 @@ impl LinearSolver {
         compliance: &mut Vec<f64>,
     ) -> bool {
         let fixed = &self.fixed;
-        match (self.way, &mut self.single, &mut self.double) {
-            (Way::Single, Some(factor), _) => factor.set_compliance(rows, fixed, compliance),
-            (Way::Double, _, Some(factor)) => factor.set_compliance(rows, fixed, compliance),
+        match (self.method, &mut self.single, &mut self.double) {
+            (Method::FactorF32, Some(factor), _) => factor.set_compliance(rows, fixed, compliance),
+            (Method::FactorF64, _, Some(factor)) => factor.set_compliance(rows, fixed, compliance),
             _ => return false,
         }
         true
     }
 
-    fn next_way(&self) -> Way {
-        match self.way {
-            Way::TwoLevel => Way::Single,
-            Way::Single | Way::Double => Way::Double,
+    fn next_method(&self) -> Method {
+        match self.method {
+            Method::TwoLevel => Method::FactorF32,
+            Method::FactorF32 | Method::FactorF64 => Method::FactorF64,
         }
     }
 
@@ -287,7 +292,7 @@ impl LinearSolver {
         }
     }
 
-    /// Solves in the present way; returns whether it came to the tolerance.
+    /// Solves by the present method; returns whether it reached the tolerance.
     fn attempt(
         &mut self,
         matrix: &BlockMatrix,
@@ -317,8 +322,8 @@ impl LinearSolver {
             }
         };
         solution.fill(Vector3::zeros());
-        let outcome = match (self.way, two_level, single, double) {
-            (Way::TwoLevel, Some(two_level), _, _) => gradients.solve(
+        let outcome = match (self.method, two_level, single, double) {
+            (Method::TwoLevel, Some(two_level), _, _) => gradients.solve(
                 apply,
                 |r, z| two_level.apply(r, z),
                 right_side,
@@ -326,7 +331,7 @@ impl LinearSolver {
                 tolerance,
                 ITERATIONS_TWO_LEVEL + more,
             ),
-            (Way::Single, _, Some(single), _) => gradients.solve(
+            (Method::FactorF32, _, Some(single), _) => gradients.solve(
                 apply,
                 |r, z| {
                     z.copy_from_slice(r);
@@ -370,7 +375,7 @@ impl Clone for LinearSolver {
             positions: self.positions.clone(),
             origin: self.origin,
             first: self.first,
-            way: self.first,
+            method: self.first,
             two_level: self.two_level.clone(),
             single: None,
             double: None,
@@ -390,11 +395,11 @@ fn analyse(pattern: &Arc<Pattern>, positions: &[Vector3<f64>]) -> Arc<Symbolic> 
     Arc::new(Symbolic::analyse(pattern, &ordering))
 }
 
-fn first_way(symbolic: &Symbolic, pattern: &Pattern) -> Way {
+fn first_method(symbolic: &Symbolic, pattern: &Pattern) -> Method {
     if symbolic.flops() > OPERATIONS * pattern.blocks() as f64 {
-        Way::TwoLevel
+        Method::TwoLevel
     } else {
-        Way::Single
+        Method::FactorF32
     }
 }
 

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::elimination::{Fronts, fronts};
-use crate::kernels::{WIDTH, triangle_start};
+use crate::kernels::triangle_start;
+use crate::real::WIDTH;
 use crate::{Ordering, Pattern};
 
 /// What the factorisation of every matrix on one pattern shares: the fronts, where each block of the matrix goes, and
@@ -160,7 +161,7 @@ impl Symbolic {
         symbolic
     }
 
-    /// Children, the way of their rows into the parent, and the stacks of updates.
+    /// Children, the places of their rows in the parent, and the stacks of updates.
     fn link(&mut self, parent: &[Option<u32>]) {
         let count = self.fronts.len();
         let mut lists: Vec<Vec<u32>> = vec![Vec::new(); count];
@@ -201,7 +202,7 @@ impl Symbolic {
         }
     }
 
-    /// The way of the matrix' blocks into the panels.
+    /// The places of the matrix' blocks in the panels.
     fn map_entries(&mut self) {
         let place = |node: u32| self.place[node as usize] as usize;
         // The blocks (slot and nodes) by the place of their column, which is the earlier of their two nodes.

@@ -43,7 +43,7 @@ pub(crate) fn grid(size: [usize; 3]) -> (Vec<Vector3<f64>>, Vec<[u32; 2]>) {
     (positions, edges)
 }
 
-/// Springs along the edges, with a share of stiffness across: a free elastic body, semidefinite.
+/// Springs along the edges, with some stiffness across: a free elastic body, semidefinite.
 pub(crate) fn elastic(positions: &[Vector3<f64>], edges: &[[u32; 2]]) -> BlockMatrix {
     let pattern = Arc::new(Pattern::from_cliques(positions.len(), edges));
     let mut matrix = BlockMatrix::zeros(pattern);

@@ -9,10 +9,10 @@
 //!
 //! Symmetric and positive definite with A, so it serves [`ConjugateGradients`](crate::ConjugateGradients): some ten iterations to 1e-3 and twenty to 1e-7 for
 //! elastic solids, whatever their number of nodes, where the cost of a factor grows with its square. Each sweep reads the matrix
-//! once: the forward one leaves −Lᵀ x, which is the residual after it, on the way.
+//! once: the forward one leaves −Lᵀ x, which is the residual after it, at no cost.
 //!
-//! The sweeps are in single numbers; the coarse matrix is in double ones, as it may have directions without stiffness (a point
-//! in which few nodes have a part), which a small share on its diagonal takes.
+//! The sweeps are in f32, the coarse matrix in f64, as it may have directions without stiffness (a point
+//! in which few nodes have a part), which a small addition to its diagonal regularises.
 //!
 //! Not here: more than two levels. The coarse factor is exact; from some hundred thousand nodes on it would take the most time.
 
@@ -22,9 +22,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::{BlockMatrix, Factor, Lattice, NotPositive, Ordering, Pattern, Symbolic};
 
-/// What is added to the diagonal of the coarse matrix, as a share of it: far below the stiffness of any mode that a body of a
+/// Regularisation: what is added to the diagonal of the coarse matrix, relative to it: far below the stiffness of any mode that a body of a
 /// thousand cells in length has, far above rounding.
-const SHARE: f64 = 1e-10;
+const SHIFT: f64 = 1e-10;
 
 /// How a part of a fine block goes into the coarse matrix: as it is, transposed, or both in a diagonal block. The two low bits of a
 /// target; above them the slot.
@@ -148,12 +148,12 @@ impl TwoLevel {
         for point in 0..self.lattice.count() {
             let diagonal = *self.coarse.diagonal(point);
             // A point all of whose nodes are fixed has nothing.
-            let share = if diagonal.trace() == 0.0 {
+            let added = if diagonal.trace() == 0.0 {
                 1.0
             } else {
-                SHARE * diagonal.trace()
+                SHIFT * diagonal.trace()
             };
-            let block = Matrix3::from_diagonal_element(share);
+            let block = Matrix3::from_diagonal_element(added);
             self.coarse.add_diagonal(point, &block);
         }
         self.factor.factorise(&self.coarse, None).map_err(|at| {

@@ -130,7 +130,7 @@ fn begin_anew(name: &str, material: &Material, cells: usize) {
         "| {name} | {} | {} | {patterned:.0} | {ordered:.0} | {analysed:.0} | {all:.0} | {followed:.0} | {} | {step:.0} |",
         mesh.tets.len(),
         pattern.blocks(),
-        linear.expect("just made").way()
+        linear.expect("just made").method_name()
     );
 }
 

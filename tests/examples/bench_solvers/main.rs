@@ -191,7 +191,7 @@ fn phases_of(model: &TissueModel, large: bool) -> (&'static str, [f64; 8], f64) 
     let times = [
         analysis, exact, positive, prepare, solve, factor, solution, update,
     ];
-    (system.solver.way(), times, bytes)
+    (system.solver.method_name(), times, bytes)
 }
 
 /// The beam bent to a parabola, its end 50 mm down.

@@ -35,7 +35,7 @@ fn check(matrix: &BlockMatrix, ordering: &Ordering, rhs: &[Vector3<f64>]) {
     let dense = dense(matrix);
     let expected = dense.clone().cholesky().unwrap().solve(&dense_vector(rhs));
     let bound = error_bound(&dense);
-    assert!(bound < 1e-3, "the test says something: {bound}");
+    assert!(bound < 1e-3, "the bound is no bound: {bound}");
     let mut factor = factor(matrix.pattern(), ordering);
     factor.factorise(matrix, None).unwrap();
     let mut x = rhs.to_vec();
@@ -272,10 +272,10 @@ fn a_factor_of_single_numbers_is_a_good_preconditioner() {
     matrix.multiply(&x, &mut y);
     let residual: f64 = y.iter().zip(&b).map(|(y, b)| (y - b).norm_squared()).sum();
     let size: f64 = b.iter().map(|b| b.norm_squared()).sum();
-    // Each iteration leaves at most ε of single numbers times the condition number of the error before, times a few.
-    let share = 8.0 * condition * f64::from(f32::EPSILON);
-    assert!(share < 0.05, "the test says something: {share}");
-    assert!((residual / size).sqrt() < share);
+    // Each iteration leaves at most ε of f32 times the condition number of the error before, times a few.
+    let rate = 8.0 * condition * f64::from(f32::EPSILON);
+    assert!(rate < 0.05, "the bound is no bound: {rate}");
+    assert!((residual / size).sqrt() < rate);
     let outcome = crate::ConjugateGradients::new(b.len()).solve(
         |x, y| matrix.multiply(x, y),
         |r, z| {

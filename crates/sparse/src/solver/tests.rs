@@ -28,31 +28,31 @@ fn residual(matrix: &BlockMatrix, fixed: &[bool], x: &[Vector3<f64>], b: &[Vecto
     (left / size).sqrt()
 }
 
-/// The first way of small and slender bodies is a factor, of large solid ones two levels; both come to the tolerance and leave fixed
+/// The first method of small and slender bodies is a factor, of large solid ones two levels; both reach the tolerance and leave fixed
 /// nodes as they are.
 #[test]
 fn each_way_solves() {
-    for (size, way) in [
-        ([4, 4, 4], Way::Single),
-        ([400, 3, 3], Way::Single),
-        ([16, 16, 16], Way::TwoLevel),
+    for (size, method) in [
+        ([4, 4, 4], Method::FactorF32),
+        ([400, 3, 3], Method::FactorF32),
+        ([16, 16, 16], Method::TwoLevel),
     ] {
         let (matrix, positions, fixed) = held(size);
         let mut solver = LinearSolver::new(matrix.pattern(), &positions);
-        assert_eq!(solver.first, way, "{size:?}");
+        assert_eq!(solver.first, method, "{size:?}");
         let b = vectors(&mut Congruential(51), positions.len());
         for tolerance in [1e-3, 1e-9] {
             solver.factorise(&matrix, &fixed).unwrap();
             let mut x = b.clone();
             solver.solve(&matrix, &mut x, tolerance).unwrap();
             assert!(residual(&matrix, &fixed, &x, &b) <= 1.01 * tolerance);
-            let kept = (0..b.len()).filter(|&node| fixed[node]);
-            assert!(kept.into_iter().all(|node| x[node] == b[node]));
+            let fixed_nodes = (0..b.len()).filter(|&node| fixed[node]);
+            assert!(fixed_nodes.into_iter().all(|node| x[node] == b[node]));
         }
     }
 }
 
-/// Stiffness of 10⁹ along a chain and 1 across is beyond single numbers: the last way takes it.
+/// Stiffness of 10⁹ along a chain and 1 across is beyond the precision of f32: the last method takes it.
 #[test]
 fn the_surer_way_follows() {
     let positions: Vec<_> = (0..200).map(|k| Vector3::x() * f64::from(k)).collect();
@@ -72,7 +72,7 @@ fn the_surer_way_follows() {
     solver.factorise(&matrix, &fixed).unwrap();
     let mut x = b.clone();
     solver.solve(&matrix, &mut x, 1e-10).unwrap();
-    assert_eq!(solver.way, Way::Double);
+    assert_eq!(solver.method, Method::FactorF64);
     // Forces from the free end sum up along the soft springs: the closed form. 200² ε of the stiffest, over the softest.
     let mut expected = Vector3::zeros();
     let mut pull: Vector3<f64> = b[1..].iter().sum();
@@ -103,12 +103,12 @@ fn a_factor_follows_two_levels() {
         }
     }
     let mut solver = LinearSolver::new(matrix.pattern(), &positions);
-    assert_eq!(solver.first, Way::TwoLevel);
+    assert_eq!(solver.first, Method::TwoLevel);
     let b = vectors(&mut random, positions.len());
     let mut x = b.clone();
     solver.factorise(&matrix, &fixed).unwrap();
     solver.solve(&matrix, &mut x, 1e-9).unwrap();
-    assert!(solver.way > Way::TwoLevel);
+    assert!(solver.method > Method::TwoLevel);
     assert!(residual(&matrix, &fixed, &x, &b) <= 1.01e-9);
 }
 
@@ -132,48 +132,51 @@ fn same_numbers_same_bits() {
     assert!(run(&mut solver, &matrix) == first);
 }
 
-/// A body that was large enough for two levels keeps this way when a cut leaves less of it, and solves to the tolerance, with a surer way
-/// behind it as well; one that was small gets the way of what it has become. Bodies between do not matter.
+/// A body that was large enough for two levels retains this method when a cut leaves less of it, and solves to the tolerance, by the methods
+/// after it as well; one that was small gets the method of what it has become. Bodies between do not matter.
 #[test]
 fn another_pattern_is_followed() {
     let (large, small) = (held([16, 16, 16]), held([4, 4, 4]));
     let of = |(matrix, positions, _): &(BlockMatrix, Vec<_>, _)| {
         LinearSolver::new(matrix.pattern(), positions)
     };
-    let check = |solver: &mut LinearSolver, to: &(BlockMatrix, Vec<_>, Vec<bool>), way| {
+    let check = |solver: &mut LinearSolver, to: &(BlockMatrix, Vec<_>, Vec<bool>), method| {
         let (matrix, positions, fixed) = to;
         *solver = solver.following(matrix.pattern(), positions);
-        assert_eq!(solver.first, way);
+        assert_eq!(solver.first, method);
         let b = vectors(&mut Congruential(57), positions.len());
-        [way, Way::Single, Way::Double].map(|way| {
+        [method, Method::FactorF32, Method::FactorF64].map(|method| {
             let mut x = b.clone();
             solver.factorise(matrix, fixed).unwrap();
-            solver.prepare(matrix, way).unwrap();
+            solver.prepare(matrix, method).unwrap();
             solver.solve(matrix, &mut x, 1e-9).unwrap();
             assert!(residual(matrix, fixed, &x, &b) <= 1.01e-9);
             bits(&x)
         })
     };
     let mut was_large = of(&large);
-    let first = check(&mut was_large, &small, Way::TwoLevel);
-    check(&mut was_large, &large, Way::TwoLevel);
-    assert!(check(&mut was_large.clone(), &small, Way::TwoLevel) == first);
+    let first = check(&mut was_large, &small, Method::TwoLevel);
+    check(&mut was_large, &large, Method::TwoLevel);
+    assert!(check(&mut was_large.clone(), &small, Method::TwoLevel) == first);
     let mut was_small = of(&small);
-    let first = check(&mut was_small, &small, Way::Single);
-    check(&mut was_small, &large, Way::TwoLevel);
-    assert!(check(&mut was_small, &small, Way::Single) == first);
+    let first = check(&mut was_small, &small, Method::FactorF32);
+    check(&mut was_small, &large, Method::TwoLevel);
+    assert!(check(&mut was_small, &small, Method::FactorF32) == first);
 }
 
 #[test]
 fn an_indefinite_matrix_is_refused() {
-    for (size, way) in [([4, 4, 4], Way::Single), ([16, 16, 16], Way::TwoLevel)] {
+    for (size, method) in [
+        ([4, 4, 4], Method::FactorF32),
+        ([16, 16, 16], Method::TwoLevel),
+    ] {
         let (mut matrix, positions, fixed) = held(size);
         // A shift that leaves every diagonal block positive and the lowest modes negative.
         for node in 0..positions.len() {
             matrix.add_diagonal(node, &Matrix3::from_diagonal_element(-0.3));
         }
         let mut solver = LinearSolver::new(matrix.pattern(), &positions);
-        assert_eq!(solver.first, way);
+        assert_eq!(solver.first, method);
         let b = vectors(&mut Congruential(54), positions.len());
         let mut x = b.clone();
         let refused = solver
@@ -184,7 +187,7 @@ fn an_indefinite_matrix_is_refused() {
     }
 }
 
-/// A factor of double numbers solves to what they are worth, whatever tolerance is asked for, for bodies small enough to have it each time.
+/// An f64 factor solves to rounding, whatever tolerance is asked for, for bodies small enough to have it each time.
 #[test]
 fn a_small_body_has_a_factor_of_double_numbers() {
     for (size, small) in [

@@ -53,7 +53,7 @@ impl Held {
     }
 }
 
-/// Pᵀ A P with the rows of fixed nodes left out, and the share on the diagonal, by dense products. n products of rounding each.
+/// Pᵀ A P with the rows of fixed nodes left out, and the addition to the diagonal, by dense products. n products of rounding each.
 #[test]
 fn the_coarse_matrix_is_the_product() {
     let held = held([5, 4, 3]);
@@ -72,8 +72,8 @@ fn the_coarse_matrix_is_the_product() {
         let trace: f64 = (0..3)
             .map(|k| expected[(3 * point + k, 3 * point + k)])
             .sum();
-        let share = if trace == 0.0 { 1.0 } else { SHARE * trace };
-        (0..3).for_each(|k| expected[(3 * point + k, 3 * point + k)] += share);
+        let added = if trace == 0.0 { 1.0 } else { SHIFT * trace };
+        (0..3).for_each(|k| expected[(3 * point + k, 3 * point + k)] += added);
     }
     assert!(points < nodes / 2 && points > 4);
     let difference = (dense(&two_level.coarse) - &expected).amax();
@@ -83,8 +83,8 @@ fn the_coarse_matrix_is_the_product() {
     );
 }
 
-/// With a point for every node the correction is the solution, up to single numbers of the sweeps: two iterations, as with a factor
-/// of single numbers.
+/// With a point for every node the correction is the solution, up to the f32 precision of the sweeps: two iterations, as with an
+/// f32 factor.
 #[test]
 fn a_full_coarse_space_solves() {
     let held = held([6, 4, 4]);
@@ -120,7 +120,7 @@ fn iterations_do_not_grow_with_the_mesh() {
     );
 }
 
-/// As conjugate gradients need it; 1e-5 is what is left of single numbers after two sweeps over some twenty blocks each.
+/// As conjugate gradients need it; 1e-5 is what is left of f32 precision after two sweeps over some twenty blocks each.
 #[test]
 fn symmetric_and_positive() {
     let held = held([7, 5, 3]);
@@ -144,7 +144,7 @@ fn symmetric_and_positive() {
     }
 }
 
-/// Points that two nodes share alone give a coarse matrix without full rank: a row of nodes in the middle of cells.
+/// Points that belong to two nodes alone give a coarse matrix without full rank: a row of nodes in the middle of cells.
 #[test]
 fn a_coarse_space_without_full_rank_is_no_obstacle() {
     let positions: Vec<_> = (0..40)
