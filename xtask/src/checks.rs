@@ -1,25 +1,14 @@
 //! `cargo xtask test`: every check, the same here and on a server.
 
-use crate::child;
 use crate::dependencies;
 use crate::failure::Failure;
+use crate::outcome::{Outcome, outcome};
 use crate::setup::{self, Mode};
 use crate::tree;
 use crate::workspace::Workspace;
 use std::ffi::OsString;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
-
-/// What one phase came to.
-#[derive(Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// Nothing to complain about.
-    Passed,
-    /// Something to know, in a sentence, that fails nothing.
-    Warned(String),
-    /// It has printed why.
-    Failed,
-}
 
 /// Runs all checks; a check that fails does not keep the next from running. `harness` goes to every test program.
 pub fn check(workspace: &Workspace, short: bool, harness: &[OsString]) -> Result<(), Failure> {
@@ -90,16 +79,6 @@ fn tests(workspace: &Workspace, short: bool, harness: &[OsString]) -> Result<Out
         cargo.arg("--").args(harness);
     }
     outcome(&mut cargo)
-}
-
-/// Runs a check that prints its own complaints.
-pub fn outcome(command: &mut Command) -> Result<Outcome, Failure> {
-    let passed = child::run(command)?.success();
-    Ok(if passed {
-        Outcome::Passed
-    } else {
-        Outcome::Failed
-    })
 }
 
 /// The phases so far, with their times.

@@ -2,9 +2,9 @@
 //!
 //! The program is installed from crates.io where it is missing: 4.5 minutes of CPU time, once per target folder.
 
-use crate::checks::{Outcome, outcome};
 use crate::child;
 use crate::failure::Failure;
+use crate::outcome::{Outcome, outcome};
 use crate::workspace::Workspace;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

@@ -10,6 +10,7 @@ mod demonstration;
 mod dependencies;
 mod failure;
 mod new_module;
+mod outcome;
 mod programs;
 mod setup;
 mod tree;

@@ -1,4 +1,4 @@
-//! A grid of cells that finds things by their boxes.
+//! A grid of cells that finds boxes.
 
 use microsim_geometry::Aabb;
 use nalgebra::Vector3;
@@ -66,14 +66,6 @@ impl BoxGrid {
         grid
     }
 
-    /// The boxes that may hold `point`, ascending.
-    pub(crate) fn at(&self, point: &Vector3<f64>) -> &[u32] {
-        if !self.bounds.contains(point) {
-            return &[];
-        }
-        self.list([0, 1, 2].map(|axis| self.coordinate(axis, point[axis])))
-    }
-
     /// The boxes that may overlap `region`, ascending, each once.
     pub(crate) fn near(&self, region: &Aabb) -> Vec<u32> {
         if !self.bounds.overlaps(region) {
@@ -93,9 +85,9 @@ impl BoxGrid {
         found
     }
 
-    /// Calls `distance` \[m\] with things near `point` and on to those farther away until none that is left can be closer
-    /// than the smallest distance returned so far; a thing may come more than once. `distance` is never smaller than the
-    /// distance to the thing's box.
+    /// Calls `distance` \[m\] with boxes near `point` and on to those farther away until none that is left can be closer
+    /// than the smallest distance returned so far; a box may come more than once. `distance` is never smaller than the
+    /// distance to the box.
     pub(crate) fn search_nearest(
         &self,
         point: &Vector3<f64>,
@@ -122,7 +114,7 @@ impl BoxGrid {
                 })
                 .flatten()
                 .fold(f64::INFINITY, f64::min);
-            // A hair of the cells, so that rounding cannot leave out a thing at the same distance.
+            // A hair of the cells, so that rounding cannot leave out a box at the same distance.
             let margin = 1e-9 * self.cell.max();
             if ring > 0 && reached - margin > best {
                 return;
@@ -217,10 +209,9 @@ mod tests {
             let grid = BoxGrid::new(&boxes);
             let point = Vector3::from(p);
             let region = Aabb { min: point, max: point + Vector3::repeat(reach) };
-            let (at, near) = (grid.at(&point), grid.near(&region));
+            let near = grid.near(&region);
             for (index, item) in boxes.iter().enumerate() {
                 let index = index as u32;
-                prop_assert!(!item.contains(&point) || at.contains(&index));
                 prop_assert!(!item.overlaps(&region) || near.contains(&index));
             }
             let distance = |index: u32| {
@@ -241,7 +232,6 @@ mod tests {
     fn a_grid_of_one_point_or_of_nothing_answers() {
         let point = Vector3::new(1.0, 2.0, 3.0);
         let grid = BoxGrid::new(&[Aabb::of([&point])]);
-        assert_eq!(grid.at(&point), [0]);
         assert_eq!(grid.near(&Aabb::of([&point])), [0]);
         let mut seen = Vec::new();
         grid.search_nearest(&Vector3::zeros(), |index| {
@@ -250,6 +240,6 @@ mod tests {
         });
         assert_eq!(seen, [0]);
         let empty = BoxGrid::new(&[]);
-        assert!(empty.at(&point).is_empty() && empty.near(&Aabb::of([&point])).is_empty());
+        assert!(empty.near(&Aabb::of([&point])).is_empty());
     }
 }

@@ -7,10 +7,10 @@ use microsim_geometry::signed_volume;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// An element is flat when its volume is at most this share of the cube of its longest edge (0.118 in the regular one).
+/// An element is flat when its volume is at most this fraction of the cube of its longest edge (0.118 in the regular one).
 pub const FLAT: f64 = 1e-6;
 
-/// Nodes coincide when they are closer than this share of the mean edge: more than the six digits of a text file leave.
+/// Nodes coincide when they are closer than this fraction of the mean edge: more than the six digits of a text file leave.
 pub const COINCIDING: f64 = 1e-4;
 
 /// How bad a defect is.
@@ -119,7 +119,7 @@ pub enum Defect {
         /// Their distance \[m\].
         distance: f64,
     },
-    /// The mesh falls into parts that share no node.
+    /// The mesh falls into parts without a common node.
     Components {
         /// Number of parts.
         count: usize,
@@ -207,7 +207,7 @@ impl std::fmt::Display for Defect {
             ),
             Self::Components { count } => write!(
                 f,
-                "the mesh falls into {count} parts that share no node: merge their common nodes unless they are meant to be apart"
+                "the mesh falls into {count} parts without a common node: merge their common nodes unless they are meant to be apart"
             ),
         }
     }
@@ -215,6 +215,19 @@ impl std::fmt::Display for Defect {
 
 /// Everything wrong with `mesh`; empty when nothing is. Elements whose nodes are out of range, repeated or not finite take
 /// no part in the later checks.
+///
+/// ```
+/// use microsim_mesh::{Severity, TetMesh, defects};
+/// use nalgebra::Vector3;
+///
+/// // Two corners exchanged: the element is inverted.
+/// let corners = vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+/// let mesh = TetMesh::new(corners, vec![[1, 0, 2, 3]], vec![0]);
+/// let found = defects(&mesh);
+/// assert_eq!(found.len(), 1);
+/// assert_eq!(found[0].severity(), Severity::Error);
+/// assert!(found[0].to_string().contains("inverted"));
+/// ```
 pub fn defects(mesh: &TetMesh) -> Vec<Defect> {
     let mut found = Vec::new();
     if mesh.tets.is_empty() {

@@ -1,6 +1,6 @@
 //! Topology edits: one atomic step from a generation of a mesh to the next.
 //!
-//! An edit is data. It says which nodes are new and from which two nodes everything that they have is blended, which
+//! An edit is data. It lists which nodes are new and from which two nodes everything that they have is blended, which
 //! elements are replaced by which children, and what leaves. It is applied as a whole or not at all, costs what it
 //! touches and not what the mesh holds, and carries whatever else is stored by node along
 //! ([`TopologyEdit::carry_nodes`]). Nodes and elements are only appended; what leaves is filled from
@@ -54,6 +54,27 @@ pub struct CutFace {
 /// One step of a mesh from a generation to the next.
 ///
 /// In this order: nodes are appended, elements are replaced, elements leave, nodes leave.
+///
+/// ```
+/// use microsim_mesh::{NewNode, Replacement, TetMesh, TopologyEdit};
+/// use nalgebra::Vector3;
+///
+/// let corners = vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+/// let mut mesh = TetMesh::new(corners, vec![[0, 1, 2, 3]], vec![0]);
+/// // The edge 0–1 is halved by node 4, and the element with it.
+/// let edit = TopologyEdit {
+///     nodes: vec![NewNode { between: [0, 1], fraction: 0.5 }],
+///     elements: vec![Replacement {
+///         element: 0,
+///         children: vec![[0, 4, 2, 3], [4, 1, 2, 3]],
+///     }],
+///     ..TopologyEdit::default()
+/// };
+/// mesh.apply(&edit)?;
+/// assert_eq!((mesh.tets.len(), mesh.generation), (2, 1));
+/// assert_eq!(mesh.element_ids, [1, 2]);
+/// # Ok::<(), microsim_mesh::EditError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TopologyEdit {
     /// The generation of the mesh to which it applies.
@@ -65,7 +86,7 @@ pub struct TopologyEdit {
     /// Elements that leave, ascending, as they are numbered after the replacement. From the last to the first, each place is
     /// taken by the last element of the mesh.
     pub removed: Vec<u32>,
-    /// Nodes that leave because no element is left at them, ascending; the same way.
+    /// Nodes that leave because no element is left at them, ascending; their indices are filled likewise.
     pub removed_nodes: Vec<u32>,
     /// Elements, as they are numbered in the end, that keep their id and have the same corners under the new indices that
     /// [`TopologyEdit::removed_nodes`] brings.

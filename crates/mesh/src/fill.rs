@@ -112,6 +112,21 @@ impl std::error::Error for FillError {}
 
 /// Fills the closed `surface` with tetrahedra of about `cell_size` \[m\], the edge of a cubic cell and the longest edge of
 /// an inner element; a cell holds twelve. All in region 0. A surface that faces inward as a whole is taken as turned.
+///
+/// ```
+/// use microsim_mesh::{Block, CellSplit, TriangleSurface, defects, fill};
+///
+/// // The boundary of a cube of 1 cm, filled again.
+/// let block = Block { center: [0.0; 3], size: [0.01; 3], cells: [1; 3], split: CellSplit::Kuhn };
+/// let cube = block.mesh()?;
+/// let surface = TriangleSurface {
+///     triangles: cube.surface().triangles,
+///     positions: cube.positions,
+/// };
+/// let mesh = fill(&surface, 0.002)?;
+/// assert!(defects(&mesh).is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fill(surface: &TriangleSurface, cell_size: f64) -> Result<TetMesh, FillError> {
     let mut errors = surface.defects();
     errors.retain(|defect| defect.severity() == Severity::Error);
@@ -175,7 +190,7 @@ fn lattice_around(surface: &TriangleSurface, cell_size: f64) -> Result<Lattice, 
     })
 }
 
-/// Where the surface crosses the segment between the points `i` inside and `o` outside, as a share from `i`; the
+/// Where the surface crosses the segment between the points `i` inside and `o` outside, as a fraction from `i`; the
 /// crossing closest to `i` of several.
 fn crossing(surface: &TriangleSurface, grid: &BoxGrid, i: &Vector3<f64>, o: &Vector3<f64>) -> f64 {
     let direction = o - i;

@@ -1,8 +1,8 @@
-//! Tetrahedral meshes: generators, files, connectivity, quality, validity, mapping.
+//! Tetrahedral meshes: generators, files, connectivity, edits of the topology, validity.
 //!
 //! What is here: the mesh with stable ids and regions; blocks, tubes of layers, closed surfaces filled with tetrahedra;
-//! the boundary and parts of it; the quality of elements; reports on what is wrong with a mesh or surface, with place and
-//! remedy; points that follow a mesh. What is not: physics, reading and writing of disks (formats turn bytes into meshes
+//! the boundary and parts of it; reports on what is wrong with a mesh or surface, with place and
+//! remedy. What is not: physics, reading and writing of disks (formats turn bytes into meshes
 //! and back), deciding what is cut (edits of the topology are carried out here, made elsewhere). Pure: same input, same
 //! bits. Tetrahedra are positive: `signed_volume` > 0 for their node order.
 
@@ -15,7 +15,7 @@ mod defects;
 mod edit;
 mod fill;
 pub mod format;
-mod mapping;
+#[cfg(test)]
 mod quality;
 mod surface;
 mod surface_defect;
@@ -28,12 +28,8 @@ pub use block::{Block, BlockError};
 pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
 pub use edit::{Applied, CutFace, EditError, NewNode, Replaced, Replacement, Side, TopologyEdit};
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
-pub use mapping::{Location, Locator, Mapping, MappingError};
 pub use microsim_geometry::signed_volume;
 pub use microsim_vocabulary::CellSplit;
-pub use quality::{
-    Distribution, ElementQuality, HISTOGRAM_BINS, Histogram, QualityReport, RankedElement,
-};
 pub use surface::Surface;
 pub use surface_defect::SurfaceDefect;
 pub use tet_mesh::TetMesh;

@@ -1,4 +1,4 @@
-//! Quality of elements: radius ratio, dihedral angles, edge ratio, and their distribution over a mesh.
+//! Quality of elements, for tests of generated meshes: radius ratio, dihedral angles, edge ratio.
 
 use crate::TetMesh;
 use crate::tet_mesh::EDGES;
@@ -6,29 +6,23 @@ use microsim_geometry::signed_volume;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Number of bins of a histogram.
-pub const HISTOGRAM_BINS: usize = 20;
-
-/// Number of elements that a report names as the worst.
-const WORST: usize = 10;
-
 /// Quality of one tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ElementQuality {
+pub(crate) struct ElementQuality {
     /// Three times the radius of the inscribed sphere over that of the circumscribed one: 1 for the regular
     /// tetrahedron, 0 for a flat one; below 0 when the element is inverted.
-    pub radius_ratio: f64,
+    pub(crate) radius_ratio: f64,
     /// Smallest of the six angles between the faces, inside \[rad\]; arccos(1/3) for the regular tetrahedron.
-    pub dihedral_min: f64,
+    pub(crate) dihedral_min: f64,
     /// Largest of the six angles between the faces, inside \[rad\].
-    pub dihedral_max: f64,
+    pub(crate) dihedral_max: f64,
     /// Longest edge over shortest; 1 for the regular tetrahedron.
-    pub edge_ratio: f64,
+    pub(crate) edge_ratio: f64,
 }
 
 impl ElementQuality {
-    /// The quality of the tetrahedron with `corners` \[m\]. The angles do not tell its orientation.
-    pub fn of(corners: &[Vector3<f64>; 4]) -> Self {
+    /// The quality of the tetrahedron with `corners` \[m\]. The angles do not depend on its orientation.
+    pub(crate) fn of(corners: &[Vector3<f64>; 4]) -> Self {
         let [a, b, c, d] = corners;
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0f64);
         let (mut dihedral_min, mut dihedral_max) = (PI, 0.0f64);
@@ -73,127 +67,25 @@ impl ElementQuality {
     }
 }
 
-/// Counts of values in equal bins.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Histogram {
-    /// Lower end of the first bin; smaller values are counted in it.
-    pub from: f64,
-    /// Upper end of the last bin; larger values are counted in it.
-    pub to: f64,
-    /// Number of values in each of [`HISTOGRAM_BINS`] bins.
-    pub counts: Vec<u32>,
-}
-
-/// Distribution of one measure over the elements. A percentile p is the smallest value that at least p % of the values do
-/// not exceed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Distribution {
-    /// Smallest value.
-    pub min: f64,
-    /// 1st percentile.
-    pub p1: f64,
-    /// 5th percentile.
-    pub p5: f64,
-    /// Median.
-    pub p50: f64,
-    /// 95th percentile.
-    pub p95: f64,
-    /// 99th percentile.
-    pub p99: f64,
-    /// Largest value.
-    pub max: f64,
-    /// Counts.
-    pub histogram: Histogram,
-}
-
-/// An element with its quality.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RankedElement {
-    /// Index of the element.
-    pub element: u32,
-    /// Its stable id.
-    pub id: u32,
-    /// Its quality.
-    pub quality: ElementQuality,
-}
-
-/// Quality of a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct QualityReport {
-    /// Radius ratio; histogram from 0 to 1.
-    pub radius_ratio: Distribution,
-    /// Smallest dihedral angle of each element \[rad\]; histogram from 0 to π/2.
-    pub dihedral_min: Distribution,
-    /// Largest dihedral angle of each element \[rad\]; histogram from 0 to π.
-    pub dihedral_max: Distribution,
-    /// Edge ratio; histogram from 1 to 11.
-    pub edge_ratio: Distribution,
-    /// The ten elements with the smallest radius ratio, worst first.
-    pub worst: Vec<RankedElement>,
-}
-
-impl QualityReport {
-    /// The report on `mesh`; `None` when it has no element.
-    pub fn of(mesh: &TetMesh) -> Option<Self> {
-        let qualities: Vec<ElementQuality> = (0..mesh.tets.len())
-            .map(|element| ElementQuality::of(&mesh.corners(element)))
-            .collect();
-        let distribution = |of: fn(&ElementQuality) -> f64, from: f64, to: f64| {
-            Distribution::of(qualities.iter().map(of).collect(), from, to)
-        };
-        let mut order: Vec<usize> = (0..qualities.len()).collect();
-        order.sort_by(|&i, &j| {
-            qualities[i]
-                .radius_ratio
-                .total_cmp(&qualities[j].radius_ratio)
-        });
-        Some(Self {
-            radius_ratio: distribution(|q| q.radius_ratio, 0.0, 1.0)?,
-            dihedral_min: distribution(|q| q.dihedral_min, 0.0, PI / 2.0)?,
-            dihedral_max: distribution(|q| q.dihedral_max, 0.0, PI)?,
-            edge_ratio: distribution(|q| q.edge_ratio, 1.0, 11.0)?,
-            worst: order
-                .into_iter()
-                .take(WORST)
-                .map(|element| RankedElement {
-                    element: element as u32,
-                    id: mesh.element_ids[element],
-                    quality: qualities[element],
-                })
-                .collect(),
-        })
-    }
-}
-
-impl Distribution {
-    /// The distribution of `values`, counted between `from` and `to`; `None` without values.
-    fn of(mut values: Vec<f64>, from: f64, to: f64) -> Option<Self> {
-        values.sort_by(f64::total_cmp);
-        let (&min, &max) = (values.first()?, values.last()?);
-        let percentile = |p: usize| values[(values.len() * p).div_ceil(100).max(1) - 1];
-        let mut counts = vec![0; HISTOGRAM_BINS];
-        for value in &values {
-            let bin = (value - from) / (to - from) * HISTOGRAM_BINS as f64;
-            // The conversion takes everything below 0 (and NaN) to 0.
-            counts[(bin as usize).min(HISTOGRAM_BINS - 1)] += 1;
-        }
-        Some(Self {
-            min,
-            p1: percentile(1),
-            p5: percentile(5),
-            p50: percentile(50),
-            p95: percentile(95),
-            p99: percentile(99),
-            max,
-            histogram: Histogram { from, to, counts },
-        })
-    }
+/// The smallest radius ratio, and the smallest and largest dihedral angle \[rad\] of all elements of a mesh.
+pub(crate) fn extremes(mesh: &TetMesh) -> [f64; 3] {
+    let elements = 0..mesh.tets.len();
+    elements.fold(
+        [f64::INFINITY, f64::INFINITY, 0.0],
+        |[ratio, min, max], element| {
+            let quality = ElementQuality::of(&mesh.corners(element));
+            [
+                ratio.min(quality.radius_ratio),
+                min.min(quality.dihedral_min),
+                max.max(quality.dihedral_max),
+            ]
+        },
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Block, CellSplit};
 
     /// Positive: (0, −2, −2) · (−2, −2, 0) × (−2, 0, −2) = (0, −2, −2) · (4, −4, −4) = 16 are six volumes.
     const REGULAR: [Vector3<f64>; 4] = [
@@ -252,46 +144,5 @@ mod tests {
         ]);
         assert_eq!(quality.radius_ratio, 0.0);
         assert_eq!((quality.dihedral_min, quality.dihedral_max), (0.0, PI));
-    }
-
-    /// 100 values 1…100: percentile p is p by definition; the bins hold five each.
-    #[test]
-    fn percentiles_and_counts_follow_their_definition() {
-        let values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        let d = Distribution::of(values, 0.5, 100.5).unwrap();
-        assert_eq!(
-            [d.min, d.p1, d.p5, d.p50, d.p95, d.p99, d.max],
-            [1.0, 1.0, 5.0, 50.0, 95.0, 99.0, 100.0]
-        );
-        assert_eq!(d.histogram.counts, vec![5; HISTOGRAM_BINS]);
-        let outside = Distribution::of(vec![-1.0, 2.0], 0.0, 1.0).unwrap();
-        assert_eq!(
-            (outside.histogram.counts[0], outside.histogram.counts[19]),
-            (1, 1)
-        );
-    }
-
-    #[test]
-    fn the_worst_element_of_a_mesh_is_named_with_its_id() {
-        let mut mesh = Block {
-            center: [0.0; 3],
-            size: [1.0; 3],
-            cells: [2; 3],
-            split: CellSplit::Kuhn,
-        }
-        .mesh()
-        .unwrap();
-        mesh.element_ids.iter_mut().for_each(|id| *id += 1000);
-        let last = mesh.tets.len() - 1;
-        mesh.tets[last].swap(0, 1);
-        let report = QualityReport::of(&mesh).unwrap();
-        assert_eq!(
-            (report.worst[0].element, report.worst[0].id),
-            (last as u32, 1000 + last as u32)
-        );
-        assert!(report.radius_ratio.min < -0.7 && report.radius_ratio.p5 > 0.7);
-        assert_eq!(report.worst.len(), 10);
-        mesh.tets.clear();
-        assert_eq!(QualityReport::of(&mesh), None);
     }
 }

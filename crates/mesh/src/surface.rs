@@ -3,6 +3,19 @@
 use nalgebra::Vector3;
 
 /// Outward triangles of a boundary and the nodes on it.
+///
+/// ```
+/// use microsim_mesh::{Block, CellSplit};
+///
+/// let block = Block { center: [0.0; 3], size: [1.0; 3], cells: [2; 3], split: CellSplit::Kuhn };
+/// let mesh = block.mesh()?;
+/// // The upper face: eight triangles with nine nodes and an area of 1 m².
+/// let top = mesh.surface().select(&mesh.positions, |_, normal| normal.z > 0.9);
+/// assert_eq!((top.triangles.len(), top.nodes.len()), (8, 9));
+/// let area: f64 = top.node_areas(&mesh.positions).iter().sum();
+/// assert!((area - 1.0).abs() < 1e-14);
+/// # Ok::<(), microsim_mesh::BlockError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Three node indices per triangle, outward by the right-hand rule.

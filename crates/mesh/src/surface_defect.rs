@@ -82,7 +82,7 @@ pub enum SurfaceDefect {
         /// Their distance \[m\].
         distance: f64,
     },
-    /// The surface falls into parts that share no vertex.
+    /// The surface falls into parts without a common vertex.
     Components {
         /// Number of parts.
         count: usize,

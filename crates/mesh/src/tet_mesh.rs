@@ -12,8 +12,20 @@ pub(crate) const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 
 
 /// A tetrahedral mesh at rest.
 ///
+/// ```
+/// use microsim_mesh::TetMesh;
+/// use nalgebra::Vector3;
+///
+/// let corners = vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+/// let mesh = TetMesh::new(corners, vec![[0, 1, 2, 3]], vec![0]);
+/// assert_eq!(mesh.volumes(), [1.0 / 6.0]);
+/// assert_eq!((mesh.edges().len(), mesh.surface().triangles.len()), (6, 4));
+/// // A quarter of the mass at each node.
+/// assert_eq!(mesh.node_masses(&[6000.0]), [250.0; 4]);
+/// ```
+///
 /// Indices address the arrays of one generation. Ids name nodes and elements for ever: they are never reused and survive
-/// every renumbering, so that a reader of an older generation can still say what it meant.
+/// every renumbering, so that a reader of an older generation still knows what it meant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TetMesh {
     /// Rest positions \[m\].
@@ -90,7 +102,7 @@ impl TetMesh {
 
     /// The boundary of the part made of the chosen elements, outward: of a region, with
     /// `|element| mesh.regions[element] == region`.
-    pub fn surface_of(&self, chosen: impl FnMut(usize) -> bool) -> Surface {
+    pub(crate) fn surface_of(&self, chosen: impl FnMut(usize) -> bool) -> Surface {
         let faces = self.boundary_faces(chosen);
         Surface::new(faces.into_iter().map(|(triangle, _)| triangle).collect())
     }
@@ -158,11 +170,6 @@ impl TetMesh {
             .collect()
     }
 
-    /// Lumped node masses \[kg\] of a body with one `density` \[kg/m³\].
-    pub fn lumped_masses(&self, density: f64) -> Vec<f64> {
-        self.node_masses(&vec![density; self.tets.len()])
-    }
-
     /// Lumped node masses \[kg\] for the density of each element \[kg/m³\]: a quarter of the mass of each element at the node.
     pub fn node_masses(&self, densities: &[f64]) -> Vec<f64> {
         let mut masses = vec![0.0; self.positions.len()];
@@ -199,7 +206,7 @@ mod tests {
     }
 
     /// Each layer of 12 × 6 cells by itself: two triangles per cell on both walls, per cell of the ring on both ends. The
-    /// layers' boundaries share their common wall, which is not on that of the whole.
+    /// layers' boundaries have a common wall, which is not on that of the whole.
     #[test]
     fn the_surface_of_a_region_is_that_of_its_elements() {
         let mesh = two_layers().mesh().unwrap();

@@ -26,7 +26,7 @@ pub(crate) fn edge_uses(triangles: &[[u32; 3]]) -> Vec<EdgeUse> {
         .collect()
 }
 
-/// The nodes at which the triangles fall into several fans that share no edge, each with their number: places where
+/// The nodes at which the triangles fall into several fans without a common edge, each with their number: places where
 /// sheets touch in one point only.
 pub(crate) fn pinched_nodes(triangles: &[[u32; 3]]) -> Vec<(u32, usize)> {
     // For each triangle at a node, the node's two neighbours in it.

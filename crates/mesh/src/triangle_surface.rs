@@ -10,7 +10,22 @@ use std::collections::BTreeMap;
 /// Triangles in space: what surface files hold and what is filled with tetrahedra.
 ///
 /// Unlike [`Surface`](crate::Surface) it belongs to no mesh. That it is closed and turned outward is not promised here;
-/// [`TriangleSurface::defects`] tells.
+/// [`TriangleSurface::defects`] checks it.
+///
+/// ```
+/// use microsim_mesh::TriangleSurface;
+/// use nalgebra::Vector3;
+///
+/// let mut surface = TriangleSurface {
+///     positions: vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()],
+///     triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// };
+/// assert!(surface.defects().is_empty());
+/// assert_eq!(surface.volume(), 1.0 / 6.0);
+/// // Without a triangle there is a hole.
+/// surface.triangles.pop();
+/// assert!(!surface.defects().is_empty());
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleSurface {
     /// Positions of the vertices \[m\].
@@ -211,7 +226,7 @@ mod tests {
         assert!(surface.volume() < 0.0 && surface.defects().is_empty());
     }
 
-    /// Each surface spoiled in one way says this one thing, with its place.
+    /// Each surface with one defect has this one complaint, with its place.
     #[test]
     fn each_defect_is_found_and_named() {
         type Spoil = fn(&mut TriangleSurface);

@@ -37,6 +37,29 @@ pub enum Arc {
 }
 
 /// A straight tube of one or several layers.
+///
+/// ```
+/// use microsim_mesh::{Arc, CellSplit, Layer, Tube, TubeSide};
+///
+/// // A vessel of 1 mm with media (region 0) and adventitia (region 1).
+/// let layer = |thickness, region| Layer { thickness, cells: 1, region };
+/// let tube = Tube {
+///     center: [0.0; 3],
+///     axis: [0.0, 0.0, 1.0],
+///     inner_radius: 0.38e-3,
+///     layers: vec![layer(80e-6, 0), layer(40e-6, 1)],
+///     length: 5e-3,
+///     around: 12,
+///     along: 20,
+///     arc: Arc::Full,
+///     split: CellSplit::Kuhn,
+/// };
+/// let mesh = tube.mesh()?;
+/// assert_eq!(mesh.tets.len(), 12 * 20 * 2 * 6);
+/// // The wall of the lumen: two triangles per cell.
+/// assert_eq!(tube.side(&mesh, TubeSide::Inner).triangles.len(), 12 * 20 * 2);
+/// # Ok::<(), microsim_mesh::TubeError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tube {
     /// Middle of the axis \[m\].

@@ -28,7 +28,7 @@ unsafe impl GlobalAlloc for Watched {
 #[global_allocator]
 static WATCHED: Watched = Watched;
 
-/// Headers that promise 4 billion things in files of less than 1 kB: nothing larger than 1 MB is asked for.
+/// Headers that promise 4 billion items in files of less than 1 kB: nothing larger than 1 MB is asked for.
 #[test]
 fn promises_of_a_header_are_not_believed() {
     let head = "# vtk DataFile Version 4.2\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\n";

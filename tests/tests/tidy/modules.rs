@@ -327,7 +327,11 @@ fn cycles_are_found_where_they_are() {
         "b.rs",
         "use crate::{Deep, c::{self, C}};\npub struct B(C, Deep<'static>);\n",
     );
-    write("c.rs", "pub struct C;\n");
+    // A module within a file is part of it.
+    write(
+        "c.rs",
+        "pub struct C;\nmod sealed {\n    use super::C;\n    fn f(_: super::C) {}\n}\n",
+    );
     write("tests.rs", "use crate::c::C;\n");
     let modules = Crate::read(&folder.path().join("lib.rs"));
     let graph = modules.siblings(&[]);

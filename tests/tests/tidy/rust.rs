@@ -150,15 +150,41 @@ pub fn is_name(token: &str) -> bool {
 pub fn declarations(code: &str) -> Declarations {
     let tokens: Vec<&str> = tokens(code).into_iter().map(|(_, token)| token).collect();
     let mut found = Declarations::default();
+    // Braces that are open, and at which depths modules within the file began.
+    let (mut depth, mut inline) = (0_usize, Vec::new());
     let mut at = 0;
     while at < tokens.len() {
         match tokens[at] {
+            "mod" if tokens.get(at + 2) == Some(&"{") => {
+                inline.push(depth);
+                depth += 1;
+                at += 3;
+            }
+            "{" => {
+                depth += 1;
+                at += 1;
+            }
+            "}" => {
+                depth = depth.saturating_sub(1);
+                if inline.last() == Some(&depth) {
+                    inline.pop();
+                }
+                at += 1;
+            }
             "mod" if tokens.get(at + 2) == Some(&";") => {
                 found.modules.push(tokens[at + 1].to_owned());
                 at += 3;
             }
             "use" if tokens.get(at + 1).is_some_and(|next| is_name(next)) => {
-                at = use_tree(&tokens, at + 1, &[], &mut found);
+                let mut brought = Declarations::default();
+                at = use_tree(&tokens, at + 1, &[], &mut brought);
+                let paths = brought.paths.into_iter();
+                found
+                    .paths
+                    .extend(paths.map(|path| outside(path, inline.len())));
+                if inline.is_empty() {
+                    found.imports.extend(brought.imports);
+                }
             }
             // `a.b::<C>()` is no path, nor is what a macro finds in its own crate.
             name if is_name(name) && (at == 0 || !["::", ".", "$"].contains(&tokens[at - 1])) => {
@@ -171,13 +197,23 @@ pub fn declarations(code: &str) -> Declarations {
                     at += 2;
                 }
                 if path.len() > 1 {
-                    found.paths.insert(path);
+                    found.paths.insert(outside(path, inline.len()));
                 }
             }
             _ => at += 1,
         }
     }
     found
+}
+
+/// A path inside as many modules of one file, as it is outside of them.
+fn outside(mut path: Vec<String>, inline: usize) -> Vec<String> {
+    let up = path.iter().take(inline).take_while(|name| *name == "super");
+    let up = up.count();
+    if up > 0 {
+        path.splice(..up, ["self".to_owned()]);
+    }
+    path
 }
 
 /// Reads one tree of a `use` declaration behind a prefix; returns the place behind it.

@@ -1,4 +1,4 @@
-//! Each defect is made by hand in a sound block and must be found where it was put, and nothing else.
+//! Each defect is made by hand in a valid block and must be found where it was put, and nothing else.
 
 use super::*;
 use crate::{Block, CellSplit};

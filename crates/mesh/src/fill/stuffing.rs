@@ -7,7 +7,7 @@ use super::lattice::Lattice;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// A crossing closer to an end of a long edge than this share of the edge pulls that end onto the surface. With
+/// A crossing closer to an end of a long edge than this fraction of the edge pulls that end onto the surface. With
 /// [`WARP_SHORT`] the paper's pair: the bounds of the angles are an optimum there, or close to it.
 pub(super) const WARP_LONG: f64 = 0.24999;
 
@@ -30,7 +30,7 @@ enum Corner {
 }
 
 /// The inside of a surface on `lattice`: node positions \[m\] and positive tetrahedra. `crossing(i, o)` is the place where
-/// the surface crosses the edge from the inside point `i` to the outside point `o`, as a share of the edge from `i`.
+/// the surface crosses the edge from the inside point `i` to the outside point `o`, as a fraction of the edge from `i`.
 pub(super) fn stuff(
     lattice: &Lattice,
     inside: &[bool],
@@ -51,7 +51,7 @@ pub(super) fn stuff(
     (pieces.positions, pieces.tets)
 }
 
-/// The crossing of every edge with one end inside, as a share from the smaller point.
+/// The crossing of every edge with one end inside, as a fraction from the smaller point.
 fn crossings(
     lattice: &Lattice,
     inside: &[bool],
@@ -215,7 +215,7 @@ impl Pieces<'_> {
         }
     }
 
-    /// Adds the prism between the triangles `top` and `bottom`, (top, bottom[0]) positive. `diagonals[i]` tells whether
+    /// Adds the prism between the triangles `top` and `bottom`, (top, bottom[0]) positive. `diagonals[i]` states whether
     /// the quadrilateral of the edges i and i + 1 is cut from `top[i]` to `bottom[i + 1]`; not all three are equal.
     fn add_prism(&mut self, top: [Corner; 3], bottom: [Corner; 3], diagonals: [bool; 3]) {
         // One corner of the top has two diagonals: cut off the bottom, then the pyramid over the opposite quadrilateral.

@@ -21,7 +21,7 @@ struct Crossing {
 pub(super) struct Overlap {
     /// The winding number.
     pub(super) winding: i32,
-    /// The triangle crossed last on the way there.
+    /// The triangle crossed last before it.
     pub(super) triangle: u32,
     /// The point \[m\].
     pub(super) point: Vector3<f64>,

@@ -7,8 +7,8 @@ use crate::{TetMesh, signed_volume};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Cell arrays that say which material a cell is made of, the first that is there counts: our own name, then those of
-/// Gmsh (by way of meshio and of VTK), SfePy, OpenGeoSys, Medit and TetGen.
+/// Cell arrays that state which material a cell is made of, the first that is there counts: our own name, then those of
+/// Gmsh (through meshio and VTK), SfePy, OpenGeoSys, Medit and TetGen.
 const REGION_ARRAYS: [&str; 7] = [
     "region",
     "gmsh:physical",
@@ -35,7 +35,7 @@ pub(super) struct Parts {
     pub(super) regions: Vec<u32>,
     /// Elements that are not linear tetrahedra, by name.
     pub(super) left_out: BTreeMap<String, usize>,
-    /// What else is to be said.
+    /// What else is to be reported.
     pub(super) notes: Vec<String>,
 }
 

@@ -2,17 +2,17 @@
 //!
 //! | format | read | written |
 //! |---|---|---|
-//! | Gmsh `.msh` | 2.x and 4.1, ASCII and binary, both byte orders | 2.2 and 4.1 ASCII |
-//! | VTK legacy `.vtk` | unstructured grids up to 5.1, ASCII and binary | 4.2 ASCII |
+//! | Gmsh `.msh` | 2.x and 4.1, ASCII and binary, both byte orders | 2.2 ASCII |
+//! | VTK legacy `.vtk` | unstructured grids up to 5.1, ASCII and binary | – |
 //! | VTK XML `.vtu` | ASCII, base64, appended, zlib, both byte orders | ASCII, appended raw; `.pvd` for time series |
-//! | TetGen `.node` + `.ele` | counted from 0 or from 1 | counted from 0 |
-//! | Wavefront `.obj` | polygons, relative indices | triangles |
-//! | STL `.stl` | ASCII and binary, vertices welded | ASCII and binary |
+//! | TetGen `.node` + `.ele` | counted from 0 or from 1 | – |
+//! | Wavefront `.obj` | polygons, relative indices | – |
+//! | STL `.stl` | ASCII and binary, vertices welded | – |
 //!
 //! Lengths are taken as they stand: the caller knows the unit of its file. Physical groups, material numbers and
 //! attributes of elements become regions. Every tetrahedron is turned positive; nothing else is repaired or judged here:
 //! flat, duplicated or unconnected elements and unused nodes are the validity report's to find. What a file holds beyond
-//! that (triangles, hexahedra, point data) is left out and said so in the notes; curved tetrahedra are refused. A damaged
+//! that (triangles, hexahedra, point data) is left out, which the notes state; curved tetrahedra are refused. A damaged
 //! file is an error with its place, never a panic, and nothing is allocated beyond what the file can fill.
 //!
 //! What is not here: files and paths (the caller reads and writes), meshing, units. Numbers are written in the shortest
@@ -32,12 +32,8 @@ mod vtk_legacy;
 mod vtu;
 
 pub use error::{FormatError, Place};
-pub use gmsh::{write_gmsh_2, write_gmsh_4};
-pub use obj::write_obj;
+pub use gmsh::write_gmsh_2;
 pub use pvd::{PvdEntry, write_pvd};
-pub use stl::{write_stl_ascii, write_stl_binary};
-pub use tetgen::write_tetgen;
-pub use vtk_legacy::write_vtk_legacy;
 pub use vtu::{Field, FieldValues, VtuEncoding, write_vtu};
 
 use crate::{TetMesh, TriangleSurface};
@@ -129,6 +125,19 @@ pub struct SurfaceImport {
 
 /// The tetrahedral mesh in `files`: one file, or two for TetGen (see [`MeshFormat::files`]).
 ///
+/// ```
+/// use microsim_mesh::format::{MeshFormat, read_tet_mesh};
+///
+/// let node = b"4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n";
+/// let ele = b"1 4 1\n0 0 1 2 3 7\n";
+/// let import = read_tet_mesh(MeshFormat::TetGen, &[node, ele])?;
+/// assert_eq!((import.mesh.tets.len(), import.mesh.regions[0]), (1, 7));
+/// // A damaged file is an error with its place.
+/// let error = read_tet_mesh(MeshFormat::TetGen, &[&node[..20], ele]).unwrap_err();
+/// assert!(!error.to_string().is_empty());
+/// # Ok::<(), microsim_mesh::format::FormatError>(())
+/// ```
+///
 /// # Panics
 /// If the number of files is not the format's.
 pub fn read_tet_mesh(format: MeshFormat, files: &[&[u8]]) -> Result<Import, FormatError> {
@@ -142,6 +151,16 @@ pub fn read_tet_mesh(format: MeshFormat, files: &[&[u8]]) -> Result<Import, Form
 }
 
 /// The surface in `file`.
+///
+/// ```
+/// use microsim_mesh::format::{SurfaceFormat, read_surface};
+///
+/// let file = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+/// let import = read_surface(SurfaceFormat::Obj, file)?;
+/// assert_eq!(import.surface.triangles.len(), 2);
+/// assert_eq!(import.notes, ["1 polygons were cut into triangles as fans"]);
+/// # Ok::<(), microsim_mesh::format::FormatError>(())
+/// ```
 pub fn read_surface(format: SurfaceFormat, file: &[u8]) -> Result<SurfaceImport, FormatError> {
     match format {
         SurfaceFormat::Obj => obj::read(file),

@@ -5,9 +5,8 @@ use super::error::{FormatError, Place};
 use super::scanner::quoted;
 use crate::TriangleSurface;
 use nalgebra::Vector3;
-use std::fmt::Write;
 
-/// Statements that say nothing about the shape of the surface.
+/// Statements that do not concern the shape of the surface.
 const PASSED_OVER: [&[u8]; 10] = [
     b"vt", b"vn", b"vp", b"g", b"o", b"s", b"usemtl", b"mtllib", b"l", b"p",
 ];
@@ -123,17 +122,4 @@ pub(super) fn read(file: &[u8]) -> Result<SurfaceImport, FormatError> {
 
 fn number_in<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()
-}
-
-/// `surface` as an `.obj` file.
-pub fn write_obj(surface: &TriangleSurface) -> Vec<u8> {
-    let mut out = String::new();
-    for p in &surface.positions {
-        let _ = writeln!(out, "v {:?} {:?} {:?}", p.x, p.y, p.z);
-    }
-    for triangle in &surface.triangles {
-        let [a, b, c] = triangle.map(|vertex| u64::from(vertex) + 1);
-        let _ = writeln!(out, "f {a} {b} {c}");
-    }
-    out.into_bytes()
 }

@@ -14,6 +14,15 @@ pub struct PvdEntry<'a> {
 }
 
 /// The collection of `entries`, in their order.
+///
+/// ```
+/// use microsim_mesh::format::{PvdEntry, write_pvd};
+///
+/// let entry = PvdEntry { time: 0.1, part: 0, file: "frames/1.vtu" };
+/// let file = String::from_utf8(write_pvd(&[entry]))?;
+/// assert!(file.contains("timestep=\"0.1\"") && file.contains("frames/1.vtu"));
+/// # Ok::<(), std::string::FromUtf8Error>(())
+/// ```
 pub fn write_pvd(entries: &[PvdEntry<'_>]) -> Vec<u8> {
     let mut out = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",

@@ -12,7 +12,7 @@ const QUOTED: usize = 40;
 pub(super) struct Scanner<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// Where the last thing read begins: the place of an error.
+    /// Where the last item read begins: the place of an error.
     last: usize,
     /// Whether places are bytes, not lines.
     binary: bool,
@@ -39,7 +39,7 @@ impl<'a> Scanner<'a> {
         self.bytes.len() - self.at
     }
 
-    /// An error where the last thing read begins.
+    /// An error where the last item read begins.
     pub(super) fn error(
         &self,
         found: impl Into<String>,
@@ -183,7 +183,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// A count just read, if that many things of at least `bytes_each` bytes can follow: what is allocated for them is then
+    /// A count just read, if that many items of at least `bytes_each` bytes can follow: what is allocated for them is then
     /// bounded by the file.
     pub(super) fn check_count(
         &self,
@@ -204,7 +204,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// Moves past the line that says `end`, wherever it is.
+    /// Moves past the line `end`, wherever it is.
     pub(super) fn skip_past(&mut self, end: &str) -> Result<(), FormatError> {
         let found = self.bytes[self.at..]
             .windows(end.len())

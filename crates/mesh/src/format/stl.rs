@@ -1,6 +1,6 @@
 //! STL: triangles without connectivity, in text or in single precision. Vertices are welded: first those with the same
 //! bits, then those closer than [`WELD`] times the diagonal of the box around all. Normals are passed over: the order of
-//! the corners says the same.
+//! the corners gives them.
 
 use super::SurfaceImport;
 use super::error::{FormatError, Place};
@@ -9,7 +9,6 @@ use super::scanner::{Scanner, quoted};
 use crate::TriangleSurface;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// Bytes before the triangles of a binary file: a comment of 80 and their number.
 const HEAD: usize = 84;
@@ -206,50 +205,4 @@ fn neighbour(
         .copied()
         .filter(|&vertex| (positions[vertex as usize] - corner).norm() <= reach)
         .min()
-}
-
-/// `surface` as an ASCII file. The corners read back to the same bits; vertices that no triangle uses are lost, as the
-/// format has none.
-pub fn write_stl_ascii(surface: &TriangleSurface) -> Vec<u8> {
-    let mut out = String::from("solid MicroSim\n");
-    for triangle in &surface.triangles {
-        let corners = triangle.map(|vertex| surface.positions[vertex as usize]);
-        let n = normal(&corners);
-        let _ = writeln!(
-            out,
-            "facet normal {:?} {:?} {:?}\nouter loop",
-            n.x, n.y, n.z
-        );
-        for p in corners {
-            let _ = writeln!(out, "vertex {:?} {:?} {:?}", p.x, p.y, p.z);
-        }
-        out.push_str("endloop\nendfacet\n");
-    }
-    out.push_str("endsolid MicroSim\n");
-    out.into_bytes()
-}
-
-/// `surface` as a binary file, which holds single precision only.
-pub fn write_stl_binary(surface: &TriangleSurface) -> Vec<u8> {
-    let mut out = vec![0; 80];
-    out.extend_from_slice(&(surface.triangles.len() as u32).to_le_bytes());
-    for triangle in &surface.triangles {
-        let corners = triangle.map(|vertex| surface.positions[vertex as usize]);
-        let [a, b, c] = corners;
-        for vector in [normal(&corners), a, b, c] {
-            for axis in 0..3 {
-                out.extend_from_slice(&(vector[axis] as f32).to_le_bytes());
-            }
-        }
-        out.extend_from_slice(&[0, 0]);
-    }
-    out
-}
-
-/// Unit normal by the right-hand rule; zero for a flat triangle.
-fn normal([a, b, c]: &Corners) -> Vector3<f64> {
-    (b - a)
-        .cross(&(c - a))
-        .try_normalize(0.0)
-        .unwrap_or_else(Vector3::zeros)
 }

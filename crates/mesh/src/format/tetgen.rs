@@ -5,10 +5,8 @@ use super::Import;
 use super::assemble::Parts;
 use super::error::{FormatError, Place};
 use super::scanner::quoted;
-use crate::TetMesh;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 const NODE: &str = ".node";
 const ELE: &str = ".ele";
@@ -110,7 +108,7 @@ fn elements(file: &[u8], nodes: &BTreeMap<i64, u32>, parts: &mut Parts) -> Resul
     Ok(())
 }
 
-/// The lines of a file that say something.
+/// The lines of a file that are neither empty nor a comment.
 struct Lines<'a> {
     rest: &'a [u8],
     number: usize,
@@ -216,18 +214,4 @@ impl<'a> Line<'a> {
             Err(self.error(format!("{value}"), "a finite coordinate"))
         }
     }
-}
-
-/// `mesh` as the `.node` and the `.ele` file, counted from 0; the attribute of a tetrahedron is its region.
-pub fn write_tetgen(mesh: &TetMesh) -> [Vec<u8>; 2] {
-    let mut node = format!("{} 3 0 0\n", mesh.positions.len());
-    for (index, p) in mesh.positions.iter().enumerate() {
-        let _ = writeln!(node, "{index} {:?} {:?} {:?}", p.x, p.y, p.z);
-    }
-    let mut ele = format!("{} 4 1\n", mesh.tets.len());
-    for (index, (tet, region)) in mesh.tets.iter().zip(&mesh.regions).enumerate() {
-        let [a, b, c, d] = tet;
-        let _ = writeln!(ele, "{index} {a} {b} {c} {d} {region}");
-    }
-    [node.into_bytes(), ele.into_bytes()]
 }

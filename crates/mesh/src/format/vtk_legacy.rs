@@ -1,6 +1,6 @@
 //! VTK legacy files (VTK user's guide, "Simple Legacy Formats"; version 5.1 as written by VTK 9).
 //!
-//! Binary data are big-endian by definition; the file cannot say otherwise, so a little-endian one is noticed by its
+//! Binary data are big-endian by definition; the file cannot state otherwise, so a little-endian one is noticed by its
 //! senseless counts.
 
 use super::Import;
@@ -9,8 +9,6 @@ use super::cells::Cells;
 use super::error::{FormatError, Place};
 use super::scalar::{Encoding, Endian, Numbers, Scalar};
 use super::scanner::{Scanner, quoted};
-use crate::TetMesh;
-use std::fmt::Write;
 
 /// The mesh in `file`.
 pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
@@ -369,32 +367,6 @@ fn decoded_name(word: &[u8]) -> String {
         }
     }
     String::from_utf8_lossy(&name).into_owned()
-}
-
-/// `mesh` as an ASCII file of version 4.2, which every reader knows; regions as the cell array "region".
-pub fn write_vtk_legacy(mesh: &TetMesh) -> Vec<u8> {
-    let mut out = String::from(
-        "# vtk DataFile Version 4.2\nMicroSim mesh\nASCII\nDATASET UNSTRUCTURED_GRID\n",
-    );
-    let _ = writeln!(out, "POINTS {} double", mesh.positions.len());
-    for p in &mesh.positions {
-        let _ = writeln!(out, "{:?} {:?} {:?}", p.x, p.y, p.z);
-    }
-    let cells = mesh.tets.len();
-    let _ = writeln!(out, "CELLS {cells} {}", 5 * cells);
-    for [a, b, c, d] in &mesh.tets {
-        let _ = writeln!(out, "4 {a} {b} {c} {d}");
-    }
-    let _ = writeln!(out, "CELL_TYPES {cells}");
-    out.push_str(&"10\n".repeat(cells));
-    let _ = writeln!(
-        out,
-        "CELL_DATA {cells}\nSCALARS region unsigned_int\nLOOKUP_TABLE default"
-    );
-    for region in &mesh.regions {
-        let _ = writeln!(out, "{region}");
-    }
-    out.into_bytes()
 }
 
 #[cfg(test)]

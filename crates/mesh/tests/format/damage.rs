@@ -2,10 +2,12 @@
 
 use crate::encode::{Layout, Order, Vtu, gmsh_2, gmsh_4, vtk_legacy};
 use crate::samples::two_cells;
+use crate::write::{
+    write_gmsh_4, write_obj, write_stl_ascii, write_stl_binary, write_tetgen, write_vtk_legacy,
+};
 use microsim_mesh::TriangleSurface;
 use microsim_mesh::format::{
     FormatError, MeshFormat, SurfaceFormat, VtuEncoding, read_surface, read_tet_mesh, write_gmsh_2,
-    write_gmsh_4, write_obj, write_stl_ascii, write_stl_binary, write_tetgen, write_vtk_legacy,
     write_vtu,
 };
 use microsim_random::SplitMix64;

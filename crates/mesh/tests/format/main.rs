@@ -6,3 +6,4 @@ mod foreign;
 mod refusals;
 mod round_trip;
 mod samples;
+mod write;

@@ -1,10 +1,11 @@
-//! What an error says: the place, what stands there, what should.
+//! What an error states: the place, what stands there, what should.
 
 use crate::damage::{Read, ele, gmsh, node, obj, stl, vtk, vtu};
 use crate::encode::{Layout, Order, Vtu, gmsh_2, gmsh_4, vtk_legacy};
 use crate::samples::two_cells;
+use crate::write::{write_stl_binary, write_tetgen};
 use microsim_mesh::TriangleSurface;
-use microsim_mesh::format::{Place, VtuEncoding, write_stl_binary, write_tetgen, write_vtu};
+use microsim_mesh::format::{Place, VtuEncoding, write_vtu};
 
 const HEAD: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
 const NODES: &str = "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n";

@@ -5,7 +5,7 @@ mod version_2;
 mod version_4;
 mod write;
 
-pub use write::{write_gmsh_2, write_gmsh_4};
+pub use write::write_gmsh_2;
 
 use super::Import;
 use super::assemble::Parts;
@@ -83,7 +83,7 @@ fn byte_order(scanner: &mut Scanner<'_>) -> Result<Endian, FormatError> {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads section after section with `section`, which says whether it knows the one it is given; others are skipped.
+    /// Reads section after section with `section`, which returns whether it knows the one it is given; others are skipped.
     fn sections(
         &mut self,
         mut section: impl FnMut(&mut Self, &str) -> Result<bool, FormatError>,
@@ -211,7 +211,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Notes the names of the groups of volumes: they say what the regions are.
+    /// Notes the names of the groups of volumes: they name the regions.
     fn physical_names(&mut self) -> Result<(), FormatError> {
         let count = self.scanner.number("the number of names")?;
         let count = self.scanner.check_count(count, 5, "names")?;

@@ -144,7 +144,7 @@ fn elements(reader: &mut Reader<'_>, regions: &BTreeMap<i64, u32>) -> Result<(),
     check_total(reader, read, count, "elements")
 }
 
-/// Numbers of blocks and of things, with which $Nodes and $Elements begin.
+/// Numbers of blocks and of entities, with which $Nodes and $Elements begin.
 fn section_head(reader: &mut Reader<'_>, what: &str) -> Result<(usize, i64), FormatError> {
     let blocks = reader.size("a number of blocks")?;
     let blocks = reader

@@ -7,7 +7,7 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
-/// What a file says about its arrays.
+/// What a file declares about its arrays.
 pub(super) struct Document<'a> {
     /// Byte order of binary data.
     pub(super) endian: Endian,
@@ -155,7 +155,7 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// The reader, with errors that say where.
+/// The reader, with errors that name the place.
 struct Xml<'a> {
     file: &'a [u8],
     reader: Reader<&'a [u8]>,

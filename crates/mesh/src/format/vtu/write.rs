@@ -46,6 +46,23 @@ impl FieldValues<'_> {
 /// `mesh` with its nodes at `positions` \[m\] (the rest positions, or where they are now) and the given fields. Regions and
 /// ids are always written, as the cell arrays "region" and "element_id" and the point array "node_id".
 ///
+/// ```
+/// use microsim_mesh::TetMesh;
+/// use microsim_mesh::format::{
+///     Field, FieldValues, MeshFormat, VtuEncoding, read_tet_mesh, write_vtu,
+/// };
+/// use nalgebra::Vector3;
+///
+/// let corners = vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+/// let mesh = TetMesh::new(corners, vec![[0, 1, 2, 3]], vec![0]);
+/// let mass = Field { name: "mass [kg]", values: FieldValues::Scalars(&[0.1; 4]) };
+/// let file = write_vtu(&mesh, &mesh.positions, &[mass], &[], VtuEncoding::AppendedRaw);
+/// // It reads back to the same bits.
+/// let import = read_tet_mesh(MeshFormat::Vtu, &[&file])?;
+/// assert_eq!(import.mesh, mesh);
+/// # Ok::<(), microsim_mesh::format::FormatError>(())
+/// ```
+///
 /// # Panics
 /// If a field or `positions` has not one value per node or element.
 pub fn write_vtu(
