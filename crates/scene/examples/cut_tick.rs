@@ -44,7 +44,7 @@ enum Touches {
 
 /// Length of the blade, and how far it goes in a tick \[cells\]: it then divides 60 elements in a tick at most, whatever the size of the body.
 const WIDTH: f64 = 8.0;
-const WAY: f64 = 0.25;
+const SPACING: f64 = 0.25;
 
 /// The blade goes down in the middle, and so often on each side of it, a cell further each time.
 const PASSES: i32 = 1;
@@ -166,7 +166,10 @@ fn measure(cells: [usize; 3], touches: Touches) {
     let Times { rest, cut, both } = times(&fastest.collect::<Vec<_>>());
     let single: Vec<Times> = runs.iter().map(|run| times(run)).collect();
     let median = |of: fn(&Times) -> &[f64]| {
-        let mut all: Vec<f64> = single.iter().map(|times| share(of(times), 0.99)).collect();
+        let mut all: Vec<f64> = single
+            .iter()
+            .map(|times| percentile(of(times), 0.99))
+            .collect();
         all.sort_by(f64::total_cmp);
         all[RUNS / 2]
     };
@@ -181,12 +184,12 @@ fn measure(cells: [usize; 3], touches: Touches) {
     println!(
         "{name:15} {elements:10} {:6} {mean:8.0} {most:7} {:10.2} {:13.2} {:4.2} {:17.2} {:14.2} {:4.2} {:17.2}",
         cut.len(),
-        share(&rest, 0.5),
-        share(&cut, 0.5),
-        share(&cut, 0.99),
+        percentile(&rest, 0.5),
+        percentile(&cut, 0.5),
+        percentile(&cut, 0.99),
         median(|times| &times.cut),
-        share(&both, 0.5),
-        share(&both, 0.99),
+        percentile(&both, 0.5),
+        percentile(&both, 0.99),
         median(|times| &times.both),
     );
 }
@@ -204,7 +207,7 @@ fn times(ticks: &[Tick]) -> Times {
         let without = pass.iter().filter(|tick| !tick.cuts);
         let mut without: Vec<f64> = without.map(|tick| tick.time).collect();
         without.sort_by(f64::total_cmp);
-        let tick = share(&without, 0.5);
+        let tick = percentile(&without, 0.5);
         rest.push(tick);
         for with in pass.iter().filter(|tick| tick.divided > 0) {
             both.push(with.time);
@@ -233,14 +236,14 @@ struct Tick {
 /// All ticks of a body with cells of this edge and so high \[m\].
 fn run(spec: &SceneSpec, edge: f64, height: f64, touches: Touches) -> Vec<Tick> {
     let mut scene = Scene::new(spec).expect("a scene");
-    let way = WAY * edge;
+    let spacing = SPACING * edge;
     // One that touches begins where it does not, and cuts along its axis.
     let top = 0.5 * height
         + match touches {
-            Touches::Table => 0.5 * way,
+            Touches::Table => 0.5 * spacing,
             _ => 1.5 * edge,
         };
-    let ticks = ((0.5 * height + top) / way) as usize + 1;
+    let ticks = ((0.5 * height + top) / spacing) as usize + 1;
     let mut all = Vec::new();
     for pass in -PASSES..=PASSES {
         let at = |z: f64| Pose {
@@ -250,13 +253,13 @@ fn run(spec: &SceneSpec, edge: f64, height: f64, touches: Touches) -> Vec<Tick> 
         // Without a cut before and after, as the body grows by the cut: a blade that touches stands there, the other one is away.
         for k in 0..2 * REST + ticks {
             let cuts = (REST..REST + ticks).contains(&k);
-            let before = top - k.saturating_sub(REST).min(ticks) as f64 * way;
-            let way = if cuts { way } else { 0.0 };
+            let before = top - k.saturating_sub(REST).min(ticks) as f64 * spacing;
+            let spacing = if cuts { spacing } else { 0.0 };
             let there = cuts || touches != Touches::Table;
             let motion = there.then(|| ToolMotion {
                 tool: 0,
                 from: at(before),
-                to: at(before - way),
+                to: at(before - spacing),
                 opening_from: 0.0,
                 opening_to: 0.0,
                 active: true,
@@ -280,6 +283,6 @@ fn run(spec: &SceneSpec, edge: f64, height: f64, touches: Touches) -> Vec<Tick> 
 }
 
 /// The time that so large a share of sorted times does not exceed.
-fn share(times: &[f64], share: f64) -> f64 {
-    times[((times.len() - 1) as f64 * share).round() as usize]
+fn percentile(times: &[f64], fraction: f64) -> f64 {
+    times[((times.len() - 1) as f64 * fraction).round() as usize]
 }

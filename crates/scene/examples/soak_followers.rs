@@ -1,4 +1,4 @@
-//! Random cuts with model, solver and contact that follow, each compared with one made anew after each step:
+//! Random cuts with model, solver and contact that follow, each compared with one rebuilt after each step:
 //! `cargo run --release -p microsim-scene --example soak_followers -- STROKES SEED`.
 
 #[path = "../../cutting/tests/random_cuts/bodies.rs"]
@@ -19,13 +19,13 @@ fn main() -> ExitCode {
     };
     let mut followers = followers::Followers::new(seed);
     let mut last = 0;
-    let told = |summary: &soak::Summary| {
+    let report = |summary: &soak::Summary| {
         if summary.strokes / 100 > last {
             last = summary.strokes / 100;
             println!("{} strokes", summary.strokes);
         }
     };
-    match soak::run(strokes as usize, seed, 4, &mut followers, told) {
+    match soak::run(strokes as usize, seed, 4, &mut followers, report) {
         Ok(summary) => {
             println!("{summary:#?}\n{:#?}", followers.tally);
             ExitCode::SUCCESS

@@ -46,7 +46,7 @@ pub(crate) struct Body {
     pub tear_strains: Vec<(u32, f64)>,
     /// The triangles of the surface with their elements, of a body that can be cut.
     pub triangles: Vec<SurfaceTriangle>,
-    /// What edits have changed in it since it was renewed.
+    /// What edits have changed of the surface since it was last updated.
     pub surface_edits: Option<SurfaceEdits>,
     /// Of each triangle of the surface whether a cut has opened it.
     pub opened: Vec<bool>,

@@ -116,7 +116,7 @@ fn motion(motion: &MotionSpec) -> Option<&'static str> {
     }
 }
 
-/// Refuses a node that is held twice when one of its holders moves: which of them leads it would be a matter of chance.
+/// Refuses a node that is held twice when one of its holders moves: which of them prescribes it would be a matter of chance.
 pub(crate) fn check_holders(body: &BodySpec, nodes: &[Vec<u32>]) -> Result<(), SceneError> {
     let moves = |index: usize| body.clamps[index].motion.is_some();
     for (first, of_first) in nodes.iter().enumerate() {

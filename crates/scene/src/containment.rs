@@ -9,18 +9,18 @@ use microsim_geometry::{Aabb, signed_volume};
 use microsim_tissue::State;
 use nalgebra::Vector3;
 
-/// Energy may exceed what there was and what gravity and tools brought by this share of it. The measure itself oscillates by
+/// Energy may exceed what there was and what gravity and tools brought by this fraction of it. The measure itself oscillates by
 /// hω/2, which is 0.6 for the fastest modes at the recommended step.
 const ENERGY_MARGIN: f64 = 1.0;
 
 /// What undoing an old overlap may bring, as a multiple of the energy of the body stretched by 1 %: that of a stretch by 15 %. How
-/// much it really brings is not followed.
+/// much it really brings is not computed.
 const OVERLAP_ENERGY: f64 = 225.0;
 
 /// Below −1 times its rest volume an element is turned inside out as far as its springs can hold it there.
 const INVERTED: f64 = -1.0;
 
-/// For elements smaller than this share of the mean one the bound is that of this share: slivers that a cut leaves turn over many times their
+/// For elements smaller than this fraction of the mean one the bound is that of this fraction: slivers that a cut leaves turn over many times their
 /// volume when their neighbours move by little, and back again. Held to their own, tick after tick failed while blades closed again beside
 /// a cut (seen with `microsim trainee --profile expert --seed 3` of level 4 of coordination).
 const SLIVER: f64 = 0.5;
@@ -39,9 +39,9 @@ pub(crate) struct Watch {
     start_energy: f64,
     /// Work of contact, each step and point counted positive \[J\].
     work: f64,
-    /// Whether an old overlap was undone: it changes the energy by an amount that is not followed.
+    /// Whether an old overlap was undone: it changes the energy by an amount that is not computed.
     overlap_undone: bool,
-    /// Whether clamps or grips move in the tick: they bring energy that is not followed either.
+    /// Whether clamps or grips move in the tick: they bring energy that is not computed either.
     driven: bool,
     /// Whether a point of contact pressed harder than the material allows.
     overpressed: bool,
@@ -128,9 +128,9 @@ pub(crate) fn escaped(body: &Body, state: &State) -> Option<Divergence> {
         moved.zip(&body.pieces.of_nodes)
     };
     let mut means = vec![(Vector3::zeros(), 0.0); body.pieces.count() as usize];
-    for (way, &piece) in moved() {
+    for (displacement, &piece) in moved() {
         let (sum, count) = &mut means[piece as usize];
-        *sum += way;
+        *sum += displacement;
         *count += 1.0;
     }
     for (mean, count) in &mut means {
@@ -138,7 +138,8 @@ pub(crate) fn escaped(body: &Body, state: &State) -> Option<Divergence> {
     }
     let size = Aabb::of(rest);
     let limit = ESCAPE * (size.max - size.min).norm();
-    let far = moved().any(|(way, &piece)| (way - means[piece as usize].0).norm() > limit);
+    let far = moved()
+        .any(|(displacement, &piece)| (displacement - means[piece as usize].0).norm() > limit);
     far.then_some(Divergence::Escape)
 }
 

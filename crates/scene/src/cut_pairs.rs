@@ -53,7 +53,7 @@ pub(crate) fn find_cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<CutPair>
         let tool = spec.tools.iter().position(|tool| tool.name == cut.tool);
         let tool = tool.ok_or_else(|| wrong("no such tool"))?;
         if cuts.iter().any(|cut| (cut.body, cut.tool) == (body, tool)) {
-            return Err(wrong("stands twice"));
+            return Err(wrong("occurs twice"));
         }
         if !spec.tools[tool].capsules.iter().any(|part| part.lonor) {
             return Err(wrong("the tool has no line of no return"));

@@ -1,7 +1,7 @@
-//! Cutting: the ways of blades through bodies become edits of meshes, and all that knows a mesh follows.
+//! Cutting: paths of blades through bodies become edits of meshes, after which all that depends on a mesh is updated.
 //!
-//! What is here: when the edits of a tick are made (after it was accepted, so that none is ever taken back), what follows an edit and in
-//! which order. What is not: which line cuts (`lonor`), how elements are divided (crate `cutting`), how elements of a model follow (crate `tissue`).
+//! What is here: when the edits of a tick are made (after it was accepted, so that none is ever undone), what is updated after an edit and in
+//! which order. What is not: which line cuts (`lonor`), how elements are divided (crate `cutting`), how elements of a model are updated (crate `tissue`).
 
 use crate::body::Body;
 use crate::cut_pairs::CutPair;
@@ -36,22 +36,22 @@ impl Scene {
         edges
     }
 
-    /// Lets parts of tools through that are in what they cut.
+    /// Exempts parts of tools from contact that are in what they cut.
     pub(crate) fn exempt_blades(&mut self, motions: &[ToolMotion]) {
         if self.cuts.is_empty() {
             return;
         }
-        let mut passed = vec![Vec::new(); self.groups.len()];
-        for (cut, memory) in self.cuts.iter().zip(&self.state.blades) {
+        let mut exemptions = vec![Vec::new(); self.groups.len()];
+        for (cut, blade) in self.cuts.iter().zip(&self.state.blades) {
             let (group, place) = self.place_of(cut.body);
             if let Some(motion) = motions.iter().find(|motion| motion.tool == cut.tool) {
                 let lines = self.tools[cut.tool].lines(motion, 1.0);
-                passed[group].extend(memory.passed(place, cut.tool as u32, &lines));
+                exemptions[group].extend(blade.exemptions(place, cut.tool as u32, &lines));
             }
         }
-        for (group, passed) in self.groups.iter_mut().zip(passed) {
-            if let Some(touching) = &mut group.contact {
-                touching.passed = passed;
+        for (group, exemptions) in self.groups.iter_mut().zip(exemptions) {
+            if let Some(contact) = &mut group.contact {
+                contact.exemptions = exemptions;
             }
         }
     }
@@ -68,7 +68,7 @@ impl Scene {
         places.expect("each body is in a group")
     }
 
-    /// Makes the cuts of a tick that led from `start` to where bodies are now.
+    /// Makes the cuts of a tick that moved bodies from `start` to where they are now.
     pub(crate) fn cut(
         &mut self,
         motions: &[ToolMotion],
@@ -161,8 +161,9 @@ impl Scene {
             });
             let reaches = |&(element, tet): &(u32, [u32; 4])| {
                 let touches = topology.triangles_of(element).any(|triangle| {
-                    let way = closest_segment_triangle(&line.a, &line.b, &triangle.nodes.map(at));
-                    way.distance() < line.radius
+                    let closest =
+                        closest_segment_triangle(&line.a, &line.b, &triangle.nodes.map(at));
+                    closest.distance() < line.radius
                 });
                 touches || is_within(&tet.map(at), [line.a, line.b])
             };
@@ -171,7 +172,7 @@ impl Scene {
         lines.iter().map(|line| line.capsule).collect()
     }
 
-    /// Leads a blade along its path through a body; `before` are the positions of its nodes before the tick.
+    /// Moves a blade along its path through a body; `before` are the positions of its nodes before the tick.
     fn sweep(
         &mut self,
         cut: usize,
@@ -199,7 +200,7 @@ impl Scene {
         Ok(Some((made, pieces)))
     }
 
-    /// Tells the other lines that are under way in a body of an edit that one of them (cut and line) has made, before the body follows it.
+    /// Updates the other strokes in progress in a body after an edit that one of them (cut and line) has made, before the body is updated.
     pub(crate) fn update_strokes(
         &mut self,
         body: usize,
@@ -208,11 +209,11 @@ impl Scene {
     ) {
         let mesh = &self.bodies[body].mesh;
         let (nodes, elements) = (mesh.positions.len(), mesh.tets.len());
-        for (cut, memory) in self.state.blades.iter_mut().enumerate() {
+        for (cut, blade) in self.state.blades.iter_mut().enumerate() {
             if self.cuts[cut].body != body {
                 continue;
             }
-            let others = memory.strokes.iter_mut();
+            let others = blade.strokes.iter_mut();
             for (_, stroke) in others.filter(|(line, _)| Some((cut, *line)) != own) {
                 stroke.update_after_edit(edit, nodes, elements);
             }
@@ -220,7 +221,7 @@ impl Scene {
     }
 
     /// Makes a cut that the topology of its body has made already; returns the numbers of the pieces that came off. Surfaces, and what is
-    /// advanced together, follow once for all edits.
+    /// advanced together, are updated once for all edits.
     pub(crate) fn apply_cut(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
         let old = self.bodies[body].mesh.positions.len();
         let change = self.bodies[body].update_after_edit(&made.edit, &self.method);
@@ -241,7 +242,7 @@ impl Scene {
         pieces
     }
 
-    /// Gives what contact remembers of a body whose mesh has changed the numbers of now.
+    /// Gives the contact state of a body whose mesh has changed the numbers of now.
     fn renumber_contact(&mut self, body: usize, edit: &TopologyEdit, old: usize) {
         let (group, place) = self.place_of(body);
         let first = self.groups[group].members[place as usize].first_node as u32;

@@ -65,9 +65,9 @@ impl Scene {
             digest.f64s(&state.internal);
             digest.f64(*stable_step);
         }
-        for memory in &self.state.contacts {
-            digest.count(memory.forces.len());
-            for force in &memory.forces {
+        for contact in &self.state.contacts {
+            digest.count(contact.forces.len());
+            for force in &contact.forces {
                 let partner = match force.key.partner {
                     Partner::Tool { tool, capsule } => [0, tool, capsule],
                     Partner::Obstacle { part } => [1, part, 0],

@@ -19,7 +19,7 @@ pub enum Divergence {
     Step(StepFailure),
 }
 
-/// A body that diverged, whatever the sub-steps. The scene stands at the start of the tick, its last good state.
+/// A body that diverged, whatever the sub-steps. The scene is at the start of the tick, its last good state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diverged {
     /// Index of the body.

@@ -111,7 +111,7 @@ impl Drive {
         drive
     }
 
-    /// Follows an edit that brought `mesh` to where it is: what a clamp, grip or load has both nodes of that a new node comes from, it has too. `old` is
+    /// Updates the drive after an edit, whose result is `mesh`: what a clamp, grip or load has both nodes of that a new node comes from, it has too. `old` is
     /// the number of nodes before, `clamped` are the model's clamped nodes now.
     pub fn update_after_edit(
         &mut self,
@@ -163,7 +163,7 @@ impl Drive {
         !self.loads.is_empty()
     }
 
-    /// Whether any grip needs a method that leads nodes.
+    /// Whether any grip needs a method with prescribed nodes.
     pub fn has_grips(&self) -> bool {
         !self.grips.is_empty()
     }
@@ -173,7 +173,7 @@ impl Drive {
         self.clamps.iter().any(|clamp| clamp.motion.is_some())
     }
 
-    /// Whether anything that holds the body moves, closes or lets go between two times \[s\].
+    /// Whether anything that holds the body moves, closes or is released between two times \[s\].
     pub fn moves(&self, from: f64, to: f64) -> bool {
         let still = |motion: &Option<Motion>| {
             let last = motion.as_ref().and_then(|motion| motion.keys.last());
@@ -201,7 +201,7 @@ impl Drive {
             }
         }
         for load in &self.loads {
-            let share = if time < load.ramp {
+            let fraction = if time < load.ramp {
                 time / load.ramp
             } else {
                 1.0
@@ -209,10 +209,10 @@ impl Drive {
             match load.kind {
                 LoadKind::Pressure(pressure) => control.pressures.push(Pressure {
                     triangles: load.triangles.clone(),
-                    pressure: share * pressure,
+                    pressure: fraction * pressure,
                 }),
                 LoadKind::Traction(traction) => {
-                    let traction = Vector3::from(traction) * share;
+                    let traction = Vector3::from(traction) * fraction;
                     let forces = load
                         .areas
                         .iter()
@@ -227,7 +227,7 @@ impl Drive {
     /// The targets of gripped nodes at the end of the step that ends at `time` \[s\]: of a node in two grips the first.
     pub fn targets(&self, time: f64) -> Vec<NodeTarget> {
         let mut targets: Vec<NodeTarget> = Vec::new();
-        // A grip holds through the step in which it lets go; a tolerance of rounding on times that are sums of steps.
+        // A grip holds through the step in which it is released; a tolerance of rounding on times that are sums of steps.
         let closed = |grip: &&Grip| time <= grip.release * (1.0 + 1e-12);
         for grip in self.grips.iter().filter(closed) {
             targets.extend(grip.nodes.iter().map(|(node, rest)| NodeTarget {
@@ -269,9 +269,9 @@ impl Motion {
         let (mut before, mut shift, mut angle) = (0.0, Vector3::zeros(), 0.0);
         for (at, next_shift, next_angle) in &self.keys {
             if time < *at {
-                let share = (time - before) / (at - before);
-                shift += (next_shift - shift) * share;
-                angle += (next_angle - angle) * share;
+                let fraction = (time - before) / (at - before);
+                shift += (next_shift - shift) * fraction;
+                angle += (next_angle - angle) * fraction;
                 break;
             }
             (before, shift, angle) = (*at, *next_shift, *next_angle);

@@ -34,7 +34,7 @@ pub(crate) fn nodes_after_edit(
     })
 }
 
-/// What becomes of a selection of nodes: a new node is in it if `joins` says so of what is in it already, the node's number before any leaves, and
+/// What becomes of a selection of nodes: a new node is in it if `joins` is true of what is in it already, the node's number before any leaves, and
 /// what it comes from. Ascending.
 pub(crate) fn nodes_after_edit_by(
     nodes: impl IntoIterator<Item = u32>,

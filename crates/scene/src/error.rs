@@ -3,7 +3,7 @@
 use microsim_tissue::elements::CoupleError;
 use microsim_tissue::{BuildError, MethodError};
 
-/// Why a scene cannot be built or run. Each text says which part is meant and what is expected.
+/// Why a scene cannot be built or run. Each text names the part that is meant and what is expected.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
     /// Two bodies, tools or obstacles have one name, or a name is empty.
@@ -75,7 +75,7 @@ pub enum SceneError {
         /// The method.
         method: &'static str,
     },
-    /// The method cannot lead the nodes of a clamp that lets go.
+    /// The method cannot prescribe the nodes of a clamp that is released.
     Grip {
         /// The body.
         body: String,
@@ -98,10 +98,10 @@ pub enum SceneError {
     },
     /// An obstacle has no part, or a part with numbers that are not finite or sizes that are none.
     Obstacle {
-        /// The thing.
+        /// The obstacle.
         name: String,
     },
-    /// A contact pair names something that is not in the scene, stands twice, or has a number out of range.
+    /// A contact pair names something that is not in the scene, occurs twice, or has a number out of range.
     Contacts {
         /// Index of the pair.
         index: usize,
@@ -112,7 +112,7 @@ pub enum SceneError {
         /// What is wrong.
         reason: &'static str,
     },
-    /// A cut names something that is not in the scene, stands twice, or cannot be.
+    /// A cut names something that is not in the scene, occurs twice, or cannot be.
     Cuts {
         /// Index of the cut.
         index: usize,
@@ -149,7 +149,7 @@ impl std::fmt::Display for SceneError {
             Self::Name { kind, name } => {
                 write!(
                     f,
-                    "each {kind} needs a name of its own, '{name}' is empty or stands twice"
+                    "each {kind} needs a name of its own, '{name}' is empty or occurs twice"
                 )
             }
             Self::Build { body, source } => write!(f, "body '{body}': {source}"),
@@ -166,7 +166,7 @@ impl std::fmt::Display for SceneError {
                 clamps: [first, second],
             } => write!(
                 f,
-                "clamps {first} and {second} of body '{body}' share a node, and one of them moves: let each node have one holder"
+                "clamps {first} and {second} of body '{body}' have a common node, and one of them moves: let each node have one clamp"
             ),
             Self::NeverStable { body, method } => write!(
                 f,
@@ -180,11 +180,11 @@ impl std::fmt::Display for SceneError {
             Self::Method { body, source } => write!(f, "body '{body}': {source}"),
             Self::Contact { body, method } => write!(
                 f,
-                "body '{body}' is touched, and {method} cannot keep a gap: its force moves a node one step later only; use another method"
+                "body '{body}' is touched, and {method} cannot enforce non-penetration: its force moves a node one step later only; use another method"
             ),
             Self::Grip { body, method } => write!(
                 f,
-                "a clamp of body '{body}' lets go, and {method} cannot lead nodes: use another method"
+                "a clamp of body '{body}' is released, and {method} cannot prescribe nodes: use another method"
             ),
             Self::Tool { tool, part: None } => write!(
                 f,

@@ -14,8 +14,13 @@ pub(crate) struct Exemption {
 }
 
 impl Exemption {
-    /// Whether a point of contact at the share `way` of the tools' motion is of this part.
-    pub fn has(&self, point: &Point, tools: &[Option<Vec<CapsuleMotion>>], way: f64) -> bool {
+    /// Whether a point of contact at the step fraction `fraction` of the tools' motion is of this part.
+    pub fn covers(
+        &self,
+        point: &Point,
+        tools: &[Option<Vec<CapsuleMotion>>],
+        fraction: f64,
+    ) -> bool {
         let partner = Partner::Tool {
             tool: self.tool,
             capsule: self.capsule,
@@ -28,8 +33,8 @@ impl Exemption {
             return false;
         };
         let [a, b] = [
-            motion.start.a.lerp(&motion.end.a, way),
-            motion.start.b.lerp(&motion.end.b, way),
+            motion.start.a.lerp(&motion.end.a, fraction),
+            motion.start.b.lerp(&motion.end.b, fraction),
         ];
         let along = (point.place - a).dot(&(b - a)) / (b - a).norm_squared();
         self.range[0] <= along && along <= self.range[1]

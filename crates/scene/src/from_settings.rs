@@ -1,4 +1,4 @@
-//! From what a file says of bodies to what a scene is made of: the one conversion, for scenes and levels.
+//! From settings to the description of a scene: the one conversion, for scenes and levels.
 //!
 //! What is here: generators and mesh files to meshes, laws to materials, selections, tools. Files are read by a function that
 //! the caller brings. What is not: checks of single values (crate `settings`) and of the whole (when the scene is built).

@@ -35,7 +35,7 @@ impl Group {
         obstacles: &[ObstaclePart],
         method: &Method,
     ) -> Result<Vec<Self>, SceneError> {
-        // Each body is led to the first one of its group; a few passes reach the end of every chain.
+        // Each body points to the first one of its group; a few passes reach the end of every chain.
         let mut first: Vec<usize> = (0..bodies.len()).collect();
         loop {
             let mut changed = false;
@@ -90,7 +90,7 @@ impl Group {
         })
     }
 
-    /// Nodes of bodies have new numbers, before all follows.
+    /// First nodes of bodies whose meshes have changed, before all else is updated.
     pub fn renumber(&mut self, bodies: &[Body]) {
         let mut first_node = 0;
         for member in &mut self.members {
@@ -107,7 +107,7 @@ impl Group {
         self.solver.follow(self.union.as_ref().unwrap_or(models[0]));
     }
 
-    /// Follows edits of bodies, after which their surfaces have been surface_diffs.
+    /// Updates the group after edits of bodies whose surfaces are updated already.
     pub fn update_after_edit(&mut self, bodies: &[Body], surface_diffs: &[Option<SurfaceDiff>]) {
         self.update_models(bodies);
         if let Some(contact) = &mut self.contact {
@@ -115,7 +115,7 @@ impl Group {
         }
     }
 
-    /// Takes over bodies whose meshes are others.
+    /// Rebuilds what depends on meshes that have been replaced.
     pub fn rebuild(
         &mut self,
         bodies: &[Body],
@@ -194,7 +194,7 @@ impl Group {
 
     /// Puts them back.
     pub fn split(&self, mut joined: State, bodies: &[Body], states: &mut [State]) {
-        // From the last to the first: what is cut off is the last one's, and the first keeps its memory.
+        // From the last to the first: what is cut off is the last one's, and the first retains its memory.
         for member in self.members.iter().skip(1).rev() {
             let internal = joined.internal.len() - bodies[member.body].start.internal.len();
             let accelerations = member.first_node.min(joined.accelerations.len());

@@ -1,4 +1,4 @@
-//! From points of contact to what a solver keeps: friction, remembered forces, how much of an old overlap is undone.
+//! From points of contact to contact constraints of a solver: friction, forces of the last step, how much of an old overlap is undone.
 
 use crate::body::Body;
 use crate::exemption::Exemption;
@@ -13,17 +13,17 @@ use microsim_tissue::{Contact, ContactSource, Method, TissueModel};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// At most this share of the mean edge length of an old overlap is undone in one step (NUMERICS 2.7).
+/// At most this fraction of the mean edge length of an old overlap is undone in one step (NUMERICS 2.7).
 const OVERLAP_PER_STEP: f64 = 0.2;
 
-/// Points within this share of the mean edge length are given to the solver before they touch: what it moves then finds them.
+/// Points within this fraction of the mean edge length are given to the solver before they touch, for the nodes that it moves.
 const REACH_EXPLICIT: f64 = 0.1;
 const REACH_IMPLICIT: f64 = 0.3;
 
-/// What contact remembers from step to step, of one group.
+/// Contact state of one group, carried from step to step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ContactState {
-    /// On which side of things nodes are.
+    /// Which side of tools and obstacles nodes are on.
     pub sides: Sides,
     /// The forces that the last step ended with, ascending by key; those that are zero are left out.
     pub forces: Vec<ContactForce>,
@@ -51,7 +51,7 @@ impl ContactState {
         place.ok().map(|place| &self.forces[place])
     }
 
-    /// Remembers what a step ended with.
+    /// Stores what a step ended with.
     fn store(&mut self, points: &[Point], contacts: &[Contact]) {
         let touched = |contact: &Contact| contact.normal_force > 0.0;
         self.forces.clear();
@@ -63,11 +63,11 @@ impl ContactState {
                 normal_force: contact.normal_force,
                 friction_force: contact.friction_force,
             }));
-        // A point that is still apart has told its side as well.
+        // The normals of points that are still apart count as well.
         self.sides.remember(points);
     }
 
-    /// Gives nodes other numbers; what is of one without a number is forgotten.
+    /// Gives nodes other numbers; entries of nodes without a number are removed.
     pub fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
         const UNUSED: u32 = u32::MAX;
         let of = |node: u32| match node {
@@ -96,7 +96,7 @@ impl ContactState {
         self.sides = Sides::from_entries(entries.collect());
     }
 
-    /// Forgets a tool that has jumped: from its new place it pushes to the nearest side.
+    /// Removes the entries of a tool that has jumped: from its new position it pushes to the nearest side.
     pub fn remove_tool(&mut self, tool: u32) {
         let of_tool =
             |partner: &Partner| matches!(partner, Partner::Tool { tool: t, .. } if *t == tool);
@@ -107,7 +107,7 @@ impl ContactState {
     }
 }
 
-/// Contact of a group: what finds it, and working memory.
+/// Contact of a group: its detector and working memory.
 #[derive(Clone, Debug)]
 pub(crate) struct GroupContact {
     detector: Detector,
@@ -128,11 +128,11 @@ pub(crate) struct GroupContact {
     pub start: Vec<Vector3<f64>>,
     /// The points of the last search.
     pub points: Vec<Point>,
-    /// What became of them.
+    /// The contacts of these points, as the solver left them.
     pub contacts: Vec<Contact>,
     guesses: Vec<(Key, f64)>,
     /// Parts of tools that touch nothing, as they are in what they cut.
-    pub passed: Vec<Exemption>,
+    pub exemptions: Vec<Exemption>,
 }
 
 impl GroupContact {
@@ -146,7 +146,7 @@ impl GroupContact {
         model: &TissueModel,
     ) -> Option<Self> {
         let member_of = |body: usize| members.iter().position(|member| member.body == body);
-        let mut touches = Vec::new();
+        let mut contact_pairs = Vec::new();
         let mut pair_of = BTreeMap::new();
         let mut tools = Vec::new();
         let mut end_to_end = Vec::new();
@@ -160,12 +160,12 @@ impl GroupContact {
                     let tool = *tool as u32;
                     tools.push(tool as usize);
                     pair_of.insert((body, Partner::Tool { tool, capsule: 0 }), (index, true));
-                    touches.push(ContactPair::Tool { body, tool });
+                    contact_pairs.push(ContactPair::Tool { body, tool });
                 }
                 PairPartner::Obstacle { parts, .. } => {
                     for part in parts.clone().map(|part| part as u32) {
                         pair_of.insert((body, Partner::Obstacle { part }), (index, true));
-                        touches.push(ContactPair::Obstacle { body, part });
+                        contact_pairs.push(ContactPair::Obstacle { body, part });
                     }
                 }
                 PairPartner::Body(other) => {
@@ -179,18 +179,18 @@ impl GroupContact {
                         facing_ends([own, other].map(|m| (&bodies[members[m].body], members[m])))
                     });
                     end_to_end.extend(ends.is_some().then_some([body, with]));
-                    touches.push(ContactPair::Bodies { body, with, ends });
+                    contact_pairs.push(ContactPair::Bodies { body, with, ends });
                 }
                 PairPartner::Itself => {
                     pair_of.insert((body, Partner::Body { body }), (index, true));
-                    touches.push(ContactPair::Itself { body });
+                    contact_pairs.push(ContactPair::Itself { body });
                 }
             }
         }
-        if touches.is_empty() {
+        if contact_pairs.is_empty() {
             return None;
         }
-        let tools_only = touches
+        let tools_only = contact_pairs
             .iter()
             .all(|t| matches!(t, ContactPair::Tool { .. }));
         let surfaces = members.iter().enumerate().map(|(place, member)| {
@@ -200,7 +200,7 @@ impl GroupContact {
                 model,
                 ..
             } = &bodies[member.body];
-            let inside = touches.iter().any(|touch| match touch {
+            let inside = contact_pairs.iter().any(|touch| match touch {
                 ContactPair::Bodies { body, with, .. } => [*body, *with].contains(&(place as u32)),
                 ContactPair::Itself { body } => *body == place as u32,
                 ContactPair::Tool { .. } | ContactPair::Obstacle { .. } => false,
@@ -215,7 +215,7 @@ impl GroupContact {
             false => REACH_IMPLICIT,
         };
         Some(Self {
-            detector: Detector::new(surfaces, obstacles.to_vec(), touches),
+            detector: Detector::new(surfaces, obstacles.to_vec(), contact_pairs),
             pair_of,
             end_to_end,
             friction: pairs.iter().map(|pair| pair.friction).collect(),
@@ -227,11 +227,11 @@ impl GroupContact {
             points: Vec::new(),
             contacts: Vec::new(),
             guesses: Vec::new(),
-            passed: Vec::new(),
+            exemptions: Vec::new(),
         })
     }
 
-    /// Follows cuts of bodies: then it is what would be made anew.
+    /// Updates contact after edits of bodies: the result equals a rebuilt one.
     pub fn update_after_edit(
         &mut self,
         members: &[Member],
@@ -280,7 +280,7 @@ impl GroupContact {
         self.start.clear();
         self.clear();
         self.guesses.clear();
-        self.passed.clear();
+        self.exemptions.clear();
     }
 
     /// Whether there is anything that could touch.
@@ -304,7 +304,7 @@ impl GroupContact {
         &'a mut self,
         start: &[Vector3<f64>],
         tools: &'a [Option<Vec<CapsuleMotion>>],
-        memory: &'a ContactState,
+        state: &'a ContactState,
     ) -> Source<'a> {
         self.start.clear();
         self.start.extend_from_slice(start);
@@ -312,19 +312,19 @@ impl GroupContact {
         Source {
             of: self,
             tools,
-            memory,
+            state,
         }
     }
 
-    /// Takes over what the solver made of the contacts.
-    pub fn finish(&mut self, contacts: Vec<Contact>, memory: &mut ContactState) {
+    /// Stores what the solver made of the contacts.
+    pub fn finish(&mut self, contacts: Vec<Contact>, state: &mut ContactState) {
         assert_eq!(
             contacts.len(),
             self.points.len(),
             "a solver gives back the contacts that it was given last"
         );
         self.contacts = contacts;
-        memory.store(&self.points, &self.contacts);
+        state.store(&self.points, &self.contacts);
     }
 }
 
@@ -372,7 +372,7 @@ fn facing_ends(both: [(&Body, Member); 2]) -> [VesselEnd; 2] {
 pub(crate) struct Source<'a> {
     of: &'a mut GroupContact,
     tools: &'a [Option<Vec<CapsuleMotion>>],
-    memory: &'a ContactState,
+    state: &'a ContactState,
 }
 
 impl ContactSource for Source<'_> {
@@ -391,7 +391,7 @@ impl ContactSource for Source<'_> {
             start,
             points,
             guesses,
-            passed,
+            exemptions,
             ..
         } = &mut *self.of;
         guesses.clear();
@@ -403,19 +403,19 @@ impl ContactSource for Source<'_> {
             tools: self.tools,
             fraction: step_fraction,
             reach: *reach,
-            sides: &self.memory.sides,
+            sides: &self.state.sides,
         };
         detector.find(&frame, points);
-        if !passed.is_empty() {
+        if !exemptions.is_empty() {
             points.retain(|point| {
-                !passed
+                !exemptions
                     .iter()
-                    .any(|part| part.has(point, self.tools, step_fraction))
+                    .any(|part| part.covers(point, self.tools, step_fraction))
             });
         }
         contacts.clear();
         contacts.extend(points.iter().map(|point| {
-            let remembered = self.memory.find(&point.key);
+            let remembered = self.state.find(&point.key);
             let guess = guesses.binary_search_by_key(&point.key, |(key, _)| *key);
             let normal_force = match guess {
                 Ok(place) => guesses[place].1,

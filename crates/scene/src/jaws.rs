@@ -1,6 +1,6 @@
 //! Jaws that cut against each other: couples of lines of no return that go on from one to the next, from the tips to the hinge.
 //!
-//! A place along them is the number of a couple and a share along its lines. Of each couple one part is closed; where the part of one goes to its end and
+//! A place along them is the number of a couple and a parameter along its lines. Of each couple one part is closed; where the part of one goes to its end and
 //! that of the next begins at its start they are one. Such a part has two ends, and what they sweep is what is cut: one sheet, whatever the
 //! lines are made of.
 
@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// length below it.
 const BENT: f64 = 1e-6;
 
-/// A place along jaws: couple, and share along its lines from `a` to `b`.
+/// A place along jaws: couple, and parameter along its lines from `a` to `b`.
 type Place = (usize, f64);
 
 /// The couples of a tool's lines, in its order.
@@ -24,7 +24,7 @@ pub(crate) struct Jaws<'a>(Vec<Couple<'a>>);
 #[derive(Clone, Copy, Debug)]
 struct Couple<'a>([&'a Line; 2]);
 
-/// Whether lines of both jaws can be led together: as many on the left as on the right, each going on where the one before it ends.
+/// Whether lines of both jaws can be paired: as many on the left as on the right, each going on where the one before it ends.
 pub(crate) fn fit(capsules: &[CapsuleSpec]) -> bool {
     let of = |jaw| -> Vec<&CapsuleSpec> {
         let lines = capsules.iter();
@@ -33,8 +33,8 @@ pub(crate) fn fit(capsules: &[CapsuleSpec]) -> bool {
             .collect()
     };
     let goes_on = |pair: &[&CapsuleSpec]| {
-        let way = Vector3::from(pair[1].a) - Vector3::from(pair[0].b);
-        way.norm() < pair[0].radius + pair[1].radius
+        let offset = Vector3::from(pair[1].a) - Vector3::from(pair[0].b);
+        offset.norm() < pair[0].radius + pair[1].radius
     };
     let [left, right] = [of(Jaw::Left), of(Jaw::Right)];
     left.len() == right.len() && left.windows(2).chain(right.windows(2)).all(goes_on)
@@ -57,7 +57,7 @@ pub(crate) fn parts(closed: &[Option<[f64; 2]>]) -> Vec<[Place; 2]> {
     parts
 }
 
-/// The ways of the ends of all parts during a step, from the jaws as they were to those as they are: of the parts that were closed, what of these still is,
+/// The paths of the ends of all parts during a step, from the jaws as they were to those as they are: of the parts that were closed, what of these still is,
 /// and those that are closed now, which hold that.
 pub(crate) fn sweeps(
     jaws: &[Jaws<'_>; 2],
@@ -76,7 +76,7 @@ pub(crate) fn sweeps(
                 now: jaws[1].across(to),
             });
         };
-        // Around a bend the way is not straight: it stops there, and the bend itself is swept along with the jaws.
+        // Around a bend the path is not straight: it stops there, and the bend itself is swept along with the jaws.
         let mut from = from;
         for bend in jaws[1].bends(from, to) {
             sweep(from, bend);
@@ -131,7 +131,7 @@ impl<'a> Jaws<'a> {
             .collect()
     }
 
-    /// The places between two where a line goes on in another direction, in the order of the way from the first to the second.
+    /// The places between two where a line goes on in another direction, in the order of the path from the first to the second.
     fn bends(&self, from: Place, to: Place) -> Vec<Place> {
         let (first, last) = if from > to { (to, from) } else { (from, to) };
         let direction = |couple: usize, jaw: usize| {
@@ -226,13 +226,16 @@ impl Couple<'_> {
     /// The segment from beyond one line to beyond the other at a place along them: as far as their capsules reach.
     fn across(&self, along: f64) -> [Vector3<f64>; 2] {
         let [left, right] = self.points(along);
-        let way = right - left;
-        let length = way.norm();
+        let across = right - left;
+        let length = across.norm();
         if length == 0.0 {
             return [left, right];
         }
-        let way = way / length;
-        [left - way * self[0].radius, right + way * self[1].radius]
+        let across = across / length;
+        [
+            left - across * self[0].radius,
+            right + across * self[1].radius,
+        ]
     }
 }
 
@@ -257,8 +260,8 @@ mod tests {
         (0..2 * count).map(line).collect()
     }
 
-    /// The ways of ends along y.
-    fn ways(
+    /// The paths of ends along y.
+    fn paths(
         couples: usize,
         closed: &[Option<[f64; 2]>],
         still: &[Option<[f64; 2]>],
@@ -286,24 +289,24 @@ mod tests {
         // Behind the hinge is a cap as thick as the line.
         let last = 2.0 + 1e-3;
         assert_eq!(
-            ways(2, &[None; 2], &[None; 2], &hinge),
+            paths(2, &[None; 2], &[None; 2], &hinge),
             [[1.5, 1.5], [1.5, last]]
         );
-        assert_eq!(ways(2, &hinge, &hinge, &whole), [[1.5, 1.0], [last, last]]);
-        assert_eq!(ways(2, &whole, &whole, &both), [[1.0, 0.75], [last, last]]);
-        assert_eq!(ways(2, &hinge, &hinge, &both), [[1.5, 0.75], [last, last]]);
+        assert_eq!(paths(2, &hinge, &hinge, &whole), [[1.5, 1.0], [last, last]]);
+        assert_eq!(paths(2, &whole, &whole, &both), [[1.0, 0.75], [last, last]]);
+        assert_eq!(paths(2, &hinge, &hinge, &both), [[1.5, 0.75], [last, last]]);
     }
 
-    /// Of two closed parts that grow together the gap is swept by one end, and the other stands.
+    /// Of two closed parts that grow together the gap is swept by one end, and the other rests.
     #[test]
     fn parts_that_meet_sweep_what_was_between_them() {
         let apart = [Some([0.25, 0.5]), Some([0.25, 0.5])];
         let one = [Some([0.25, 1.0]), Some([0.0, 0.5])];
         let expected = [[0.25, 0.25], [0.5, 1.25], [1.25, 1.25], [1.5, 1.5]];
-        assert_eq!(ways(2, &apart, &apart, &one), expected);
+        assert_eq!(paths(2, &apart, &apart, &one), expected);
     }
 
-    /// Around a bend an end goes by way of it, in either direction, however many couples are passed in one step.
+    /// Around a bend an end passes it, in either direction, however many couples are passed in one step.
     #[test]
     fn ends_go_around_bends() {
         let mut lines = lines(3);
@@ -315,17 +318,17 @@ mod tests {
             }
         }
         let jaws = [Jaws::new(&lines), Jaws::new(&lines)];
-        let ways = |still: &[Option<[f64; 2]>], now: &[Option<[f64; 2]>]| -> Vec<[[f64; 2]; 2]> {
+        let paths = |still: &[Option<[f64; 2]>], now: &[Option<[f64; 2]>]| -> Vec<[[f64; 2]; 2]> {
             let sweeps = sweeps(&jaws, &[still, still, now].map(parts));
             let ends = sweeps.iter().map(|s| [s.before[0], s.now[0]]);
-            ends.map(|way| way.map(|p| [p.y, p.z])).collect()
+            ends.map(|offset| offset.map(|p| [p.y, p.z])).collect()
         };
         // From the hinge over the straight joint and the bent one.
         let hinge = [None, None, Some([0.5, 1.0])];
         let most = [Some([0.25, 1.0]), Some([0.0, 1.0]), Some([0.0, 1.0])];
         let (start, bend, end, cap) = ([1.0, 1.5], [1.0, 0.0], [0.25, 0.0], [1.0, 2.0 + 1e-3]);
         assert_eq!(
-            ways(&hinge, &most),
+            paths(&hinge, &most),
             [[start, bend], [bend, bend], [bend, end], [cap, cap]]
         );
         // From the tips to the bend and beyond.
@@ -333,15 +336,15 @@ mod tests {
         let more = [Some([0.0, 1.0]), Some([0.0, 0.25]), None];
         let (tip, start, end) = ([-1e-3, 0.0], [0.5, 0.0], [1.0, 0.25]);
         assert_eq!(
-            ways(&tips, &more),
+            paths(&tips, &more),
             [[tip, tip], [start, bend], [bend, bend], [bend, end]]
         );
     }
 
-    /// As jaws open an end goes back and cuts nothing on its way, nor where it comes to in that step.
+    /// As jaws open an end goes back and cuts nothing on its path, nor where it comes to in that step.
     #[test]
     fn an_end_that_goes_back_sweeps_nothing() {
         let (closed, still) = ([Some([0.25, 0.75])], [Some([0.5, 0.75])]);
-        assert_eq!(ways(1, &closed, &still, &still), [[0.75, 0.75]]);
+        assert_eq!(paths(1, &closed, &still, &still), [[0.75, 0.75]]);
     }
 }

@@ -1,7 +1,7 @@
 //! Bodies, tools and contact coupled into one step.
 //!
 //! What is here: the description of a scene and its checks, the tick with its sub-steps, forces in newtons, containment of a
-//! body that diverges, exact saving and restoring. Crate `contact` finds where bodies touch, `tissue` keeps the gaps; here one is
+//! body that diverges, exact saving and restoring. Crate `contact` finds where bodies touch, `tissue` enforces non-penetration; here one is
 //! translated into the other. What is not: the mathematics of both, files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
 
 #![forbid(unsafe_code)]

@@ -1,7 +1,7 @@
 //! Push, grip or separate: when tissue gets over a line of no return (dissertation 4.4.3).
 //!
 //! The axis of a capsule can be a line of no return. The dissertation lets penalty forces push tissue into the capsule and asks how
-//! deep it is; here contact keeps it outside exactly, so that what stands for depth is what contact would have to do:
+//! deep it is; here contact keeps it outside exactly, so that in place of depth there is what contact would have to do:
 //!
 //! - A line of a tool that does not touch the body goes through it: an ideal blade.
 //! - A single edge (`edge`) is held off until it presses on the tissue with more than toughness / sharpness per length. From then on it is in
@@ -31,7 +31,7 @@ const REOPENED: f64 = 1.5;
 pub(crate) struct Ability {
     /// Force per length from which on a single edge cuts \[N/m\]; infinite for never.
     pub line_force: f64,
-    /// Gap between jaws, as a share of the sum of their radii, below which they cut.
+    /// Gap between jaws, relative to the sum of their radii, below which they cut.
     pub pinch: f64,
     /// Whether the two do not touch, so that lines go through.
     pub free: bool,
@@ -51,20 +51,20 @@ impl Ability {
     }
 }
 
-/// What is remembered of a tool that cuts a body.
+/// State of a tool that cuts a body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BladeState {
     /// Capsules whose single edge is in the tissue, ascending.
     pub inside: Vec<u32>,
     /// Per couple of jaws' lines, in their order: the part along the lines, from 0 (`a`) to 1 (`b`), that is closed.
     pub closed: Vec<Option<[f64; 2]>>,
-    /// What is under way, per line; of jaws there is one, by the left one's first line.
+    /// What is in progress, per line; of jaws there is one, by the left one's first line.
     pub strokes: Vec<(u32, Stroke)>,
     /// Lines that leave the tissue in this tick; empty between ticks.
     pub leaving: Vec<u32>,
 }
 
-/// The way of a blade through the tissue.
+/// The path of a blade through the tissue.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Path {
     /// The capsule whose axis it is; of jaws the left one's first.
@@ -120,8 +120,8 @@ impl EdgeLoads {
             let (Some(edge), Some(motion)) = (edge, motion.map(|all| all[capsule as usize])) else {
                 continue;
             };
-            let share = contact.normal.dot(&edge);
-            if contact.normal_force <= 0.0 || share < SHARP_SIDE {
+            let cosine = contact.normal.dot(&edge);
+            if contact.normal_force <= 0.0 || cosine < SHARP_SIDE {
                 continue;
             }
             let axis = motion.end.b - motion.end.a;
@@ -132,7 +132,7 @@ impl EdgeLoads {
                 tool,
                 capsule,
             };
-            let impulse = contact.normal_force * share * h;
+            let impulse = contact.normal_force * cosine * h;
             match self.0.iter_mut().find(|load| load.at == at) {
                 Some(load) => {
                     load.impulse += impulse;
@@ -174,7 +174,7 @@ pub(crate) struct Case<'a> {
 }
 
 impl BladeState {
-    /// Decides what a tick has brought over a line: the ways that cut, in order.
+    /// Decides what a tick has brought over a line: the paths that cut, in order.
     pub fn decide(&mut self, case: &Case<'_>) -> Vec<Path> {
         let lines = [0.0, 1.0].map(|t| case.tool.lines(case.motion, t));
         let both = || lines[0].iter().zip(&lines[1]);
@@ -220,7 +220,7 @@ impl BladeState {
         paths
     }
 
-    /// Adds the way of the closing points: both ends of each part that is closed, which grows as the jaws close and is swept along with them.
+    /// Adds the path of the closing points: both ends of each part that is closed, which grows as the jaws close and is swept along with them.
     fn close(&mut self, lines: &[Vec<Line>; 2], pinch: f64, paths: &mut Vec<Path>) {
         let jaws = [Jaws::new(&lines[0]), Jaws::new(&lines[1])];
         let Some(line) = jaws[1].line() else {
@@ -262,7 +262,7 @@ impl BladeState {
         self.closed = now;
     }
 
-    /// The stroke of a line, a new one where none is under way.
+    /// The stroke of a line, a new one where none is in progress.
     pub fn stroke(&mut self, line: u32) -> &mut Stroke {
         let place = self.strokes.iter().position(|(of, _)| *of == line);
         let place = place.unwrap_or_else(|| {
@@ -298,7 +298,7 @@ impl BladeState {
     }
 
     /// The parts of a tool's capsules that touch nothing, as what they cut lies around them.
-    pub fn passed(&self, body: u32, tool: u32, lines: &[Line]) -> Vec<Exemption> {
+    pub fn exemptions(&self, body: u32, tool: u32, lines: &[Line]) -> Vec<Exemption> {
         let part = |capsule, range| Exemption {
             body,
             tool,

@@ -8,7 +8,7 @@ use microsim_geometry::{
 };
 use nalgebra::Vector3;
 
-/// A node counts as inside from this share of its body's mean edge length on: solvers that iterate leave less.
+/// A node counts as inside from this fraction of its body's mean edge length on: solvers that iterate leave less.
 const INSIDE: f64 = 1e-3;
 
 /// The nodes of a body that are inside what it touches.
@@ -102,7 +102,7 @@ impl Scene {
         }
     }
 
-    /// Number of edges of one body's surface through triangles of the other's, both ways.
+    /// Number of edges of one body's surface through triangles of the other's, in both directions.
     pub fn crossings(&self, one: usize, other: usize) -> usize {
         self.edges_through(one, other) + self.edges_through(other, one)
     }
@@ -124,7 +124,7 @@ impl Scene {
             .triangles
             .iter()
             .flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
-        // Each edge of a closed surface stands in two triangles, once in each direction.
+        // Each edge of a closed surface is in two triangles, once in each direction.
         let edges = sides.filter(|[a, b]| a < b);
         let mut count = 0;
         for [a, b] in edges {

@@ -134,7 +134,7 @@ pub(crate) fn find_pairs(
             (pair.body == body && pair.with == with) || turned
         };
         if pairs.iter().any(same) {
-            return Err(wrong("stands twice"));
+            return Err(wrong("occurs twice"));
         }
         if !contact.friction.is_finite() || contact.friction < 0.0 {
             return Err(wrong("friction is a number of at least 0"));

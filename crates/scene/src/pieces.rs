@@ -26,7 +26,7 @@ impl Pieces {
         self.sizes.len() as u32
     }
 
-    /// Follows an edit; `tets` are the elements before it.
+    /// Updates pieces after an edit; `tets` are the elements before it.
     pub fn update_after_edit(&mut self, edit: &TopologyEdit, tets: &[[u32; 4]]) {
         let piece_of = |of_nodes: &[u32], element: u32| {
             let node = tets[element as usize][0];

@@ -1,4 +1,4 @@
-//! What a tick tells.
+//! The report of a tick.
 
 use crate::divergence::Divergence;
 
@@ -26,7 +26,7 @@ pub struct TickReport {
     pub invalid_motions: Vec<usize>,
 }
 
-/// Sub-steps from which on a tick says so (NUMERICS 6).
+/// Sub-steps from which on a tick reports them as many (NUMERICS 6).
 pub const MANY_SUBSTEPS: u32 = 16;
 
 /// What a body touches.
@@ -68,10 +68,10 @@ pub struct ContactReport {
     pub pieces: Vec<u32>,
     /// How long the force was above the limit of the pair \[s\].
     pub over_limit_s: f64,
-    /// Share of the normal force that acted where nothing slid, 0 (all slides, or there is no friction) to 1 (all sticks).
+    /// Fraction of the normal force that acted where nothing slid, 0 (all slides, or there is no friction) to 1 (all sticks).
     pub stick_fraction: f64,
     /// Force with which both jaws of a tool squeezed the body between them, mean over the tick \[N\]: the smaller of what each pushed
-    /// it towards the other one, without friction; 0 where they pushed the same way.
+    /// it towards the other one, without friction; 0 where they pushed to the same side.
     pub grip_n: f64,
     /// Larger mean pressure of the two jaws over the surface that each touched \[Pa\], by the areas at rest; 0 of a tool without jaws.
     pub jaw_pressure_pa: f64,
@@ -84,8 +84,8 @@ pub struct CutReport {
     pub body: usize,
     /// Index of the tool; `None` of tissue that tore by itself.
     pub tool: Option<usize>,
-    /// Elements that were divided in this tick. A tick that divides and lays nothing open is not reported: of all that were divided tells
-    /// [`Scene::cut_tally`](crate::Scene::cut_tally).
+    /// Elements that were divided in this tick. A tick that divides and lays nothing open is not reported: all that were divided are counted by
+    /// [`BodyView::cut_tally`](crate::BodyView::cut_tally).
     pub divided: usize,
     /// Area that was opened, of one side, at rest \[m²\].
     pub area: f64,

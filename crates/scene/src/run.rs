@@ -31,7 +31,7 @@ pub struct Series {
     pub elastic: Vec<f64>,
     /// Momentum of all bodies \[kg m/s\].
     pub momentum: Vec<[f64; 3]>,
-    /// Share of all nodes that are inside what their bodies touch ([`Overlap`](crate::Overlap)); empty without contact.
+    /// Fraction of all nodes that are inside what their bodies touch ([`Overlap`](crate::Overlap)); empty without contact.
     pub inside_fraction: Vec<f64>,
     /// Depth of the deepest of them \[m\]; empty without contact.
     pub max_depth: Vec<f64>,
@@ -50,7 +50,7 @@ pub struct ContactSeries {
     pub peak: Vec<f64>,
     /// Time with a force above the limit in it \[s\].
     pub over_limit: Vec<f64>,
-    /// Share of the normal force that acted where nothing slid.
+    /// Fraction of the normal force that acted where nothing slid.
     pub stick_fraction: Vec<f64>,
     /// Force with which both jaws squeezed the body between them, mean over the sample before \[N\].
     pub grip: Vec<f64>,
@@ -222,7 +222,7 @@ impl Runner {
         &self.remarks
     }
 
-    /// Advances to the next sample and takes it; returns whether there is more to come. After a divergence the scene stands at the
+    /// Advances to the next sample and takes it; returns whether there is more to come. After a divergence the scene is at the
     /// sample before, or, where tools turn at times within a sample, at the last of these.
     pub fn advance(&mut self, exec: &dyn Executor) -> bool {
         self.compute(exec) && self.observe()
@@ -345,13 +345,13 @@ impl Runner {
             let probe = self.probes.iter().position(|p| p.name == expect.probe);
             let values = probe.map(|probe| self.series.probes[probe].as_slice());
             let at_end = expect.what == settings::Feature::AtEnd;
-            let settled = matches!(
+            let is_peak = matches!(
                 expect.what,
                 settings::Feature::FirstPeak | settings::Feature::FirstPeakTime
             );
             let found = values
-                // What was to come could still change all but a peak that had settled.
-                .filter(|_| settled || !diverged)
+                // What was to come could still change all but a peak that had passed.
+                .filter(|_| is_peak || !diverged)
                 .and_then(|v| feature::find(expect, &self.series.time, v));
             let scale = expect.scale.unwrap_or(expect.value.abs());
             let error = found.map(|found| (found - expect.value) / scale);
@@ -381,10 +381,13 @@ impl Runner {
         if cut {
             return false;
         }
-        let way = speed * self.sample;
+        let distance = speed * self.sample;
         let mut bodies = self.positions().zip(before).enumerate();
         bodies.all(|(body, (now, before))| {
-            let moved = now.iter().zip(before).any(|(a, b)| (a - b).norm() > way);
+            let moved = now
+                .iter()
+                .zip(before)
+                .any(|(a, b)| (a - b).norm() > distance);
             let velocities = self.scene.body(body).velocities().iter();
             !moved && velocities.map(|v| v.norm()).all(|v| v <= speed)
         })
@@ -419,10 +422,10 @@ impl Runner {
             series.force.push((contact.impulse / self.sample).into());
             series.peak.push(contact.peak);
             series.over_limit.push(contact.over_limit);
-            let share = contact.stick / contact.weight;
+            let fraction = contact.stick / contact.weight;
             series
                 .stick_fraction
-                .push(if contact.weight > 0.0 { share } else { 0.0 });
+                .push(if contact.weight > 0.0 { fraction } else { 0.0 });
             series.grip.push(contact.grip / self.sample);
             series.grip_pressure.push(contact.pressure);
         }
@@ -436,7 +439,7 @@ impl Runner {
     }
 }
 
-/// When the last thing happens that disturbs a rest \[s\]: a load has grown, a clamp or tool has moved, a clamp lets go.
+/// When the last event occurs that disturbs a rest \[s\]: a load has grown, a clamp or tool has moved, a clamp is released.
 fn last_event(settings: &settings::Scene) -> f64 {
     let bodies = settings.body.iter();
     let times = bodies.flat_map(|body| {

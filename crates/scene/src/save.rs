@@ -2,8 +2,8 @@
 //!
 //! Little-endian, in this order: magic, version u32, time f64, number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
 //! step f64, longest stable step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
-//! f64 and f64 each); number of groups of bodies that touch one another u32; per group the number of remembered normals u32 and per
-//! normal partner, node u32, 3 × f64; the number of remembered forces u32 and per force body u32, partner, five nodes u32, force along
+//! f64 and f64 each); number of groups of bodies that touch one another u32; per group the number of last normals u32 and per
+//! normal partner, node u32, 3 × f64; the number of contact forces u32 and per force body u32, partner, five nodes u32, force along
 //! the normal f64 and across it 3 × f64. A partner is three u32: kind (0 tool, 1 rigid, 2 body), index, capsule (0 but for a tool). What does not evolve is not saved: bytes are restored into a scene built from
 //! the same description.
 
@@ -98,16 +98,16 @@ impl Scene {
             body.internal.iter().for_each(|&i| put_f64(&mut bytes, i));
         }
         put_u32(&mut bytes, self.state.contacts.len() as u32);
-        for memory in &self.state.contacts {
-            let entries = memory.sides.entries();
+        for contact in &self.state.contacts {
+            let entries = contact.sides.entries();
             put_u32(&mut bytes, entries.len() as u32);
             for (partner, node, normal) in entries {
                 put_partner(&mut bytes, partner);
                 put_u32(&mut bytes, *node);
                 put_vector(&mut bytes, normal);
             }
-            put_u32(&mut bytes, memory.forces.len() as u32);
-            for force in &memory.forces {
+            put_u32(&mut bytes, contact.forces.len() as u32);
+            for force in &contact.forces {
                 put_u32(&mut bytes, force.key.body);
                 put_partner(&mut bytes, &force.key.partner);
                 let nodes = force.key.first.iter().chain(&force.key.second);

@@ -109,7 +109,7 @@ impl Scene {
         self.state
             .contacts
             .iter_mut()
-            .for_each(|memory| *memory = ContactState::default());
+            .for_each(|contact| *contact = ContactState::default());
         self.state.stable_steps = self.bodies.iter().map(|body| body.stable_step).collect();
         self.state.time = 0.0;
     }

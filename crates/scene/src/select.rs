@@ -5,7 +5,7 @@ use microsim_geometry::Aabb;
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 
-/// A region is grown by this share of the body's mean edge length, so that one that ends on a layer of nodes holds it whatever
+/// A region is grown by this fraction of the body's mean edge length, so that one that ends on a layer of nodes holds it whatever
 /// the rounding.
 const MARGIN: f64 = 1e-6;
 

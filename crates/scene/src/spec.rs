@@ -83,20 +83,20 @@ pub enum Selection {
 pub struct ClampSpec {
     /// Which nodes.
     pub nodes: Selection,
-    /// How they are moved; `None` for a clamp that stands.
+    /// How they are moved; `None` for a clamp at rest.
     pub motion: Option<MotionSpec>,
-    /// When it lets go \[s\]; `None` for never.
+    /// When it is released \[s\]; `None` for never.
     pub release: Option<f64>,
 }
 
-/// A rigid motion given by its values at some times; between them it is interpolated linearly, after the last it stands.
+/// A rigid motion given by its values at some times; between them it is interpolated linearly, after the last it rests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionSpec {
     /// A point of the axis of rotation at rest, in the body's frame \[m\].
     pub pivot: [f64; 3],
     /// Axis of rotation; not zero.
     pub axis: [f64; 3],
-    /// The values, in ascending order of time. At time 0 the motion is zero unless a key says otherwise.
+    /// The values, in ascending order of time. At time 0 the motion is zero unless a key gives another value.
     pub keys: Vec<MotionKey>,
 }
 
@@ -127,7 +127,7 @@ pub struct LoadSpec {
 pub enum LoadKind {
     /// A pressure against the outward normal of the deformed surface \[Pa\].
     Pressure(f64),
-    /// A force per area at rest that keeps its direction \[Pa\].
+    /// A force per area at rest of constant direction \[Pa\].
     Traction([f64; 3]),
 }
 
@@ -182,7 +182,7 @@ pub struct ToolSpec {
 }
 
 /// Where a tool is at a time. Between two keys position and opening are interpolated linearly, the orientation along the shortest
-/// turn; before the first and after the last key it stands.
+/// turn; before the first and after the last key it rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolKeySpec {
     /// Time \[s\].

@@ -1,13 +1,10 @@
-//! The surface of a body that is cut: what edits change of it is collected, and taken over once for all edits of a tick.
-//!
-//! What is renewed costs what the edits touch, but for copies of lists whose order is that of elements: a surface that was kept up to
-//! date is the same as one made anew, bit for bit.
+//! Changes of the surface of a body that is cut, collected over the edits of a tick, and lists in the order of a surface.
 
 use microsim_cutting::{SurfaceChange, SurfaceTriangle, Topology};
 use microsim_mesh::{Surface, TetMesh};
 use std::collections::BTreeSet;
 
-/// Changes of a surface that wait.
+/// Changes of a surface that have not been applied yet.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceEdits {
     removed: BTreeSet<SurfaceTriangle>,
@@ -16,19 +13,19 @@ pub(crate) struct SurfaceEdits {
     touched: Vec<u32>,
 }
 
-/// What became of a surface.
+/// An update of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceDiff {
-    /// Where triangles stood that are gone, ascending.
+    /// Old indices of triangles that are gone, ascending.
     pub removed: Vec<u32>,
-    /// Where new ones stand now, ascending.
+    /// New indices of new ones, ascending.
     pub added: Vec<u32>,
     /// Nodes at which elements have changed, and others beyond all.
     pub touched: Vec<u32>,
 }
 
 impl SurfaceEdits {
-    /// Adds those of an edit that comes after what waits.
+    /// Adds those of a later edit.
     pub fn add(&mut self, change: &SurfaceChange, touched: &[u32]) {
         for triangle in &change.removed {
             if !self.added.remove(triangle) {
@@ -54,17 +51,17 @@ impl SurfaceEdits {
     }
 }
 
-/// What triangles of a surface stand in the order of.
+/// Sort key of the triangles of a surface.
 fn place(triangle: &SurfaceTriangle) -> (u32, u8) {
     (triangle.element, triangle.corner)
 }
 
-/// Where a triangle stands among those of a surface, or would stand.
+/// Index of a triangle among those of a surface, or where it would be inserted.
 pub(crate) fn index_of(triangles: &[SurfaceTriangle], triangle: &SurfaceTriangle) -> u32 {
     triangles.partition_point(|other| place(other) < place(triangle)) as u32
 }
 
-/// Takes out what stands at `removed` (ascending), and puts each of `added` before what stood at its place (not descending).
+/// Removes the items at `removed` (ascending), and inserts each of `added` before the old item at its index (not descending).
 pub(crate) fn exchange<T: Copy>(list: &mut Vec<T>, removed: &[u32], added: &[(u32, T)]) {
     let mut all = Vec::with_capacity(list.len() + added.len());
     let mut added = added.iter().peekable();

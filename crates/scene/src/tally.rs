@@ -10,7 +10,7 @@ use microsim_contact::Partner;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
-/// An overlap from before the step counts as one from this share of the mean edge length on: less is what iterations leave.
+/// An overlap from before the step counts as one from this fraction of the mean edge length on: less is what iterations leave.
 const OLD_OVERLAP: f64 = 1e-2;
 
 /// What one pair sums up over a tick. Forces are those on the pair's body.
@@ -52,7 +52,7 @@ struct JawTally {
 }
 
 /// How strongly two jaws press against each other through what lies between them: the smaller of their pushes in the direction in
-/// which each closes. `axis` is the x axis of their tool. Jaws that push the same way, as tissue lies on them, squeeze nothing.
+/// which each closes. `axis` is the x axis of their tool. Jaws that push to the same side, as tissue lies on them, squeeze nothing.
 fn squeeze([left, right]: [Vector3<f64>; 2], axis: Vector3<f64>) -> f64 {
     (-left.dot(&axis)).min(right.dot(&axis)).max(0.0)
 }
@@ -103,14 +103,14 @@ pub(crate) fn sum_up(
         }
         // Where it is on the first side: the point of the other one is a gap away.
         let first = usize::from(contact.first);
-        let (mut place, mut way) = (Vector3::zeros(), [Vector3::<f64>::zeros(); 2]);
+        let (mut place, mut displacement) = (Vector3::zeros(), [Vector3::<f64>::zeros(); 2]);
         for k in 0..4 {
             let (node, weight) = (contact.nodes[k] as usize, contact.weights[k]);
             if weight == 0.0 {
                 continue;
             }
             let side = usize::from(k >= first);
-            way[side] += (end[node] - of.start[node]) * weight;
+            displacement[side] += (end[node] - of.start[node]) * weight;
             if side == 0 {
                 place += end[node] * weight;
             }
@@ -147,12 +147,12 @@ pub(crate) fn sum_up(
             sum.impulse += contact.normal_force * h;
             sum.push += if own { push } else { -push };
         }
-        // What stands, and a body itself, bring no energy.
+        // Obstacles, and a body itself, bring no energy.
         let brings = matches!(
             pairs[index].with,
             PairPartner::Tool(_) | PairPartner::Body(_)
         );
-        for (side, way) in way.iter().enumerate() {
+        for (side, displacement) in displacement.iter().enumerate() {
             let node = match side {
                 0 => contact.nodes[0],
                 _ if first < 4 && contact.weights[first] != 0.0 => contact.nodes[first],
@@ -162,7 +162,7 @@ pub(crate) fn sum_up(
             let edge = bodies[group.members[member].body].model.mean_edge_length();
             let old = contact.start_gap < -OLD_OVERLAP * edge;
             if brings {
-                works[member].work += force.dot(way).abs();
+                works[member].work += force.dot(displacement).abs();
             }
             works[member].normal_force = works[member].normal_force.max(contact.normal_force);
             works[member].overlap_undone |= old && gap > contact.start_gap;
@@ -184,12 +184,12 @@ impl Tally {
         }
         self.step = Vector3::zeros();
         self.step_size = 0.0;
-        // A node that is touched in several places counts once, by the largest share of it.
+        // A node that is touched in several places counts once, by the largest part of it.
         self.areas
             .sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.total_cmp(&a.2)));
         self.areas.dedup_by_key(|area| (area.0, area.1));
-        for &(jaw, node, share) in &self.areas {
-            self.jaws[jaw].area += share * body.node_areas[node as usize] * h;
+        for &(jaw, node, weight) in &self.areas {
+            self.jaws[jaw].area += weight * body.node_areas[node as usize] * h;
         }
         self.areas.clear();
     }

@@ -1,7 +1,7 @@
 //! Tearing: inner faces of tissue that is stretched too far across them come apart.
 //!
-//! The stretch across a face is that of the fibre along its rest normal n in the elements on both sides, |F n|. A face gives way when the mean of both sides exceeds 1 + the strain that its
-//! region bears; between two regions the weaker one counts. Of the faces that do in one tick only those near the worst give way:
+//! The stretch across a face is that of the fibre along its rest normal n in the elements on both sides, |F n|. A face fails when the mean of both sides exceeds 1 + the strain that its
+//! region bears; between two regions the weaker one counts. Of the faces that do in one tick only those near the worst fail:
 //! what is torn takes the load off the others.
 
 use crate::body::Body;
@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use microsim_cutting::Topology;
 use nalgebra::{Matrix3, Vector3};
 
-/// Faces with at least this share of the worst excess give way together.
+/// Faces with at least this fraction of the worst excess fail together.
 const TOGETHER: f64 = 0.8;
 
 impl Scene {
@@ -31,7 +31,7 @@ impl Scene {
     }
 }
 
-/// The inner faces that give way: element and the corner opposite.
+/// The inner faces that fail: element and the corner opposite.
 fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
     let Some(topology) = &body.topology else {
         return Vec::new();

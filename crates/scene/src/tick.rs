@@ -17,8 +17,8 @@ use microsim_tissue::{ContactStep, Executor, State, StepFailure, flow};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
-/// In one step a tool moves at most this share of its radius or of the mean edge length, whichever is less: explicit methods
-/// (NUMERICS 6), and implicit ones, which find contact anew as they go.
+/// In one step a tool moves at most this fraction of its radius or of the mean edge length, whichever is less: explicit methods
+/// (NUMERICS 6), and implicit ones, which find contact again in every iteration.
 const TRAVEL_EXPLICIT: f64 = 0.25;
 const TRAVEL_IMPLICIT: f64 = 1.0;
 
@@ -32,8 +32,8 @@ impl Scene {
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
-    /// diverges the tick is repeated from its start with shorter steps, and the report says so; when that does not help the
-    /// scene stays at the start of the tick and the error says what happened; the next tick may go on from there.
+    /// diverges the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
+    /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there.
     ///
     /// # Panics
     /// When `tick_s` is not a positive time or `steps` is 0: [`check_step`](Scene::check_step) refuses both.
@@ -100,11 +100,11 @@ impl Scene {
         }
     }
 
-    /// Forgets where tissue was to these tools, which have jumped.
+    /// Removes the contact state of these tools, which have jumped.
     fn forget(&mut self, tools: &[usize]) {
         for &tool in tools {
-            let memories = self.state.contacts.iter_mut();
-            memories.for_each(|memory| memory.remove_tool(tool as u32));
+            let contacts = self.state.contacts.iter_mut();
+            contacts.for_each(|contact_state| contact_state.remove_tool(tool as u32));
         }
     }
 
@@ -138,10 +138,10 @@ impl Scene {
         (valid, invalid)
     }
 
-    /// Number of sub-steps for the fastest tool near a body that it may touch. A tool that needs too many is let stand where it
-    /// went, and named.
+    /// Number of sub-steps for the fastest tool near a body that it may touch. A tool that needs too many is placed at the end of its
+    /// motion, and listed.
     fn substeps(&self, motions: &mut [ToolMotion], tick_s: f64, steps: u32) -> (u32, Vec<usize>) {
-        let share = match self.method.is_explicit() {
+        let travel = match self.method.is_explicit() {
             true => TRAVEL_EXPLICIT,
             false => TRAVEL_IMPLICIT,
         };
@@ -164,7 +164,7 @@ impl Scene {
                 if !reach.overlaps(&swept) {
                     continue;
                 }
-                let per_step = share * tool.smallest_radius().min(edge);
+                let per_step = travel * tool.smallest_radius().min(edge);
                 needed = needed.max(tool.travel(motion) / f64::from(steps) / per_step);
             }
             if needed > f64::from(MAX_SUBSTEPS) {
@@ -245,9 +245,9 @@ impl Scene {
                                 watch.add(work, &self.bodies[member.body]);
                             }
                         }
-                        if let Some(touching) = group.contact.as_ref().filter(|_| !edges.is_empty())
+                        if let Some(contact) = group.contact.as_ref().filter(|_| !edges.is_empty())
                         {
-                            loads.add(index, touching, &tools, &edges, h);
+                            loads.add(index, contact, &tools, &edges, h);
                         }
                         continue;
                     }
@@ -294,7 +294,7 @@ impl Scene {
 fn step_group(
     group: &mut Group,
     bodies: &[Body],
-    memory: &mut ContactState,
+    contact_state: &mut ContactState,
     state: &mut State,
     tools: &[Option<Vec<CapsuleMotion>>],
     gravity: &Vector3<f64>,
@@ -304,17 +304,17 @@ fn step_group(
 ) -> Result<bool, StepFailure> {
     let control = group.control(bodies, gravity, end);
     let targets = group.targets(bodies, end);
-    let (model, solver, touching) = group.parts(bodies);
-    let report = match touching {
+    let (model, solver, contact) = group.parts(bodies);
+    let report = match contact {
         None => solver.step(model, state, &control, &targets, h, exec),
         Some(of) if !of.is_active(tools) => {
             of.clear();
-            memory.clear();
+            contact_state.clear();
             solver.step(model, state, &control, &targets, h, exec)
         }
         Some(of) => {
             let contacts = std::mem::take(&mut of.contacts);
-            let mut source = of.source(&state.positions, tools, memory);
+            let mut source = of.source(&state.positions, tools, contact_state);
             let mut contact = ContactStep {
                 source: &mut source,
                 contacts,
@@ -330,7 +330,7 @@ fn step_group(
             );
             let contacts = contact.contacts;
             if report.is_ok() {
-                of.finish(contacts, memory);
+                of.finish(contacts, contact_state);
             }
             report
         }

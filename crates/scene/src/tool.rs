@@ -1,4 +1,4 @@
-//! Tools: capsules that follow a pose and an opening.
+//! Tools: capsules posed by a pose and an opening.
 
 use crate::error::SceneError;
 use crate::spec::{Jaw, ToolKeySpec, ToolSpec};
@@ -152,16 +152,16 @@ impl Tool {
         let before = next.checked_sub(1).map(|index| &self.motion[index]);
         match (before, self.motion.get(next)) {
             (Some(one), Some(two)) => {
-                let share = (time - one.time) / (two.time - one.time);
-                let opening = one.opening + (two.opening - one.opening) * share;
-                Some((one.pose.interpolate(&two.pose, share), opening))
+                let fraction = (time - one.time) / (two.time - one.time);
+                let opening = one.opening + (two.opening - one.opening) * fraction;
+                Some((one.pose.interpolate(&two.pose, fraction), opening))
             }
             (Some(key), None) | (None, Some(key)) => Some((key.pose, key.opening)),
             (None, None) => None,
         }
     }
 
-    /// The capsules in the world at the share `t` (0..1) of a motion.
+    /// The capsules in the world at the fraction `t` (0..1) of a motion.
     pub fn capsules_at<'a>(
         &'a self,
         motion: &ToolMotion,
@@ -174,7 +174,7 @@ impl Tool {
             .map(move |part| part.at(opening).posed(&world_from_tool))
     }
 
-    /// Its lines of no return in the world at the share `t` (0..1) of a motion.
+    /// Its lines of no return in the world at the fraction `t` (0..1) of a motion.
     pub fn lines(&self, motion: &ToolMotion, t: f64) -> Vec<Line> {
         let world_from_tool = motion.from.interpolate(&motion.to, t);
         let opening = motion.opening_from + (motion.opening_to - motion.opening_from) * t;
@@ -197,7 +197,7 @@ impl Tool {
         lines.collect()
     }
 
-    /// The capsules over a step, from the share `t0` to `t1` of a motion.
+    /// The capsules over a step, from the fraction `t0` to `t1` of a motion.
     pub fn step(&self, motion: &ToolMotion, t0: f64, t1: f64) -> Vec<CapsuleMotion> {
         let ends = self.capsules_at(motion, t1);
         self.capsules_at(motion, t0)
@@ -206,24 +206,24 @@ impl Tool {
             .collect()
     }
 
-    /// An upper bound of the way of any axis point during a motion \[m\]: translation, rotation about the tool's origin,
+    /// An upper bound of the path length of any axis point during a motion \[m\]: translation, rotation about the tool's origin,
     /// and hinges.
     pub fn travel(&self, motion: &ToolMotion) -> f64 {
         let translation = (motion.to.position - motion.from.position).norm();
         let angle = motion.from.angle_to(&motion.to);
         let mut travel = 0.0f64;
         for part in &self.parts {
-            let mut way = translation;
+            let mut path = translation;
             let reach = match &part.hinge {
                 None => part.reach(&Vector3::zeros()),
                 Some(hinge) => {
                     let arm = part.reach(&hinge.pivot);
-                    way += arm * (hinge.angle * (motion.opening_to - motion.opening_from)).abs();
+                    path += arm * (hinge.angle * (motion.opening_to - motion.opening_from)).abs();
                     hinge.pivot.norm() + arm
                 }
             };
-            way += reach * angle;
-            travel = travel.max(way);
+            path += reach * angle;
+            travel = travel.max(path);
         }
         travel
     }
@@ -241,7 +241,7 @@ impl Tool {
         let ends = [0.0, 1.0]
             .into_iter()
             .flat_map(|t| self.capsules_at(motion, t));
-        // No point is ever further from its nearer end of the way than half the way.
+        // No point is ever further from the nearer end of its path than half the path.
         ends.fold(Aabb::empty(), |all, capsule| all.union(&capsule.bounds()))
             .inflated(0.5 * self.travel(motion))
     }
@@ -360,23 +360,23 @@ mod tests {
             3.0,
         );
         let bounds = tool.swept_bounds(&motion);
-        let mut way = [0.0; 2];
+        let mut path = [0.0; 2];
         let mut last = tool.capsules_at(&motion, 0.0).next().unwrap();
         for i in 1..=1000 {
             let now = tool
                 .capsules_at(&motion, f64::from(i) / 1000.0)
                 .next()
                 .unwrap();
-            way[0] += (now.a - last.a).norm();
-            way[1] += (now.b - last.b).norm();
+            path[0] += (now.a - last.a).norm();
+            path[1] += (now.b - last.b).norm();
             assert!(bounds.contains(&now.a) && bounds.contains(&now.b));
             last = now;
         }
         let travel = tool.travel(&motion);
-        assert!(way.iter().all(|w| *w <= travel), "{way:?} {travel}");
+        assert!(path.iter().all(|w| *w <= travel), "{path:?} {travel}");
         assert!(
-            way.iter().any(|w| *w > 0.25 * travel),
-            "the bound is not idle: {way:?} {travel}"
+            path.iter().any(|w| *w > 0.25 * travel),
+            "the bound is not idle: {path:?} {travel}"
         );
     }
 }

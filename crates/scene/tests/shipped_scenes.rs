@@ -135,7 +135,7 @@ fn a_grip_without_friction_lifts_nothing() {
         &["contact.0.friction=0", "contact.1.friction=0"],
     );
     let lifted = runner.series().probes[0].last().copied();
-    assert!(lifted.is_some_and(|way| way < 0.1e-3), "{lifted:?}");
+    assert!(lifted.is_some_and(|height| height < 0.1e-3), "{lifted:?}");
     assert!(runner.verdicts().iter().any(|verdict| !verdict.met));
 }
 

@@ -5,7 +5,7 @@ use crate::edits::nodes_after_edit;
 use microsim_mesh::{TetMesh, TopologyEdit};
 use microsim_tissue::{Method, ModelChange, ModelEdit, stability};
 
-/// Share of the stability limit at the longest step of a body that the mass floor keeps after a cut (NUMERICS 3.5 c).
+/// Fraction of the stability limit at the longest step of a body that the mass floor preserves after a cut (NUMERICS 3.5 c).
 const FLOOR: f64 = 0.9;
 
 /// An edit that does not fit a body.
@@ -13,7 +13,7 @@ const FLOOR: f64 = 0.9;
 pub(crate) struct Misfit;
 
 impl Body {
-    /// Makes what edits look up, and room for what they add: else the first ones wait for it.
+    /// Builds what edits look up, and reserves memory for what they add: else the first ones take that time.
     pub(crate) fn prepare_edits(&mut self) {
         let Some(topology) = &mut self.topology else {
             return;
@@ -36,7 +36,7 @@ impl Body {
         regions.reserve(elements);
     }
 
-    /// Follows an edit: mesh, model, what drives it. Its surface is then still that of the mesh before. After an error the body is of no
+    /// Updates mesh, model and drive after an edit. The surface is then still that of the mesh before. After an error the body is of no
     /// use any more.
     pub(crate) fn update_after_edit(
         &mut self,

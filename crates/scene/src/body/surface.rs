@@ -22,7 +22,7 @@ impl Body {
         self.update_ends_and_loads();
     }
 
-    /// Takes over the changes that wait; says what they were, if any do.
+    /// Applies the collected changes; returns what they were, if there are any.
     pub(crate) fn update_surface(&mut self) -> Option<SurfaceDiff> {
         let (gone, new, touched) = self.surface_edits.take()?.into_sorted();
         let topology = self.topology.as_ref()?;

@@ -218,7 +218,7 @@ fn from_file(
     let cell = body
         .fill
         .ok_or_else(|| missing(key.key("fill"), "`fill`"))?;
-    // Six in each cell of the box around it: what filling looks at, whatever it keeps.
+    // Six in each cell of the box around it: what filling looks at, whatever it retains.
     let bounds = microsim_geometry::Aabb::of(&import.surface.positions);
     let cells = (bounds.max - bounds.min).map(|side| (side / cell).ceil().max(1.0));
     allowed(6.0 * cells.product())

@@ -22,7 +22,7 @@ pub enum FromSettingsCause {
     File {
         /// The file.
         file: String,
-        /// What the system says.
+        /// Message of the system.
         reason: String,
     },
     /// The shape of a tool cannot be read.
@@ -37,7 +37,7 @@ pub enum FromSettingsCause {
         /// The file.
         file: String,
     },
-    /// A mesh file is not what its ending says.
+    /// A mesh file is not what its extension states.
     Format {
         /// The file.
         file: String,

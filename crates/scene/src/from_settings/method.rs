@@ -4,7 +4,7 @@ use microsim_settings as settings;
 use microsim_tissue::{Method, Newton};
 use settings::MethodName;
 
-/// Sub-steps and iterations of position-based dynamics where a file says nothing: small steps rather than many iterations
+/// Sub-steps and iterations of position-based dynamics where a file has none: small steps rather than many iterations
 /// (Macklin et al. 2019).
 const SUBSTEPS: u32 = 10;
 const ITERATIONS: u32 = 1;

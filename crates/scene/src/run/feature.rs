@@ -2,10 +2,10 @@
 
 use microsim_settings::{Expect, Feature};
 
-/// A crossing counts when the curve has been below the middle by this share of its range: ripples of higher modes do not.
+/// A crossing counts when the curve has been below the middle by this fraction of its range: ripples of higher modes do not.
 const HYSTERESIS: f64 = 0.1;
 
-/// A curve has had a peak when it has fallen by this share of its range: what an iteration leaves of the forces, and corrects in
+/// A curve has had a peak when it has fallen by this fraction of its range: what an iteration leaves of the forces, and corrects in
 /// the next step, is none.
 const FALL: f64 = 1e-3;
 
@@ -25,15 +25,15 @@ pub(super) fn find(expect: &Expect, time: &[f64], values: &[f64]) -> Option<f64>
     found.is_finite().then_some(found)
 }
 
-/// Time and value of the largest value before the curve has stayed below it for `settle` and has fallen by more than `least`;
+/// Time and value of the largest value before the curve has stayed below it for `rest_time` and has fallen by more than `least`;
 /// between samples by the parabola through the three around it.
-fn first_peak(time: &[f64], values: &[f64], settle: f64, least: f64) -> Option<(f64, f64)> {
+fn first_peak(time: &[f64], values: &[f64], rest_time: f64, least: f64) -> Option<(f64, f64)> {
     let (mut peak, mut lowest) = (0, f64::INFINITY);
     for now in 1..values.len() {
         lowest = lowest.min(values[now]);
         if values[now] > values[peak] {
             (peak, lowest) = (now, f64::INFINITY);
-        } else if time[now] - time[peak] >= settle && peak > 0 && values[peak] - lowest > least {
+        } else if time[now] - time[peak] >= rest_time && peak > 0 && values[peak] - lowest > least {
             return Some(vertex(time, values, peak));
         }
     }
@@ -63,8 +63,8 @@ fn frequency(time: &[f64], values: &[f64], smallest: f64, largest: f64) -> Optio
             armed = true;
         }
         if index > 0 && armed && *value >= middle && values[index - 1] < middle {
-            let share = (middle - values[index - 1]) / (value - values[index - 1]);
-            at = time[index - 1] + share * (time[index] - time[index - 1]);
+            let fraction = (middle - values[index - 1]) / (value - values[index - 1]);
+            at = time[index - 1] + fraction * (time[index] - time[index - 1]);
             crossings.push(at);
             armed = false;
         }

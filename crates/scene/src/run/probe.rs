@@ -179,7 +179,7 @@ impl Probe {
             Quantity::Volume => scene.body(self.body).volume() / self.reference - 1.0,
             Quantity::SmallestVolume => {
                 let rest = scene.body(self.body).model().rest_volumes();
-                let shares = scene
+                let ratios = scene
                     .body(self.body)
                     .tets()
                     .iter()
@@ -188,7 +188,7 @@ impl Probe {
                         let [a, b, c, d] = tet.map(|node| &now[node as usize]);
                         signed_volume(a, b, c, d) / rest
                     });
-                shares.fold(f64::INFINITY, f64::min)
+                ratios.fold(f64::INFINITY, f64::min)
             }
             Quantity::Energy => {
                 let masses = scene.body(self.body).masses();
@@ -203,7 +203,7 @@ impl Probe {
         }
     }
 
-    /// Follows an edit of the body's mesh.
+    /// Updates the probe after an edit of its body's mesh.
     pub fn update_after_edit(&mut self, edit: &Edit, scene: &Scene) {
         if edit.body != self.body {
             return;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{Serial, scene_spec};
 
-/// A beam of 30 × 10 × 10 mm in eighteen cells, clamped on the left, besides what `more` says.
+/// A beam of 30 × 10 × 10 mm in eighteen cells, clamped on the left, besides what `more` adds.
 fn beam(method: &str, run: &str, more: &str) -> settings::Scene {
     let text = format!(
         "title = {{de='a', en='b'}}\nsummary = {{de='a', en='b'}}\n[run]\n{run}\n[method]\nname='{method}'\n
@@ -151,7 +151,7 @@ fn nothing_rests_before_the_last_event() {
     assert!(runner.scene().time() > 0.49, "{}", runner.scene().time());
 }
 
-/// Far beyond the stability limit of an explicit method; the scene stands at the last good sample, and no last value is taken
+/// Far beyond the stability limit of an explicit method; the scene is at the last good sample, and no last value is taken
 /// from it.
 #[test]
 fn a_divergence_ends_the_run_and_its_expectations() {

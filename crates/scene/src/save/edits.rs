@@ -85,7 +85,7 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
     Ok(Edit { body, nodes, edit })
 }
 
-/// What decides and what is under way of a cut: capsules in tissue (u32), closed parts (u32 whether there is one, 2 × f64), strokes.
+/// State and strokes of a cut: capsules in tissue (u32), closed parts (u32 whether there is one, 2 × f64), strokes.
 pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState) {
     put_list(bytes, &blade.inside, |bytes, capsule| {
         put_u32(bytes, *capsule)
@@ -144,7 +144,7 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeState, RestoreError>
 }
 
 /// What cuts have made of a body, besides its edits: divided u64, rejected u64, lost volume f64, number of pieces u32, the piece of each
-/// node u32, and of its topology what its mesh does not tell. Nothing of a body that cannot be cut.
+/// node u32, and the state of its topology. Nothing of a body that cannot be cut.
 pub(super) fn put_cut(bytes: &mut Vec<u8>, body: &Body) {
     let Some(topology) = &body.topology else {
         return;
@@ -162,7 +162,7 @@ pub(super) fn put_cut(bytes: &mut Vec<u8>, body: &Body) {
     put_topology(bytes, &topology.state());
 }
 
-/// Gives a body that has followed its edits the rest of what cuts have made of it.
+/// Gives a body that is updated after its edits the rest of what cuts have made of it.
 pub(super) fn cut(reader: &mut Reader<'_>, body: &mut Body) -> Result<(), RestoreError> {
     if body.topology.is_none() {
         return Ok(());
@@ -191,7 +191,7 @@ pub(super) fn cut(reader: &mut Reader<'_>, body: &mut Body) -> Result<(), Restor
     Ok(())
 }
 
-/// Of a body's topology, what its mesh does not tell.
+/// The state of a body's topology beyond its mesh.
 fn put_topology(bytes: &mut Vec<u8>, state: &TopologyState) {
     put_list(bytes, &state.marks, |bytes, (element, corner, sheet)| {
         put_numbers(bytes, &[*element, u32::from(*corner), *sheet]);

@@ -1,4 +1,4 @@
-//! What follows cuts piece by piece is what is made anew of the meshes.
+//! What follows cuts piece by piece is what is rebuilt of the meshes.
 
 use super::*;
 use crate::pieces::Pieces;
@@ -100,14 +100,14 @@ fn bars() -> SceneSpec {
 
 fn check_boundaries(scene: &Scene, what: &str) {
     for body in &scene.bodies {
-        let mut anew = body.clone();
-        anew.rebuild_surface();
+        let mut rebuilt = body.clone();
+        rebuilt.rebuild_surface();
         assert!(body.surface_edits.is_none(), "{what}");
-        assert_eq!(body.triangles, anew.triangles, "{what}");
-        assert_eq!(body.surface, anew.surface, "{what}");
-        assert_eq!(body.opened, anew.opened, "{what}");
+        assert_eq!(body.triangles, rebuilt.triangles, "{what}");
+        assert_eq!(body.surface, rebuilt.surface, "{what}");
+        assert_eq!(body.opened, rebuilt.opened, "{what}");
         let bits = |areas: &[f64]| areas.iter().map(|a| a.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(&body.node_areas), bits(&anew.node_areas), "{what}");
+        assert_eq!(bits(&body.node_areas), bits(&rebuilt.node_areas), "{what}");
         // The load is that of the skin that was there from the start: everything that no cut has opened.
         let area = |inner: bool| {
             let all = body.surface.area_vectors(&body.mesh.positions);
@@ -140,8 +140,8 @@ fn check_boundaries(scene: &Scene, what: &str) {
     }
 }
 
-/// Strokes at random places and angles through both bars. After every tick all lists are those made anew, and a scene that was restored, for
-/// which all was made anew, makes the same step.
+/// Strokes at random places and angles through both bars. After every tick all lists are those rebuilt, and a scene that was restored, for
+/// which all was rebuilt, makes the same step.
 #[test]
 fn what_follows_cuts_is_what_is_made_anew() {
     let spec = bars();

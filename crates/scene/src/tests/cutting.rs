@@ -564,7 +564,7 @@ fn cuts_that_cannot_be_are_refused() {
     };
     assert!(of(|s| s.cuts[0].tool = "saw".into()).ends_with("no such tool"));
     assert!(of(|s| s.cuts[0].body = "bone".into()).ends_with("no such body"));
-    assert!(of(|s| s.cuts.push(s.cuts[0].clone())).ends_with("stands twice"));
+    assert!(of(|s| s.cuts.push(s.cuts[0].clone())).ends_with("occurs twice"));
     assert!(of(|s| s.tools[0].capsules[0].lonor = false).contains("no line of no return"));
     let jaws: fn(&mut SceneSpec) = |s| {
         s.tools[0].capsules = vec![jaw(2e-3, 1.0, Jaw::Left), jaw(2e-3, -1.0, Jaw::Right)];

@@ -137,12 +137,16 @@ fn a_fast_tool_gets_more_substeps_only_near_the_body() {
     };
     assert_eq!(substeps(-0.3e-3, -0.2e-3), (1, false, 0));
     // 0.125 mm per step is allowed: 5 solver's steps' worth of that per step needs 5 sub-steps.
-    let way = 5.0 * 0.125e-3 * f64::from(steps);
-    assert_eq!(substeps(-0.3e-3 - way, -0.3e-3), (5, false, 0));
-    assert_eq!(substeps(-100e-3 - way, -100e-3), (1, false, 0), "far away");
-    assert_eq!(substeps(-0.3e-3 - 4.0 * way, -0.3e-3), (20, true, 0));
+    let travel = 5.0 * 0.125e-3 * f64::from(steps);
+    assert_eq!(substeps(-0.3e-3 - travel, -0.3e-3), (5, false, 0));
+    assert_eq!(
+        substeps(-100e-3 - travel, -100e-3),
+        (1, false, 0),
+        "far away"
+    );
+    assert_eq!(substeps(-0.3e-3 - 4.0 * travel, -0.3e-3), (20, true, 0));
     // Further than a hand gets: it is not led through what lies between.
-    assert_eq!(substeps(-0.3e-3 - 52.0 * way, -0.3e-3), (1, false, 1));
+    assert_eq!(substeps(-0.3e-3 - 52.0 * travel, -0.3e-3), (1, false, 1));
 }
 
 #[test]
@@ -256,7 +260,7 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
             |s| s.contacts[0].force_limit = f64::NAN,
             "the limit of the force",
         ),
-        (|s| s.contacts.push(s.contacts[0].clone()), "stands twice"),
+        (|s| s.contacts.push(s.contacts[0].clone()), "occurs twice"),
         (
             |s| {
                 let key = |time| ToolKeySpec {
@@ -279,7 +283,7 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
         ),
         (
             |s| s.method = Method::ExplicitEuler,
-            "explicit-euler cannot keep a gap",
+            "explicit-euler cannot enforce non-penetration",
         ),
         (
             |s| {
@@ -317,7 +321,7 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
                 });
                 s.bodies[0].clamps.push(twin);
             },
-            "clamps 0 and 2 of body 'strip' share a node",
+            "clamps 0 and 2 of body 'strip' have a common node",
         ),
         (
             |s| s.bodies[0].clamps[0].release = Some(f64::NAN),

@@ -1,4 +1,4 @@
-//! What follows a mesh that is cut: the model, a solver that steps it, and contact. After each edit each is compared with one made anew of the mesh.
+//! What follows a mesh that is cut: the model, a solver that steps it, and contact. After each edit each is compared with one rebuilt of the mesh.
 
 use crate::bodies::Body;
 use crate::soak::Watch;
@@ -18,7 +18,7 @@ use microsim_tissue::{
 };
 use nalgebra::Vector3;
 
-/// Share of the stability limit that the mass floor leaves, as in scenes.
+/// Fraction of the stability limit that the mass floor leaves, as in scenes.
 const FLOOR: f64 = 0.9;
 
 /// Steps after each edit.
@@ -198,14 +198,18 @@ impl Follower {
     /// Masses, and forces and energies of a shape at random: of each spring its length at rest, of each element its volume, is in them. Springs are
     /// the edges of the mesh, each once.
     fn compare_models(&self, mesh: &TetMesh, random: &mut SplitMix64) -> Result<(), String> {
-        let anew = model_of(mesh, self.behaviour, self.relaxation_time);
+        let rebuilt = model_of(mesh, self.behaviour, self.relaxation_time);
         let (model, control) = (&self.model, Control::default());
         if model.tets() != mesh.tets || model.rest_positions() != mesh.positions {
             return Err("the model is of another mesh".into());
         }
-        for (set, other) in model.sets().iter().zip(anew.sets()) {
+        for (set, other) in model.sets().iter().zip(rebuilt.sets()) {
             if set.count() != other.count() {
-                return Err(format!("{} elements, anew {}", set.count(), other.count()));
+                return Err(format!(
+                    "{} elements, rebuilt {}",
+                    set.count(),
+                    other.count()
+                ));
             }
         }
         if let Behaviour::Springs(_) = self.behaviour {
@@ -221,10 +225,10 @@ impl Follower {
                 return Err("springs are not the edges of the mesh".into());
             }
         }
-        let mass = anew.masses().iter().copied().fold(0.0, f64::max);
-        let masses = model.masses().iter().zip(anew.masses());
+        let mass = rebuilt.masses().iter().copied().fold(0.0, f64::max);
+        let masses = model.masses().iter().zip(rebuilt.masses());
         if let Some((a, b)) = masses.clone().find(|(a, b)| (*a - *b).abs() > 1e-12 * mass) {
-            return Err(format!("a mass of {a}, anew {b}"));
+            return Err(format!("a mass of {a}, rebuilt {b}"));
         }
         let shake = 0.02 * self.mean_edge;
         let place = |p: &Vector3<f64>| p * 1.05 + random.vector() * shake;
@@ -237,12 +241,15 @@ impl Follower {
                 .to_vec();
             (forces, state.energies(model).elastic())
         };
-        let ((forces, energy), (forces_anew, energy_anew)) = (of(model), of(&anew));
-        if (energy - energy_anew).abs() > ROUNDING * energy_anew {
-            return Err(format!("an energy of {energy}, anew {energy_anew}"));
+        let ((forces, energy), (forces_rebuilt, energy_rebuilt)) = (of(model), of(&rebuilt));
+        if (energy - energy_rebuilt).abs() > ROUNDING * energy_rebuilt {
+            return Err(format!("an energy of {energy}, rebuilt {energy_rebuilt}"));
         }
-        let largest = forces_anew.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let off = forces.iter().zip(&forces_anew).map(|(a, b)| (a - b).norm());
+        let largest = forces_rebuilt.iter().map(Vector3::norm).fold(0.0, f64::max);
+        let off = forces
+            .iter()
+            .zip(&forces_rebuilt)
+            .map(|(a, b)| (a - b).norm());
         let off = off.fold(0.0, f64::max);
         if off > ROUNDING * largest {
             return Err(format!("forces off by {off} of {largest}"));
@@ -250,16 +257,19 @@ impl Follower {
         Ok(())
     }
 
-    /// The solver that followed steps as one made anew does, to the bit; undamped and damped bodies stay bounded at the step of the uncut one.
+    /// The solver that followed steps as one rebuilt does, to the bit; undamped and damped bodies stay bounded at the step of the uncut one.
     fn advance(&mut self) -> Result<(), String> {
-        let mut anew = Method::StoermerVerlet
+        let mut rebuilt = Method::StoermerVerlet
             .solver(&self.model)
             .expect("any model has it");
         let mut twin = self.state.clone();
         let control = Control::default();
         let before = self.state.energies(&self.model).total();
         for _ in 0..STEPS {
-            let pairs = [(&mut self.solver, &mut self.state), (&mut anew, &mut twin)];
+            let pairs = [
+                (&mut self.solver, &mut self.state),
+                (&mut rebuilt, &mut twin),
+            ];
             for (solver, state) in pairs {
                 solver
                     .step(&self.model, state, &control, &[], self.step, &Serial)
@@ -301,7 +311,7 @@ impl Follower {
 
     /// The points that both find at a shape at random; their number.
     fn compare_contact(&mut self, random: &mut SplitMix64) -> Result<usize, String> {
-        let mut anew = detector_of(&self.mesh, &self.triangles, self.mean_edge);
+        let mut rebuilt = detector_of(&self.mesh, &self.triangles, self.mean_edge);
         let squeeze = 1.0 - 0.5 * random.number().abs();
         let place = |p: &Vector3<f64>| Vector3::new(p.x, p.y * squeeze, p.z);
         let now: Vec<_> = self.mesh.positions.iter().map(place).collect();
@@ -315,10 +325,10 @@ impl Follower {
         };
         let mut points: [Vec<Point>; 2] = Default::default();
         self.detector.find(&frame, &mut points[0]);
-        anew.find(&frame, &mut points[1]);
+        rebuilt.find(&frame, &mut points[1]);
         if points[0] != points[1] {
             return Err(format!(
-                "{} points of contact, anew {}",
+                "{} points of contact, rebuilt {}",
                 points[0].len(),
                 points[1].len()
             ));

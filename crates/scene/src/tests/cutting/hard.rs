@@ -220,7 +220,7 @@ fn a_scene_that_was_not_cut_since_goes_back() {
         go(&mut scene, middle..middle + 8);
         let expected = scene.save();
         scene.restore(&saved).unwrap();
-        // On without a cut: nothing that follows cuts is made anew.
+        // On without a cut: nothing that follows cuts is rebuilt.
         let edits = scene.edits.len();
         for _ in 0..3 {
             scene.tick(&[], tick, steps, &Serial).unwrap();
