@@ -16,6 +16,34 @@ use crate::{near, obstacle_contact, tool_contact};
 
 /// Finds the points of contact of a group of bodies. What it retains from call to call is working memory: a result depends on the
 /// arguments only.
+///
+/// ```
+/// use microsim_contact::{ContactPair, ContactSurface, Detector, Frame, ObstaclePart, ObstacleShape, Sides};
+/// use microsim_geometry::Pose;
+/// use microsim_mesh::{Block, CellSplit};
+/// use nalgebra::Vector3;
+///
+/// // A cube on the plane z = 0, which sinks in by 0.1 during a step.
+/// let block = Block { center: [0.0, 0.0, 0.5], size: [1.0; 3], cells: [1; 3], split: CellSplit::Kuhn };
+/// let cube = block.mesh()?;
+/// let plane = ObstaclePart { shape: ObstacleShape::HalfSpace, pose: Pose::identity() };
+/// let pair = ContactPair::Obstacle { body: 0, part: 0 };
+/// let mut detector = Detector::new(vec![ContactSurface::new(&cube, 0)], vec![plane], vec![pair]);
+/// let now: Vec<_> = cube.positions.iter().map(|p| p - Vector3::z() * 0.1).collect();
+/// let frame = Frame {
+///     start: &cube.positions,
+///     now: &now,
+///     tools: &[],
+///     fraction: 1.0,
+///     reach: 0.01,
+///     sides: &Sides::new(),
+/// };
+/// let mut points = Vec::new();
+/// detector.find(&frame, &mut points);
+/// assert_eq!(points.len(), 4, "the corners of the lower face");
+/// assert!(points.iter().all(|point| (point.gap + 0.1).abs() < 1e-15 && point.normal == Vector3::z()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Detector {
     pub(crate) bodies: Vec<Body>,

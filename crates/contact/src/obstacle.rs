@@ -36,6 +36,17 @@ pub struct ObstaclePart {
 impl ObstaclePart {
     /// The signed distance of `p` \[m\], below 0 inside, and the unit vector along which it grows: the outward normal at the
     /// surface point that is nearest to `p`.
+    ///
+    /// ```
+    /// use microsim_contact::{ObstaclePart, ObstacleShape};
+    /// use microsim_geometry::Pose;
+    /// use nalgebra::Vector3;
+    ///
+    /// let shape = ObstacleShape::Cylinder { radius: 1.0, half_length: 2.0 };
+    /// let part = ObstaclePart { shape, pose: Pose::identity() };
+    /// assert_eq!(part.distance(&Vector3::new(3.0, 0.0, 0.5)), (2.0, Vector3::x()));
+    /// assert_eq!(part.distance(&Vector3::new(0.0, 0.5, 0.0)), (-0.5, Vector3::y()));
+    /// ```
     pub fn distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let inverse = self.pose.orientation.inverse();
         let local = inverse * (p - self.pose.position);

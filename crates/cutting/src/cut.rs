@@ -26,6 +26,29 @@ impl Topology {
     /// divided for all elements at them, so the mesh is conforming after every step, with the blade inside too. Open is what the
     /// blade has passed: faces with all nodes on its path and elements on both sides. Where it has gone only in part
     /// through an element the element is divided and holds together until the blade has passed it.
+    ///
+    /// ```
+    /// use microsim_cutting::{Blade, Settings, Sheet, Stroke, Topology, check};
+    /// use microsim_mesh::{Block, CellSplit};
+    /// use nalgebra::Vector3;
+    ///
+    /// let block = Block { center: [0.0; 3], size: [4.0, 2.0, 2.0], cells: [4, 2, 2], split: CellSplit::Kuhn };
+    /// let mut mesh = block.mesh()?;
+    /// let mut topology = Topology::new(&mesh);
+    /// // The plane x = 0.3, in one step.
+    /// let corner = |y: f64, z: f64| Vector3::new(0.3, y, z);
+    /// let sheet = Sheet::quad([corner(-2.0, -2.0), corner(2.0, -2.0)], [corner(-2.0, 2.0), corner(2.0, 2.0)]);
+    /// let positions = mesh.positions.clone();
+    /// let blade = Blade::Sheet { sheet: &sheet, positions: &positions };
+    /// let cut = topology.cut(&mesh, &mut Stroke::new(), &blade, &Settings::default())?;
+    /// let cut = cut.expect("the blade goes through");
+    /// mesh.apply(&cut.edit)?;
+    /// // One part has come off, along an area of 2 × 2.
+    /// assert_eq!(cut.pieces.len(), 1);
+    /// assert!((cut.opened[0].area - 4.0).abs() < 1e-9);
+    /// assert!(check(&mesh, &topology).is_ok());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn cut(
         &mut self,
         mesh: &TetMesh,

@@ -29,6 +29,17 @@ impl Pose {
     }
 
     /// A point of the frame \[m\] in the world \[m\].
+    ///
+    /// ```
+    /// use microsim_geometry::Pose;
+    /// use nalgebra::Vector3;
+    ///
+    /// // A quarter turn about z, and 1 m along x.
+    /// let half = std::f64::consts::FRAC_1_SQRT_2;
+    /// let world_from_tool = Pose::from_arrays([1.0, 0.0, 0.0], [0.0, 0.0, half, half]);
+    /// let tip_in_world = world_from_tool.apply(&Vector3::x());
+    /// assert!((tip_in_world - Vector3::new(1.0, 1.0, 0.0)).norm() < 1e-15);
+    /// ```
     #[inline]
     pub fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.position + self.orientation * point

@@ -76,6 +76,16 @@ pub fn triangle_normal(triangle: &[Vector3<f64>; 3]) -> Option<Vector3<f64>> {
 
 /// The point of a triangle closest to `p`: the orthogonal projection (A.7, A.8) where it falls inside, else the
 /// closest point of the three edges.
+///
+/// ```
+/// use microsim_geometry::{TriangleFeature, closest_on_triangle};
+/// use nalgebra::Vector3;
+///
+/// let triangle = [Vector3::zeros(), Vector3::x(), Vector3::y()];
+/// let found = closest_on_triangle(&Vector3::new(0.25, 0.25, 3.0), &triangle);
+/// assert_eq!(found.point, Vector3::new(0.25, 0.25, 0.0));
+/// assert_eq!((found.barycentric, found.feature()), ([0.5, 0.25, 0.25], TriangleFeature::Face));
+/// ```
 pub fn closest_on_triangle(p: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> TrianglePoint {
     let [a, b, c] = triangle;
     let (v0, v1, v2) = (b - a, c - a, p - a);

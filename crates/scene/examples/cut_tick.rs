@@ -91,11 +91,12 @@ fn measure(cells: [usize; 3], touches: Touches) {
     }
     let spec = SceneSpec {
         bodies: vec![BodySpec {
-            name: "block".into(),
-            mesh,
-            origin: [0.0; 3],
-            materials: vec![(
-                0,
+            drag: 20.0,
+            // Gives way to any force: from the first touch on the blade cuts all the way.
+            toughness: 1e-6,
+            ..BodySpec::new(
+                "block",
+                mesh,
                 Material {
                     density: 1060.0,
                     relaxation_time: 0.0,
@@ -106,17 +107,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
                         discretisation: Discretisation::EdgeSmoothed,
                     }),
                 },
-            )],
-            drag: 20.0,
-            // Gives way to any force: from the first touch on the blade cuts all the way.
-            toughness: 1e-6,
-            brittleness: 0.0,
-            tear_strains: Vec::new(),
-            clamps: Vec::new(),
-            couplings: Vec::new(),
-            loads: Vec::new(),
-            start: Vec::new(),
-            ends: Vec::new(),
+            )
         }],
         tools: vec![ToolSpec {
             name: "blade".into(),

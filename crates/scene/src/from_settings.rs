@@ -31,7 +31,34 @@ pub struct Described {
     pub notes: Vec<String>,
 }
 
-/// The scene of a file `config/scenes/NAME.toml`.
+/// The scene of a file `config/scenes/NAME.toml`. `load` reads mesh files.
+///
+/// ```
+/// use microsim_scene::{Scene, scene_spec};
+///
+/// let text = r#"
+/// title = {de = "Balken", en = "Beam"}
+/// summary = {de = "Ein Balken hängt durch.", en = "A beam sags."}
+/// [run]
+/// duration = "0.2 s"
+/// step = "1 ms"
+/// [method]
+/// name = "implicit-euler"
+/// [[body]]
+/// name = "beam"
+/// generator = "block"
+/// size = ["20 mm", "5 mm", "5 mm"]
+/// cells = [4, 1, 1]
+/// material = [{density = 1000, law = "stable-neo-hookean", youngs_modulus = "100 kPa", poisson_ratio = 0.3}]
+/// [[body.clamp]]
+/// nodes = {min = ["-10 mm", -1, -1], max = ["-10 mm", 1, 1]}
+/// "#;
+/// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
+/// let load = &mut |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
+/// let scene = Scene::new(&scene_spec(&settings, load)?.spec)?;
+/// assert_eq!(scene.body(0).name(), "beam");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn scene_spec(
     scene: &settings::Scene,
     load: &mut Load<'_>,
@@ -72,6 +99,45 @@ pub struct LevelParts<'a> {
 }
 
 /// The scene of a level. A body that diverges is rolled back: the trainee never sees it.
+///
+/// ```
+/// use microsim_scene::{LevelParts, Scene, level_spec};
+/// use std::collections::BTreeMap;
+///
+/// // The body and method of a scene do as well for a level; a plug-in is given those of its level.
+/// let text = r#"
+/// title = {de = "Balken", en = "Beam"}
+/// summary = {de = "Ein Balken hängt durch.", en = "A beam sags."}
+/// [run]
+/// duration = "0.2 s"
+/// step = "1 ms"
+/// [method]
+/// name = "implicit-euler"
+/// [[body]]
+/// name = "beam"
+/// generator = "block"
+/// size = ["20 mm", "5 mm", "5 mm"]
+/// cells = [4, 1, 1]
+/// material = [{density = 1000, law = "stable-neo-hookean", youngs_modulus = "100 kPa", poisson_ratio = 0.3}]
+/// [[body.clamp]]
+/// nodes = {min = ["-10 mm", -1, -1], max = ["-10 mm", 1, 1]}
+/// "#;
+/// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
+/// let level = LevelParts {
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity },
+///     method: &settings.method,
+///     bodies: &settings.body,
+///     rigid: &[],
+///     contacts: &[],
+///     cuts: &[],
+///     tools: &[],
+///     models: &BTreeMap::new(),
+/// };
+/// let load = &mut |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
+/// let scene = Scene::new(&level_spec(&level, load)?.spec)?;
+/// assert_eq!(scene.required_steps(8e-3), 1, "an implicit method has no limit");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn level_spec(
     level: &LevelParts<'_>,
     load: &mut Load<'_>,

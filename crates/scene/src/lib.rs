@@ -1,5 +1,41 @@
 //! Bodies, tools and contact coupled into one step.
 //!
+//! ```
+//! use microsim_mesh::{Block, CellSplit};
+//! use microsim_scene::*;
+//! use microsim_tissue::SpringConstants;
+//!
+//! // A cube of 2 mm, clamped at its upper face.
+//! let block = Block { center: [0.0; 3], size: [2e-3; 3], cells: [2; 3], split: CellSplit::Kuhn };
+//! let behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+//! let material = Material { density: 1060.0, relaxation_time: 0.0, behaviour };
+//! let top = BoxSpec { min: [-1.0, -1.0, 1e-3], max: [1.0; 3] };
+//! let cube = BodySpec {
+//!     drag: 100.0,
+//!     clamps: vec![ClampSpec { nodes: Selection::Box(top), motion: None, release: None }],
+//!     ..BodySpec::new("cube", block.mesh()?, material)
+//! };
+//! let mut scene = Scene::new(&SceneSpec::new(vec![cube], Method::StoermerVerlet))?;
+//!
+//! // 50 ms in ticks of 1 ms: it sags under its own weight.
+//! let steps = scene.required_steps(1e-3);
+//! for _ in 0..50 {
+//!     scene.tick(&[], 1e-3, steps, &Serial)?;
+//! }
+//! let body = scene.body(0);
+//! let lowest = body.positions().iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+//! assert!(lowest < -1e-3 && lowest > -1.1e-3);
+//! // The clamp bears its weight, but for what still swings.
+//! let clamped = body.forces().into_iter().zip(body.clamped()).filter(|(_, clamped)| *clamped);
+//! let force: f64 = clamped.map(|(force, _)| -force.z).sum();
+//! let weight = 9.81 * body.masses().iter().sum::<f64>();
+//! assert!((force / weight - 1.0).abs() < 0.1, "{force} N, {weight} N");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A cut is in `examples/cut.rs`; whole scenes and levels come from settings by [`scene_spec`] and [`level_spec`], and a [`Runner`] takes
+//! a scene to its end.
+//!
 //! What is here: the description of a scene and its checks, the tick with its sub-steps, forces in newtons, containment of a
 //! body that diverges, exact saving and restoring. Crate `contact` finds where bodies touch, `tissue` enforces non-penetration; here one is
 //! translated into the other. What is not: the mathematics of both, files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.

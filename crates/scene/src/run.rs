@@ -83,6 +83,49 @@ pub struct Verdict {
 }
 
 /// A scene that is being run.
+///
+/// ```
+/// use microsim_scene::{End, Runner, Scene, Serial, scene_spec};
+///
+/// let text = r#"
+/// title = {de = "Balken", en = "Beam"}
+/// summary = {de = "Ein Balken hängt durch.", en = "A beam sags."}
+/// [run]
+/// duration = "0.2 s"
+/// step = "1 ms"
+/// [method]
+/// name = "implicit-euler"
+/// [[body]]
+/// name = "beam"
+/// generator = "block"
+/// size = ["20 mm", "5 mm", "5 mm"]
+/// cells = [4, 1, 1]
+/// material = [{density = 1000, law = "stable-neo-hookean", youngs_modulus = "100 kPa", poisson_ratio = 0.3}]
+/// [[body.clamp]]
+/// nodes = {min = ["-10 mm", -1, -1], max = ["-10 mm", 1, 1]}
+/// [[probe]]
+/// name = "sag"
+/// body = "beam"
+/// nodes = {min = ["10 mm", -1, -1], max = ["10 mm", 1, 1]}
+/// quantity = "displacement"
+/// direction = [0, 0, -1]
+/// [[expect]]
+/// probe = "sag"
+/// what = "largest"
+/// value = "2 mm"
+/// tolerance = 1
+/// source = "an order of magnitude"
+/// "#;
+/// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
+/// let load = &mut |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
+/// let scene = Scene::new(&scene_spec(&settings, load)?.spec)?;
+/// let mut runner = Runner::new(&settings, scene)?;
+/// runner.run(&Serial, &mut |_| true);
+/// assert_eq!(runner.end(), Some(&End::Duration));
+/// assert!(runner.series().probes[0].iter().all(|sag| *sag > -1e-6));
+/// assert!(runner.verdicts()[0].met);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Runner {
     scene: Scene,

@@ -65,6 +65,29 @@ impl std::error::Error for RestoreError {}
 
 impl Scene {
     /// All that evolves, exactly.
+    ///
+    /// ```
+    /// # use microsim_mesh::{Block, CellSplit};
+    /// # use microsim_scene::{Behaviour, BodySpec, Material, Method, Scene, SceneSpec, Serial};
+    /// # use microsim_tissue::SpringConstants;
+    /// # let block = Block { center: [0.0; 3], size: [2e-3; 3], cells: [2; 3], split: CellSplit::Kuhn };
+    /// # let behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+    /// # let material = Material { density: 1060.0, relaxation_time: 0.0, behaviour };
+    /// # let cube = BodySpec::new("cube", block.mesh()?, material);
+    /// let spec = SceneSpec::new(vec![cube], Method::StoermerVerlet);
+    /// let mut scene = Scene::new(&spec)?;
+    /// let steps = scene.required_steps(1e-3);
+    /// scene.tick(&[], 1e-3, steps, &Serial)?;
+    /// let saved = scene.save();
+    ///
+    /// // Another scene of the same description goes on from there, bit for bit.
+    /// let mut other = Scene::new(&spec)?;
+    /// other.restore(&saved)?;
+    /// scene.tick(&[], 1e-3, steps, &Serial)?;
+    /// other.tick(&[], 1e-3, steps, &Serial)?;
+    /// assert_eq!(scene.digest(), other.digest());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn save(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         bytes.extend_from_slice(MAGIC);

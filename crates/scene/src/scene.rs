@@ -38,6 +38,22 @@ pub struct Scene {
 
 impl Scene {
     /// Builds a scene at rest; every value of `spec` is checked.
+    ///
+    /// ```
+    /// # use microsim_mesh::{Block, CellSplit};
+    /// # use microsim_scene::{Behaviour, BodySpec, Material, Method, Scene, SceneSpec, Serial};
+    /// # use microsim_tissue::SpringConstants;
+    /// # let block = Block { center: [0.0; 3], size: [2e-3; 3], cells: [2; 3], split: CellSplit::Kuhn };
+    /// # let behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+    /// # let material = Material { density: 1060.0, relaxation_time: 0.0, behaviour };
+    /// # let cube = BodySpec::new("cube", block.mesh()?, material);
+    /// let mut spec = SceneSpec::new(vec![cube], Method::StoermerVerlet);
+    /// assert_eq!(Scene::new(&spec)?.body(0).name(), "cube");
+    /// spec.bodies[0].drag = -1.0;
+    /// let error = Scene::new(&spec).expect_err("a drag below 0");
+    /// assert!(error.to_string().starts_with("body 'cube'"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(spec: &SceneSpec) -> Result<Self, SceneError> {
         check_names("body", spec.bodies.iter().map(|body| body.name.as_str()))?;
         check_names("tool", spec.tools.iter().map(|tool| tool.name.as_str()))?;
@@ -129,6 +145,22 @@ impl Scene {
     }
 
     /// Whether `steps` solver's steps per tick of `tick_s` \[s\] are enough for every body; the error holds the number that is.
+    ///
+    /// ```
+    /// # use microsim_mesh::{Block, CellSplit};
+    /// # use microsim_scene::{Behaviour, BodySpec, Material, Method, Scene, SceneSpec, Serial};
+    /// # use microsim_tissue::SpringConstants;
+    /// # let block = Block { center: [0.0; 3], size: [2e-3; 3], cells: [2; 3], split: CellSplit::Kuhn };
+    /// # let behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+    /// # let material = Material { density: 1060.0, relaxation_time: 0.0, behaviour };
+    /// # let cube = BodySpec::new("cube", block.mesh()?, material);
+    /// let scene = Scene::new(&SceneSpec::new(vec![cube], Method::StoermerVerlet))?;
+    /// let required = scene.required_steps(10e-3);
+    /// assert!(required > 1 && scene.check_step(10e-3, required).is_ok());
+    /// let error = scene.check_step(10e-3, required - 1).expect_err("beyond the stability limit");
+    /// assert!(error.to_string().contains(&format!("at least {required} steps")));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn check_step(&self, tick_s: f64, steps: u32) -> Result<(), SceneError> {
         if !tick_s.is_finite() || tick_s <= 0.0 {
             return Err(SceneError::Tick { tick_s });

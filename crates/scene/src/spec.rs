@@ -27,6 +27,22 @@ pub struct SceneSpec {
     pub containment: bool,
 }
 
+impl SceneSpec {
+    /// A scene of `bodies` alone under gravity of 9.81 m/s² along −z, with containment: no tools, obstacles, contacts and cuts.
+    pub fn new(bodies: Vec<BodySpec>, method: Method) -> Self {
+        Self {
+            bodies,
+            tools: Vec::new(),
+            obstacles: Vec::new(),
+            contacts: Vec::new(),
+            cuts: Vec::new(),
+            gravity: [0.0, 0.0, -9.81],
+            method,
+            containment: true,
+        }
+    }
+}
+
 /// A deformable body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodySpec {
@@ -56,6 +72,27 @@ pub struct BodySpec {
     pub start: Vec<StartSpec>,
     /// The outward triangles of the faces at the open ends of a vessel; empty for a body that is none.
     pub ends: Vec<Vec<[u32; 3]>>,
+}
+
+impl BodySpec {
+    /// A free body at rest of one material, in its first region (number 0), without drag, loads and anything that cuts or tears it.
+    pub fn new(name: &str, mesh: TetMesh, material: Material) -> Self {
+        Self {
+            name: name.to_owned(),
+            mesh,
+            origin: [0.0; 3],
+            materials: vec![(0, material)],
+            drag: 0.0,
+            toughness: f64::INFINITY,
+            brittleness: 0.0,
+            tear_strains: Vec::new(),
+            clamps: Vec::new(),
+            couplings: Vec::new(),
+            loads: Vec::new(),
+            start: Vec::new(),
+            ends: Vec::new(),
+        }
+    }
 }
 
 /// Nodes of a body, in the body's frame and at rest.
@@ -210,6 +247,21 @@ pub struct CapsuleSpec {
     pub lonor: bool,
     /// Where a single blade is sharp, in the tool's frame, tool closed, of length 1; `None` for one that cuts against the other jaw only.
     pub edge: Option<[f64; 3]>,
+}
+
+impl CapsuleSpec {
+    /// A rigid part that does not cut: axis from `a` to `b` and radius \[m\].
+    pub fn new(a: [f64; 3], b: [f64; 3], radius: f64) -> Self {
+        Self {
+            a,
+            b,
+            radius,
+            hinge: None,
+            jaw: None,
+            lonor: false,
+            edge: None,
+        }
+    }
 }
 
 /// A jaw of a tool.

@@ -77,21 +77,7 @@ mod tests {
                 relaxation_time: 0.0,
                 behaviour: Behaviour::Continuum(constants),
             };
-            let body = BodySpec {
-                name: "cube".to_owned(),
-                mesh: mesh.clone(),
-                origin: [0.0; 3],
-                materials: vec![(0, material)],
-                drag: 0.0,
-                toughness: f64::INFINITY,
-                brittleness: 0.0,
-                tear_strains: Vec::new(),
-                clamps: Vec::new(),
-                couplings: Vec::new(),
-                loads: Vec::new(),
-                start: Vec::new(),
-                ends: Vec::new(),
-            };
+            let body = BodySpec::new("cube", mesh.clone(), material);
             let shear = 1e-5;
             let sheared: Vec<Vector3<f64>> = mesh
                 .positions

@@ -36,53 +36,34 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
         split: CellSplit::Kuhn,
     };
     SceneSpec {
-        bodies: vec![BodySpec {
-            name: "strip".into(),
-            mesh: block.mesh().unwrap(),
-            origin: [0.0; 3],
-            materials: vec![(
-                0,
-                Material {
-                    density: 1060.0,
-                    relaxation_time: 0.0,
-                    behaviour: Behaviour::Springs(SpringConstants::scaled(25e3, 5e4)),
-                },
-            )],
-            drag: 100.0,
-            toughness: f64::INFINITY,
-            brittleness: 0.0,
-            tear_strains: Vec::new(),
-            clamps: vec![end(-10e-3), end(10e-3)],
-            couplings: Vec::new(),
-            loads: Vec::new(),
-            start: Vec::new(),
-            ends: Vec::new(),
-        }],
         tools: vec![ToolSpec {
             name: "probe".into(),
-            capsules: vec![CapsuleSpec {
-                a: reach.0,
-                b: reach.1,
-                radius: RADIUS,
-                hinge: None,
-                jaw: None,
-                lonor: false,
-                edge: None,
-            }],
+            capsules: vec![CapsuleSpec::new(reach.0, reach.1, RADIUS)],
             sharpness: 0.0,
             motion: Vec::new(),
         }],
-        obstacles: Vec::new(),
         contacts: vec![ContactSpec {
             body: "strip".into(),
             with: PartnerSpec::Tool("probe".into()),
             friction: 0.0,
             force_limit: f64::INFINITY,
         }],
-        cuts: Vec::new(),
-        gravity: [0.0, 0.0, -9.81],
-        method: Method::StoermerVerlet,
-        containment: true,
+        ..SceneSpec::new(
+            vec![BodySpec {
+                drag: 100.0,
+                clamps: vec![end(-10e-3), end(10e-3)],
+                ..BodySpec::new(
+                    "strip",
+                    block.mesh().unwrap(),
+                    Material {
+                        density: 1060.0,
+                        relaxation_time: 0.0,
+                        behaviour: Behaviour::Springs(SpringConstants::scaled(25e3, 5e4)),
+                    },
+                )
+            }],
+            Method::StoermerVerlet,
+        )
     }
 }
 

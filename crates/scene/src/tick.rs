@@ -35,6 +35,43 @@ impl Scene {
     /// diverges the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
     /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there.
     ///
+    /// ```
+    /// # use microsim_mesh::{Block, CellSplit};
+    /// # use microsim_scene::{Behaviour, BodySpec, Material, Method, Scene, SceneSpec, Serial};
+    /// # use microsim_tissue::SpringConstants;
+    /// # let block = Block { center: [0.0; 3], size: [2e-3; 3], cells: [2; 3], split: CellSplit::Kuhn };
+    /// # let behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+    /// # let material = Material { density: 1060.0, relaxation_time: 0.0, behaviour };
+    /// # let cube = BodySpec::new("cube", block.mesh()?, material);
+    /// use microsim_scene::{CapsuleSpec, ContactSpec, PartnerSpec, Pose, ToolMotion, ToolSpec};
+    /// use nalgebra::Vector3;
+    ///
+    /// // A sphere of 0.5 mm goes 0.2 mm down onto the cube, which falls meanwhile.
+    /// let sphere = CapsuleSpec::new([0.0; 3], [0.0; 3], 0.5e-3);
+    /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, motion: vec![] };
+    /// let with = PartnerSpec::Tool("probe".into());
+    /// let contact = ContactSpec { body: "cube".into(), with, friction: 0.0, force_limit: f64::INFINITY };
+    /// let mut scene = Scene::new(&SceneSpec {
+    ///     tools: vec![probe],
+    ///     contacts: vec![contact],
+    ///     ..SceneSpec::new(vec![cube], Method::StoermerVerlet)
+    /// })?;
+    /// let at = |z: f64| Pose { position: Vector3::new(0.1e-3, 0.0, z), ..Pose::identity() };
+    /// let motion = ToolMotion {
+    ///     tool: 0,
+    ///     from: at(1.55e-3),
+    ///     to: at(1.35e-3),
+    ///     opening_from: 0.0,
+    ///     opening_to: 0.0,
+    ///     active: true,
+    /// };
+    /// let steps = scene.required_steps(5e-3);
+    /// let report = scene.tick(&[motion], 5e-3, steps, &Serial)?;
+    /// let [contact] = &report.contacts[..] else { panic!("the two touch") };
+    /// assert!(contact.force_on_tissue[2] < 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Panics
     /// When `tick_s` is not a positive time or `steps` is 0: [`check_step`](Scene::check_step) refuses both.
     pub fn tick(

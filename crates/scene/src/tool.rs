@@ -294,13 +294,8 @@ mod tests {
             angle: 0.2,
         };
         let capsule = CapsuleSpec {
-            a: [0.0; 3],
-            b: [0.0, 0.0, 0.01],
-            radius: 1e-4,
             hinge: Some(hinge),
-            jaw: None,
-            lonor: false,
-            edge: None,
+            ..CapsuleSpec::new([0.0; 3], [0.0, 0.0, 0.01], 1e-4)
         };
         Tool::new(&ToolSpec {
             name: "jaw".into(),

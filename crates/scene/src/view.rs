@@ -20,6 +20,22 @@ pub struct BodyView<'a> {
 impl Scene {
     /// The body with an index below [`body_count`](Self::body_count).
     ///
+    /// ```
+    /// # use microsim_mesh::{Block, CellSplit};
+    /// # use microsim_scene::{Behaviour, BodySpec, Material, Method, Scene, SceneSpec, Serial};
+    /// # use microsim_tissue::SpringConstants;
+    /// # let block = Block { center: [0.0; 3], size: [2e-3; 3], cells: [2; 3], split: CellSplit::Kuhn };
+    /// # let behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+    /// # let material = Material { density: 1060.0, relaxation_time: 0.0, behaviour };
+    /// # let cube = BodySpec::new("cube", block.mesh()?, material);
+    /// let scene = Scene::new(&SceneSpec::new(vec![cube], Method::StoermerVerlet))?;
+    /// let body = scene.body(0);
+    /// assert_eq!((body.positions().len(), body.element_count()), (27, 48));
+    /// assert!((body.volume() - 8e-9).abs() < 1e-18);
+    /// assert_eq!(body.piece_count(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Panics
     /// When there is no such body.
     pub fn body(&self, index: usize) -> BodyView<'_> {

@@ -83,14 +83,6 @@ fn spec(mesh: TetMesh) -> SceneSpec {
     };
     SceneSpec {
         bodies: vec![BodySpec {
-            name: "block".into(),
-            mesh,
-            origin: [0.0; 3],
-            materials: vec![(0, material)],
-            drag: 0.0,
-            toughness: f64::INFINITY,
-            brittleness: 0.0,
-            tear_strains: Vec::new(),
             clamps: vec![ClampSpec {
                 nodes: Selection::Box(BoxSpec {
                     min: [-1.0, -1.0, -1.0],
@@ -99,22 +91,15 @@ fn spec(mesh: TetMesh) -> SceneSpec {
                 motion: None,
                 release: None,
             }],
-            couplings: Vec::new(),
-            loads: Vec::new(),
-            start: Vec::new(),
-            ends: Vec::new(),
+            ..BodySpec::new("block", mesh, material)
         }],
         tools: vec![ToolSpec {
             name: "sphere".into(),
-            capsules: vec![CapsuleSpec {
-                a: [0.0, 0.0, RADIUS],
-                b: [0.0, 0.0, 2.0 * RADIUS],
-                radius: RADIUS,
-                hinge: None,
-                jaw: None,
-                lonor: false,
-                edge: None,
-            }],
+            capsules: vec![CapsuleSpec::new(
+                [0.0, 0.0, RADIUS],
+                [0.0, 0.0, 2.0 * RADIUS],
+                RADIUS,
+            )],
             sharpness: 0.0,
             motion: Vec::new(),
         }],

@@ -33,19 +33,9 @@ fn vessel(name: &str, x: f64) -> BodySpec {
         behaviour: Behaviour::Continuum(constants),
     };
     BodySpec {
-        name: name.into(),
         ends: vec![end(x - 1e-3), end(x + 1e-3)],
-        mesh,
         origin: [x, 0.0, 0.0],
-        materials: vec![(0, material)],
-        drag: 0.0,
-        toughness: f64::INFINITY,
-        brittleness: 0.0,
-        tear_strains: Vec::new(),
-        clamps: Vec::new(),
-        couplings: Vec::new(),
-        loads: Vec::new(),
-        start: Vec::new(),
+        ..BodySpec::new(name, mesh, material)
     }
 }
 
@@ -54,14 +44,12 @@ fn vessel(name: &str, x: f64) -> BodySpec {
 #[test]
 fn an_end_of_which_nothing_is_left_faces_nothing() {
     let spec = SceneSpec {
-        bodies: vec![vessel("left", -2e-3), vessel("right", 2e-3)],
-        tools: Vec::new(),
-        obstacles: Vec::new(),
-        contacts: Vec::new(),
-        cuts: Vec::new(),
         gravity: [0.0; 3],
-        method: Method::StoermerVerlet,
         containment: false,
+        ..SceneSpec::new(
+            vec![vessel("left", -2e-3), vessel("right", 2e-3)],
+            Method::StoermerVerlet,
+        )
     };
     let mut bodies = Scene::new(&spec).unwrap().bodies;
     let facing = |bodies: &[Body]| {

@@ -9,18 +9,24 @@ use microsim_tissue::{ContinuumConstants, Discretisation};
 /// A bar over a table, in contact with that, with itself, with a second bar above it, and with what cuts both.
 fn bars() -> SceneSpec {
     let bar = |name: &str, z: f64| BodySpec {
-        name: name.into(),
-        mesh: Block {
-            center: [0.0, 0.0, z],
-            size: [5e-3, 2e-3, 1e-3],
-            cells: [10, 4, 2],
-            split: CellSplit::Kuhn,
-        }
-        .mesh()
-        .unwrap(),
-        origin: [0.0; 3],
-        materials: vec![(
-            0,
+        drag: 20.0,
+        toughness: 1.0,
+        brittleness: 0.5,
+        loads: vec![LoadSpec {
+            surface: Selection::All,
+            kind: LoadKind::Pressure(20.0),
+            ramp: 0.0,
+        }],
+        ..BodySpec::new(
+            name,
+            Block {
+                center: [0.0, 0.0, z],
+                size: [5e-3, 2e-3, 1e-3],
+                cells: [10, 4, 2],
+                split: CellSplit::Kuhn,
+            }
+            .mesh()
+            .unwrap(),
             Material {
                 density: 1060.0,
                 relaxation_time: 0.0,
@@ -31,20 +37,7 @@ fn bars() -> SceneSpec {
                     discretisation: Discretisation::EdgeSmoothed,
                 }),
             },
-        )],
-        drag: 20.0,
-        toughness: 1.0,
-        brittleness: 0.5,
-        tear_strains: Vec::new(),
-        clamps: Vec::new(),
-        couplings: Vec::new(),
-        loads: vec![LoadSpec {
-            surface: Selection::All,
-            kind: LoadKind::Pressure(20.0),
-            ramp: 0.0,
-        }],
-        start: Vec::new(),
-        ends: Vec::new(),
+        )
     };
     let contact = |body: &str, with: PartnerSpec| ContactSpec {
         body: body.into(),
@@ -65,13 +58,8 @@ fn bars() -> SceneSpec {
         tools: vec![ToolSpec {
             name: "blade".into(),
             capsules: vec![CapsuleSpec {
-                a: [0.0, -1.5e-3, 0.0],
-                b: [0.0, 1.5e-3, 0.0],
-                radius: 5e-5,
-                hinge: None,
-                jaw: None,
                 lonor: true,
-                edge: None,
+                ..CapsuleSpec::new([0.0, -1.5e-3, 0.0], [0.0, 1.5e-3, 0.0], 5e-5)
             }],
             sharpness: 1.0,
             motion: Vec::new(),

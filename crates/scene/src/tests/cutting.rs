@@ -22,11 +22,18 @@ fn bar(discretisation: Discretisation, relaxation_time: f64) -> BodySpec {
         split: CellSplit::Kuhn,
     };
     BodySpec {
-        name: "bar".into(),
-        mesh: block.mesh().unwrap(),
-        origin: [0.0; 3],
-        materials: vec![(
-            0,
+        drag: 20.0,
+        clamps: vec![ClampSpec {
+            nodes: Selection::Box(BoxSpec {
+                min: [-3e-3, -1.0, -1.0],
+                max: [-3e-3, 1.0, 1.0],
+            }),
+            motion: None,
+            release: None,
+        }],
+        ..BodySpec::new(
+            "bar",
+            block.mesh().unwrap(),
             Material {
                 density: 1060.0,
                 relaxation_time,
@@ -37,23 +44,7 @@ fn bar(discretisation: Discretisation, relaxation_time: f64) -> BodySpec {
                     discretisation,
                 }),
             },
-        )],
-        drag: 20.0,
-        toughness: f64::INFINITY,
-        brittleness: 0.0,
-        tear_strains: Vec::new(),
-        clamps: vec![ClampSpec {
-            nodes: Selection::Box(BoxSpec {
-                min: [-3e-3, -1.0, -1.0],
-                max: [-3e-3, 1.0, 1.0],
-            }),
-            motion: None,
-            release: None,
-        }],
-        couplings: Vec::new(),
-        loads: Vec::new(),
-        start: Vec::new(),
-        ends: Vec::new(),
+        )
     }
 }
 

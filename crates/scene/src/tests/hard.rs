@@ -30,19 +30,9 @@ fn block(name: &str, centre: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Bod
         split: CellSplit::Kuhn,
     };
     BodySpec {
-        name: name.into(),
-        mesh: block.mesh().unwrap(),
         origin: centre,
-        materials: vec![(0, tissue())],
         drag: 100.0,
-        toughness: f64::INFINITY,
-        brittleness: 0.0,
-        tear_strains: Vec::new(),
-        clamps: Vec::new(),
-        couplings: Vec::new(),
-        loads: Vec::new(),
-        start: Vec::new(),
-        ends: Vec::new(),
+        ..BodySpec::new(name, block.mesh().unwrap(), tissue())
     }
 }
 
@@ -95,14 +85,9 @@ fn bodies_touch(body: &str, with: &str) -> ContactSpec {
 
 fn scene_of(bodies: Vec<BodySpec>, contacts: Vec<ContactSpec>, method: Method) -> SceneSpec {
     SceneSpec {
-        bodies,
-        tools: Vec::new(),
         obstacles: vec![table()],
         contacts,
-        cuts: Vec::new(),
-        gravity: [0.0, 0.0, -9.81],
-        method,
-        containment: true,
+        ..SceneSpec::new(bodies, method)
     }
 }
 
@@ -110,15 +95,11 @@ fn scene_of(bodies: Vec<BodySpec>, contacts: Vec<ContactSpec>, method: Method) -
 fn rod(name: &str, radius: f64) -> ToolSpec {
     ToolSpec {
         name: name.into(),
-        capsules: vec![CapsuleSpec {
-            a: [0.0, -8e-3, 0.0],
-            b: [0.0, 8e-3, 0.0],
+        capsules: vec![CapsuleSpec::new(
+            [0.0, -8e-3, 0.0],
+            [0.0, 8e-3, 0.0],
             radius,
-            hinge: None,
-            jaw: None,
-            lonor: false,
-            edge: None,
-        }],
+        )],
         sharpness: 0.0,
         motion: Vec::new(),
     }
