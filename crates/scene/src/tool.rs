@@ -3,8 +3,8 @@
 use crate::error::SceneError;
 use crate::spec::{Jaw, ToolKeySpec, ToolSpec};
 use microsim_contact::CapsuleMotion;
-use microsim_geometry::{Aabb, Capsule, Pose};
-use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use microsim_geometry::{Aabb, Capsule, Hinge, Pose};
+use nalgebra::{Unit, Vector3};
 
 /// The motion of one tool during a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,13 +63,6 @@ pub(crate) struct Line {
     /// Where a single blade is sharp, of length 1.
     pub edge: Option<Vector3<f64>>,
     pub jaw: Option<Jaw>,
-}
-
-#[derive(Clone, Debug)]
-struct Hinge {
-    pivot: Vector3<f64>,
-    axis: Unit<Vector3<f64>>,
-    angle: f64,
 }
 
 impl Tool {
@@ -182,7 +175,8 @@ impl Tool {
         let lines = cutting.map(|(index, part)| {
             let Capsule { a, b, radius } = part.at(opening).posed(&world_from_tool);
             let edge = part.edge.map(|edge| {
-                let turned = part.turn(opening).map_or(edge, |turn| turn * edge);
+                let hinge = part.hinge.as_ref();
+                let turned = hinge.map_or(edge, |hinge| hinge.rotation(opening) * edge);
                 world_from_tool.orientation * turned
             });
             Line {
@@ -248,30 +242,10 @@ impl Tool {
 }
 
 impl Part {
-    /// By how much it is turned about its hinge at an opening; `None` for a rigid part.
-    fn turn(&self, opening: f64) -> Option<UnitQuaternion<f64>> {
-        let hinge = self.hinge.as_ref()?;
-        let half = 0.5 * hinge.angle * opening;
-        let (cosine, sine) = (libm::cos(half), libm::sin(half));
-        Some(UnitQuaternion::new_normalize(Quaternion::from_parts(
-            cosine,
-            hinge.axis.into_inner() * sine,
-        )))
-    }
-
     /// The part in the tool's frame at an opening.
     fn at(&self, opening: f64) -> Capsule {
-        match (&self.hinge, self.turn(opening)) {
-            (Some(hinge), Some(turn)) => {
-                let turned = |p: &Vector3<f64>| hinge.pivot + turn * (p - hinge.pivot);
-                Capsule {
-                    a: turned(&self.capsule.a),
-                    b: turned(&self.capsule.b),
-                    radius: self.capsule.radius,
-                }
-            }
-            _ => self.capsule,
-        }
+        let hinge = self.hinge.as_ref();
+        hinge.map_or(self.capsule, |hinge| hinge.turned(&self.capsule, opening))
     }
 
     /// Distance of the further end of the axis from `point` \[m\].
@@ -286,6 +260,7 @@ impl Part {
 mod tests {
     use super::*;
     use crate::spec::{CapsuleSpec, HingeSpec};
+    use nalgebra::UnitQuaternion;
 
     fn jaw() -> Tool {
         let hinge = HingeSpec {

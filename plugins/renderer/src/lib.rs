@@ -5,7 +5,7 @@
 
 #![forbid(unsafe_code)]
 
-use microsim_geometry::Pose as Place;
+use microsim_geometry::{Capsule, Hinge, Pose as Place};
 use microsim_gpu::Gpu;
 use microsim_render::{DRAPE, Item, Picture, Renderer, Shape, View};
 use microsim_sdk::message::{
@@ -14,7 +14,7 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::{BlockView, Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{self as settings, BodyLook, RendererConfig};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use std::path::Path;
 
 /// Opacity of a tool whose pose is not up to date.
@@ -58,23 +58,29 @@ fn object(object: &ObjectState, field: f64) -> Item {
     }
 }
 
-/// A tool as its capsules; jaws turned about the hinge, each by half of the opening.
+/// A tool as its capsules, jaws turned about the hinge.
 fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
     let world = Place::from_arrays(state.pose.position, state.pose.orientation);
-    let open = model.opening_angle.unwrap_or_default() * state.opening;
+    let open = model.opening_angle.unwrap_or_default();
     let items = model.capsule.iter().map(|part| {
-        let angle = part.jaw.angle(open).unwrap_or_default();
-        let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
-        let hinge = Vector3::from(model.hinge.unwrap_or_default());
-        let posed = |p: [f64; 3]| {
-            world
-                .apply(&(hinge + turn * (Vector3::from(p) - hinge)))
-                .into()
-        };
-        let shape = Shape::Capsule {
-            a: posed(part.a),
-            b: posed(part.b),
+        let closed = Capsule {
+            a: part.a.into(),
+            b: part.b.into(),
             radius: part.radius,
+        };
+        let turned = part.jaw.angle(open).map(|angle| {
+            let hinge = Hinge {
+                pivot: model.hinge.unwrap_or_default().into(),
+                axis: Vector3::y_axis(),
+                angle,
+            };
+            hinge.turned(&closed, state.opening)
+        });
+        let Capsule { a, b, radius } = turned.unwrap_or(closed).posed(&world);
+        let shape = Shape::Capsule {
+            a: a.into(),
+            b: b.into(),
+            radius,
         };
         let item = Item::new(shape, [0.0; 3], colour(model.colour), model.finish);
         let opacity = if state.status == ToolStatus::Tracked {
