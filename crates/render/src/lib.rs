@@ -25,6 +25,8 @@ mod renderer;
 mod surface;
 mod targets;
 mod tessellate;
+#[cfg(test)]
+mod testing;
 
 pub use error::RenderError;
 pub use image::Image;

@@ -93,14 +93,8 @@ pub(crate) fn view_from_field(tilt: f64) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::VIEW;
     use microsim_vocabulary::Finish;
-
-    const VIEW: View = View {
-        centre: [0.0; 3],
-        field_diameter: 2.0,
-        working_distance: 16.0,
-        tilt: 0.0,
-    };
 
     /// The view frame: a tilt of 30° lifts what is high by sin 30° towards the top of the picture, for the eye leans to −y.
     #[test]

@@ -312,13 +312,7 @@ fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const VIEW: View = View {
-        centre: [0.0; 3],
-        field_diameter: 2.0,
-        working_distance: 16.0,
-        tilt: 0.0,
-    };
+    use crate::testing::VIEW;
 
     fn build(shape: Shape) -> Surfaces {
         Surfaces::build(

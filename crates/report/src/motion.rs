@@ -2,6 +2,7 @@
 
 use microsim_message::{ToolSample, ToolStates, ToolStatus};
 use microsim_tracking::{RawStatistics, Sample};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -104,7 +105,10 @@ impl ToolSamples {
                 if lost || interval > threshold {
                     segment += 1;
                 } else if interval > 0.0 {
-                    speed = Some(distance(before.position, sample.position) / interval);
+                    speed = Some(
+                        (Vector3::from(sample.position) - Vector3::from(before.position)).norm()
+                            / interval,
+                    );
                 }
             }
             series.time.push(sample.time_s + self.offset);
@@ -116,11 +120,6 @@ impl ToolSamples {
         }
         series
     }
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-    (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
 }
 
 /// Adds up tracking states; a state holds until the next message.

@@ -1,11 +1,12 @@
 //! A small plan with results by hand, for tests of what is made of them, and a small scene to run.
 
-use crate::execute::LoadedScene;
+use crate::execute::{Context, LoadedScene};
 use crate::plan::{Group, PlannedRun, RunKey, groups};
 use crate::results::Results;
 use crate::row::{GroupResult, Measured, Row, Status};
 use microsim_scene::scene_spec;
 use microsim_settings::{Chart, Override, read_chart, read_scene};
+use std::cell::Cell;
 
 /// Two scenes, one of them at three of Poisson's ratios.
 pub const PLAN: &str = r#"
@@ -256,4 +257,26 @@ pub fn beam(set: &[String]) -> Result<LoadedScene, String> {
         .map_err(|e| e.to_string())?
         .spec;
     Ok(LoadedScene { settings, spec })
+}
+
+/// Calls `run` with the plan of the beam on a clock on which each reading takes a millisecond: runs are as long as they have
+/// samples.
+pub fn in_context<R>(
+    budget: f64,
+    remaining: &dyn Fn() -> f64,
+    run: impl FnOnce(&Context<'_>) -> R,
+) -> R {
+    let chart = beam_plan();
+    let ticks = Cell::new(0.0);
+    run(&Context {
+        chart: &chart,
+        load: &|_, set| beam(set),
+        clock: &|| {
+            ticks.set(ticks.get() + 1e-3);
+            ticks.get()
+        },
+        budget,
+        remaining,
+        exec: &microsim_scene::Serial,
+    })
 }

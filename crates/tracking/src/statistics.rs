@@ -3,6 +3,7 @@
 //! These numbers describe the input, so that a reader of a report can assess it; the trainee's metrics are elsewhere.
 
 use crate::Sample;
+use nalgebra::Vector3;
 
 /// Without a stated threshold an interval of more than this many median intervals is a gap. The median is not moved by
 /// the gaps themselves, and at three intervals a single lost sample still counts as jitter.
@@ -53,7 +54,8 @@ impl RawStatistics {
                 None => first_time = sample.time_s,
                 Some(before) => steps.push(Step {
                     interval_s: sample.time_s - before.time_s,
-                    length_m: distance(before.position, sample.position),
+                    length_m: (Vector3::from(sample.position) - Vector3::from(before.position))
+                        .norm(),
                     lost,
                 }),
             }
@@ -113,13 +115,6 @@ fn median_interval(steps: &[Step]) -> Option<f64> {
         upper
     };
     Some((lower + upper) / 2.0)
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3)
-        .map(|i| (b[i] - a[i]) * (b[i] - a[i]))
-        .sum::<f64>()
-        .sqrt()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! A gap is a gap: nothing in this crate joins the sample before it to the sample after it. The log is written by the
 //! module once per tick and belongs to its saved state, hence the plain byte form.
 
+use nalgebra::Vector3;
 use std::fmt;
 
 /// One measured pose of a tool, tip in the field frame.
@@ -292,8 +293,7 @@ pub fn rotation_angle(a: [f64; 4], b: [f64; 4]) -> f64 {
 }
 
 pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    (x * x + y * y + z * z).sqrt()
+    (Vector3::from(a) - Vector3::from(b)).norm()
 }
 
 fn norm_squared(q: [f64; 4]) -> f64 {

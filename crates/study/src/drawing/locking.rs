@@ -1,6 +1,6 @@
 //! Error over Poisson's ratio: what nearly incompressible tissue does to each discretisation.
 
-use super::marker;
+use super::{Area, marker};
 use microsim_drawing::{Anchor, LogAxis, broken_line, percent, text};
 use std::fmt::Write;
 
@@ -44,56 +44,21 @@ pub fn locking_plot(
     let up = LogAxis::around(percents, 2.0, (BOTTOM, TOP));
     text(out, (LEFT, 15.0), "heading", Anchor::Start, title);
     text(out, (LEFT, 31.0), "label", Anchor::Start, mesh);
+    let area = Area {
+        left: LEFT,
+        right: RIGHT,
+        top: TOP,
+        bottom: BOTTOM,
+    };
     for (value, named) in up.ticks() {
-        let y = up.at(value);
-        let _ = write!(out, "<path class=\"rule\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/>");
-        if named {
-            text(
-                out,
-                (LEFT - 6.0, y + 4.0),
-                "tick",
-                Anchor::End,
-                &LogAxis::label(value),
-            );
-        }
+        let label = LogAxis::label(value);
+        area.row(out, up.at(value), named.then_some((4.0, &label)));
     }
     for ratio in &ratios {
-        let x = across(*ratio);
-        let _ = write!(out, "<path class=\"rule\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/>");
-        text(
-            out,
-            (x, BOTTOM + 16.0),
-            "tick",
-            Anchor::Middle,
-            &ratio.to_string(),
-        );
+        area.column(out, across(*ratio), Some(&ratio.to_string()));
     }
-    let limit = up.at(100.0 * LIMIT);
-    let _ = write!(
-        out,
-        "<path class=\"frame\" d=\"M{LEFT} {TOP}V{BOTTOM}H{RIGHT}\"/>\
-         <path class=\"limit\" d=\"M{LEFT} {limit:.1}H{RIGHT}\"/>"
-    );
-    text(
-        out,
-        (RIGHT + 4.0, limit + 4.0),
-        "limit-text",
-        Anchor::Start,
-        "5 %",
-    );
-    let middle = (LEFT + RIGHT) / 2.0;
-    text(
-        out,
-        (middle, BOTTOM + 36.0),
-        "label",
-        Anchor::Middle,
-        "Poisson’s ratio",
-    );
-    let _ = write!(
-        out,
-        "<text class=\"label\" transform=\"translate(11 {:.1}) rotate(-90)\" text-anchor=\"middle\">error [%]</text>",
-        (TOP + BOTTOM) / 2.0
-    );
+    let limit = (up.at(100.0 * LIMIT), "5 %");
+    area.frame(out, limit, "Poisson’s ratio", 11.0);
     for curve in curves {
         let places: Vec<(f64, f64)> = curve
             .points

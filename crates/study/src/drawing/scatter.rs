@@ -1,6 +1,6 @@
 //! Error against CPU time: one point per run, both axes logarithmic.
 
-use super::marker;
+use super::{Area, marker};
 use microsim_drawing::{Anchor, LogAxis, text};
 use std::fmt::Write;
 
@@ -117,43 +117,29 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
         );
         text(out, (LEFT - 7.0, y + 12.5), "tick", Anchor::End, name);
     }
+    let area = Area {
+        left: LEFT,
+        right: RIGHT,
+        top: TOP,
+        bottom: BOTTOM,
+    };
     for (value, named) in across.ticks() {
-        let x = across.at(value);
-        let _ = write!(out, "<path class=\"rule\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/>");
-        if named {
-            text(
-                out,
-                (x, BOTTOM + 16.0),
-                "tick",
-                Anchor::Middle,
-                &LogAxis::label(value),
-            );
-        }
+        let label = LogAxis::label(value);
+        area.column(out, across.at(value), named.then_some(&label));
     }
     for (value, named) in up.ticks() {
-        let y = up.at(value);
-        let _ = write!(out, "<path class=\"rule\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/>");
-        if named {
-            // Not into the name of a row.
-            let below = if rows.is_empty() {
-                4.0
-            } else {
-                4.0f64.max(top + 12.0 - y)
-            };
-            text(
-                out,
-                (LEFT - 7.0, y + below),
-                "tick",
-                Anchor::End,
-                &LogAxis::label(value),
-            );
-        }
+        let (y, label) = (up.at(value), LogAxis::label(value));
+        // Not into the name of a row.
+        let below = if rows.is_empty() {
+            4.0
+        } else {
+            4.0f64.max(top + 12.0 - y)
+        };
+        area.row(out, y, named.then_some((below, &label)));
     }
     let _ = write!(
         out,
-        "<path class=\"frame\" d=\"M{LEFT} {TOP}V{BOTTOM}H{RIGHT}\"/>\
-         <path class=\"real\" d=\"M{real:.1} {TOP}V{BOTTOM}\"/>\
-         <path class=\"limit\" d=\"M{LEFT} {limit:.1}H{RIGHT}\"/>"
+        "<path class=\"real\" d=\"M{real:.1} {TOP}V{BOTTOM}\"/>"
     );
     // Outside the area, where no point can be.
     text(
@@ -163,25 +149,11 @@ fn frame(out: &mut String, across: &LogAxis, up: &LogAxis, top: f64, rows: &[(Zo
         Anchor::Middle,
         "real time",
     );
-    text(
+    area.frame(
         out,
-        (RIGHT + 5.0, limit + 4.0),
-        "limit-text",
-        Anchor::Start,
-        "3 %",
-    );
-    let middle = (LEFT + RIGHT) / 2.0;
-    text(
-        out,
-        (middle, BOTTOM + 36.0),
-        "label",
-        Anchor::Middle,
+        (limit, "3 %"),
         "CPU seconds per simulated second",
-    );
-    let y = (top + BOTTOM) / 2.0;
-    let _ = write!(
-        out,
-        "<text class=\"label\" transform=\"translate(15 {y:.1}) rotate(-90)\" text-anchor=\"middle\">error [%]</text>"
+        15.0,
     );
 }
 

@@ -1,34 +1,21 @@
 use super::*;
 use crate::plan::groups;
 use crate::row::Against;
-use crate::testing::{beam, beam_plan};
-use std::cell::Cell;
+use crate::testing::in_context;
 
-/// A clock on which each reading takes a millisecond: runs are as long as they have samples.
 fn run_all(budget: f64, remaining: &dyn Fn() -> f64) -> (GroupResult, Vec<String>) {
-    let chart = beam_plan();
-    let ticks = Cell::new(0.0);
-    let context = Context {
-        chart: &chart,
-        load: &|_, set| beam(set),
-        clock: &|| {
-            ticks.set(ticks.get() + 1e-3);
-            ticks.get()
-        },
-        budget,
-        remaining,
-        exec: &microsim_scene::Serial,
-    };
-    let mut steps = Vec::new();
-    let group = &groups(&chart, false, &[])[0];
-    let result = run_group(&context, group, &mut |step| {
-        steps.push(match step {
-            Step::Exact => "exact".into(),
-            Step::Run(row) => row.status.name().into(),
-            Step::LeftOut(_) => "left out".into(),
+    in_context(budget, remaining, |context| {
+        let mut steps = Vec::new();
+        let group = &groups(context.chart, false, &[])[0];
+        let result = run_group(context, group, &mut |step| {
+            steps.push(match step {
+                Step::Exact => "exact".into(),
+                Step::Run(row) => row.status.name().into(),
+                Step::LeftOut(_) => "left out".into(),
+            });
         });
-    });
-    (result, steps)
+        (result, steps)
+    })
 }
 
 #[test]

@@ -1,7 +1,6 @@
 use super::*;
-use crate::testing::{beam, beam_plan};
+use crate::testing::{beam, beam_plan, in_context};
 use microsim_settings::{ExactKind, Feature};
-use std::cell::Cell;
 
 fn goal(error: f64, value: f64) -> Goal {
     Goal {
@@ -21,22 +20,11 @@ fn goal(error: f64, value: f64) -> Goal {
 }
 
 fn run(goal: &Goal) -> Tuning {
-    let chart = beam_plan();
     let scene = beam(&[]).expect("a scene").settings;
-    let candidates = candidates(&chart, &scene, ExactKind::Motion, None, None);
-    let ticks = Cell::new(0.0);
-    let context = Context {
-        chart: &chart,
-        load: &|_, set| beam(set),
-        clock: &|| {
-            ticks.set(ticks.get() + 1e-3);
-            ticks.get()
-        },
-        budget: 1e3,
-        remaining: &|| f64::INFINITY,
-        exec: &microsim_scene::Serial,
-    };
-    tune(&context, goal, &candidates, &mut |_| {})
+    in_context(1e3, &|| f64::INFINITY, |context| {
+        let candidates = candidates(context.chart, &scene, ExactKind::Motion, None, None);
+        tune(context, goal, &candidates, &mut |_| {})
+    })
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod tremor;
 
 use crate::rotation::product;
 use crate::script::{Keyframe, Script, ScriptError, ScriptTrack, minimum_jerk, mix};
+use nalgebra::Vector3;
 use random::Stream;
 use tremor::Tremor;
 
@@ -194,12 +195,12 @@ fn rests(plan: &Script) -> Vec<f64> {
 /// The errors of a movement from one keyframe to the next.
 struct Movement {
     /// Beside the plan at its begin and its end \[m\].
-    aside: [[f64; 3]; 2],
+    aside: [Vector3<f64>; 2],
     /// Turned from the plan at its begin and its end, as a vector along the axis \[rad\].
-    turned: [[f64; 3]; 2],
+    turned: [Vector3<f64>; 2],
     /// How far it gets ahead of the plan, and beside it \[m\].
-    ahead: [f64; 3],
-    astray: [f64; 3],
+    ahead: Vector3<f64>,
+    astray: Vector3<f64>,
     /// What the opening is less than planned, at its begin and its end.
     squeeze: [f64; 2],
     /// Whether jaws are opened or closed.
@@ -218,23 +219,23 @@ impl Hand {
     fn new(own: &Profile, seed: u64, index: u64, track: &ScriptTrack) -> Self {
         let mut stream = Stream::new(seed, TOOLS + 2 * index);
         let mut turns = Stream::new(seed, TURNS + index);
-        let (mut aside, mut turned, mut squeeze) = ([0.0; 3], [0.0; 3], 0.0);
+        let (mut aside, mut turned, mut squeeze) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         let mut movements = Vec::new();
         for pair in track.keyframes.windows(2) {
-            let path = [0, 1, 2].map(|k| pair[1].position[k] - pair[0].position[k]);
-            let length = norm(path);
+            let path = Vector3::from(pair[1].position) - Vector3::from(pair[0].position);
+            let length = path.norm();
             // Drawn for each movement alike, so that one parameter does not shift the numbers of another.
-            let miss = [stream.normal(), stream.normal(), stream.normal()];
+            let miss = normal_vector(&mut stream);
             let [ahead, astray, firmly] = [
                 stream.half_normal(),
                 stream.half_normal(),
                 stream.half_normal(),
             ];
-            let side = across(path, [stream.normal(), stream.normal(), stream.normal()]);
+            let side = across(&path, &normal_vector(&mut stream));
             let fraction = (length / AIMED).min(1.0);
-            let ends = [0, 1, 2].map(|k| mix(aside[k], own.aiming_error * miss[k], fraction));
-            let turn = [turns.normal(), turns.normal(), turns.normal()];
-            let turns_to = [0, 1, 2].map(|k| mix(turned[k], own.angular_error * turn[k], fraction));
+            let ends = between(&aside, &(miss * own.aiming_error), fraction);
+            let turn = normal_vector(&mut turns);
+            let turns_to = between(&turned, &(turn * own.angular_error), fraction);
             let closing = pair[0].opening - pair[1].opening;
             let squeezes = match closing {
                 closing if closing > 0.0 => squeeze + own.grip_excess * closing * firmly,
@@ -244,8 +245,8 @@ impl Hand {
             movements.push(Movement {
                 aside: [aside, ends],
                 turned: [turned, turns_to],
-                ahead: path.map(|c| own.lead * ahead * c),
-                astray: side.map(|c| own.detour * astray * length * c),
+                ahead: path * (own.lead * ahead),
+                astray: side * (own.detour * astray * length),
                 squeeze: [squeeze, squeezes],
                 actuates: closing != 0.0,
             });
@@ -275,8 +276,8 @@ impl Hand {
             _ => match self.movements.last() {
                 Some(movement) => movement.at(1.0, self.still, self.actuating),
                 None => Deviation {
-                    shift: [0.0; 3],
-                    turn: [0.0; 3],
+                    shift: Vector3::zeros(),
+                    turn: Vector3::zeros(),
                     squeeze: 0.0,
                     tremor: self.still,
                 },
@@ -286,8 +287,8 @@ impl Hand {
         Some(Keyframe {
             time_s: t,
             hold_s: 0.0,
-            position: [0, 1, 2].map(|k| planned.position[k] + error.shift[k] + tremor[k]),
-            orientation: turned_by(planned.orientation, error.turn),
+            position: (Vector3::from(planned.position) + error.shift + tremor).into(),
+            orientation: turned_by(planned.orientation, &error.turn),
             opening: (planned.opening? - error.squeeze).max(0.0),
             visible: planned.visible,
         })
@@ -297,9 +298,9 @@ impl Hand {
 /// How far a hand is from its plan at a moment.
 struct Deviation {
     /// \[m\]
-    shift: [f64; 3],
+    shift: Vector3<f64>,
     /// About the tip, as a vector along the axis \[rad\].
-    turn: [f64; 3],
+    turn: Vector3<f64>,
     /// What the opening is less.
     squeeze: f64,
     /// RMS of the tremor \[m\].
@@ -319,18 +320,15 @@ impl Movement {
         } else {
             1.0 - minimum_jerk((fraction - AHEAD_AT) / (1.0 - AHEAD_AT))
         };
-        let shift = [0, 1, 2].map(|k| {
-            mix(self.aside[0][k], self.aside[1][k], done)
-                + self.ahead[k] * ahead
-                + self.astray[k] * bulge
-        });
+        let aside = between(&self.aside[0], &self.aside[1], done);
+        let shift = aside + self.ahead * ahead + self.astray * bulge;
         let effort = match self.actuates {
             true => minimum_jerk((fraction.min(1.0 - fraction) / GROWS).clamp(0.0, 1.0)),
             false => 0.0,
         };
         Deviation {
             shift,
-            turn: [0, 1, 2].map(|k| mix(self.turned[0][k], self.turned[1][k], done)),
+            turn: between(&self.turned[0], &self.turned[1], done),
             squeeze: mix(self.squeeze[0], self.squeeze[1], fraction),
             tremor: mix(still, actuating, effort),
         }
@@ -338,38 +336,38 @@ impl Movement {
 }
 
 /// An orientation, turned in the field by a vector along the axis \[rad\].
-fn turned_by(orientation: [f64; 4], turn: [f64; 3]) -> [f64; 4] {
-    let angle = norm(turn);
+fn turned_by(orientation: [f64; 4], turn: &Vector3<f64>) -> [f64; 4] {
+    let angle = turn.norm();
     if angle == 0.0 {
         return orientation;
     }
-    let [x, y, z] = turn.map(|c| c * libm::sin(0.5 * angle) / angle);
+    let [x, y, z] = (turn * libm::sin(0.5 * angle) / angle).into();
     product([x, y, z, libm::cos(0.5 * angle)], orientation)
 }
 
+/// [`mix`] of each component.
+fn between(from: &Vector3<f64>, to: &Vector3<f64>, fraction: f64) -> Vector3<f64> {
+    from.zip_map(to, |from, to| mix(from, to, fraction))
+}
+
+fn normal_vector(stream: &mut Stream) -> Vector3<f64> {
+    Vector3::new(stream.normal(), stream.normal(), stream.normal())
+}
+
 /// The unit vector across `path` that is nearest to `to`, upwards; 0 where there is none.
-fn across(path: [f64; 3], to: [f64; 3]) -> [f64; 3] {
-    let square = dot(path, path);
+fn across(path: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+    let square = path.norm_squared();
     if square == 0.0 {
-        return [0.0; 3];
+        return Vector3::zeros();
     }
-    let along = dot(path, to) / square;
-    let side = [0, 1, 2].map(|k| to[k] - along * path[k]);
-    let length = norm(side);
+    let side = to - path * (path.dot(to) / square);
+    let length = side.norm();
     if length == 0.0 {
-        return [0.0; 3];
+        return Vector3::zeros();
     }
     // What lies below is what one does not want to touch.
-    let sign = if side[2] < 0.0 { -1.0 } else { 1.0 };
-    side.map(|c| sign * c / length)
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
+    let sign = if side.z < 0.0 { -1.0 } else { 1.0 };
+    side * sign / length
 }
 
 #[cfg(test)]

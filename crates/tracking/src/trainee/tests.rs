@@ -191,7 +191,7 @@ fn reaches_end_turned() {
         assert_eq!(reached.position, [0.01, 0.001, -0.002]);
         // From the conjugate of the plan's (0, 0, 0.6, 0.8): 2·atan2(|v|, w) along v.
         let [x, y, z, w] = product(reached.orientation, [0.0, 0.0, -0.6, 0.8]);
-        let angle = 2.0 * libm::atan2(norm([x, y, z]), w);
+        let angle = 2.0 * libm::atan2(Vector3::new(x, y, z).norm(), w);
         squares += angle * angle;
     }
     let count = 3.0 * n as f64;

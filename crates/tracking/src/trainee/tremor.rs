@@ -1,6 +1,7 @@
 //! The tremor of a hand: noise between 8 and 12 Hz, a sum of sines with random frequencies and phases.
 
 use super::random::Stream;
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Sines of each axis.
@@ -33,15 +34,15 @@ impl Tremor {
     }
 
     /// The displacement at time `t` \[s\] of a tremor of this RMS, all axes together \[m\].
-    pub fn at(&self, t: f64, rms: f64) -> [f64; 3] {
+    pub fn at(&self, t: f64, rms: f64) -> Vector3<f64> {
         // A sine of amplitude a has the mean square a²/2.
         let amplitude = rms * (2.0 / (3 * SINES) as f64).sqrt();
-        [0, 1, 2].map(|axis| {
+        Vector3::from([0, 1, 2].map(|axis| {
             let sines = self.sines[axis].iter();
             amplitude
                 * sines
                     .map(|[omega, phase]| libm::sin(omega * t + phase))
                     .sum::<f64>()
-        })
+        }))
     }
 }
