@@ -4,70 +4,79 @@
 //! at `centre`, axes parallel. Everything is in SI.
 
 use crate::colour::Colour;
-use microsim_vocabulary::{CellSplit, Discretisation, Finish, LawName, terms};
-use serde::{Deserialize, Serialize};
+use crate::kinds::{
+    LENGTH_MAX, direction, identifier, list, own_defaults, point, quantity, relative_path, size,
+    size3, time, vector, vector3,
+};
+use crate::material::Material;
+use crate::table::{choices, table};
+use microsim_vocabulary::{CellSplit, Finish, Unit, terms};
 
 /// Most tetrahedra of a body: a few gigabytes.
 pub const MAX_ELEMENTS: u64 = 5_000_000;
 
-/// A tetrahedral body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Body {
-    /// Its name.
-    pub name: String,
-    /// What makes its mesh; the checks see to it that what each generator needs is there, and nothing else.
-    pub generator: Generator,
-    /// Sides of a block \[m\].
-    pub size: Option<[f64; 3]>,
-    /// Cells along each side of a block.
-    pub cells: Option<[u32; 3]>,
-    /// Radius of the lumen of a tube \[m\].
-    pub inner_radius: Option<f64>,
-    /// Layers of the wall of a tube, from the inside.
-    pub layer: Vec<Layer>,
-    /// Of a tube along its axis \[m\].
-    pub length: Option<f64>,
-    /// Cells around a tube.
-    pub around: Option<u32>,
-    /// Cells along a tube.
-    pub along: Option<u32>,
-    /// Direction of the axis of a tube; x if `None`.
-    pub axis: Option<[f64; 3]>,
-    /// Where the sector of a tube begins \[rad\].
-    pub arc_start: Option<f64>,
-    /// Angle of the sector of a tube \[rad\]; a full turn if `None`.
-    pub arc: Option<f64>,
-    /// How the cells of a block or tube are cut; `kuhn` if `None`.
-    pub split: Option<CellSplit>,
-    /// Path of a mesh from the file's own folder.
-    pub file: Option<String>,
-    /// Length of one unit of the mesh file \[m\]; 1 m if `None`.
-    pub scale: Option<f64>,
-    /// Size of the cells that fill a closed surface \[m\].
-    pub fill: Option<f64>,
-    /// Middle of a block or tube, place of the origin of a mesh file \[m\].
-    pub centre: [f64; 3],
-    /// Drag per mass \[1/s\].
-    pub drag: f64,
-    /// Colour.
-    pub colour: Colour,
-    /// How its surface answers light.
-    pub finish: Finish,
-    /// Force per length of a perfectly sharp edge that cuts it, that is work per area \[N/m\]; `None` for tissue that no single edge cuts.
-    pub toughness: Option<f64>,
-    /// From 0, like rubber, to 1: how early jaws pinch it off.
-    pub brittleness: f64,
-    /// What its regions are made of.
-    pub material: Vec<Material>,
-    /// What holds it.
-    pub clamp: Vec<Clamp>,
-    /// What joins its regions, where they share no nodes.
-    pub coupling: Vec<Coupling>,
-    /// What acts on its surface.
-    pub load: Vec<Load>,
-    /// How it lies and moves at the start, other than at rest.
-    pub start: Vec<Start>,
+table! {
+    /// A tetrahedral body.
+    pub struct Body {
+        /// Its name.
+        name: String = identifier(),
+        /// What makes its mesh: `block`, a regular box of tetrahedra; `tube`, the wall of a vessel; `file`, a mesh or
+        /// a closed surface that is filled.
+        generator: Generator,
+        /// Of a block \[m\]: its sides.
+        size: Option<[f64; 3]> = size3(),
+        /// Of a block: cells along each side; each cell is six tetrahedra.
+        cells: Option<[u32; 3]> [1, 500],
+        /// Of a tube \[m\]: radius of the lumen.
+        inner_radius: Option<f64> = size(),
+        /// Of a tube: the layers of its wall, from the inside.
+        layer: Vec<Layer> [0, 16],
+        /// Of a tube \[m\]: along its axis.
+        length: Option<f64> = size(),
+        /// Of a tube: cells around it.
+        around: Option<u32> [1, 1000],
+        /// Of a tube: cells along it.
+        along: Option<u32> [1, 1000],
+        /// Of a tube: direction of its axis; x if left out.
+        axis: Option<[f64; 3]> = direction(),
+        /// Of a tube \[rad\]: where its sector begins; 0 if left out.
+        arc_start: Option<f64> = quantity(Unit::Angle, -360_f64.to_radians(), 360_f64.to_radians()),
+        /// Of a tube \[rad\]: angle of its sector; closed around if left out.
+        arc: Option<f64> = quantity(Unit::Angle, 0.1_f64.to_radians(), 359.9_f64.to_radians()),
+        /// Of a block or tube: how cells are cut, `kuhn` (all alike, if left out) or `mirrored`.
+        split: Option<CellSplit>,
+        /// Of a file: its path from the folder of this one. Tetrahedra: .msh, .vtk, .vtu, .node with .ele; closed
+        /// surfaces: .obj, .stl.
+        file: Option<String> = relative_path(),
+        /// Of a file \[m\]: length of one unit in it; 1 m if left out.
+        scale: Option<f64> = quantity(Unit::Length, 1e-9, 1e3),
+        /// Of a file with a closed surface \[m\]: size of the cells that fill it.
+        fill: Option<f64> = size(),
+        /// Middle of a block or tube, place of the origin of a file, in the frame of the field \[m\]: origin of the
+        /// body's frame.
+        centre: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Drag per mass \[1/s\]: a free body loses its speed at this rate.
+        drag: f64 = quantity(Unit::Rate, 0.0, 1e5) => 0.0,
+        /// Colour in pictures, sRGB.
+        colour: Colour => "#c8c8c8",
+        /// How its surface answers light in pictures.
+        finish: Finish => "moist",
+        /// Force per length of a perfectly sharp edge that cuts it (work per area) \[N/m\]; without it no single edge
+        /// cuts it.
+        toughness: Option<f64> = quantity(Unit::LengthStiffness, 1e-6, 1e6),
+        /// How early jaws that close on it pinch it off, from 0, never, like rubber, to 1.
+        brittleness: f64 = quantity(Unit::Ratio, 0.0, 1.0) => 0.0,
+        /// What its regions are made of.
+        material: Vec<Material> [1, 64],
+        /// What holds some of its nodes.
+        clamp: Vec<Clamp> [0, 64],
+        /// What joins regions that share no nodes: soft and two-sided.
+        coupling: Vec<Coupling> [0, 16],
+        /// What acts on its surface.
+        load: Vec<Load> [0, 16],
+        /// How it lies and moves at the start, other than at rest; one after the other.
+        start: Vec<Start> [0, 16],
+    }
 }
 
 impl Body {
@@ -110,229 +119,121 @@ terms! {
     }
 }
 
-/// A layer of the wall of a tube.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Layer {
-    /// \[m\]
-    pub thickness: f64,
-    /// Cells through the layer.
-    pub cells: u32,
-    /// Region of its elements.
-    pub region: u32,
-}
-
-/// Nodes of a body, in its frame and at rest: all, or those that fulfil everything that is said.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Nodes {
-    /// Corner with the smallest coordinates of a box \[m\].
-    pub min: Option<[f64; 3]>,
-    /// Corner with the largest coordinates \[m\].
-    pub max: Option<[f64; 3]>,
-    /// Distances from an axis.
-    pub shell: Option<Shell>,
-    /// The one node nearest to this point \[m\].
-    pub nearest: Option<[f64; 3]>,
-}
-
-/// A range of distances from an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Shell {
-    /// A point of the axis \[m\].
-    pub point: [f64; 3],
-    /// Direction of the axis, of length 1.
-    pub axis: [f64; 3],
-    /// Smallest and largest distance \[m\].
-    pub radius: [f64; 2],
-}
-
-/// Nodes that are held, and how what holds them moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Clamp {
-    /// Which.
-    pub nodes: Nodes,
-    /// A point of the axis of rotation \[m\].
-    pub pivot: [f64; 3],
-    /// Axis of rotation, of length 1.
-    pub axis: [f64; 3],
-    /// How they are moved, by ascending time; empty for a clamp that stands.
-    pub motion: Vec<MotionKey>,
-    /// When it lets go \[s\]; `None` for never.
-    pub release: Option<f64>,
-}
-
-/// Where a motion is at a time; between two keys it is interpolated linearly.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MotionKey {
-    /// \[s\]
-    pub time: f64,
-    /// Translation \[m\].
-    pub shift: [f64; 3],
-    /// Right-handed angle about the axis \[rad\].
-    pub angle: f64,
-}
-
-/// A soft, two-sided coupling of the nodes of one region to the surface of another.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Coupling {
-    /// Region whose nodes are coupled.
-    pub from: u32,
-    /// Region to whose surface they are coupled.
-    pub to: u32,
-    /// Per area \[N/m³\].
-    pub stiffness: f64,
-    /// Distance at which a node tears off \[m\]; `None` for never.
-    pub break_distance: Option<f64>,
-}
-
-/// A load on part of the surface.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Load {
-    /// The triangles all of whose nodes are among these.
-    pub surface: Nodes,
-    /// Against the outward normal of the deformed surface \[Pa\].
-    pub pressure: Option<f64>,
-    /// Force per area at rest that keeps its direction \[Pa\].
-    pub traction: Option<[f64; 3]>,
-    /// Time to the full value \[s\].
-    pub ramp: f64,
-}
-
-/// Where nodes are at the start, p = pivot + matrix (p_rest − pivot) + shift, and how fast.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Start {
-    /// Which; those that are clamped stay.
-    pub nodes: Nodes,
-    /// Rows of the matrix.
-    pub matrix: [[f64; 3]; 3],
-    /// Fixed point of the matrix \[m\].
-    pub pivot: [f64; 3],
-    /// \[m\]
-    pub shift: [f64; 3],
-    /// \[m/s\]
-    pub velocity: [f64; 3],
-}
-
-/// What a region is made of; the checks see to it that what each law needs is there, and nothing else.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Material {
-    /// The region; all that no other material names if `None`.
-    pub region: Option<u32>,
-    /// \[kg/m³\]
-    pub density: f64,
-    /// Its law.
-    pub law: Law,
-    /// Strain across a plane at which it tears by itself; `None` for never.
-    pub tear_strain: Option<f64>,
-    /// Time of Kelvin–Voigt damping \[s\].
-    pub relaxation_time: Option<f64>,
-    /// Viscosity of Kelvin–Voigt damping in uniaxial stretch \[Pa s\].
-    pub viscosity: Option<f64>,
-    /// Young's modulus \[Pa\].
-    pub youngs_modulus: Option<f64>,
-    /// Poisson's ratio.
-    pub poisson_ratio: Option<f64>,
-    /// Elements of a continuum.
-    pub discretisation: Option<Discretisation>,
-    /// What the constants of springs mean.
-    pub form: Option<SpringForm>,
-    /// Stiffness of springs against a change of length \[Pa\], form `scaled`.
-    pub stretch_modulus: Option<f64>,
-    /// Stiffness of triangles against a change of area \[Pa\], form `scaled`.
-    pub area_modulus: Option<f64>,
-    /// Stiffness of tetrahedra against a change of volume \[Pa\], form `scaled`.
-    pub volume_modulus: Option<f64>,
-    /// Constant of each edge, forms `plain` \[N/m\] and `normalised` \[J\].
-    pub length_stiffness: Option<f64>,
-    /// Constant of each triangle, forms `plain` \[N/m³\] and `normalised` \[J\].
-    pub area_stiffness: Option<f64>,
-    /// Constant of each tetrahedron, forms `plain` \[N/m⁵\] and `normalised` \[J\].
-    pub volume_stiffness: Option<f64>,
-    /// Damping of each edge, forms `plain` \[N s/m\] and `normalised` \[J s\].
-    pub length_damping: Option<f64>,
-    /// Damping of each triangle, forms `plain` \[N s/m³\] and `normalised` \[J s\].
-    pub area_damping: Option<f64>,
-    /// Damping of each tetrahedron, forms `plain` \[N s/m⁵\] and `normalised` \[J s\].
-    pub volume_damping: Option<f64>,
-    /// Plastic flow of springs.
-    pub plasticity: Option<Plasticity>,
-}
-
-/// The law of a material.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "&'static str")]
-pub enum Law {
-    /// Springs along the edges, and area and volume forces (4.1, 4.2).
-    Springs,
-    /// A continuum.
-    Continuum(LawName),
-}
-
-impl Law {
-    /// All, springs first.
-    pub fn all() -> impl Iterator<Item = Self> {
-        std::iter::once(Self::Springs).chain(LawName::ALL.map(Self::Continuum))
-    }
-
-    /// Its name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Springs => "springs",
-            Self::Continuum(law) => law.name(),
-        }
+table! {
+    /// A layer of the wall of a tube.
+    #[derive(Copy)]
+    pub struct Layer {
+        /// Of the layer \[m\].
+        thickness: f64 = size(),
+        /// Cells through the layer.
+        cells: u32 [1, 100],
+        /// Region of its elements.
+        region: u32 => 0,
     }
 }
 
-impl TryFrom<String> for Law {
-    type Error = String;
-
-    fn try_from(name: String) -> Result<Self, String> {
-        let mut all = Self::all();
-        all.find(|law| law.name() == name)
-            .ok_or_else(|| format!("`{name}` is no law"))
+table! {
+    /// Nodes of a body, in its frame and at rest: all, or those that fulfil everything that is said.
+    #[derive(Copy, Default)]
+    pub struct Nodes {
+        /// Corner with the smallest coordinates of a box, in the body's frame \[m\]; needs `max`.
+        min: Option<[f64; 3]> = point(),
+        /// Corner with the largest coordinates of the box \[m\]; needs `min`.
+        max: Option<[f64; 3]> = point(),
+        /// A range of distances from an axis.
+        shell: Option<Shell>,
+        /// The one node nearest to this point, in the body's frame \[m\].
+        nearest: Option<[f64; 3]> = point(),
     }
 }
 
-impl From<Law> for &'static str {
-    fn from(law: Law) -> Self {
-        law.name()
+table! {
+    /// A range of distances from an axis.
+    #[derive(Copy)]
+    pub struct Shell {
+        /// A point of the axis, in the body's frame \[m\].
+        point: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Direction of the axis.
+        axis: [f64; 3] = direction() => [1.0, 0.0, 0.0],
+        /// Smallest and largest distance from it \[m\].
+        radius: [f64; 2] = vector(Unit::Length, 2, 0.0, LENGTH_MAX),
     }
 }
 
-terms! {
-    /// What the constants of springs mean.
-    pub enum SpringForm {
-        /// Moduli, scaled with the elements: the same body on any mesh.
-        Scaled = "scaled",
-        /// Constants of each element, equations 4.1 and 4.2.
-        Plain = "plain",
-        /// Constants of each element for relative changes, equations 3.5 to 3.8.
-        Normalised = "normalised",
-        /// Moduli fitted to Young's modulus and Poisson's ratio.
-        Fitted = "fitted",
+table! {
+    /// Nodes that are held, and how what holds them moves.
+    pub struct Clamp {
+        /// Which nodes it holds.
+        nodes: Nodes,
+        /// A point of the axis of rotation, in the body's frame \[m\].
+        pivot: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Axis of rotation.
+        axis: [f64; 3] = direction() => [1.0, 0.0, 0.0],
+        /// How it moves: its place at some times, linear in between, from rest at time 0; without it, it stands.
+        motion: Vec<MotionKey> [0, 256],
+        /// When it lets go \[s\]; never if left out.
+        release: Option<f64> = time(0.0, 6e3),
     }
 }
 
-/// Plastic flow (4.2, dilatation).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Plasticity {
-    /// Strain from which on the rest size flows.
-    pub yield_strain: f64,
-    /// Rate of the flow \[1/s\].
-    pub creep_rate: f64,
-    /// Largest plastic strain.
-    pub max_strain: f64,
-    /// Growth of the stiffness per plastic strain.
-    pub hardening: f64,
-    /// Largest factor of the stiffness.
-    pub max_stiffening: f64,
+table! {
+    /// Where a motion is at a time; between two keys it is interpolated linearly.
+    #[derive(Copy)]
+    pub struct MotionKey {
+        /// When \[s\].
+        time: f64 = time(0.0, 6e3),
+        /// Translation \[m\].
+        shift: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Right-handed angle about the axis \[rad\].
+        angle: f64 = quantity(Unit::Angle, -1e3, 1e3) => 0.0,
+    }
 }
+
+table! {
+    /// A soft, two-sided coupling of the nodes of one region to the surface of another.
+    #[derive(Copy)]
+    pub struct Coupling {
+        /// Region whose nodes are coupled.
+        from: u32,
+        /// Region to whose surface they are coupled.
+        to: u32,
+        /// Force per distance and area \[N/m³\].
+        stiffness: f64 = quantity(Unit::AreaStiffness, 1.0, 1e15),
+        /// Distance at which a node tears off \[m\]; never if left out.
+        break_distance: Option<f64> = size(),
+    }
+}
+
+table! {
+    /// A load on part of the surface.
+    #[derive(Copy)]
+    pub struct Load {
+        /// The triangles of the surface all of whose nodes are among these.
+        surface: Nodes,
+        /// Against the outward normal of the deformed surface \[Pa\].
+        pressure: Option<f64> = quantity(Unit::Pressure, -1e9, 1e9),
+        /// Force per area at rest that keeps its direction \[Pa\].
+        traction: Option<[f64; 3]> = vector3(Unit::Pressure, 1e9),
+        /// Time in which it grows to its full value \[s\].
+        ramp: f64 = time(0.0, 6e3) => 0.0,
+    }
+}
+
+table! {
+    /// Where nodes are at the start, p = pivot + matrix (p_rest − pivot) + shift, and how fast.
+    #[derive(Copy)]
+    pub struct Start {
+        /// Which nodes; clamped ones stay.
+        nodes: Nodes => own_defaults(),
+        /// Rows of the matrix in p = pivot + matrix (rest - pivot) + shift.
+        matrix: [[f64; 3]; 3] = list(vector3(Unit::Ratio, 1e3), 3, 3) => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        /// Fixed point of the matrix, in the body's frame \[m\].
+        pivot: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Translation \[m\].
+        shift: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Velocity \[m/s\].
+        velocity: [f64; 3] = vector3(Unit::Speed, 100.0) => [0.0, 0.0, 0.0],
+    }
+}
+
+choices!(Generator);

@@ -3,132 +3,137 @@
 //! A run is a scene with overrides: those of a resolution, of a variant, of a material and of a method, and a step. A sweep
 //! is the product of its lists; the runs of a scene are those of its sweeps in their order, each run once.
 
-use crate::chart_schema::chart_schema;
 use crate::check::{items, refers, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
+use crate::files::schema_of;
+use crate::kinds::{identifier, list, number, quantity, relative_path, time, vector};
 use crate::overrides::Override;
 use crate::scene::Feature;
-use microsim_vocabulary::{Discretisation, terms};
-use serde::{Deserialize, Serialize};
+use crate::schema::Kind;
+use crate::table::{choices, table};
+use microsim_vocabulary::{Discretisation, Unit, terms};
 use std::path::Path;
 
-/// What is run and compared.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Chart {
+table! {
+    /// What is run and compared.
+    pub struct Chart {
+        /// How much time is allowed.
+        budget: ChartBudget,
+        /// How the exact solution on a mesh with a material is made.
+        exact: ChartExact,
+        /// What `microsim tune` chooses from.
+        tune: ChartTune,
+        /// Materials with their discretisations.
+        material: Vec<ChartMaterial> [1, 64],
+        /// Methods with the parameters that are tried.
+        method: Vec<ChartMethod> [1, 64],
+        /// Methods that `microsim tune` tries on levels.
+        level_method: Vec<ChartMethod> [0, 64],
+        /// Scenes with what is compared.
+        scene: Vec<ChartScene> [1, 64],
+    }
+}
+
+table! {
     /// How much time is allowed.
-    pub budget: ChartBudget,
-    /// How exact solutions are made.
-    pub exact: ChartExact,
+    #[derive(Copy)]
+    pub struct ChartBudget {
+        /// CPU time of a run \[s\]; what needs more is cut off and said to be over budget.
+        run: f64 = time(0.01, 1e6),
+        /// The same for the quick chart \[s\].
+        quick_run: f64 = time(0.01, 1e6),
+        /// Time of the quick chart \[s\]; what does not fit is left out and named.
+        quick_total: f64 = time(1.0, 1e6),
+    }
+}
+
+table! {
+    /// How the exact solution on a mesh with a material is made.
+    pub struct ChartExact {
+        /// Overrides for the equilibrium: `KEY=VALUE`, as with --set.
+        rest: Vec<String> [0, 64],
+        /// Overrides for the motion: those of an explicit method.
+        motion: Vec<String> [0, 64],
+        /// Step of the motion as a share of the estimated stability limit.
+        share: f64 = quantity(Unit::Ratio, 0.001, 1.0) => 0.25,
+    }
+}
+
+table! {
     /// What `microsim tune` chooses from.
-    pub tune: ChartTune,
-    /// Materials with their discretisations.
-    pub material: Vec<ChartMaterial>,
-    /// Methods.
-    pub method: Vec<ChartMethod>,
-    /// Methods that `tune` tries on levels.
-    pub level_method: Vec<ChartMethod>,
-    /// Scenes.
-    pub scene: Vec<ChartScene>,
+    pub struct ChartTune {
+        /// Numbers of cells as multiples of those of the file, from coarse to fine.
+        scales: Vec<f64> = list(quantity(Unit::Ratio, 0.05, 20.0), 1, 32),
+        /// Number of cells of the mesh that is the measure where nothing is known from outside, as a multiple of
+        /// those of the file.
+        reference_scale: f64 = quantity(Unit::Ratio, 0.05, 20.0),
+        /// Numbers of cells of a level's bodies as multiples of those of the file: along x, y and z of a block;
+        /// along, around and through a tube. From coarse to fine.
+        level_scales: Vec<[f64; 3]> = list(vector(Unit::Ratio, 3, 0.05, 20.0), 1, 32),
+        /// The same as `reference_scale` for levels.
+        level_reference_scale: f64 = quantity(Unit::Ratio, 0.05, 20.0),
+        /// Discretisations of continua; the first one is that of the measure.
+        discretisations: Vec<Discretisation> [1, 32],
+        /// Names of methods, with the steps and iterations that the chart tries.
+        methods: Vec<String> [1, 32],
+    }
 }
 
-/// How much time is allowed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartBudget {
-    /// CPU time of a run \[s\]; a run that needs more is cut off and said to be over budget.
-    pub run: f64,
-    /// The same for the quick chart \[s\].
-    pub quick_run: f64,
-    /// Time of the quick chart \[s\]; what does not fit is left out and named.
-    pub quick_total: f64,
+table! {
+    /// A material with its discretisation.
+    pub struct ChartMaterial {
+        /// Its name.
+        name: String,
+        /// Its name for people.
+        title: String,
+        /// Values that take the place of those of the scene: `KEY=VALUE`, as with --set.
+        set: Vec<String> [0, 64],
+    }
 }
 
-/// How the exact solution on a mesh with a material is made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartExact {
-    /// Overrides for the equilibrium, `KEY=VALUE`.
-    pub rest: Vec<String>,
-    /// Overrides for the motion, `KEY=VALUE`: an explicit method.
-    pub motion: Vec<String>,
-    /// Step of the motion as a share of the stability limit.
-    pub share: f64,
+table! {
+    /// A method with the parameters that are tried.
+    pub struct ChartMethod {
+        /// Its name.
+        name: String,
+        /// Its name for people.
+        title: String,
+        /// Values that take the place of those of the scene: `KEY=VALUE`, as with --set.
+        set: Vec<String> [0, 64],
+        /// Steps of the solver \[s\].
+        steps: Vec<f64> = list(time(1e-9, 1.0), 0, 32),
+        /// Steps as shares of the estimated stability limit of explicit methods.
+        shares: Vec<f64> = list(quantity(Unit::Ratio, 0.001, 10.0), 0, 32),
+        /// Numbers of iterations in a step; the method's own if empty.
+        iterations: Vec<u32> = list(Kind::Integer { min: 1, max: 100_000 }, 0, 32),
+    }
 }
 
-/// What `microsim tune` chooses from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartTune {
-    /// Numbers of cells as multiples of those of the file, from coarse to fine.
-    pub scales: Vec<f64>,
-    /// Number of cells of the mesh that is the measure where nothing is known from outside, as a multiple of those of the file.
-    pub reference_scale: f64,
-    /// The same for levels, along x, y and z of blocks; along, around and through tubes.
-    pub level_scales: Vec<[f64; 3]>,
-    /// The same as `reference_scale` for levels.
-    pub level_reference_scale: f64,
-    /// Discretisations of continua; the first one is that of the measure.
-    pub discretisations: Vec<Discretisation>,
-    /// Names of methods, with the steps and iterations that the chart tries.
-    pub methods: Vec<String>,
-}
-
-/// A material with its discretisation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartMaterial {
-    /// Its name in sweeps.
-    pub name: String,
-    /// For people.
-    pub title: String,
-    /// Overrides, `KEY=VALUE`.
-    pub set: Vec<String>,
-}
-
-/// A method with the parameters that are tried.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartMethod {
-    /// Its name in sweeps.
-    pub name: String,
-    /// For people.
-    pub title: String,
-    /// Overrides, `KEY=VALUE`.
-    pub set: Vec<String>,
-    /// Steps \[s\].
-    pub steps: Vec<f64>,
-    /// Steps as shares of the estimated stability limit of explicit methods.
-    pub shares: Vec<f64>,
-    /// Numbers of iterations in a step; empty for the method's own.
-    pub iterations: Vec<u32>,
-}
-
-/// A scene of the chart.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartScene {
-    /// Its name on the command line.
-    pub name: String,
-    /// For people.
-    pub title: String,
-    /// The scene's file, from the folder of the chart's file.
-    pub file: String,
-    /// What the exact solution on the same mesh is.
-    pub exact: ExactKind,
-    /// Overrides for it instead of those of the plan; none for those.
-    pub exact_set: Vec<String>,
-    /// Step for it \[s\], for a method without a stability limit.
-    pub exact_step: Option<f64>,
-    /// What is compared; the error of a run is the largest of them.
-    pub measure: Vec<ChartMeasure>,
-    /// Meshes, from coarse to fine.
-    pub resolution: Vec<ChartResolution>,
-    /// Values of the scene's parameters.
-    pub variant: Vec<ChartVariant>,
-    /// Products of lists.
-    pub sweep: Vec<ChartSweep>,
+table! {
+    /// A scene of the chart.
+    pub struct ChartScene {
+        /// Its name on the command line.
+        name: String = identifier(),
+        /// Its name for people.
+        title: String,
+        /// The scene's file, from the folder of this file.
+        file: String = relative_path(),
+        /// What the exact solution on the same mesh is: the equilibrium at `rest`, or the `motion` at a small step.
+        exact: ExactKind,
+        /// Overrides for it instead of those of `exact` at the top; those if empty.
+        exact_set: Vec<String> [0, 64],
+        /// Step for the exact motion, where its method has no stability limit \[s\].
+        exact_step: Option<f64> = time(1e-9, 1.0),
+        /// What is compared; the error of a run is the largest of them.
+        measure: Vec<ChartMeasure> [1, 16],
+        /// Meshes, from coarse to fine.
+        resolution: Vec<ChartResolution> [1, 16],
+        /// Values of the scene's parameters.
+        variant: Vec<ChartVariant> [1, 16],
+        /// Products of lists.
+        sweep: Vec<ChartSweep> [1, 64],
+    }
 }
 
 terms! {
@@ -141,72 +146,74 @@ terms! {
     }
 }
 
-/// Something of a probe's series that is compared.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartMeasure {
-    /// For people.
-    pub title: String,
-    /// The scene's probe.
-    pub probe: String,
-    /// What of its series.
-    pub what: Feature,
-    /// How long a curve must have fallen after its first peak \[s\].
-    pub settle: f64,
+choices!(ExactKind);
+
+table! {
+    /// Something of a probe's series that is compared.
+    pub struct ChartMeasure {
+        /// Its name for people.
+        title: String,
+        /// The scene's probe.
+        probe: String = identifier(),
+        /// What of its series.
+        what: Feature,
+        /// A first peak counts when the curve has stayed below it for this time \[s\].
+        settle: f64 = time(0.0, 1e3) => 0.05,
+    }
 }
 
-/// A mesh.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartResolution {
-    /// Its name.
-    pub name: String,
-    /// Overrides, `KEY=VALUE`.
-    pub set: Vec<String>,
+table! {
+    /// A mesh.
+    pub struct ChartResolution {
+        /// Its name.
+        name: String,
+        /// Values that take the place of those of the scene: `KEY=VALUE`, as with --set.
+        set: Vec<String> [0, 64],
+    }
 }
 
-/// Values of the scene's parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartVariant {
-    /// Its name.
-    pub name: String,
-    /// Overrides, `KEY=VALUE`.
-    pub set: Vec<String>,
-    /// Poisson's ratio, for the comparison of discretisations over it.
-    pub poisson_ratio: Option<f64>,
-    /// The right values of the first of the scene's measures, in their order and in SI; of the others nothing is known from
-    /// outside.
-    pub reference: Vec<f64>,
-    /// Where they come from.
-    pub source: Option<String>,
+table! {
+    /// Values of the scene's parameters.
+    pub struct ChartVariant {
+        /// Its name.
+        name: String,
+        /// Values that take the place of those of the scene: `KEY=VALUE`, as with --set.
+        set: Vec<String> [0, 64],
+        /// Poisson's ratio, for the comparison of discretisations over it.
+        poisson_ratio: Option<f64> = quantity(Unit::Ratio, -1.0, 0.5),
+        /// The right values of the first measures, in their order and in SI; of the others nothing is known from
+        /// outside.
+        reference: Vec<f64> = list(number(), 0, 16),
+        /// Where the right values come from, in a sentence.
+        source: Option<String>,
+    }
 }
 
-/// A product of lists.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChartSweep {
-    /// Whether it belongs to the quick chart.
-    pub quick: bool,
-    /// Names of resolutions.
-    pub resolutions: Vec<String>,
-    /// Names of variants; all if empty.
-    pub variants: Vec<String>,
-    /// Names of materials.
-    pub materials: Vec<String>,
-    /// Names of methods.
-    pub methods: Vec<String>,
-    /// Steps \[s\] instead of those of the methods that have any.
-    pub steps: Vec<f64>,
-    /// Shares of the stability limit instead of those of the methods that have any.
-    pub shares: Vec<f64>,
-    /// Numbers of iterations instead of those of the methods that have any.
-    pub iterations: Vec<u32>,
+table! {
+    /// A product of lists.
+    pub struct ChartSweep {
+        /// Whether it belongs to the quick chart.
+        quick: bool => false,
+        /// Names of resolutions.
+        resolutions: Vec<String> [1, 64],
+        /// Names of variants; all if empty.
+        variants: Vec<String> [0, 64],
+        /// Names of materials.
+        materials: Vec<String> [1, 64],
+        /// Names of methods.
+        methods: Vec<String> [1, 64],
+        /// Steps of the solver \[s\].
+        steps: Vec<f64> = list(time(1e-9, 1.0), 0, 32),
+        /// Steps as shares of the estimated stability limit of explicit methods.
+        shares: Vec<f64> = list(quantity(Unit::Ratio, 0.001, 10.0), 0, 32),
+        /// Numbers of iterations in a step; the method's own if empty.
+        iterations: Vec<u32> = list(Kind::Integer { min: 1, max: 100_000 }, 0, 32),
+    }
 }
 
 /// Reads the chart's file from a text; `file` is the name that complaints use.
 pub fn read_chart(text: &str, file: &str) -> Result<Loaded<Chart>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &chart_schema())?;
+    let mut reading = Reading::new(text, file, &schema_of::<Chart>("chart"))?;
     let root = KeyPath::root();
     for list in ["material", "method", "level_method", "scene"] {
         let names = texts(reading.value(), list, "name");

@@ -1,29 +1,33 @@
 //! What touches what in levels and scenes: pairs, and tools that move by themselves. Everything is in SI.
 
-use crate::tool::ToolCapsule;
+use crate::kinds::{direction, identifier, point, quantity, ratio, rotation, time};
+use crate::schema::Kind;
+use crate::table::{Setting, table};
+use crate::tool::{ToolCapsule, jaw_angle, tool_point};
+use microsim_vocabulary::Unit;
 use serde::{Deserialize, Serialize};
 
-/// Two that touch each other: a body, and one of a tool, a rigid thing, another body, or itself. No other contact is computed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ContactPair {
-    /// Name of the body.
-    pub body: String,
-    /// The tool that touches it.
-    pub tool: Option<String>,
-    /// The rigid thing that it touches.
-    pub rigid: Option<String>,
-    /// The other body that it touches.
-    pub with: Option<String>,
-    /// Whether it touches itself.
-    #[serde(rename = "self")]
-    pub itself: bool,
-    /// Coefficient of Coulomb friction, for sticking and for sliding.
-    pub friction: f64,
-    /// For the ends of two vessels: whether a node that is beyond the plane of the other one's open end is led back along its axis.
-    pub end_planes: bool,
-    /// Size of the force from which on time is counted \[N\].
-    pub force_limit: Option<f64>,
+table! {
+    /// Two that touch each other: a body, and one of a tool, a rigid thing, another body, or itself. No other contact is computed.
+    pub struct ContactPair {
+        /// Name of the body.
+        body: String = identifier(),
+        /// The tool that touches it.
+        tool: Option<String> = identifier(),
+        /// The rigid thing that it touches.
+        rigid: Option<String> = identifier(),
+        /// The other body that it touches.
+        with: Option<String> = identifier(),
+        /// Whether the body touches itself, where it is folded.
+        itself as "self": bool => false,
+        /// Coefficient of Coulomb friction, for sticking and for sliding.
+        friction: f64 = ratio(10.0) => 0.0,
+        /// For the open ends of two vessels, and only with `with`: whether nodes beyond the plane of the other end
+        /// are led back along its axis.
+        end_planes: bool => false,
+        /// Size of the force from which on time is counted \[N\].
+        force_limit: Option<f64> = quantity(Unit::Force, 0.0, 1e3),
+    }
 }
 
 impl ContactPair {
@@ -36,35 +40,36 @@ impl ContactPair {
     }
 }
 
-/// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not, the
-/// lines go through it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CutPair {
-    /// Name of the body.
-    pub body: String,
-    /// The tool, with a line of no return.
-    pub tool: String,
+table! {
+    /// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not, the
+    /// lines go through it.
+    pub struct CutPair {
+        /// Name of the body.
+        body: String = identifier(),
+        /// The tool, one with a line of no return.
+        tool: String = identifier(),
+    }
 }
 
-/// A tool of a scene: one of `config/tools`, or capsules of its own, and how it moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SceneTool {
-    /// Its name.
-    pub name: String,
-    /// Name of a file of `config/tools`, without its extension; `None` with capsules of its own.
-    pub model: Option<String>,
-    /// Its own capsules; empty with a model.
-    pub capsule: Vec<ToolCapsule>,
-    /// A point of the axis about which its own jaws turn, along y \[m\].
-    pub hinge: Option<[f64; 3]>,
-    /// Angle between its own jaws when fully open \[rad\].
-    pub opening_angle: Option<f64>,
-    /// How sharp its own capsules are, from 0 to 1; that of a model is the model's.
-    pub sharpness: f64,
-    /// Where it is, by ascending time. It stands before the first and after the last key.
-    pub motion: Vec<ToolKey>,
+table! {
+    /// A tool of a scene: one of `config/tools`, or capsules of its own, and how it moves.
+    pub struct SceneTool {
+        /// Its name.
+        name: String = identifier(),
+        /// Name of a file in the folder `tools` beside that of the scene, without its extension; left out with
+        /// capsules of its own.
+        model: Option<String> = identifier(),
+        /// Its parts, and only without a `model`.
+        capsule: Vec<ToolCapsule> [0, 32],
+        /// A point of the axis about which the jaws turn \[m\]; the axis is along y. Only and always with jaws.
+        hinge: Option<[f64; 3]> = tool_point(),
+        /// Angle between the jaws when fully open \[rad\]. Only and always with jaws.
+        opening_angle: Option<f64> = jaw_angle(),
+        /// How well its edges and jaws cut, from 0, blunt, to 1.
+        sharpness: f64 = ratio(1.0) => 0.0,
+        /// Where it is, by ascending time: linear between two keys, still before the first and after the last.
+        motion: Vec<ToolKey> [1, 10_000],
+    }
 }
 
 /// Where a tool is at a time; between two keys its position and opening are interpolated linearly, its orientation along the
@@ -82,16 +87,29 @@ pub struct ToolKey {
     pub opening: f64,
 }
 
-/// A key as the file has it: with an orientation, with axis and angle, or unturned.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ToolKeyFile {
-    time: f64,
-    position: [f64; 3],
-    orientation: Option<[f64; 4]>,
-    axis: Option<[f64; 3]>,
-    angle: Option<f64>,
-    opening: f64,
+table! {
+    /// A key as the file has it: with an orientation, with axis and angle, or unturned.
+    pub(crate) struct ToolKeyFile {
+        /// Time since the start \[s\]; later than that of the key before.
+        time: f64 = time(0.0, 6e3),
+        /// Of the tool's origin, its tip \[m\].
+        position: [f64; 3] = point(),
+        /// Rotation [x, y, z, w] that turns tool directions into those of the scene; unturned if there is no axis
+        /// either.
+        orientation: Option<[f64; 4]> = rotation(),
+        /// Axis of that rotation; with `angle`, and instead of `orientation`.
+        axis: Option<[f64; 3]> = direction(),
+        /// Right-handed angle about `axis` \[rad\].
+        angle: Option<f64> = quantity(Unit::Angle, -1e3, 1e3),
+        /// From 0 closed to 1 open.
+        opening: f64 = ratio(1.0) => 0.0,
+    }
+}
+
+impl Setting for ToolKey {
+    fn kind() -> Kind {
+        ToolKeyFile::kind()
+    }
 }
 
 impl TryFrom<ToolKeyFile> for ToolKey {

@@ -2,7 +2,8 @@
 
 use crate::document::Loaded;
 use crate::error::{ConfigError, KeyPath};
-use crate::manifest::{Manifest, load_manifest};
+use crate::manifest::Manifest;
+use crate::manifest_check::load_manifest;
 use microsim_vocabulary::PluginKind;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -7,66 +7,68 @@
 use crate::body::Body;
 use crate::colour::Colour;
 use crate::contact::{ContactPair, CutPair};
-use crate::document::{Loaded, Reading, load_text};
-use crate::error::ConfigErrors;
-use crate::level_check::check;
-use crate::level_schema::level_schema;
-use crate::manifest::Manifest;
+use crate::kinds::{
+    dependent, identifier, own_defaults, point, quantity, rotation, size, size3, time, vector3,
+};
 use crate::method::{Accuracy, Method, Tuned};
 use crate::rigid::Rigid;
+use crate::schema::{Form, Kind};
+use crate::table::{Setting, choices, table};
 use microsim_vocabulary::{Direction, Finish, LocalText, Unit, terms};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::path::Path;
 
-/// One level of a training module.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Level {
-    /// For people: its name.
-    pub title: LocalText,
-    /// For people: what changes and why it is harder.
-    pub summary: LocalText,
-    /// The two clocks.
-    pub clock: Clock,
-    /// What the microscope shows.
-    pub view: View,
-    /// Tool slots.
-    pub tool: Vec<ToolSlot>,
-    /// Virtual objects.
-    pub object: Vec<Object>,
-    /// Tetrahedral bodies.
-    pub body: Vec<Body>,
-    /// Rigid things that stand.
-    pub rigid: Vec<Rigid>,
-    /// What touches what.
-    pub contact: Vec<ContactPair>,
-    /// What cuts what.
-    pub cut: Vec<CutPair>,
-    /// What drives all bodies; `None` in a level without physics.
-    pub physics: Option<Physics>,
-    /// How they are advanced; `None` in a level without physics.
-    pub method: Option<Method>,
-    /// What is stated of their motion.
-    pub accuracy: Option<Accuracy>,
-    /// What `microsim tune` chose.
-    pub tuned: Option<Tuned>,
-    /// What is demanded.
-    pub limit: Vec<Limit>,
-    /// Parameters of the metrics.
-    pub metrics: MetricParameters,
-    /// The keys that the module's manifest declares, in SI.
-    pub module: serde_json::Map<String, Value>,
+table! {
+    /// One level of a training module.
+    pub struct Level {
+        /// Its name for people.
+        title: LocalText,
+        /// What changes and why it is harder, in a sentence for people.
+        summary: LocalText,
+        /// The two clocks of a run.
+        clock: Clock,
+        /// What the microscope shows.
+        view: View => own_defaults(),
+        /// The tools that take part.
+        tool: Vec<ToolSlot> [0, 8],
+        /// Virtual objects.
+        object: Vec<Object> [0, 256],
+        /// Tetrahedral bodies.
+        body: Vec<Body> [0, 64],
+        /// Rigid things that stand.
+        rigid: Vec<Rigid> [0, 64],
+        /// Which body touches what: exactly one of `tool`, `rigid`, `with` (another body) and `self`; all others pass
+        /// through each other.
+        contact: Vec<ContactPair> [0, 256],
+        /// Which tool cuts which body. Where the two also touch, tissue is pushed away until it gets over a line of no
+        /// return; where they do not, the lines go through it.
+        cut: Vec<CutPair> [0, 64],
+        /// What drives all bodies; needed if and only if there are bodies.
+        physics: Option<Physics>,
+        /// How the bodies are advanced; needed if and only if there are bodies.
+        method: Option<Method>,
+        /// What is stated of the motion of the bodies; `microsim tune` looks for the cheapest way to keep it.
+        accuracy: Option<Accuracy>,
+        /// What `microsim tune` chose and measured.
+        tuned: Option<Tuned>,
+        /// What is demanded; a level is passed if every limit is kept.
+        limit: Vec<Limit> [0, 64],
+        /// Parameters of the metrics that need motion alone.
+        metrics: MetricParameters => own_defaults(),
+        /// What the module's manifest declares.
+        module: ModuleKeys => own_defaults(),
+    }
 }
 
-/// The two clocks of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Clock {
-    /// Time between two ticks \[s\], a whole number of microseconds.
-    pub tick: f64,
-    /// Steps of the solver in a tick.
-    pub steps: u32,
+table! {
+    /// The two clocks of a run.
+    #[derive(Copy)]
+    pub struct Clock {
+        /// Time between two ticks, a whole number of microseconds \[s\].
+        tick: f64 = time(0.001, 0.05),
+        /// Steps of the solver in a tick.
+        steps: u32 [1, 1000] => 1,
+    }
 }
 
 impl Clock {
@@ -76,26 +78,27 @@ impl Clock {
     }
 }
 
-/// What the microscope shows.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct View {
-    /// Diameter of the round field \[m\].
-    pub field: f64,
-    /// Point in the middle of the picture, in the field frame \[m\].
-    pub centre: [f64; 3],
-    /// Angle between the line of sight and −z, turned about x towards the trainee \[rad\].
-    pub tilt: f64,
+table! {
+    /// What the microscope shows.
+    #[derive(Copy)]
+    pub struct View {
+        /// Diameter of the round field of view \[m\].
+        field: f64 = quantity(Unit::Length, 0.001, 0.2) => 0.025,
+        /// Point in the middle of the picture, in the field frame \[m\].
+        centre: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Angle between the line of sight and straight down, turned towards the trainee \[rad\].
+        tilt: f64 = quantity(Unit::Angle, 0.0, 80_f64.to_radians()) => 0.0,
+    }
 }
 
-/// A tool that takes part, under the name that sources and the translator use.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ToolSlot {
-    /// Slot, for example `right`.
-    pub name: String,
-    /// Name of a file of `config/tools`, without its extension.
-    pub model: String,
+table! {
+    /// A tool that takes part, under the name that sources and the translator use.
+    pub struct ToolSlot {
+        /// Slot that sources and the translator name, for example `right`.
+        name: String = identifier(),
+        /// Name of a file in config/tools, without its extension.
+        model: String = identifier(),
+    }
 }
 
 /// A virtual object.
@@ -151,23 +154,36 @@ pub enum Shape {
     },
 }
 
-/// An object as the file has it: the sizes that its shape needs are checked before.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObjectFile {
-    name: String,
-    count: Option<u32>,
-    shape: ShapeName,
-    radius: Option<f64>,
-    length: Option<f64>,
-    tube: Option<f64>,
-    half_size: Option<[f64; 3]>,
-    position: [f64; 3],
-    orientation: [f64; 4],
-    parent: Option<String>,
-    colour: Colour,
-    finish: Finish,
-    active: bool,
+table! {
+    /// An object as the file has it: the sizes that its shape needs are checked before.
+    pub(crate) struct ObjectFile {
+        /// Its name, or the beginning of its names if there is a `count`.
+        name: String = identifier(),
+        /// Makes that many equal objects, named NAME-1, NAME-2 and so on.
+        count: Option<u32> [1, 256],
+        /// Its form.
+        shape: ShapeName,
+        /// Of a sphere, capsule or ring, and only there \[m\]; of a ring to the middle of its tube.
+        radius: Option<f64> = size(),
+        /// Of a capsule, and only there \[m\]: between the centres of its ends, along its z axis.
+        length: Option<f64> = size(),
+        /// Of a ring, and only there \[m\]: radius of its tube. The ring lies around its z axis.
+        tube: Option<f64> = size(),
+        /// Of a box, and only there \[m\]: half of each side.
+        half_size: Option<[f64; 3]> = size3(),
+        /// Of its centre, in the frame of the parent \[m\].
+        position: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Rotation [x, y, z, w] from its own frame to that of the parent.
+        orientation: [f64; 4] = rotation() => [0.0, 0.0, 0.0, 1.0],
+        /// Object in whose frame its pose is given; the field frame if left out.
+        parent: Option<String> = identifier(),
+        /// Colour, sRGB.
+        colour: Colour => "#c8c8c8",
+        /// How its surface answers light.
+        finish: Finish => "matte",
+        /// Whether it is there from the start.
+        active: bool => true,
+    }
 }
 
 terms! {
@@ -181,6 +197,14 @@ terms! {
         Box = "box",
         /// A torus around z.
         Ring = "ring",
+    }
+}
+
+choices!(ShapeName);
+
+impl Setting for Object {
+    fn kind() -> Kind {
+        ObjectFile::kind()
     }
 }
 
@@ -270,52 +294,55 @@ pub(crate) fn expanded_names(name: &str, count: Option<u64>) -> Vec<String> {
     }
 }
 
-/// What drives all bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Physics {
-    /// In the field frame \[m/s²\].
-    pub gravity: [f64; 3],
+table! {
+    /// What drives all bodies.
+    #[derive(Copy)]
+    pub struct Physics {
+        /// Acceleration of free fall, in the field frame \[m/s²\].
+        gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
+    }
 }
 
-/// What is demanded of one metric. Values are in the SI unit of the metric.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limit {
-    /// Its id.
-    pub metric: String,
-    /// Smallest value that passes.
-    pub min: Option<f64>,
-    /// Largest value that passes.
-    pub max: Option<f64>,
-    /// Value from which on the score is 100.
-    pub full: Option<f64>,
-    /// Value from which on the score is 0.
-    pub zero: Option<f64>,
-    /// Where the limit comes from.
-    pub source: String,
-    /// Whether it still has to be set from measurements.
-    pub provisional: bool,
-    /// The reason that a result names if it is not met; the metric's id if `None`.
-    pub reason: Option<String>,
+table! {
+    /// What is demanded of one metric. Values are in the SI unit of the metric.
+    pub struct Limit {
+        /// Id of the metric: one that every level has, or one of the module.
+        metric: String = identifier(),
+        /// Smallest value that passes, in the metric's unit.
+        min: Option<f64> = dependent("a value in the metric's unit"),
+        /// Largest value that passes, in the metric's unit.
+        max: Option<f64> = dependent("a value in the metric's unit"),
+        /// Value from which on the score is 100; needs `zero`.
+        full: Option<f64> = dependent("a value in the metric's unit"),
+        /// Value from which on the score is 0; needs `full`.
+        zero: Option<f64> = dependent("a value in the metric's unit"),
+        /// Where the limit comes from.
+        source: String,
+        /// Whether it still has to be set from measurements.
+        provisional: bool => true,
+        /// The module's reason that a result names if it is not kept; the metric's id if left out.
+        reason: Option<String> = identifier(),
+    }
 }
 
-/// Parameters of the metrics that need motion alone.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MetricParameters {
-    /// Below it a tool is idle \[m/s\].
-    pub idle_speed: f64,
-    /// Its upward crossings count as movements, with a hysteresis of half of it \[m/s\].
-    pub movement_speed: f64,
-    /// Standard deviation of the Gaussian that smooths positions before idle time, movements and bimanual metrics \[s\].
-    pub smoothing: f64,
-    /// Rate at which segments are sampled evenly \[Hz\].
-    pub resample_rate: f64,
-    /// A longer time without a valid pose splits the motion in two segments \[s\].
-    pub gap: f64,
-    /// Length of the shortest sensible path, for economy \[m\]; `None` if the module knows it or there is none.
-    pub shortest_path: Option<f64>,
+table! {
+    /// Parameters of the metrics that need motion alone.
+    #[derive(Copy)]
+    pub struct MetricParameters {
+        /// Below it a tool is idle \[m/s\].
+        idle_speed: f64 = quantity(Unit::Speed, 1e-6, 1.0) => 0.0001,
+        /// Its upward crossings count as movements, with a hysteresis of half of it \[m/s\].
+        movement_speed: f64 = quantity(Unit::Speed, 1e-6, 1.0) => 0.001,
+        /// Standard deviation of the Gaussian that smooths positions before idle time, movements and bimanual metrics
+        /// \[s\].
+        smoothing: f64 = time(0.0, 1.0) => 0.05,
+        /// Rate at which segments are sampled evenly \[Hz\].
+        resample_rate: f64 = quantity(Unit::Frequency, 60.0, 1000.0) => 60.0,
+        /// A longer time without a valid pose splits the motion in two segments \[s\].
+        gap: f64 = time(0.001, 10.0) => 0.1,
+        /// Length of the shortest sensible path, for economy \[m\]; left out if the module knows it or there is none.
+        shortest_path: Option<f64> = quantity(Unit::Length, 0.0, 10.0),
+    }
 }
 
 /// A metric that limits may name, besides those of the module itself.
@@ -329,25 +356,16 @@ pub struct KnownMetric<'a> {
     pub direction: Direction,
 }
 
-/// Reads a level from a text, by the manifest of its module; `file` is the name that complaints use.
-pub fn read_level(
-    text: &str,
-    file: &str,
-    manifest: &Manifest,
-    known_metrics: &[KnownMetric<'_>],
-) -> Result<Loaded<Level>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &level_schema(Some(manifest)))?;
-    check(&mut reading, manifest, known_metrics);
-    reading.finish()
-}
+/// The values of a table `[module]` by their keys, in SI: what they may be is known from the manifest of the module.
+pub type ModuleKeys = serde_json::Map<String, Value>;
 
-/// Reads the level at `path`.
-pub fn load_level(
-    path: &Path,
-    manifest: &Manifest,
-    known_metrics: &[KnownMetric<'_>],
-) -> Result<Loaded<Level>, ConfigErrors> {
-    let expected = format!("a level of the module `{}` (level<N>.toml)", manifest.name);
-    let text = load_text(path, &expected)?;
-    read_level(&text, &path.display().to_string(), manifest, known_metrics)
+impl Setting for ModuleKeys {
+    fn kind() -> Kind {
+        Kind::Map {
+            keys: Form::Symbol,
+            of: Box::new(dependent(
+                "a value of the kind that the module's manifest declares",
+            )),
+        }
+    }
 }

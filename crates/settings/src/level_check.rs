@@ -4,16 +4,54 @@ use crate::body_check::{check_bodies, check_held};
 use crate::check::{items, refers, texts, unique};
 use crate::contact_check::{check_contacts, check_cuts, check_rigid};
 use crate::document::Reading;
+use crate::document::{Loaded, load_text};
+use crate::error::ConfigErrors;
 use crate::error::KeyPath;
+use crate::files::schema_of;
+use crate::level::Level;
 use crate::level::{KnownMetric, expanded_names};
 use crate::manifest::Manifest;
 use crate::method::check_method;
 use crate::schema::Kind;
+use crate::schema::Schema;
 use microsim_vocabulary::{Direction, Unit};
 use serde_json::Value;
+use std::path::Path;
+
+/// The schema of a level; of the module whose manifest is given, or of any.
+pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
+    let mut schema = schema_of::<Level>("level");
+    if let (Some(manifest), Some(key)) = (manifest, schema.keys.last_mut()) {
+        key.kind = Kind::Table(manifest.module_keys());
+    }
+    schema
+}
+
+/// Reads a level from a text, by the manifest of its module; `file` is the name that complaints use.
+pub fn read_level(
+    text: &str,
+    file: &str,
+    manifest: &Manifest,
+    known_metrics: &[KnownMetric<'_>],
+) -> Result<Loaded<Level>, ConfigErrors> {
+    let mut reading = Reading::new(text, file, &level_schema(Some(manifest)))?;
+    check(&mut reading, manifest, known_metrics);
+    reading.finish()
+}
+
+/// Reads the level at `path`.
+pub fn load_level(
+    path: &Path,
+    manifest: &Manifest,
+    known_metrics: &[KnownMetric<'_>],
+) -> Result<Loaded<Level>, ConfigErrors> {
+    let expected = format!("a level of the module `{}` (level<N>.toml)", manifest.name);
+    let text = load_text(path, &expected)?;
+    read_level(&text, &path.display().to_string(), manifest, known_metrics)
+}
 
 /// Complains about all that is wrong in a level that was read by its schema.
-pub(crate) fn check(reading: &mut Reading, manifest: &Manifest, known_metrics: &[KnownMetric<'_>]) {
+fn check(reading: &mut Reading, manifest: &Manifest, known_metrics: &[KnownMetric<'_>]) {
     check_tick(reading);
     check_names(reading);
     check_shapes(reading);

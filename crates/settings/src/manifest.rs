@@ -1,91 +1,87 @@
 //! `plugin.toml` and `module.toml`: what a plugin is, what flows in and out of it, and what a training module declares:
 //! the keys of its levels, its metrics, its reasons for failing, its texts.
 
-use crate::document::{Loaded, Reading, load_text};
-use crate::error::ConfigErrors;
-use crate::manifest_check::check;
-use crate::manifest_schema::manifest_schema;
+use crate::kinds::{dependent, identifier, list, message_kind, relative_path, symbol, version};
 use crate::schema::{Key, Kind, Presence};
+use crate::table::{choices, table};
 use microsim_vocabulary::{Category, Direction, LocalText, Overflow, PluginKind, Unit, terms};
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::path::Path;
 
-/// What a plugin or module says of itself.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Manifest {
-    /// Unique among plugins and modules.
-    pub name: String,
-    /// What it does in the tick.
-    pub kind: PluginKind,
-    /// Its own version, three numbers.
-    pub version: String,
-    /// Version of the plugin contract that it was built for.
-    pub abi: u32,
-    /// SPDX expression.
-    pub licence: String,
-    /// Base name of the dynamic library beside the manifest, without prefix and extension.
-    pub library: String,
-    /// For people: its name.
-    pub title: LocalText,
-    /// For people: what it is for, in a sentence.
-    pub summary: LocalText,
-    /// Message kinds that it sends.
-    pub publishes: Vec<String>,
-    /// Message kinds that it receives.
-    pub subscribes: Vec<String>,
-    /// Plugins that a module uses, besides those that the run itself brings.
-    pub plugins: Vec<String>,
-    /// Message kinds of its own.
-    pub message: Vec<MessageKind>,
-    /// Keys of the table `[module]` in its levels.
-    pub key: Vec<ModuleKey>,
-    /// Metrics of its own.
-    pub metric: Vec<ModuleMetric>,
-    /// Reasons for which its levels can be failed.
-    pub reason: Vec<Reason>,
-    /// Files that the host hands to the plugin as bytes.
-    pub file: Vec<PluginFile>,
+table! {
+    /// What a plugin or module says of itself.
+    pub struct Manifest {
+        /// Unique among all plugins and modules.
+        name: String = identifier(),
+        /// What it does in the tick.
+        kind: PluginKind,
+        /// Its own version.
+        version: String = version(),
+        /// Version of the plugin contract that it was built for.
+        abi: u32 [1, 65_535],
+        /// SPDX expression.
+        licence: String,
+        /// Base name of the dynamic library beside this file, without prefix and extension.
+        library: String = symbol(),
+        /// Its name for people.
+        title: LocalText,
+        /// What it is for, in a sentence for people.
+        summary: LocalText,
+        /// Message kinds that it sends.
+        publishes: Vec<String> = list(message_kind(), 0, 64),
+        /// Message kinds that it receives.
+        subscribes: Vec<String> = list(message_kind(), 0, 64),
+        /// Only for a module: plugins that it uses, by name, besides those that the run itself brings (source,
+        /// recorder, renderer).
+        plugins: Vec<String> = list(identifier(), 0, 32),
+        /// Message kinds of its own.
+        message: Vec<MessageKind> [0, 64],
+        /// Only for a module: the keys of the table `[module]` in its levels.
+        key: Vec<ModuleKey> [0, 64],
+        /// Only for a module: metrics that it computes.
+        metric: Vec<ModuleMetric> [0, 64],
+        /// Only for a module: reasons for which a level can be failed.
+        reason: Vec<Reason> [0, 64],
+        /// Files that the host hands to the plugin as bytes.
+        file: Vec<PluginFile> [0, 64],
+    }
 }
 
-/// A message kind that a plugin brings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MessageKind {
-    /// Begins with the plugin's name and a dot.
-    pub name: String,
-    /// Version of its content.
-    pub version: u32,
-    /// What it says.
-    pub doc: String,
-    /// What happens when its queue is full.
-    pub overflow: Overflow,
+table! {
+    /// A message kind that a plugin brings.
+    pub struct MessageKind {
+        /// Begins with the plugin's name and a dot.
+        name: String = message_kind(),
+        /// Version of its content.
+        version: u32 [1, 65_535],
+        /// What it says.
+        doc: String,
+        /// What happens when its queue is full.
+        overflow: Overflow,
+    }
 }
 
-/// A key of a level's table `[module]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ModuleKey {
-    /// As levels write it.
-    pub name: String,
-    /// What its value may be.
-    #[serde(rename = "type")]
-    pub value_type: KeyType,
-    /// Of a quantity and of each component of a vector.
-    pub unit: Option<Unit>,
-    /// Smallest value, in SI.
-    pub min: Option<f64>,
-    /// Largest value, in SI.
-    pub max: Option<f64>,
-    /// Number of components of a vector.
-    pub len: Option<usize>,
-    /// Of a choice.
-    pub values: Vec<String>,
-    /// Holds where a level leaves the key out, in SI; a key without it is required.
-    pub default: Option<Value>,
-    /// What it means.
-    pub doc: String,
+table! {
+    /// A key of a level's table `[module]`.
+    pub struct ModuleKey {
+        /// As levels write it.
+        name: String = symbol(),
+        /// What its value may be.
+        value_type as "type": KeyType,
+        /// Only and always for a quantity or vector: its SI unit.
+        unit: Option<Unit>,
+        /// Only and always for a quantity, vector or integer: the smallest value.
+        min: Option<f64> = dependent("a value of the key's `type` and unit"),
+        /// Only and always for a quantity, vector or integer: the largest value.
+        max: Option<f64> = dependent("a value of the key's `type` and unit"),
+        /// Only and always for a vector: the number of components.
+        len: Option<usize> [1, 16],
+        /// Only and always for a choice: its texts.
+        values: Vec<String> [0, 64],
+        /// What holds where a level leaves the key out; without it the key is required.
+        default: Option<Value> = dependent("a value of the key's `type`, within its range"),
+        /// What it means.
+        doc: String,
+    }
 }
 
 terms! {
@@ -106,49 +102,51 @@ terms! {
     }
 }
 
-/// A metric that a module computes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ModuleMetric {
-    /// Its name in limits and results.
-    pub id: String,
-    /// Values are in this unit's SI symbol.
-    pub unit: Unit,
-    /// Symbol in which people read it; that of `unit` if left out.
-    pub display_unit: Option<String>,
-    /// Which values are good.
-    pub direction: Direction,
-    /// Which part of the score it belongs to.
-    pub category: Category,
-    /// Name and version of its formula.
-    pub formula: String,
-    /// Where the definition comes from.
-    pub source: String,
-    /// For people: its name.
-    pub title: LocalText,
-    /// For people: what to do better.
-    pub advice: LocalText,
+table! {
+    /// A metric that a module computes.
+    pub struct ModuleMetric {
+        /// Its name in limits and results.
+        id: String = identifier(),
+        /// SI unit of its values.
+        unit: Unit,
+        /// Symbol in which people read it, of the same dimension as `unit`; that of `unit` if left out.
+        display_unit: Option<String>,
+        /// Whether lower or higher values are better, or whether it only informs.
+        direction: Direction,
+        /// Which part of the score it belongs to.
+        category: Category,
+        /// Name and version of its formula, such as `angle-error/1`.
+        formula: String,
+        /// Where its definition comes from.
+        source: String,
+        /// Its name for people.
+        title: LocalText,
+        /// What to do better, in a sentence for people.
+        advice: LocalText,
+    }
 }
 
-/// Why a level can be failed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Reason {
-    /// Its name in results.
-    pub id: String,
-    /// For people.
-    pub text: LocalText,
+table! {
+    /// Why a level can be failed.
+    pub struct Reason {
+        /// Its name in results and in the limits of levels.
+        id: String = identifier(),
+        /// The reason in a sentence for people.
+        text: LocalText,
+    }
 }
 
-/// A file of the plugin's own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PluginFile {
-    /// By which the plugin asks for it.
-    pub name: String,
-    /// Below the folder of the manifest.
-    pub path: String,
+table! {
+    /// A file of the plugin's own.
+    pub struct PluginFile {
+        /// By which the plugin asks for it.
+        name: String = identifier(),
+        /// Where it lies, below the folder of this file.
+        path: String = relative_path(),
+    }
 }
+
+choices!(KeyType);
 
 impl KeyType {
     /// What a value of this type may be; `None` if something that the type needs is missing.
@@ -205,17 +203,4 @@ impl ModuleKey {
             presence,
         })
     }
-}
-
-/// Reads a manifest from a text; `file` is the name that complaints use.
-pub fn read_manifest(text: &str, file: &str) -> Result<Loaded<Manifest>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &manifest_schema())?;
-    check(&mut reading);
-    reading.finish()
-}
-
-/// Reads the manifest at `path`.
-pub fn load_manifest(path: &Path) -> Result<Loaded<Manifest>, ConfigErrors> {
-    let expected = "the manifest of a plugin (plugin.toml) or module (module.toml)";
-    read_manifest(&load_text(path, expected)?, &path.display().to_string())
 }

@@ -2,17 +2,35 @@
 
 use crate::check::{items, refers, texts, unique};
 use crate::document::Reading;
+use crate::document::{Loaded, load_text};
+use crate::error::ConfigErrors;
 use crate::error::KeyPath;
+use crate::files::schema_of;
 use crate::manifest::KeyType;
+use crate::manifest::Manifest;
 use crate::schema::Kind;
 use microsim_vocabulary::Unit;
 use serde::Deserialize;
 use serde_json::Value;
+use std::path::Path;
 
 /// Bounds that the `[[key]]` of a manifest may set for whole numbers.
 const KEY_INTEGER_BOUND: i64 = 1_000_000_000;
+/// Reads a manifest from a text; `file` is the name that complaints use.
+pub fn read_manifest(text: &str, file: &str) -> Result<Loaded<Manifest>, ConfigErrors> {
+    let mut reading = Reading::new(text, file, &schema_of::<Manifest>("manifest"))?;
+    check(&mut reading);
+    reading.finish()
+}
+
+/// Reads the manifest at `path`.
+pub fn load_manifest(path: &Path) -> Result<Loaded<Manifest>, ConfigErrors> {
+    let expected = "the manifest of a plugin (plugin.toml) or module (module.toml)";
+    read_manifest(&load_text(path, expected)?, &path.display().to_string())
+}
+
 /// Complains about all that is wrong in a manifest that was read by its schema.
-pub(crate) fn check(reading: &mut Reading) {
+fn check(reading: &mut Reading) {
     let root = KeyPath::root();
     for (list, field) in [
         ("message", "name"),

@@ -3,68 +3,70 @@
 use crate::check::{items, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
-use crate::schema::{Form, Key, Kind, Schema};
+use crate::files::schema_of;
+use crate::kinds::{identifier, quantity, time};
+use crate::schema::Kind;
+use crate::table::table;
 use microsim_vocabulary::Unit;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What the columns of a recording mean.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RecordingMap {
-    /// What stands between two columns: one character.
-    pub delimiter: String,
-    /// Terms under which it may be used.
-    pub licence: String,
-    /// Where it comes from.
-    pub source: String,
-    /// A longer time between two samples splits the motion \[s\].
-    pub gap: f64,
+table! {
+    /// What the columns of a recording mean.
+    pub struct RecordingMap {
+        /// What stands between two columns.
+        delimiter: String = Kind::choice(&[",", ";", "\t", "|", " "]) => ",",
+        /// Terms under which it may be used; SPDX where there is one.
+        licence: String,
+        /// Where it comes from.
+        source: String,
+        /// A longer time between two samples splits the motion \[s\].
+        gap: f64 = time(0.001, 10.0) => 0.1,
+        /// The column of time.
+        time: TimeColumn,
+        /// The devices in it.
+        device: Vec<DeviceColumns> [1, 32],
+    }
+}
+
+table! {
     /// The column of time.
-    pub time: TimeColumn,
-    /// The devices in it.
-    pub device: Vec<DeviceColumns>,
+    pub struct TimeColumn {
+        /// Its heading.
+        column: String,
+        /// Unit of its values.
+        unit: String = symbols(Unit::Time),
+    }
 }
 
-/// The column of time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TimeColumn {
-    /// Its heading.
-    pub column: String,
-    /// A symbol of [`Unit::Time`], see [`Unit::to_si`].
-    pub unit: String,
+table! {
+    /// The columns of one device.
+    pub struct DeviceColumns {
+        /// Name of the device.
+        name: String = identifier(),
+        /// Headings of the columns x, y and z.
+        position: [String; 3],
+        /// Unit of the position.
+        position_unit: String = symbols(Unit::Length),
+        /// Headings of the columns x, y, z and w.
+        quaternion: [String; 4],
+        /// The column of the opening, if the device has one.
+        opening: Option<OpeningColumn>,
+        /// Heading of a column that is 0 while the device is not seen.
+        visible: Option<String>,
+    }
 }
 
-/// The columns of one device.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DeviceColumns {
-    /// Name of the device.
-    pub name: String,
-    /// Headings of x, y and z.
-    pub position: [String; 3],
-    /// A symbol of [`Unit::Length`], see [`Unit::to_si`].
-    pub position_unit: String,
-    /// Headings of x, y, z and w.
-    pub quaternion: [String; 4],
-    /// The column of the opening, if the device has one.
-    pub opening: Option<OpeningColumn>,
-    /// Heading of a column that is 0 while the device is not seen.
-    pub visible: Option<String>,
-}
-
-/// The column of an opening.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OpeningColumn {
-    /// Its heading.
-    pub column: String,
-    /// Value that means closed.
-    pub closed: f64,
-    /// Value that means fully open; other than `closed`.
-    pub open: f64,
+table! {
+    /// The column of an opening.
+    pub struct OpeningColumn {
+        /// Its heading.
+        column: String,
+        /// Value that means closed.
+        closed: f64 = quantity(Unit::Ratio, -1e9, 1e9) => 0.0,
+        /// Value that means fully open.
+        open: f64 = quantity(Unit::Ratio, -1e9, 1e9) => 1.0,
+    }
 }
 
 impl RecordingMap {
@@ -81,88 +83,14 @@ impl OpeningColumn {
     }
 }
 
-/// The schema of the map beside a recording.
-pub fn recording_schema() -> Schema {
-    let symbols = |unit: Unit| Kind::Choice(unit.symbols().map(str::to_owned).collect());
-    let columns = |len| Kind::List {
-        of: Box::new(Kind::Text),
-        min: len,
-        max: len,
-    };
-    let ratio = || Kind::quantity(Unit::Ratio, -1e9, 1e9);
-    let time = vec![
-        Key::required("column", Kind::Text, "Its heading."),
-        Key::required("unit", symbols(Unit::Time), "Unit of its values."),
-    ];
-    let opening = vec![
-        Key::required("column", Kind::Text, "Its heading."),
-        Key::with_default("closed", ratio(), "Value that means closed.", 0.0),
-        Key::with_default("open", ratio(), "Value that means fully open.", 1.0),
-    ];
-    let device = vec![
-        Key::required("name", Kind::Name(Form::Identifier), "Name of the device."),
-        Key::required(
-            "position",
-            columns(3),
-            "Headings of the columns x, y and z.",
-        ),
-        Key::required(
-            "position_unit",
-            symbols(Unit::Length),
-            "Unit of the position.",
-        ),
-        Key::required(
-            "quaternion",
-            columns(4),
-            "Headings of the columns x, y, z and w.",
-        ),
-        Key::optional(
-            "opening",
-            Kind::Table(opening),
-            "The column of the opening, if the device has one.",
-        ),
-        Key::optional(
-            "visible",
-            Kind::Text,
-            "Heading of a column that is 0 while the device is not seen.",
-        ),
-    ];
-    let devices = Kind::List {
-        of: Box::new(Kind::Table(device)),
-        min: 1,
-        max: 32,
-    };
-    Schema {
-        name: "recording".to_owned(),
-        doc: "The TOML of the same name beside a CSV: what its columns mean.".to_owned(),
-        keys: vec![
-            Key::with_default(
-                "delimiter",
-                Kind::choice(&[",", ";", "\t", "|", " "]),
-                "What stands between two columns.",
-                ",",
-            ),
-            Key::required(
-                "licence",
-                Kind::Text,
-                "Terms under which it may be used; SPDX where there is one.",
-            ),
-            Key::required("source", Kind::Text, "Where it comes from."),
-            Key::with_default(
-                "gap",
-                Kind::quantity(Unit::Time, 0.001, 10.0),
-                "A longer time between two samples splits the motion.",
-                0.1,
-            ),
-            Key::required("time", Kind::Table(time), "The column of time."),
-            Key::required("device", devices, "The devices in it."),
-        ],
-    }
+/// One of the symbols of a unit.
+fn symbols(unit: Unit) -> Kind {
+    Kind::Choice(unit.symbols().map(str::to_owned).collect())
 }
 
 /// Reads the map of a recording from a text; `file` is the name that complaints use.
 pub fn read_recording_map(text: &str, file: &str) -> Result<Loaded<RecordingMap>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &recording_schema())?;
+    let mut reading = Reading::new(text, file, &schema_of::<RecordingMap>("recording"))?;
     let root = KeyPath::root();
     let names = crate::check::texts(reading.value(), "device", "name");
     unique(&mut reading, &root, &names, "device", "name");

@@ -4,7 +4,11 @@
 //! shape says otherwise. Everything is in SI.
 
 use crate::colour::Colour;
+use crate::kinds::{identifier, point, quantity, rotation, size, size3};
+use crate::schema::Kind;
+use crate::table::{Setting, choices, table};
 use microsim_vocabulary::Finish;
+use microsim_vocabulary::{Unit, terms};
 use serde::{Deserialize, Serialize};
 
 /// A rigid thing that stands.
@@ -65,9 +69,6 @@ pub enum RigidShape {
 }
 
 impl RigidShape {
-    /// As files write them.
-    pub const NAMES: [&str; 5] = ["plane", "box", "tray", "clamp", "cylinder"];
-
     /// The solid parts of which it is made: one, or several where it is hollow.
     pub fn parts(&self) -> Vec<RigidPart> {
         let cuboid = |half_size, rounding, centre| RigidPart {
@@ -151,22 +152,59 @@ pub enum Solid {
     },
 }
 
-/// A rigid thing as the file has it: the sizes that its shape needs are checked before.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RigidFile {
-    name: String,
-    shape: String,
-    half_size: Option<[f64; 3]>,
-    rounding: Option<f64>,
-    wall: Option<f64>,
-    gap: Option<f64>,
-    radius: Option<f64>,
-    length: Option<f64>,
-    position: [f64; 3],
-    orientation: [f64; 4],
-    colour: Colour,
-    finish: Finish,
+terms! {
+    /// Forms of rigid things.
+    pub(crate) enum RigidName {
+        /// Everything below z = 0.
+        Plane = "plane",
+        /// A box along its axes.
+        Box = "box",
+        /// A floor and four walls.
+        Tray = "tray",
+        /// Two plates that face each other.
+        Clamp = "clamp",
+        /// A cylinder along z.
+        Cylinder = "cylinder",
+    }
+}
+
+choices!(RigidName);
+
+table! {
+    /// A rigid thing as the file has it: the sizes that its shape needs are checked before.
+    pub(crate) struct RigidFile {
+        /// Its name.
+        name: String = identifier(),
+        /// Its form, in its own frame: a `plane` with everything below z = 0, a `box`, a `tray` that is open towards
+        /// +z, a `clamp` of two plates that face each other along x, a `cylinder` along z.
+        shape: RigidName,
+        /// Half of each side \[m\]: of a box, of the inner space of a tray, of a plate of a clamp, and only there.
+        half_size: Option<[f64; 3]> = size3(),
+        /// Radius of the edges of a box, tray or clamp, and only there \[m\]; 0 if left out.
+        rounding: Option<f64> = quantity(Unit::Length, 0.0, 1.0),
+        /// Thickness of floor and walls of a tray, and only there \[m\].
+        wall: Option<f64> = size(),
+        /// Between the plates of a clamp, and only there \[m\].
+        gap: Option<f64> = size(),
+        /// Of a cylinder, and only there \[m\].
+        radius: Option<f64> = size(),
+        /// Of a cylinder, and only there \[m\].
+        length: Option<f64> = size(),
+        /// Of its centre \[m\].
+        position: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Rotation [x, y, z, w] from its own frame.
+        orientation: [f64; 4] = rotation() => [0.0, 0.0, 0.0, 1.0],
+        /// Colour, sRGB.
+        colour: Colour => "#9aa4ae",
+        /// How its surface answers light.
+        finish: Finish => "matte",
+    }
+}
+
+impl Setting for Rigid {
+    fn kind() -> Kind {
+        RigidFile::kind()
+    }
 }
 
 impl TryFrom<RigidFile> for Rigid {
@@ -181,23 +219,27 @@ impl TryFrom<RigidFile> for Rigid {
             file.radius,
             file.length,
         );
-        let shape = match (file.shape.as_str(), sizes) {
-            ("plane", (None, None, None, None, None)) => RigidShape::Plane,
-            ("box", (Some(half_size), None, None, None, None)) => RigidShape::Box {
+        let shape = match (file.shape, sizes) {
+            (RigidName::Plane, (None, None, None, None, None)) => RigidShape::Plane,
+            (RigidName::Box, (Some(half_size), None, None, None, None)) => RigidShape::Box {
                 half_size,
                 rounding,
             },
-            ("tray", (Some(half_size), Some(wall), None, None, None)) => RigidShape::Tray {
-                half_size,
-                wall,
-                rounding,
-            },
-            ("clamp", (Some(half_size), None, Some(gap), None, None)) => RigidShape::Clamp {
-                half_size,
-                gap,
-                rounding,
-            },
-            ("cylinder", (None, None, None, Some(radius), Some(length))) => {
+            (RigidName::Tray, (Some(half_size), Some(wall), None, None, None)) => {
+                RigidShape::Tray {
+                    half_size,
+                    wall,
+                    rounding,
+                }
+            }
+            (RigidName::Clamp, (Some(half_size), None, Some(gap), None, None)) => {
+                RigidShape::Clamp {
+                    half_size,
+                    gap,
+                    rounding,
+                }
+            }
+            (RigidName::Cylinder, (None, None, None, Some(radius), Some(length))) => {
                 RigidShape::Cylinder { radius, length }
             }
             _ => {
@@ -222,7 +264,7 @@ impl From<Rigid> for RigidFile {
     fn from(rigid: Rigid) -> Self {
         let mut file = Self {
             name: rigid.name,
-            shape: String::new(),
+            shape: RigidName::Plane,
             half_size: None,
             rounding: None,
             wall: None,
@@ -234,14 +276,14 @@ impl From<Rigid> for RigidFile {
             colour: rigid.colour,
             finish: rigid.finish,
         };
-        let shape = match rigid.shape {
-            RigidShape::Plane => "plane",
+        file.shape = match rigid.shape {
+            RigidShape::Plane => RigidName::Plane,
             RigidShape::Box {
                 half_size,
                 rounding,
             } => {
                 (file.half_size, file.rounding) = (Some(half_size), Some(rounding));
-                "box"
+                RigidName::Box
             }
             RigidShape::Tray {
                 half_size,
@@ -250,7 +292,7 @@ impl From<Rigid> for RigidFile {
             } => {
                 (file.half_size, file.rounding) = (Some(half_size), Some(rounding));
                 file.wall = Some(wall);
-                "tray"
+                RigidName::Tray
             }
             RigidShape::Clamp {
                 half_size,
@@ -259,14 +301,13 @@ impl From<Rigid> for RigidFile {
             } => {
                 (file.half_size, file.rounding) = (Some(half_size), Some(rounding));
                 file.gap = Some(gap);
-                "clamp"
+                RigidName::Clamp
             }
             RigidShape::Cylinder { radius, length } => {
                 (file.radius, file.length) = (Some(radius), Some(length));
-                "cylinder"
+                RigidName::Cylinder
             }
         };
-        file.shape = shape.to_owned();
         file
     }
 }

@@ -5,72 +5,74 @@
 
 use crate::body::{Body, Nodes};
 use crate::contact::{ContactPair, CutPair, SceneTool};
-use crate::document::{Loaded, Reading, load_text};
-use crate::error::ConfigErrors;
+use crate::kinds::{
+    dependent, direction, identifier, own_defaults, point, quantity, time, vector3,
+};
 use crate::level::View;
 use crate::method::{Accuracy, Method, Tuned};
-use crate::overrides::Override;
 use crate::rigid::Rigid;
-use crate::scene_check::check;
-use crate::scene_schema::scene_schema;
+use crate::table::{choices, table};
 use microsim_vocabulary::{LocalText, Unit, terms};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
 
-/// A scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scene {
-    /// For people: its name.
-    pub title: LocalText,
-    /// For people: what it shows.
-    pub summary: LocalText,
-    /// How long, in which steps.
-    pub run: SceneRun,
-    /// What pictures show; `None` for all bodies.
-    pub view: Option<View>,
-    /// How the bodies are advanced.
-    pub method: Method,
-    /// Tetrahedral bodies.
-    pub body: Vec<Body>,
-    /// Tools and how they move.
-    pub tool: Vec<SceneTool>,
-    /// Rigid things that stand.
-    pub rigid: Vec<Rigid>,
-    /// What touches what.
-    pub contact: Vec<ContactPair>,
-    /// What cuts what.
-    pub cut: Vec<CutPair>,
-    /// What is watched.
-    pub probe: Vec<Probe>,
-    /// What must come out.
-    pub expect: Vec<Expect>,
-    /// What is stated of the result.
-    pub accuracy: Option<Accuracy>,
-    /// What `microsim tune` chose.
-    pub tuned: Option<Tuned>,
+table! {
+    /// A scene.
+    pub struct Scene {
+        /// Its name for people.
+        title: LocalText,
+        /// What it shows, in a sentence for people.
+        summary: LocalText,
+        /// How long, in which steps.
+        run: SceneRun,
+        /// What pictures show; all bodies as they lie at the start without it.
+        view: Option<View>,
+        /// How the bodies are advanced.
+        method: Method,
+        /// Tetrahedral bodies.
+        body: Vec<Body> [1, 64],
+        /// Tools and how they move.
+        tool: Vec<SceneTool> [0, 8],
+        /// Rigid things that stand.
+        rigid: Vec<Rigid> [0, 64],
+        /// Which body touches what: exactly one of `tool`, `rigid`, `with` (another body) and `self`; all others pass
+        /// through each other.
+        contact: Vec<ContactPair> [0, 256],
+        /// Which tool cuts which body. Where the two also touch, tissue is pushed away until it gets over a line of no
+        /// return; where they do not, the lines go through it.
+        cut: Vec<CutPair> [0, 64],
+        /// What is watched: a number each, sampled into the series.
+        probe: Vec<Probe> [0, 64],
+        /// What must come out, and where that is known from.
+        expect: Vec<Expect> [0, 64],
+        /// What is stated of the result; `microsim tune` looks for the cheapest way to keep it.
+        accuracy: Option<Accuracy>,
+        /// What `microsim tune` chose and measured.
+        tuned: Option<Tuned>,
+    }
 }
 
-/// How long a scene runs, and in which steps.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SceneRun {
-    /// Simulated time; with `end = "rest"` the longest \[s\].
-    pub duration: f64,
-    /// Step of the solver \[s\]; shortened so that a whole number fits between two samples.
-    pub step: f64,
-    /// Time between two samples of the series \[s\]; a longer step takes its place.
-    pub sample: f64,
-    /// Time between two exported meshes \[s\]; a longer sample takes its place.
-    pub frame: f64,
-    /// When it ends.
-    pub end: End,
-    /// Largest speed of a node that counts as rest \[m/s\].
-    pub rest_speed: Option<f64>,
-    /// \[m/s²\]
-    pub gravity: [f64; 3],
-    /// Whether a body that diverges is rolled back and computed again with shorter steps.
-    pub containment: bool,
+table! {
+    /// How long a scene runs, and in which steps.
+    #[derive(Copy)]
+    pub struct SceneRun {
+        /// Simulated time \[s\]; with `end = "rest"` the longest.
+        duration: f64 = time(1e-6, 6e3),
+        /// Step of the solver \[s\]; shortened so that a whole number fits between two samples.
+        step: f64 = time(1e-9, 600.0),
+        /// Time between two samples of the series \[s\]; a longer step takes its place.
+        sample: f64 = time(1e-9, 600.0) => 0.001,
+        /// Time between two exported meshes (--vtu) \[s\]; a longer sample takes its place.
+        frame: f64 = time(1e-9, 6e3) => 0.02,
+        /// When it ends: after its `duration`, or when it has come to `rest`.
+        end: End => "time",
+        /// It rests when no node moved faster than this over a whole sample \[m/s\]; with `end = "rest"`, and only
+        /// there.
+        rest_speed: Option<f64> = quantity(Unit::Speed, 1e-12, 1.0),
+        /// Acceleration of free fall \[m/s²\].
+        gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
+        /// Whether a body that diverges is rolled back and computed again with shorter steps; without it the run ends
+        /// there.
+        containment: bool => false,
+    }
 }
 
 terms! {
@@ -83,26 +85,33 @@ terms! {
     }
 }
 
-/// A number that is sampled into the series.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Probe {
-    /// Its name.
-    pub name: String,
-    /// The body.
-    pub body: String,
-    /// Nodes of the body.
-    pub nodes: Nodes,
-    /// The other side: another body, a tool or a rigid thing.
-    pub with: Option<String>,
-    /// What of them.
-    pub quantity: Quantity,
-    /// Direction of a displacement, force or gap, of length 1.
-    pub direction: Option<[f64; 3]>,
-    /// A point of the axis of a radius or torque, in the body's frame \[m\].
-    pub point: Option<[f64; 3]>,
-    /// Direction of that axis, of length 1.
-    pub axis: Option<[f64; 3]>,
+table! {
+    /// A number that is sampled into the series.
+    pub struct Probe {
+        /// Its name.
+        name: String = identifier(),
+        /// The body.
+        body: String = identifier(),
+        /// Nodes of the body: all, or those that fulfil everything that is said.
+        nodes: Nodes => own_defaults(),
+        /// The other side: a tool, rigid thing or body of a contact-force, a tool of a grip, a body of a gap or of
+        /// crossings, and only there.
+        with: Option<String> = identifier(),
+        /// What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest
+        /// `distance` from rest, `force` or `torque` with which clamps hold those that they hold now, relative change
+        /// of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`;
+        /// `contact-force` of the other side, `grip`, the force with which both jaws of a tool squeeze it between
+        /// them, `gap` to the other body, share of nodes `inside` what the body touches and the `depth` of the
+        /// deepest, `crossings` of edges of its surface and the other body's with triangles; number of `pieces` that
+        /// the body has come apart into.
+        quantity: Quantity,
+        /// Of a displacement, centre, force, contact-force or gap, and only there.
+        direction: Option<[f64; 3]> = direction(),
+        /// A point of the axis of a radius or torque, in the body's frame \[m\]; its origin if left out.
+        point: Option<[f64; 3]> = point(),
+        /// Axis of a radius or torque, and only there.
+        axis: Option<[f64; 3]> = direction(),
+    }
 }
 
 terms! {
@@ -162,24 +171,25 @@ impl Quantity {
     }
 }
 
-/// What must come out of a probe.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Expect {
-    /// The probe.
-    pub probe: String,
-    /// What of its series.
-    pub what: Feature,
-    /// The right value, in SI.
-    pub value: f64,
-    /// Largest error that is right, as a share of `scale`.
-    pub tolerance: f64,
-    /// What errors are a share of, in SI; the size of `value` if `None`.
-    pub scale: Option<f64>,
-    /// How long a curve must have fallen after its first peak \[s\].
-    pub settle: f64,
-    /// Where value and tolerance come from.
-    pub source: String,
+table! {
+    /// What must come out of a probe.
+    pub struct Expect {
+        /// Name of the probe.
+        probe: String = identifier(),
+        /// What of its series: the value `at-end`, the `largest`, the `spread` from smallest to largest, the
+        /// `first-peak` or its `first-peak-time`, the `frequency` with which it crosses its middle.
+        what: Feature,
+        /// The right value.
+        value: f64 = dependent("a value in the unit of what is expected"),
+        /// Largest error that is right, as a share of `scale`.
+        tolerance: f64 = quantity(Unit::Ratio, 1e-15, 10.0),
+        /// What errors are a share of; the size of `value` if left out.
+        scale: Option<f64> = dependent("a value in the unit of what is expected"),
+        /// A first peak counts when the curve has stayed below it for this time \[s\].
+        settle: f64 = time(0.0, 600.0) => 0.05,
+        /// Where value and tolerance come from, in a sentence.
+        source: String,
+    }
 }
 
 terms! {
@@ -211,19 +221,4 @@ impl Feature {
     }
 }
 
-/// Reads a scene from a text, with values that take the place of some in it; `file` is the name that complaints use.
-pub fn read_scene(
-    text: &str,
-    file: &str,
-    overrides: &[Override],
-) -> Result<Loaded<Scene>, ConfigErrors> {
-    let mut reading = Reading::with_overrides(text, file, &scene_schema(), overrides)?;
-    check(&mut reading);
-    reading.finish()
-}
-
-/// Reads the scene at `path`.
-pub fn load_scene(path: &Path, overrides: &[Override]) -> Result<Loaded<Scene>, ConfigErrors> {
-    let text = load_text(path, "a scene (config/scenes/NAME.toml)")?;
-    read_scene(&text, &path.display().to_string(), overrides)
-}
+choices!(End, Feature, Quantity);

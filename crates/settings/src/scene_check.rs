@@ -4,15 +4,38 @@ use crate::body_check::{check_bodies, check_box, check_held};
 use crate::check::{items, refers, texts, unique};
 use crate::contact_check::{check_contacts, check_cuts, check_rigid, check_scene_tools};
 use crate::document::Reading;
+use crate::document::{Loaded, load_text};
+use crate::error::ConfigErrors;
 use crate::error::KeyPath;
+use crate::files::schema_of;
 use crate::method::check_method;
+use crate::overrides::Override;
+use crate::scene::Scene;
 use crate::scene::{Feature, Quantity};
 use crate::schema::Kind;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::path::Path;
+
+/// Reads a scene from a text, with values that take the place of some in it; `file` is the name that complaints use.
+pub fn read_scene(
+    text: &str,
+    file: &str,
+    overrides: &[Override],
+) -> Result<Loaded<Scene>, ConfigErrors> {
+    let mut reading = Reading::with_overrides(text, file, &schema_of::<Scene>("scene"), overrides)?;
+    check(&mut reading);
+    reading.finish()
+}
+
+/// Reads the scene at `path`.
+pub fn load_scene(path: &Path, overrides: &[Override]) -> Result<Loaded<Scene>, ConfigErrors> {
+    let text = load_text(path, "a scene (config/scenes/NAME.toml)")?;
+    read_scene(&text, &path.display().to_string(), overrides)
+}
 
 /// Complains about all that is wrong in a scene that was read by its schema.
-pub(crate) fn check(reading: &mut Reading) {
+fn check(reading: &mut Reading) {
     let root = KeyPath::root();
     let names = texts(reading.value(), "probe", "name");
     unique(reading, &root, &names, "probe", "name");

@@ -132,16 +132,6 @@ impl Kind {
         Kind::Quantity { unit, min, max }
     }
 
-    /// Three components of this unit, each from `-max` to `max`, in SI.
-    pub fn vector3(unit: Unit, max: f64) -> Self {
-        Kind::Vector {
-            unit,
-            len: 3,
-            min: -max,
-            max,
-        }
-    }
-
     /// One of these texts.
     pub fn choice(values: &[&str]) -> Self {
         Kind::Choice(values.iter().map(ToString::to_string).collect())
@@ -239,36 +229,11 @@ impl Form {
 impl Key {
     /// A key that must be there.
     pub fn required(name: &str, kind: Kind, doc: &str) -> Self {
-        Self::new(name, kind, doc, Presence::Required)
-    }
-
-    /// A key that may be left out.
-    pub fn optional(name: &str, kind: Kind, doc: &str) -> Self {
-        Self::new(name, kind, doc, Presence::Optional)
-    }
-
-    /// A key with a value, in SI, that holds if the key is left out.
-    pub fn with_default(name: &str, kind: Kind, doc: &str, default: impl Into<Value>) -> Self {
-        Self::new(name, kind, doc, Presence::Default(default.into()))
-    }
-
-    /// A table that may be left out, because all its keys may.
-    pub fn table(name: &str, keys: Vec<Key>, doc: &str) -> Self {
-        let default = Value::Object(serde_json::Map::new());
-        Self::with_default(name, Kind::Table(keys), doc, default)
-    }
-
-    /// A list that may be left out, and is empty then.
-    pub fn list(name: &str, of: Kind, max: usize, doc: &str) -> Self {
-        Self::with_default(name, Kind::list(of, max), doc, Vec::<Value>::new())
-    }
-
-    fn new(name: &str, kind: Kind, doc: &str, presence: Presence) -> Self {
         Self {
             name: name.to_owned(),
             kind,
             doc: doc.to_owned(),
-            presence,
+            presence: Presence::Required,
         }
     }
 }

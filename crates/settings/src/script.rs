@@ -3,24 +3,27 @@
 use crate::check::{items, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
-use crate::schema::{Form, Key, Kind, Schema};
+use crate::files::schema_of;
+use crate::kinds::{direction, identifier, quantity, ratio, rotation, time, vector3};
+use crate::schema::Kind;
+use crate::table::{Setting, table};
 use microsim_tracking as tracking;
 use microsim_vocabulary::{Interpolation, Unit};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A scripted trainee.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Script {
-    /// Samples per second \[Hz\].
-    pub rate: f64,
-    /// How a tool moves between two keys.
-    pub interpolation: Interpolation,
-    /// By what a synthetic trainee was made; a session of it is labelled so.
-    pub synthetic: Option<String>,
-    /// The tools that move.
-    pub tool: Vec<ScriptTool>,
+table! {
+    /// A scripted trainee.
+    pub struct Script {
+        /// Samples per second \[Hz\].
+        rate: f64 = quantity(Unit::Frequency, 1.0, 1000.0) => 62.5,
+        /// How a tool moves between two keys: from rest to rest as a hand does, or at constant speed.
+        interpolation: Interpolation => "minimum-jerk",
+        /// By what a synthetic trainee was made: session and report label it so.
+        synthetic: Option<String>,
+        /// The tools that move.
+        tool: Vec<ScriptTool> [0, 8],
+    }
 }
 
 impl Script {
@@ -50,14 +53,14 @@ impl ScriptKey {
     }
 }
 
-/// One scripted tool.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ScriptTool {
-    /// Slot, which is also the name of the device that the script plays.
-    pub name: String,
-    /// Its poses, times increasing.
-    pub key: Vec<ScriptKey>,
+table! {
+    /// One scripted tool.
+    pub struct ScriptTool {
+        /// Slot of the tool, which is also the name of the device that the script plays.
+        name: String = identifier(),
+        /// Its poses in the order of time.
+        key: Vec<ScriptKey> [1, 10_000],
+    }
 }
 
 /// Where a tool is at a time.
@@ -76,16 +79,28 @@ pub struct ScriptKey {
     pub visible: bool,
 }
 
-/// A key as the file has it: with a direction or an orientation, which is checked before.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ScriptKeyFile {
-    t: f64,
-    position: [f64; 3],
-    direction: Option<[f64; 3]>,
-    orientation: Option<[f64; 4]>,
-    opening: f64,
-    visible: bool,
+table! {
+    /// A key as the file has it: with a direction or an orientation, which is checked before.
+    pub(crate) struct ScriptKeyFile {
+        /// Time since the start \[s\]; later than that of the key before.
+        t: f64 = time(0.0, 3600.0),
+        /// Of the tip, in the field frame \[m\].
+        position: [f64; 3] = vector3(Unit::Length, 1.0),
+        /// From the tip to the handle, in the field frame; the shortest turn from +z. Either this or `orientation`.
+        direction: Option<[f64; 3]> = direction(),
+        /// Rotation [x, y, z, w] that turns tool directions into field directions.
+        orientation: Option<[f64; 4]> = rotation(),
+        /// From 0 closed to 1 open.
+        opening: f64 = ratio(1.0) => 0.0,
+        /// Whether the device sees the tool from this time on.
+        visible: bool => true,
+    }
+}
+
+impl Setting for ScriptKey {
+    fn kind() -> Kind {
+        ScriptKeyFile::kind()
+    }
 }
 
 impl TryFrom<ScriptKeyFile> for ScriptKey {
@@ -141,85 +156,9 @@ pub fn orientation_of_direction(direction: [f64; 3]) -> [f64; 4] {
     }
 }
 
-/// The schema of a script.
-pub fn script_schema() -> Schema {
-    let key = vec![
-        Key::required(
-            "t",
-            Kind::quantity(Unit::Time, 0.0, 3600.0),
-            "Time since the start; later than that of the key before.",
-        ),
-        Key::required(
-            "position",
-            Kind::vector3(Unit::Length, 1.0),
-            "Of the tip, in the field frame.",
-        ),
-        Key::optional(
-            "direction",
-            Kind::Direction,
-            "From the tip to the handle, in the field frame; the shortest turn from +z. Either this or `orientation`.",
-        ),
-        Key::optional(
-            "orientation",
-            Kind::Quaternion,
-            "Rotation [x, y, z, w] that turns tool directions into field directions.",
-        ),
-        Key::with_default(
-            "opening",
-            Kind::quantity(Unit::Ratio, 0.0, 1.0),
-            "From 0 closed to 1 open.",
-            0.0,
-        ),
-        Key::with_default(
-            "visible",
-            Kind::Bool,
-            "Whether the device sees the tool from this time on.",
-            true,
-        ),
-    ];
-    let keys = Kind::List {
-        of: Box::new(Kind::Table(key)),
-        min: 1,
-        max: 10_000,
-    };
-    let tool = vec![
-        Key::required(
-            "name",
-            Kind::Name(Form::Identifier),
-            "Slot of the tool, which is also the name of the device that the script plays.",
-        ),
-        Key::required("key", keys, "Its poses in the order of time."),
-    ];
-    let interpolation = Kind::choice(&Interpolation::NAMES);
-    Schema {
-        name: "script".to_owned(),
-        doc: "A scripted trainee: timed poses and openings of each tool.".to_owned(),
-        keys: vec![
-            Key::with_default(
-                "rate",
-                Kind::quantity(Unit::Frequency, 1.0, 1000.0),
-                "Samples per second.",
-                62.5,
-            ),
-            Key::with_default(
-                "interpolation",
-                interpolation,
-                "How a tool moves between two keys: from rest to rest as a hand does, or at constant speed.",
-                "minimum-jerk",
-            ),
-            Key::optional(
-                "synthetic",
-                Kind::Text,
-                "By what a synthetic trainee was made: session and report label it so.",
-            ),
-            Key::list("tool", Kind::Table(tool), 8, "The tools that move."),
-        ],
-    }
-}
-
 /// Reads a script from a text; `file` is the name that complaints use.
 pub fn read_script(text: &str, file: &str) -> Result<Loaded<Script>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &script_schema())?;
+    let mut reading = Reading::new(text, file, &schema_of::<Script>("script"))?;
     let names = texts(reading.value(), "tool", "name");
     unique(&mut reading, &KeyPath::root(), &names, "tool", "name");
 

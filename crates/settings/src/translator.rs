@@ -7,42 +7,44 @@
 use crate::check::{texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
-use crate::schema::{Form, Key, Kind, Schema};
+use crate::files::schema_of;
+use crate::kinds::{identifier, quantity, ratio, rotation, time, vector3};
+use crate::schema::Kind;
+use crate::table::{Setting, table};
 use microsim_vocabulary::{Unit, terms};
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 use std::path::Path;
 
-/// What the translator knows of the devices.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Translator {
-    /// A tool whose last sample is older is stale \[s\].
-    pub stale_after: f64,
-    /// Devices that do not simply drive the tool of their own name.
-    pub device: Vec<DeviceMap>,
+table! {
+    /// What the translator knows of the devices.
+    pub struct Translator {
+        /// A tool whose last sample is older is stale \[s\].
+        stale_after: f64 = time(0.001, 10.0) => 0.1,
+        /// Devices that do not simply drive the tool of their own name.
+        device: Vec<DeviceMap> [0, 32],
+    }
 }
 
-/// How one device drives one tool.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DeviceMap {
-    /// As the source names it.
-    pub name: String,
-    /// Slot of the tool that it drives.
-    pub tool: String,
-    /// Device point that comes to lie on `field_offset`, in the device frame \[m\].
-    pub origin: [f64; 3],
-    /// Where that point lies in the field \[m\].
-    pub field_offset: [f64; 3],
-    /// Rotation x, y, z, w: field from device.
-    pub rotation: [f64; 4],
-    /// Rotation x, y, z, w: device's moving part from tool.
-    pub tool_rotation: [f64; 4],
-    /// Field lengths per device length.
-    pub scale: f64,
-    /// Where the opening of the tool comes from.
-    pub opening: OpeningSource,
+table! {
+    /// How one device drives one tool.
+    pub struct DeviceMap {
+        /// As the source names it.
+        name: String = identifier(),
+        /// Slot of the tool that it drives.
+        tool: String = identifier(),
+        /// Device point that comes to lie on `field_offset`, in the device frame \[m\].
+        origin: [f64; 3] = vector3(Unit::Length, 10.0) => [0.0, 0.0, 0.0],
+        /// Where that point lies in the field frame \[m\].
+        field_offset: [f64; 3] = vector3(Unit::Length, 10.0) => [0.0, 0.0, 0.0],
+        /// Rotation [x, y, z, w] that turns device directions into field directions.
+        rotation: [f64; 4] = rotation() => [0.0, 0.0, 0.0, 1.0],
+        /// Rotation [x, y, z, w] that turns tool directions into directions of the device's moving part.
+        tool_rotation: [f64; 4] = rotation() => [0.0, 0.0, 0.0, 1.0],
+        /// Field lengths per device length.
+        scale: f64 = quantity(Unit::Ratio, 0.001, 1000.0) => 1.0,
+        /// Where the opening comes from: the device, or always `closed`, `open` or this share.
+        opening: OpeningSource => "device",
+    }
 }
 
 /// Where the opening of a tool comes from.
@@ -79,73 +81,16 @@ impl OpeningSource {
     }
 }
 
-/// The schema of the translator's file.
-pub fn translator_schema() -> Schema {
-    let point = || Kind::vector3(Unit::Length, 10.0);
-    let identity = || json!([0.0, 0.0, 0.0, 1.0]);
-    let names = OpeningName::NAMES.map(str::to_owned).to_vec();
-    let opening = Kind::ChoiceOr(names, Box::new(Kind::quantity(Unit::Ratio, 0.0, 1.0)));
-    let device = vec![
-        Key::required(
-            "name",
-            Kind::Name(Form::Identifier),
-            "As the source names it.",
-        ),
-        Key::required(
-            "tool",
-            Kind::Name(Form::Identifier),
-            "Slot of the tool that it drives.",
-        ),
-        Key::with_default(
-            "origin",
-            point(),
-            "Device point that comes to lie on `field_offset`, in the device frame.",
-            json!([0.0, 0.0, 0.0]),
-        ),
-        Key::with_default(
-            "field_offset",
-            point(),
-            "Where that point lies in the field frame.",
-            json!([0.0, 0.0, 0.0]),
-        ),
-        Key::with_default(
-            "rotation",
-            Kind::Quaternion,
-            "Rotation [x, y, z, w] that turns device directions into field directions.",
-            identity(),
-        ),
-        Key::with_default(
-            "tool_rotation",
-            Kind::Quaternion,
-            "Rotation [x, y, z, w] that turns tool directions into directions of the device's moving part.",
-            identity(),
-        ),
-        Key::with_default(
-            "scale",
-            Kind::quantity(Unit::Ratio, 0.001, 1000.0),
-            "Field lengths per device length.",
-            1.0,
-        ),
-        Key::with_default(
-            "opening",
-            opening,
-            "Where the opening comes from: the device, or always `closed`, `open` or this share.",
-            "device",
-        ),
-    ];
-    Schema {
-        name: "translator".to_owned(),
-        doc: "config/translator.toml: which device drives which tool, and how its frame lies in the field.".to_owned(),
-        keys: vec![
-            Key::with_default("stale_after", Kind::quantity(Unit::Time, 0.001, 10.0), "A tool whose last sample is older is stale.", 0.1),
-            Key::list("device", Kind::Table(device), 32, "Devices that do not simply drive the tool of their own name."),
-        ],
+impl Setting for OpeningSource {
+    fn kind() -> Kind {
+        let names = OpeningName::NAMES.map(str::to_owned).to_vec();
+        Kind::ChoiceOr(names, Box::new(ratio(1.0)))
     }
 }
 
 /// Reads the translator's file from a text; `file` is the name that complaints use.
 pub fn read_translator(text: &str, file: &str) -> Result<Loaded<Translator>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &translator_schema())?;
+    let mut reading = Reading::new(text, file, &schema_of::<Translator>("translator"))?;
     for field in ["name", "tool"] {
         let names = texts(reading.value(), "device", field);
         unique(&mut reading, &KeyPath::root(), &names, "device", field);

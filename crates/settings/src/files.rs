@@ -1,0 +1,58 @@
+//! The kinds of files that there are.
+
+use crate::schema::Schema;
+use crate::table::Table;
+
+/// The kinds of file, by the names that the command line uses, each with a sentence about it.
+pub const KINDS: [(&str, &str); 10] = [
+    (
+        "manifest",
+        "plugin.toml and module.toml: what a plugin or training module is, needs and declares.",
+    ),
+    (
+        "level",
+        "modules/NAME/levels/level<N>.toml: one level of a training module.",
+    ),
+    (
+        "scene",
+        "config/scenes/NAME.toml: physics alone, as demonstration, test and benchmark.",
+    ),
+    (
+        "chart",
+        "config/chart.toml: the runs that `microsim chart` compares, and what `microsim tune` chooses from.",
+    ),
+    (
+        "tool",
+        "config/tools/NAME.toml: the shape of an instrument. Tool frame: origin at the tip, +z from tip to handle.",
+    ),
+    (
+        "translator",
+        "config/translator.toml: which device drives which tool, and how its frame lies in the field.",
+    ),
+    (
+        "recording",
+        "The TOML of the same name beside a CSV: what its columns mean.",
+    ),
+    (
+        "script",
+        "A scripted trainee: timed poses and openings of each tool.",
+    ),
+    (
+        "trainees",
+        "config/trainees.toml: how synthetic trainees move. They test the software and validate nothing.",
+    ),
+    (
+        "host",
+        "config/host.toml: how the host runs sessions, whatever is trained.",
+    ),
+];
+
+/// The schema of a kind of file, which a table holds.
+pub(crate) fn schema_of<T: Table>(kind: &str) -> Schema {
+    let doc = KINDS.iter().find(|(name, _)| *name == kind);
+    Schema {
+        name: kind.to_owned(),
+        doc: doc.map_or_else(String::new, |(_, doc)| (*doc).to_owned()),
+        keys: T::keys(),
+    }
+}
