@@ -77,6 +77,7 @@ impl Scene {
         contacts: &[ContactReport],
         tick: f64,
     ) -> (Vec<CutReport>, Vec<RejectedCut>) {
+        let _span = tracing::debug_span!("cutting").entered();
         let (mut reports, mut rejected) = (Vec::new(), Vec::new());
         let mut before: Vec<Option<Vec<Vector3<f64>>>> = vec![None; self.bodies.len()];
         for index in 0..self.cuts.len() {

@@ -405,6 +405,7 @@ impl ContactSource for Source<'_> {
             reach: *reach,
             sides: &self.state.sides,
         };
+        let _span = tracing::debug_span!("contact-detection").entered();
         detector.find(&frame, points);
         if !exemptions.is_empty() {
             points.retain(|point| {

@@ -339,6 +339,7 @@ fn step_group(
     h: f64,
     exec: &dyn Executor,
 ) -> Result<bool, StepFailure> {
+    let _span = tracing::debug_span!("solve").entered();
     let control = group.control(bodies, gravity, end);
     let targets = group.targets(bodies, end);
     let (model, solver, contact) = group.parts(bodies);

@@ -10,6 +10,12 @@ pub fn axis([x, y, z, w]: [f64; 4]) -> [f64; 3] {
 }
 
 /// The shortest rotation that turns +z into `direction`, which has length 1 and is not −z.
+///
+/// ```
+/// let orientation = microsim_sdk::turned_to([0.6, 0.0, 0.8]);
+/// let [x, _, z] = microsim_sdk::axis(orientation);
+/// assert!((x - 0.6).abs() < 1e-15 && (z - 0.8).abs() < 1e-15);
+/// ```
 pub fn turned_to([x, y, z]: [f64; 3]) -> [f64; 4] {
     let q = [-y, x, 0.0, 1.0 + z];
     let length = (q[0] * q[0] + q[1] * q[1] + q[3] * q[3]).sqrt();

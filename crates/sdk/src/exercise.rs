@@ -12,7 +12,45 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt;
 
-/// What a level of a training module asks for. The value itself does not change in a run; what evolves is its state.
+/// What a level of a training module asks for.
+///
+/// ```
+/// use microsim_sdk::message::{LocalText, ToolStates};
+/// use microsim_sdk::{Exercise, Fault, LevelRun, ModuleConfig, Setup, Tick, Training};
+///
+/// /// Passed as soon as the tip of a tool is above the field.
+/// #[derive(Debug)]
+/// struct Lift;
+///
+/// impl Exercise for Lift {
+///     type State = ();
+///
+///     fn new(_: &Setup, _: &ModuleConfig) -> Result<(Self, Vec<String>), Fault> {
+///         Ok((Self, vec!["lifted".into()]))
+///     }
+///
+///     fn start(&self) -> Result<(), Fault> {
+///         Ok(())
+///     }
+///
+///     fn update(&self, _: &mut (), run: &mut LevelRun, tick: &mut Tick<'_>) -> Result<(), Fault> {
+///         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
+///         let lifted = tools.iter().any(|tool| tool.pose.position[2] > 5e-3);
+///         if run.is_running() && lifted {
+///             run.target_done(tick, "lifted", LocalText::fixed("Angehoben", "Lifted"))?;
+///         }
+///         Ok(())
+///     }
+///
+///     fn reasons(&self, _: &(), _: &mut LevelRun) {}
+/// }
+///
+/// /// What `export_plugin!` makes a library of, and [`TestHost`](crate::TestHost) runs.
+/// type Module = Training<Lift>;
+/// # let _ = std::any::type_name::<Module>();
+/// ```
+///
+/// The value itself does not change in a run; what evolves is its state.
 pub trait Exercise: fmt::Debug + Send + Sized + 'static {
     /// All that evolves besides the run of the level; equal states give equal bytes.
     type State: fmt::Debug + Serialize + DeserializeOwned + Send;

@@ -7,6 +7,14 @@ use std::fmt;
 
 /// A failed call: one sentence for a person, and whether the plugin as such is fine but something on this machine is
 /// missing.
+///
+/// ```
+/// use microsim_sdk::Fault;
+///
+/// let fault = Fault::new("the level needs a [[tool]]");
+/// assert!(!fault.unavailable);
+/// assert_eq!(fault.to_string(), "the level needs a [[tool]]");
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// One sentence.

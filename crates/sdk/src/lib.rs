@@ -12,6 +12,8 @@
 //! - [`tissue`]: marks that follow tissue, grips, cuts assigned to marks, pieces, rings.
 //! - [`TestHost`]: runs a plugin in-process without any file, every crossing through a byte copy.
 //!
+//! A whole module in one file: `cargo run --example module -p microsim-sdk`; a folder for a new one: `cargo xtask new-module`.
+//!
 //! The raw boundary (crate `abi`) is not visible from here; every panic is caught before it reaches it.
 
 #![allow(
@@ -67,6 +69,21 @@ pub mod export {
 
 /// Makes a dynamic library of a [`Plugin`]: `export_plugin!(MyPlugin, "../module.toml");` with the path of the
 /// manifest relative to the source file. Once per library.
+///
+/// ```
+/// # use microsim_sdk::{Fault, Plugin, Services, Setup, Tick};
+/// # struct Silent;
+/// # impl Plugin for Silent {
+/// #     fn new() -> Self { Self }
+/// #     fn initialise(&mut self, _: &Setup, _: Services) -> Result<(), Fault> { Ok(()) }
+/// #     fn reset(&mut self) -> Result<(), Fault> { Ok(()) }
+/// #     fn process(&mut self, _: &mut Tick<'_>) -> Result<(), Fault> { Ok(()) }
+/// #     fn save(&self) -> Vec<u8> { Vec::new() }
+/// #     fn restore(&mut self, _: &[u8]) -> Result<(), Fault> { Ok(()) }
+/// # }
+/// // In a plugin: "../plugin.toml" or "../module.toml".
+/// microsim_sdk::export_plugin!(Silent, "../Cargo.toml");
+/// ```
 ///
 /// Written out instead of `#[export_root_module]`, so that a plugin needs no dependency but this crate.
 #[macro_export]

@@ -7,6 +7,17 @@ use std::sync::Mutex;
 
 /// Runs the parts of a loop on the host's threads, or one after the other where the host gives none. What a part
 /// computes must not depend on which thread does it: sums belong to fixed parts and are added in a fixed order.
+///
+/// ```
+/// use microsim_sdk::Parallel;
+/// use std::sync::atomic::{AtomicU64, Ordering};
+///
+/// let sums: [AtomicU64; 4] = Default::default();
+/// // The host's loop is in [`Services`](crate::Services); this one is serial.
+/// Parallel::default().for_each(4, |part| sums[part].store(part as u64, Ordering::Relaxed));
+/// let total: u64 = sums.iter().map(|sum| sum.load(Ordering::Relaxed)).sum();
+/// assert_eq!(total, 6);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Parallel(Option<Host>);
 

@@ -4,7 +4,26 @@ use crate::fault::Fault;
 use crate::tick::Tick;
 use microsim_message::{InputEnd, InputSample, decode_bytes, encode};
 
-/// Plays samples, each at the time at which it is due.
+/// Plays samples, each at the time at which it is due: a source calls [`Playback::play`] in `process`, and takes its state from here.
+///
+/// ```
+/// use microsim_sdk::Playback;
+/// use microsim_sdk::message::{InputSample, Pose};
+///
+/// let sample = |device_time| InputSample {
+///     device: "stylus".into(),
+///     device_time,
+///     visible: true,
+///     pose: Pose::default(),
+///     opening: None,
+/// };
+/// // The device's clock may begin anywhere: the first sample is due at the start.
+/// let playback = Playback::by_device_time("my-source", vec![sample(100.0), sample(100.01)]);
+/// let mut again = playback.clone();
+/// again.restore(&playback.save())?;
+/// assert_eq!(again, playback);
+/// # Ok::<(), microsim_sdk::Fault>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Playback {
     source: String,

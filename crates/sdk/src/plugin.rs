@@ -17,6 +17,82 @@ pub struct Services {
 /// them. Which thread calls what, and in which state, stands in the crate `abi`: one thread at a time, never
 /// re-entrantly.
 ///
+/// ```
+/// use microsim_sdk::message::{LevelControl, Message, decode_bytes, encode};
+/// use microsim_sdk::{Fault, Plugin, Services, Setup, TestHost, Tick};
+/// use serde::{Deserialize, Serialize};
+///
+/// /// A message of the plugin's own; the manifest declares its kind.
+/// #[derive(Debug, PartialEq, Serialize, Deserialize)]
+/// struct Pauses {
+///     number: u32,
+/// }
+///
+/// impl Message for Pauses {
+///     const KIND: &'static str = "counter.pauses";
+/// }
+///
+/// /// Counts how often the operator pauses.
+/// struct Counter(u32);
+///
+/// impl Plugin for Counter {
+///     fn new() -> Self {
+///         Self(0)
+///     }
+///
+///     fn initialise(&mut self, _: &Setup, _: Services) -> Result<(), Fault> {
+///         Ok(())
+///     }
+///
+///     fn reset(&mut self) -> Result<(), Fault> {
+///         self.0 = 0;
+///         Ok(())
+///     }
+///
+///     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+///         for control in tick.messages::<LevelControl>()? {
+///             if control == LevelControl::Pause {
+///                 self.0 += 1;
+///                 tick.publish(&Pauses { number: self.0 });
+///             }
+///         }
+///         Ok(())
+///     }
+///
+///     fn save(&self) -> Vec<u8> {
+///         encode(&self.0)
+///     }
+///
+///     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
+///         self.0 = decode_bytes(state)?;
+///         Ok(())
+///     }
+/// }
+///
+/// let setup = Setup {
+///     name: "counter".into(),
+///     seed: 1,
+///     tick_ns: 8_000_000,
+///     steps: 1,
+///     level: 1,
+///     config: serde_json::Value::Null,
+///     files: Vec::new(),
+/// };
+/// let own = microsim_sdk::KindInfo {
+///     name: Pauses::KIND.into(),
+///     version: Pauses::VERSION,
+///     overflow: Pauses::OVERFLOW,
+/// };
+/// let host = TestHost::<Counter>::new(&[Pauses::KIND], &["level.control"], &[own], setup)?;
+/// // A fresh instance in every tick: what `save` leaves out would be lost.
+/// let mut host = host.moving();
+/// for number in 1..=2 {
+///     host.send(&LevelControl::Pause);
+///     assert_eq!(host.tick()?.last(), Some(Pauses { number }));
+/// }
+/// # Ok::<(), Fault>(())
+/// ```
+///
 /// A plugin reads no clock and no random source but a [`crate::RandomStream`]: the same messages in give the same
 /// messages out, to the bit. Input sources are the exception: what they publish is recorded.
 pub trait Plugin: Send + Sized + 'static {

@@ -6,6 +6,17 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
 /// A stream of random numbers (ChaCha with 8 rounds, the same on every machine); saved as its place in the stream.
+///
+/// ```
+/// use microsim_sdk::RandomStream;
+///
+/// let mut places = RandomStream::new(7, "my-module.places");
+/// let x = places.between(-5e-3, 5e-3);
+/// assert!((-5e-3..5e-3).contains(&x));
+/// // The same seed and name give the same numbers, from any saved place on.
+/// let mut again = RandomStream::restore(&places.save());
+/// assert_eq!(again.bits(), places.bits());
+/// ```
 #[derive(Clone, Debug)]
 pub struct RandomStream {
     seed: [u8; 32],

@@ -4,6 +4,12 @@ use crate::tissue::distance;
 
 /// Length of a path of the tip that no run can undercut: straight from `start` \[m\] to one goal after the other, each of which counts as reached
 /// within `margin` \[m\].
+///
+/// ```
+/// // 5 mm to the only goal, which counts as reached 1 mm before its middle.
+/// let length = microsim_sdk::shortest_path([0.0; 3], &[[3e-3, 4e-3, 0.0]], 1e-3);
+/// assert!((length - 4e-3).abs() < 1e-15);
+/// ```
 pub fn shortest_path(start: [f64; 3], goals: &[[f64; 3]], margin: f64) -> f64 {
     let (mut from, mut near) = (start, margin);
     let mut length = 0.0;

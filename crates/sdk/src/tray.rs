@@ -6,6 +6,21 @@ use microsim_settings::{Rigid, RigidShape};
 use nalgebra::Vector3;
 
 /// The inner space of a rigid obstacle of the shape `tray`, from the floor to the rim.
+///
+/// ```
+/// use microsim_sdk::Tray;
+///
+/// // Of a level's `[[rigid]]`, as [`ModuleConfig::rigid`](crate::ModuleConfig::rigid) has them.
+/// let rigid: Vec<_> = serde_json::from_value(serde_json::json!([{
+///     "name": "tray", "shape": "tray", "half_size": [0.004, 0.002, 0.001], "wall": 0.0005,
+///     "position": [0.01, 0.0, -0.005], "orientation": [0.0, 0.0, 0.0, 1.0],
+///     "colour": "#c8ccd0", "finish": "matte",
+/// }]))?;
+/// let tray = Tray::named(&rigid, "tray")?;
+/// assert!(tray.contains([0.011, 0.001, -0.005]));
+/// assert!(!tray.contains([0.0, 0.0, 0.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tray {
     name: String,
