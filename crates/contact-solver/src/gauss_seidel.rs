@@ -8,8 +8,8 @@
 //! ```
 //!
 //! holds, contact after contact in their order, with sums of force that are bounded as a whole (Moreau 1988; Guendelman, Bridson,
-//! Fedkiw 2003). Both sides of a contact get the same force, so momentum is conserved to rounding; where two bodies share a gap each
-//! goes its part by inverse mass. Restitution is 0.
+//! Fedkiw 2003). Both sides of a contact get the same force, so momentum is conserved to rounding; where two bodies close a gap each
+//! moves by a fraction of it according to its inverse mass. Restitution is 0.
 //!
 //! # Limitations
 //! Gaps are linear here; what a turn of the normal leaves of an overlap is undone in the next step. Many contacts on top of one another

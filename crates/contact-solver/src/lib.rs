@@ -48,7 +48,7 @@ pub use options::{
 pub use projection::Projection;
 pub use rigid_components::RigidComponents;
 pub use set::ContactSet;
-pub use solver::{ContactSolver, LinearSystem, SystemResponse, Tolerances};
+pub use solver::{AddProduct, ContactSolver, LinearSystem, SystemResponse, Tolerances};
 
 #[cfg(test)]
 mod tests;

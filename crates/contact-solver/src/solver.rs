@@ -30,6 +30,9 @@ pub trait ContactSolver<Response> {
     ) -> Result<(), NotPositive>;
 }
 
+/// Adds the product of a matrix with the first vector to the second one.
+pub type AddProduct<'a> = &'a mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]);
+
 /// A system of linear equations of 3×3 blocks, one row per node: K, symmetric and positive definite, as it was last factored.
 pub trait LinearSystem {
     /// Whether an f64 Cholesky factor costs no more than a few solutions.
@@ -55,7 +58,7 @@ pub trait LinearSystem {
     /// When the sum shows not to be positive definite.
     fn solve_with(
         &mut self,
-        add: &mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        add: AddProduct<'_>,
         x: &mut [Vector3<f64>],
         tolerance: f64,
     ) -> Result<(), NotPositive>;

@@ -9,8 +9,8 @@ use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 
 impl Topology {
-    /// Opens inner faces, each given by an element and the corner opposite to the face; which ones is for the strain in them to
-    /// say. `None` when nothing comes apart: a face whose nodes all hold together around it stays closed, and counts as
+    /// Opens inner faces, each given by an element and the corner opposite to the face; which ones the strain in them
+    /// decides. `None` when nothing comes apart: a face whose nodes all hold together around it stays closed, and counts as
     /// torn as soon as others let them go. Nothing is divided. Nodes are now at `current` \[m\].
     ///
     /// The topology is then that of the next generation, as after [`Topology::cut`].

@@ -22,7 +22,7 @@ terms! {
     /// How the tetrahedra of a mesh carry a continuum.
     ///
     /// Linear tetrahedra are too stiff in bending, and lock when the tissue is nearly incompressible: more volumes want to be preserved
-    /// than nodes can move (NUMERICS 1.6). Share of the right static sag of the cantilever there (quadratic hexahedra, 34.43, 33.87
+    /// than nodes can move (NUMERICS 1.6). Fraction of the right static sag of the cantilever there (quadratic hexahedra, 34.43, 33.87
     /// and 33.7 mm) with the neo-Hookean law at ν = 0.3 / 0.45 / 0.49, largest explicit step on M at ν = 0.49:
     ///
     /// | | S, 3 cells high | M, 7 cells high | step |

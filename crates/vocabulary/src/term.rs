@@ -130,7 +130,7 @@ mod tests {
     use std::collections::BTreeSet;
     use std::fmt::Debug;
 
-    /// Name, serialised form and way back agree, and no name or documentation occurs twice in a set.
+    /// Name, serialised form and reading agree, and no name or documentation occurs twice in a set.
     fn check<T: Term + Debug + Serialize + DeserializeOwned>() {
         assert_eq!(T::ALL.len(), T::NAMES.len());
         for (term, name) in T::ALL.iter().zip(T::NAMES) {

@@ -6,13 +6,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The dimension of a quantity. Values are always kept in the first symbol of [`Unit::symbols`], the SI unit.
+/// The dimension of a quantity. Values are always stored in the first symbol of [`Unit::symbols`], the SI unit.
 ///
 /// In files and manifests a dimension is named by that symbol, for example `unit = "rad"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "&'static str")]
 pub enum Unit {
-    /// A pure number, a share, a score; `1` or `%`.
+    /// A pure number, a fraction, a score; `1` or `%`.
     Ratio,
     /// How many of something; `count`.
     Count,
@@ -230,7 +230,7 @@ impl Unit {
         }
     }
 
-    /// The symbol of the SI unit, in which values are kept.
+    /// The symbol of the SI unit, in which values are stored.
     pub fn symbol(self) -> &'static str {
         self.table()[0].0
     }
@@ -458,7 +458,7 @@ mod tests {
         }
     }
 
-    /// Why the exponent is shifted in the text: scaling a rounded number rounds a second time, whichever way.
+    /// Why the exponent is shifted in the text: scaling a rounded number rounds a second time, in either direction.
     #[test]
     fn scaling_a_rounded_number_would_round_twice() {
         assert_ne!(0.9 * 1e-3, 0.0009);

@@ -17,8 +17,6 @@ const PENDING: &[&str] = &[
     "crates/render",
     "crates/report",
     "crates/settings",
-    "crates/sparse",
-    "crates/study",
     "crates/tissue",
     "crates/tracking",
 ];
@@ -42,9 +40,9 @@ struct Module {
     uses: BTreeSet<ModulePath>,
 }
 
-/// The modules of a crate below their root file, without those of tests.
+/// The modules of a crate below their root file, without those of tests; and where its macros are defined.
 #[derive(Debug, Default)]
-struct Crate(BTreeMap<ModulePath, Module>);
+struct Crate(BTreeMap<ModulePath, Module>, BTreeMap<String, ModulePath>);
 
 impl Crate {
     fn read(root: &Path) -> Self {
@@ -88,6 +86,8 @@ impl Crate {
                 self.add(child, file);
             }
         }
+        let macros = found.macros.into_iter();
+        self.1.extend(macros.map(|name| (name, path.clone())));
         let module = Module {
             what,
             imports: found.imports,
@@ -121,6 +121,9 @@ impl Crate {
                         Some(import) if i > 0 => {
                             let whole = [import, &names[i + 1..]].concat();
                             self.definer(&at, &whole, depth + 1)
+                        }
+                        _ if at.is_empty() && self.1.contains_key(name) => {
+                            Some(self.1[name].clone())
                         }
                         _ if i > 0 => Some(at),
                         _ => None,
@@ -325,12 +328,12 @@ fn cycles_are_found_where_they_are() {
     write("a/inner.rs", "use super::A;\npub struct Deep<'a>(&'a A);\n");
     write(
         "b.rs",
-        "use crate::{Deep, c::{self, C}};\npub struct B(C, Deep<'static>);\n",
+        "use crate::{Deep, c::{self, C}, make};\nmake!();\npub struct B(C, Deep<'static>);\n",
     );
     // A module within a file is part of it.
     write(
         "c.rs",
-        "pub struct C;\nmod sealed {\n    use super::C;\n    fn f(_: super::C) {}\n}\n",
+        "#[macro_export]\nmacro_rules! make {\n    () => {};\n}\npub struct C;\nmod sealed {\n    use super::C;\n    fn f(_: super::C) {}\n}\n",
     );
     write("tests.rs", "use crate::c::C;\n");
     let modules = Crate::read(&folder.path().join("lib.rs"));

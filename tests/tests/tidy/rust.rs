@@ -112,6 +112,8 @@ pub struct Declarations {
     pub modules: Vec<String>,
     /// What `use` declarations bring in: name and path.
     pub imports: BTreeMap<String, Vec<String>>,
+    /// Exported macros, which have the crate's root as their path wherever they are defined.
+    pub macros: Vec<String>,
     /// All paths of two names and more, those of `use` declarations among them.
     pub paths: BTreeSet<Vec<String>>,
 }
@@ -158,6 +160,12 @@ pub fn declarations(code: &str) -> Declarations {
             "mod" if tokens.get(at + 2) == Some(&"{") => {
                 inline.push(depth);
                 depth += 1;
+                at += 3;
+            }
+            "macro_rules" => {
+                found
+                    .macros
+                    .extend(tokens.get(at + 2).map(|&name| name.to_owned()));
                 at += 3;
             }
             "{" => {

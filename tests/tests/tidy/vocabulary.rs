@@ -13,16 +13,7 @@ const ALLOWED: &[(&str, &str, &str)] = &[];
 const MOST_ALLOWED: usize = 20;
 
 /// Folders whose words have not been changed yet.
-const PENDING: &[&str] = &[
-    "crates/contact",
-    "crates/cutting",
-    "crates/geometry",
-    "crates/mesh",
-    "crates/scene",
-    "crates/settings",
-    "crates/sparse",
-    "crates/tissue",
-];
+const PENDING: &[&str] = &["crates/scene", "crates/settings", "crates/tissue"];
 
 /// Terms of items that are still to come.
 const PENDING_TERMS: &[&str] = &["Lonor"];
@@ -99,7 +90,8 @@ fn complaints(banned: &[String], source: &str) -> Vec<(usize, String)> {
         }
     }
     for (line, doc) in documentation(source) {
-        let small = doc.to_lowercase();
+        // The flag of a command is no word.
+        let small = doc.to_lowercase().replace("--quick", "");
         for word in banned.iter().filter(|word| has_word(&small, word)) {
             found.push((line, format!("\"{word}\" in: {doc}")));
         }
