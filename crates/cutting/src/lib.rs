@@ -45,9 +45,7 @@ mod topology;
 
 pub use blade::Blade;
 pub use check::{Flaw, Measures, check};
-pub use pattern::{
-    EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide, is_divisible, pattern_of,
-};
+pub use pattern::{EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide};
 pub use report::{Cut, Opened, Rejected, SurfaceChange};
 pub use settings::Settings;
 pub use sheet::Sheet;

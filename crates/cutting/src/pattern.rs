@@ -258,16 +258,6 @@ fn permutations() -> impl Iterator<Item = [usize; 4]> {
     })
 }
 
-/// Whether a set can be divided: it is not empty and holds no three edges of a face.
-pub fn is_divisible(set: EdgeSet) -> bool {
-    POSITIONS[set as usize].is_some()
-}
-
-/// Letter of the pattern of a set; `None` for one that no pattern is for.
-pub fn pattern_of(set: EdgeSet) -> Option<char> {
-    POSITIONS[set as usize].map(|position| PATTERNS[position.pattern].name)
-}
-
 /// The children of a tetrahedron whose edges in `set` are crossed, positive where it is positive; `ids` are those of its
 /// corners. Empty for a set that no pattern is for.
 pub fn divide(set: EdgeSet, ids: [u32; 4]) -> Vec<[PatternNode; 4]> {

@@ -92,7 +92,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
     let spec = SceneSpec {
         bodies: vec![BodySpec {
             drag: 20.0,
-            // Gives way to any force: from the first touch on the blade cuts all the way.
+            // Any force cuts it: from the first touch on the blade cuts all that it meets.
             toughness: 1e-6,
             ..BodySpec::new(
                 "block",
@@ -114,7 +114,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
             capsules: vec![CapsuleSpec {
                 a: [0.0, -0.5 * WIDTH * edge, 0.0],
                 b: [0.0, 0.5 * WIDTH * edge, 0.0],
-                // As thick as a cell, so that its way in a tick is one step of the solver.
+                // As thick as a cell, so that its path in a tick is one step of the solver.
                 radius: 1.1 * edge,
                 hinge: None,
                 jaw: None,
@@ -273,7 +273,7 @@ fn run(spec: &SceneSpec, edge: f64, height: f64, touches: Touches) -> Vec<Tick> 
     all
 }
 
-/// The time that so large a share of sorted times does not exceed.
+/// A percentile of sorted times.
 fn percentile(times: &[f64], fraction: f64) -> f64 {
     times[((times.len() - 1) as f64 * fraction).round() as usize]
 }

@@ -1,7 +1,7 @@
 //! Push, grip or separate: when tissue gets over a line of no return (dissertation 4.4.3).
 //!
 //! The axis of a capsule can be a line of no return. The dissertation lets penalty forces push tissue into the capsule and asks how
-//! deep it is; here contact keeps it outside exactly, so that in place of depth there is what contact would have to do:
+//! deep it is; here contact holds it outside exactly, so that in place of depth there is what contact would have to do:
 //!
 //! - A line of a tool that does not touch the body goes through it: an ideal blade.
 //! - A single edge (`edge`) is held off until it presses on the tissue with more than toughness / sharpness per length. From then on it is in

@@ -230,11 +230,6 @@ impl Runner {
         self.sample
     }
 
-    /// Solver's steps between two samples.
-    pub fn steps_per_sample(&self) -> u32 {
-        self.steps
-    }
-
     /// Solver's steps made so far; without those that containment or plastic flow added.
     pub fn steps(&self) -> u64 {
         self.taken * u64::from(self.steps)

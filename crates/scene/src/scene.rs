@@ -213,11 +213,6 @@ impl Scene {
         &self.tools[tool].name
     }
 
-    /// Number of obstacles.
-    pub fn obstacle_count(&self) -> usize {
-        self.obstacles.len()
-    }
-
     /// Name of an obstacle.
     pub fn obstacle_name(&self, obstacle: usize) -> &str {
         &self.obstacles[obstacle].name

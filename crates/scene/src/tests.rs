@@ -182,7 +182,7 @@ fn at_rest_the_probe_carries_what_clamps_and_weight_do_not() {
         let unsettled = (momentum(&scene) - before).norm() / TICK + 100.0 * momentum(&scene).norm();
         let size: f64 = forces.iter().map(|f| f.norm()).sum();
         let error = (force + weight - held).norm();
-        // Forces of a settled strip are known to the rounding of positions: ε·reach over the shortest edge strains.
+        // Forces of a strip at rest are known to the rounding of positions: ε·reach over the shortest edge strains.
         let rounding = size * f64::EPSILON * (20e-3 / 1e-3) * 100.0;
         assert!(
             error <= unsettled + rounding,

@@ -169,7 +169,7 @@ fn a_grip_slips_at_friction_times_its_normal_force() {
     assert_eq!(series.contacts[0].stick_fraction[last], 0.0);
 }
 
-/// Contact keeps the momentum of two free bodies, and neither gets into the other.
+/// Contact preserves the momentum of two free bodies, and neither gets into the other.
 #[test]
 fn two_tubes_stay_apart_and_keep_their_momentum() {
     for method in ["guarded-midpoint", "stoermer-verlet"] {
@@ -200,7 +200,7 @@ fn two_tubes_stay_apart_and_keep_their_momentum() {
     }
 }
 
-/// Ends that are in one another come out face to face; by the shortest way alone they stay where they are.
+/// Ends that are in one another come out face to face; by the shortest path alone they stay where they are.
 #[test]
 fn vessel_ends_meet_face_to_face_by_the_rule_of_end_planes() {
     assert_met(&["vessel-ends"]);
@@ -259,7 +259,7 @@ fn blades_divide_what_they_pass_through() {
 }
 
 /// A plane blade lays open the block's cross section of 4 × 3 mm, in the plane in which it went: no node of the cut further from it than
-/// half an edge, which is what a share of 0.15 and nodes that are kept leave, and the mean far less.
+/// half an edge, which is what a fraction of 0.15 and old nodes on the path leave, and the mean far less.
 #[test]
 fn a_cut_lies_where_the_blade_went() {
     for (name, point, direction, area) in [

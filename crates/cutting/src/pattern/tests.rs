@@ -4,6 +4,16 @@ use microsim_random::SplitMix64;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
+/// Whether a set can be divided: it is not empty and holds no three edges of a face.
+fn is_divisible(set: EdgeSet) -> bool {
+    POSITIONS[set as usize].is_some()
+}
+
+/// Letter of the pattern of a set; `None` for one that no pattern is for.
+fn pattern_of(set: EdgeSet) -> Option<char> {
+    POSITIONS[set as usize].map(|position| PATTERNS[position.pattern].name)
+}
+
 type V3 = Vector3<f64>;
 
 /// A positive tetrahedron, away from flat.

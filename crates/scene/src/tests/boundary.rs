@@ -174,7 +174,7 @@ fn what_follows_cuts_is_what_is_made_anew() {
     );
 }
 
-/// A cube that is large enough for a solver with two levels, cut into halves: a scene restored on the way, with a solver that has not seen the
+/// A cube that is large enough for a solver with two levels, cut into halves: a scene restored in between, with a solver that has not seen the
 /// edits before, goes on with the same bits.
 #[test]
 fn a_solver_that_follows_is_the_one_that_was_restored() {

@@ -188,7 +188,7 @@ fn check_blade(body: BodySpec, method: Method) {
         .flat_map(|c| c.pieces.clone())
         .collect();
     assert_eq!(pieces, [1], "{what}");
-    // On a flat blade the cut is the cross section, but for nodes that were kept: with shares clamped to 0.15 they are at most that share of
+    // On a flat blade the cut is the cross section, but for nodes that were used: with fractions clamped to 0.15 they are at most that fraction of
     // an edge off the plane, and a slope of 0.3 over an edge lengthens the surface by less than 5 %.
     let opened = area(&reports);
     assert!((opened / 2e-6 - 1.0).abs() < 0.05, "{what}: {opened}");
@@ -201,7 +201,7 @@ fn check_blade(body: BodySpec, method: Method) {
         let x = of
             .filter(|(p, _)| **p == piece)
             .map(|(_, r)| side * (r.x - 0.37e-3));
-        // No node lies further beyond the blade than an edge's share that snapping allows: half an edge of the grid.
+        // No node lies further beyond the blade than the part of an edge that snapping allows: half an edge of the grid.
         assert!(x.fold(f64::INFINITY, f64::min) > -0.25e-3, "{what}");
     }
     let of = &scene.bodies[0];
@@ -238,7 +238,7 @@ fn check_blade(body: BodySpec, method: Method) {
     );
 }
 
-/// Saved at each tick of a cut and restored, into the same scene and into a new one, it goes on with the same bits; reset, it begins anew.
+/// Saved at each tick of a cut and restored, into the same scene and into a new one, it goes on with the same bits; reset, it begins again.
 #[test]
 fn a_cut_that_is_under_way_is_saved() {
     for method in [Method::StoermerVerlet, Method::ImplicitEuler(NEWTON)] {
@@ -373,7 +373,7 @@ fn an_edge_pushes_until_it_cuts() {
     let down = [0.0, 0.0, -1.0];
     let (pieces, force, _) = pressed(4.0, 0.8, down, true);
     assert_eq!(pieces, 2);
-    // It gives way at 4 / 0.8 N/m over the 2 mm of the bar's width: within what one tick of 0.16 mm adds, and what the ends of the edge bear
+    // It is cut from 4 / 0.8 N/m over the 2 mm of the bar's width: within what one tick of 0.16 mm adds, and what the ends of the edge bear
     // less than its middle.
     assert!((0.5..1.3).contains(&(force / 10e-3)), "{force}");
     for (toughness, sharpness, edge, lonor) in [

@@ -4,7 +4,7 @@ use super::*;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{ContinuumConstants, Discretisation};
 
-/// The methods that differ in how they keep gaps; those with a stability limit say so by their steps.
+/// The methods that differ in how they enforce non-penetration; those with a stability limit need more steps.
 const METHODS: [Method; 4] = [
     Method::StoermerVerlet,
     Method::ImplicitEuler(NEWTON),
@@ -266,7 +266,7 @@ fn a_tool_that_teleports() {
         let report = scene.tick(&[motion], TICK, steps, &Serial).unwrap();
         assert_eq!(report.jumped, [0], "{case}");
         assert!(report.contacts.is_empty(), "{case}");
-        // Into the strip: it pushes from there, by the nearest way.
+        // Into the strip: it pushes from there, through the nearest side.
         let motion = moved(0, [0.0, 0.0, far], [0.0, 0.0, TOP]);
         let report = scene.tick(&[motion], TICK, steps, &Serial).unwrap();
         assert_eq!(report.jumped, [0], "{case}");
@@ -406,7 +406,7 @@ fn a_hundred_layers_of_self_contact() {
 }
 
 /// A pile in a tick in which all of it falls by more than a plate is high, in one step of 8 ms: explicit methods take their own short
-/// steps and hold; the implicit one gains energy, more than about 25 plates make. The scene then repeats the tick with shorter steps and says
+/// steps and hold; the implicit one gains energy, more than about 25 plates make. The scene then repeats the tick with shorter steps and reports
 /// so (of a hundred plates, with a quarter of the step); or it would stay at its start with a report. Nothing gets into anything, and
 /// nothing flies away.
 #[test]
@@ -432,7 +432,7 @@ fn a_high_pile_in_a_step_that_is_too_long() {
     assert!(depth < 1e-2 * PLATE, "{depth} m inside");
 }
 
-/// A small block that is wholly inside a large one: it stays in the neighbourhood, whatever way out is found.
+/// A small block that is wholly inside a large one: it stays in the neighbourhood, whatever exit is found.
 #[test]
 fn a_body_wholly_inside_another() {
     for method in METHODS {

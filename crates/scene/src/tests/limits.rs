@@ -145,7 +145,7 @@ fn a_fast_tool_gets_more_substeps_only_near_the_body() {
         "far away"
     );
     assert_eq!(substeps(-0.3e-3 - 4.0 * travel, -0.3e-3), (20, true, 0));
-    // Further than a hand gets: it is not led through what lies between.
+    // Further than a hand gets: it is not moved through what lies between.
     assert_eq!(substeps(-0.3e-3 - 52.0 * travel, -0.3e-3), (1, false, 1));
 }
 

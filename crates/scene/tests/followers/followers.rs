@@ -24,14 +24,14 @@ const FLOOR: f64 = 0.9;
 /// Steps after each edit.
 const STEPS: usize = 4;
 
-/// By how much the energy of a body may have grown after [`STEPS`] steps: Störmer–Verlet keeps v² + (1 − s²) ω² x² of a mode at the share s of its
+/// By how much the energy of a body may have grown after [`STEPS`] steps: Störmer–Verlet preserves v² + (1 − s²) ω² x² of a mode at the fraction s of its
 /// limit, so that its energy swings between that and 1/(1 − s²) times it.
 const SWING: f64 = 1.0 / (1.0 - FLOOR * FLOOR);
 
 /// Forces and energies of equal elements, summed in another order: some hundred terms at a node.
 const ROUNDING: f64 = 1e-10;
 
-/// Patches of patch-pressure are formed anew where an edit was, and so are others than those of a mesh as a whole.
+/// Patches of patch-pressure are formed again where an edit was, and so are others than those of a mesh as a whole.
 const DISCRETISATIONS: [Discretisation; 4] = [
     Discretisation::Tetrahedra,
     Discretisation::EdgeSmoothed,
