@@ -167,7 +167,7 @@ fn springs() -> Behaviour {
 
 fn continuum(law: LawName) -> Behaviour {
     Behaviour::Continuum(ContinuumConstants {
-        law,
+        law: law.into(),
         young: 1e5,
         poisson: 0.45,
         discretisation: Discretisation::Tetrahedra,

@@ -151,7 +151,7 @@ fn springs() -> (String, Behaviour) {
 
 fn continuum(law: LawName, discretisation: Discretisation) -> (String, Behaviour) {
     let constants = ContinuumConstants {
-        law,
+        law: law.into(),
         young: 1e5,
         poisson: 0.45,
         discretisation,

@@ -331,7 +331,9 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
     };
     match error {
         SceneError::Build { body: name, source } => match source {
-            BuildError::Material { region, .. } | BuildError::Region { region, .. } => {
+            BuildError::Material { region, .. }
+            | BuildError::Direction { region, .. }
+            | BuildError::Region { region, .. } => {
                 let of = bodies.iter().find(|body| body.name == *name);
                 let materials = of.map(|of| of.material.as_slice()).unwrap_or_default();
                 let index = materials.iter().position(|m| m.region == Some(*region));

@@ -25,7 +25,7 @@ pub struct Replacement {
     /// The element that goes.
     pub element: u32,
     /// The corners of its children, positive at rest, at least one. The first takes the place of the element, the others
-    /// are appended in their order. All have new ids and the region of the element.
+    /// are appended in their order. All have new ids, and the region and the fibre direction of the element.
     pub children: Vec<[u32; 4]>,
 }
 
@@ -301,6 +301,9 @@ impl TetMesh {
                     self.tets.push(*child);
                     self.element_ids.push(new_id);
                     self.regions.push(self.regions[slot]);
+                    if let Some(direction) = self.directions.get(slot).copied() {
+                        self.directions.push(direction);
+                    }
                 }
             }
             applied.replaced.push(Replaced {
@@ -315,6 +318,9 @@ impl TetMesh {
         for &element in edit.removed.iter().rev() {
             self.tets.swap_remove(element as usize);
             self.regions.swap_remove(element as usize);
+            if !self.directions.is_empty() {
+                self.directions.swap_remove(element as usize);
+            }
             self.element_ids.swap_remove(element as usize);
         }
         for (element, corners) in &edit.renumbered {

@@ -34,6 +34,8 @@ pub struct TetMesh {
     pub tets: Vec<[u32; 4]>,
     /// Region of each element: layers of a wall, physical groups of a file. Materials are given by region.
     pub regions: Vec<u32>,
+    /// Fibre direction of each element at rest: a unit vector, zero where there is none. Empty for a mesh without fibres.
+    pub directions: Vec<Vector3<f64>>,
     /// Stable id of each node.
     pub node_ids: Vec<u32>,
     /// Stable id of each element.
@@ -56,12 +58,19 @@ impl TetMesh {
             positions,
             tets,
             regions,
+            directions: Vec::new(),
             node_ids,
             element_ids,
             generation: 0,
             next_node_id: nodes,
             next_element_id: elements,
         }
+    }
+
+    /// Fibre direction of element `element` at rest, a unit vector, if it has one.
+    pub fn direction(&self, element: usize) -> Option<Vector3<f64>> {
+        let direction = self.directions.get(element).copied();
+        direction.filter(|direction| *direction != Vector3::zeros())
     }
 
     /// The corners of element `element` \[m\].
@@ -151,6 +160,13 @@ impl TetMesh {
             .extend(other.tets.iter().map(|tet| tet.map(|n| n + first_node)));
         self.regions
             .extend(other.regions.iter().map(|region| region + region_offset));
+        if !(self.directions.is_empty() && other.directions.is_empty()) {
+            let elements = self.tets.len();
+            let before = elements - other.tets.len();
+            self.directions.resize(before, Vector3::zeros());
+            self.directions.extend(&other.directions);
+            self.directions.resize(elements, Vector3::zeros());
+        }
         self.node_ids
             .extend((node_id..).take(other.positions.len()));
         self.element_ids
@@ -246,6 +262,7 @@ mod tests {
         let (n, e) = (first.positions.len(), first.tets.len());
         assert_eq!(both.corners(e + 5), second.corners(5));
         assert_eq!(both.regions[e..].iter().min(), Some(&11));
+        assert!(both.directions.is_empty() && both.direction(0).is_none());
         assert_eq!(both.node_ids[n], n as u32);
         assert_eq!(both.element_ids[e], e as u32);
         let found = defects(&both);

@@ -101,7 +101,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
                     density: 1060.0,
                     relaxation_time: 0.0,
                     behaviour: Behaviour::Continuum(ContinuumConstants {
-                        law: LawName::StableNeoHookean,
+                        law: LawName::StableNeoHookean.into(),
                         young: 40e3,
                         poisson: 0.4,
                         discretisation: Discretisation::EdgeSmoothed,

@@ -6,6 +6,7 @@
 mod body;
 mod contact;
 mod error;
+mod fibres;
 mod material;
 mod method;
 

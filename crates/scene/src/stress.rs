@@ -26,7 +26,8 @@ pub fn von_mises(body: &BodySpec, mesh: &TetMesh, positions: &[Vector3<f64>]) ->
         let constants = continua.iter().find(|(of, _)| of == region);
         constants.map_or(0.0, |(_, constants)| {
             let f = deformation(mesh, element, positions);
-            equivalent(&constants.cauchy_stress(&f))
+            let direction = mesh.direction(element).unwrap_or_default();
+            equivalent(&constants.cauchy_stress(&f, direction))
         })
     });
     Some(stresses.collect())
@@ -67,7 +68,7 @@ mod tests {
         let (young, poisson) = (1e5, 0.3);
         for law in LawName::ALL {
             let constants = ContinuumConstants {
-                law,
+                law: law.into(),
                 young,
                 poisson,
                 discretisation: Discretisation::Tetrahedra,

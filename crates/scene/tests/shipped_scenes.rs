@@ -43,6 +43,7 @@ fn assert_one_met(name: &str, overrides: &[&str]) {
 #[test]
 fn statics_meets_references_and_closed_forms() {
     assert_met(&["cantilever", "tube-sag", "stretch", "twist"]);
+    assert_met(&["stretch-mooney-rivlin", "stretch-fibres"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::check::items;
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::schema::Kind;
-use microsim_vocabulary::Unit;
+use microsim_vocabulary::{LawName, Unit};
 use serde_json::Value;
 
 /// A key with those who may have it, and those who need it.
@@ -49,16 +49,13 @@ const GENERATOR: [Rule; 13] = [
 ];
 
 /// The laws of continua.
-const CONTINUUM: &[&str] = &[
-    "corotational",
-    "stable-neo-hookean",
-    "neo-hookean",
-    "neo-hookean-polynomial",
-    "st-venant-kirchhoff",
-];
+const CONTINUUM: &[&str] = &LawName::NAMES;
 
-/// Keys that all forms of springs have, and a continuum has not, and the other way round.
-const LAW: [Rule; 3] = [
+/// Keys that all forms of springs have, and a continuum has not, and the other way round; keys of single laws.
+const LAW: [Rule; 6] = [
+    needed("c01_fraction", &["mooney-rivlin"]),
+    needed("fibre_ratio", &["transversely-isotropic"]),
+    allowed("fibres", &["transversely-isotropic"]),
     allowed("discretisation", CONTINUUM),
     allowed("form", &["springs"]),
     allowed("plasticity", &["springs"]),
@@ -130,7 +127,9 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
             check_size(reading, &key, body);
         }
         for (m, material) in items(body, "material") {
-            check_material(reading, &key.key("material").at(m), material);
+            let key = key.key("material").at(m);
+            check_material(reading, &key, material);
+            check_fibres(reading, &key, body, material);
         }
         check_regions(reading, &key, body);
         for (c, clamp) in items(body, "clamp") {
@@ -291,6 +290,37 @@ fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
             let found = format!("a viscosity of {form} springs, which have no modulus");
             reading.complain(&viscosity, &found, "`relaxation_time`");
         }
+    }
+}
+
+/// Fibre directions are given in one manner, and those of a generated body are given.
+fn check_fibres(reading: &mut Reading, material_key: &KeyPath, body: &Value, material: &Value) {
+    let key = material_key.key("fibres");
+    if !reading.is_written(&key) {
+        let from_file = body["generator"] == "file";
+        if material["law"] == "transversely-isotropic" && !from_file {
+            let expected = "`fibres`, as only a mesh file has directions of its own";
+            reading.complain(&key, "nothing", expected);
+        }
+        return;
+    }
+    let [direction, angle, axis, point] =
+        ["direction", "angle", "axis", "point"].map(|name| reading.is_written(&key.key(name)));
+    if direction == angle {
+        let found = match direction {
+            true => "a direction and an angle",
+            false => "neither a direction nor an angle",
+        };
+        reading.complain(&key, found, "one of `direction` and `angle`");
+    } else if direction && (axis || point) {
+        reading.complain(
+            &key,
+            "an axis beside a direction",
+            "`angle` with it, or none",
+        );
+    } else if angle && !axis && body["generator"] != "tube" {
+        let expected = "`axis` as well: only a tube has one of its own";
+        reading.complain(&key.key("angle"), "`angle` alone", expected);
     }
 }
 

@@ -74,7 +74,7 @@ pub use level::{
 pub use level_check::{level_schema, load_level, read_level};
 pub use manifest::{KeyType, Manifest, MessageKind, ModuleKey, ModuleMetric, PluginFile, Reason};
 pub use manifest_check::{load_manifest, read_manifest};
-pub use material::{Law, Material, Plasticity, SpringForm};
+pub use material::{Fibres, Law, Material, Plasticity, SpringForm};
 pub use method::{Accuracy, Method, Tuned};
 pub use microsim_vocabulary::{
     Category, CellSplit, Direction, Discretisation, Finish, Interpolation, Language, LawName,

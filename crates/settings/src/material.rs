@@ -1,10 +1,11 @@
 //! What bodies are made of: a law with its constants for each region.
 
-use crate::kinds::{dependent, quantity, ratio, time};
+use crate::kinds::{dependent, direction, point, quantity, ratio, time};
 use crate::schema::Kind;
 use crate::table::{Setting, choices, table};
 use microsim_vocabulary::{Discretisation, LawName, Unit, terms};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
 
 table! {
     /// What a region is made of; the checks see to it that what each law needs is there, and nothing else.
@@ -27,6 +28,14 @@ table! {
         youngs_modulus: Option<f64> = modulus(1.0),
         /// Poisson's ratio of a continuum, or that springs are `fitted` to; below 0.5, which is incompressible.
         poisson_ratio: Option<f64> = quantity(Unit::Ratio, -0.99, 0.4999),
+        /// Of `mooney-rivlin`: c01/(c10 + c01), where E = 4 (1 + nu) (c10 + c01). Poisson's ratio is at least r/(1 + 2 r) with
+        /// this r.
+        c01_fraction: Option<f64> = ratio(1.0),
+        /// Of `transversely-isotropic`: Young's modulus along the fibres over `youngs_modulus`, which is that of their matrix.
+        fibre_ratio: Option<f64> = quantity(Unit::Ratio, 1.0, 1e4),
+        /// Of `transversely-isotropic`: fibre directions at rest; those of the mesh file (cell data `fibre_direction`) if left
+        /// out.
+        fibres: Option<Fibres>,
         /// How the mesh carries a continuum; `tetrahedra` if left out. From a Poisson's ratio of 0.4 on, `selective`,
         /// `patch-pressure` or `nodal-pressure` keep it from locking.
         discretisation: Option<Discretisation>,
@@ -53,6 +62,22 @@ table! {
         volume_damping: Option<f64> = constant(Unit::VolumeDamping, Unit::Action),
         /// Plastic flow of springs.
         plasticity: Option<Plasticity>,
+    }
+}
+
+table! {
+    /// Fibre directions at rest, in the body's frame: one for all elements, or at an angle to the circles around an axis.
+    #[derive(Copy)]
+    pub struct Fibres {
+        /// The same direction everywhere.
+        direction: Option<[f64; 3]> = direction(),
+        /// Instead: angle \[rad\] to the circles around an axis. 0 is around it, 90 deg along it; a helix turns right-handed
+        /// about the outward normal.
+        angle: Option<f64> = quantity(Unit::Angle, -FRAC_PI_2, FRAC_PI_2),
+        /// Direction of that axis; the tube's if left out.
+        axis: Option<[f64; 3]> = direction(),
+        /// A point of that axis in the body's frame \[m\]; its origin if left out.
+        point: Option<[f64; 3]> = point(),
     }
 }
 

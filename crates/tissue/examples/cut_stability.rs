@@ -51,7 +51,7 @@ fn main() {
 fn behaviours() -> [(&'static str, Behaviour); 4] {
     let continuum = |discretisation| {
         Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young: 2e4,
             poisson: 0.45,
             discretisation,

@@ -138,7 +138,7 @@ fn materials() -> Vec<(&'static str, Material)> {
     let springs = Behaviour::Springs(SpringConstants::fitted(2e4, 0.4));
     let continuum = |discretisation| {
         Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young: 2e4,
             poisson: 0.45,
             discretisation,

@@ -18,12 +18,14 @@ mod executor;
 mod flow;
 mod forces;
 pub mod homogenise;
+mod lanes;
 pub mod law;
 mod material;
 mod method;
 mod model;
 mod newton;
 mod prescribed;
+mod range;
 mod solver;
 mod solver_explicit;
 mod solver_implicit;
@@ -39,9 +41,10 @@ pub use elements::Elements;
 pub use executor::{Executor, Serial};
 pub use flow::flow;
 pub use forces::Forces;
+pub use lanes::Lanes;
 pub use material::{
     Behaviour, BuildError, Coefficients, ContinuumConstants, Fit, KindConstants, Material,
-    MaterialError, SpringConstants, SpringForm, SpringModuli, build_model, fit,
+    SpringConstants, SpringForm, SpringModuli, build_model, fit,
 };
 pub use method::{Method, MethodError};
 pub use microsim_contact_solver::{Contact, ContactSource, ContactStep};
@@ -50,6 +53,7 @@ pub use model::{ModelError, TissueModel};
 pub use newton::{
     LineSearchOptions, Newton, NewtonContactOptions, NewtonOptions, SecondOrderOptions,
 };
+pub use range::MaterialError;
 pub use solver::{Solver, StepFailure, StepReport};
 pub use solver_explicit::{Scheme, SolverExplicit};
 pub use solver_implicit::{ImplicitScheme, SolverImplicit};

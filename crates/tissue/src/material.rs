@@ -8,13 +8,14 @@ mod part;
 mod springs;
 
 pub use continuum::ContinuumConstants;
-pub(crate) use part::{Carried, Part};
+pub(crate) use part::{Carried, EnergyPart, Part};
 pub use springs::{
     Coefficients, Fit, KindConstants, SpringConstants, SpringForm, SpringModuli, fit,
 };
 
 use crate::elements::Elements;
 use crate::model::{ModelError, TissueModel};
+use crate::range::{MaterialError, not_negative, positive};
 use microsim_mesh::TetMesh;
 use std::sync::Arc;
 
@@ -39,29 +40,6 @@ pub enum Behaviour {
     Continuum(ContinuumConstants),
 }
 
-/// A value outside its range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MaterialError {
-    /// Which value.
-    pub value_name: &'static str,
-    /// What was given.
-    pub value: f64,
-    /// What is allowed, with the unit.
-    pub allowed: &'static str,
-}
-
-impl std::fmt::Display for MaterialError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{} is {}, allowed is {}",
-            self.value_name, self.value, self.allowed
-        )
-    }
-}
-
-impl std::error::Error for MaterialError {}
-
 /// Why a body cannot be made of its materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BuildError {
@@ -79,6 +57,13 @@ pub enum BuildError {
         /// How many it has.
         materials: usize,
     },
+    /// The law of a region needs a fibre direction in each element of the mesh, and one has none.
+    Direction {
+        /// The region.
+        region: u32,
+        /// The first element without one.
+        element: u32,
+    },
     /// The mesh cannot be a body.
     Model(ModelError),
 }
@@ -93,6 +78,10 @@ impl std::fmt::Display for BuildError {
                     "region {region} of the mesh needs one material, not {materials}"
                 )
             }
+            Self::Direction { region, element } => write!(
+                f,
+                "the law of region {region} needs a fibre direction in each element, and element {element} has none"
+            ),
             Self::Model(source) => write!(f, "{source}"),
         }
     }
@@ -108,6 +97,14 @@ impl Material {
         match &self.behaviour {
             Behaviour::Springs(constants) => constants.check(),
             Behaviour::Continuum(constants) => constants.check(),
+        }
+    }
+
+    /// Whether it needs a fibre direction in each element of the mesh.
+    pub fn has_direction(&self) -> bool {
+        match &self.behaviour {
+            Behaviour::Springs(_) => false,
+            Behaviour::Continuum(constants) => constants.law.has_direction(),
         }
     }
 
@@ -153,6 +150,13 @@ pub fn build_model(
         let elements: Vec<u32> = (0..mesh.tets.len() as u32)
             .filter(|&e| mesh.regions[e as usize] == region)
             .collect();
+        if material.has_direction()
+            && let Some(&element) = elements
+                .iter()
+                .find(|e| mesh.direction(**e as usize).is_none())
+        {
+            return Err(BuildError::Direction { region, element });
+        }
         for &element in &elements {
             densities[element as usize] = material.density;
         }
@@ -168,38 +172,4 @@ pub fn build_model(
     sets.extend(more);
     let model = TissueModel::new(mesh, &densities, clamped, sets, drag);
     Ok(model.map_err(BuildError::Model)?.made_of(parts))
-}
-
-/// Refuses what is not finite and above zero.
-pub(crate) fn positive(
-    value_name: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<(), MaterialError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(MaterialError {
-            value_name,
-            value,
-            allowed,
-        })
-    }
-}
-
-/// Refuses what is not finite or below zero.
-pub(crate) fn not_negative(
-    value_name: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<(), MaterialError> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(())
-    } else {
-        Err(MaterialError {
-            value_name,
-            value,
-            allowed,
-        })
-    }
 }

@@ -35,7 +35,7 @@ pub fn beam(poisson: f64) -> TissueModel {
         density: 1000.0,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young: 1e5,
             poisson,
             discretisation: Discretisation::Tetrahedra,
@@ -48,6 +48,14 @@ pub fn beam(poisson: f64) -> TissueModel {
 /// A block of 2 × 2 × 1 mm around the origin.
 pub fn soft_block(cells: [usize; 3]) -> TetMesh {
     block_mesh([2e-3, 2e-3, 1e-3], cells)
+}
+
+/// Gives each element of a mesh a fibre direction of its own, within half a radian of a common one.
+pub fn fibres(mesh: &mut TetMesh) {
+    let mut next = numbers();
+    let oblique = Vector3::new(0.48, -0.6, 0.64);
+    let one = |_: &[u32; 4]| (oblique + Vector3::from_fn(|_, _| next()) * 0.3).normalize();
+    mesh.directions = mesh.tets.iter().map(one).collect();
 }
 
 /// The body of a mesh of soft tissue, clamped where `clamp` says so of the rest position.

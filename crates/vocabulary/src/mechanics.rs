@@ -15,6 +15,10 @@ terms! {
         StableNeoHookean = "stable-neo-hookean",
         /// Neo-Hookean elasticity without a logarithm: it is finite for inverted elements.
         NeoHookeanPolynomial = "neo-hookean-polynomial",
+        /// Compressible Mooney–Rivlin elasticity (Ciarlet & Geymonat 1982).
+        MooneyRivlin = "mooney-rivlin",
+        /// Neo-Hookean elasticity with one family of fibres (Qiu & Pence 1997).
+        TransverselyIsotropic = "transversely-isotropic",
     }
 }
 

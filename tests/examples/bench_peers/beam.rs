@@ -67,7 +67,7 @@ impl Beam {
             density: 1000.0,
             relaxation_time: 0.0,
             behaviour: Behaviour::Continuum(ContinuumConstants {
-                law,
+                law: law.into(),
                 young: 1e5,
                 poisson: 0.3,
                 discretisation,

@@ -79,7 +79,7 @@ fn beam(cells: [usize; 3], discretisation: Discretisation, poisson: f64) -> Tiss
         density: 1000.0,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young: 1e5,
             poisson,
             discretisation,

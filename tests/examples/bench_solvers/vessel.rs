@@ -50,7 +50,7 @@ fn model(mesh: &TetMesh, discretisation: Discretisation) -> TissueModel {
         density: 1060.0,
         relaxation_time: 2e-3,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young,
             poisson: 0.45,
             discretisation,

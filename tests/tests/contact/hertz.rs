@@ -75,7 +75,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
         density: 1000.0,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young: YOUNG,
             poisson: POISSON,
             discretisation: Discretisation::Tetrahedra,

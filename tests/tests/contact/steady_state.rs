@@ -81,7 +81,7 @@ impl World {
             density: 1000.0,
             relaxation_time: 0.0,
             behaviour: Behaviour::Continuum(ContinuumConstants {
-                law: LawName::NeoHookeanPolynomial,
+                law: LawName::NeoHookeanPolynomial.into(),
                 young: 20e3,
                 poisson: 0.3,
                 discretisation: Discretisation::Tetrahedra,

@@ -58,7 +58,7 @@ pub fn beam(
         density: 1000.0,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law,
+            law: law.into(),
             young: 1e5,
             poisson,
             discretisation,

@@ -41,7 +41,7 @@ fn what_holds_a_foreign_mesh_carries_its_weight() {
             density: 1000.0,
             relaxation_time: 0.0,
             behaviour: Behaviour::Continuum(ContinuumConstants {
-                law: LawName::StableNeoHookean,
+                law: LawName::StableNeoHookean.into(),
                 young: 30.0 * 1000.0 * 9.81 * (high - low),
                 poisson: 0.45,
                 discretisation: Discretisation::Selective,

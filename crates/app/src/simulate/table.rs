@@ -60,6 +60,8 @@ fn material_line(material: &settings::Material, value: &Value) -> String {
         text("discretisation"),
         quantity("youngs_modulus", "E", Unit::Pressure),
         quantity("poisson_ratio", "nu", Unit::Ratio),
+        quantity("c01_fraction", "c01/(c10 + c01)", Unit::Ratio),
+        quantity("fibre_ratio", "fibres/matrix", Unit::Ratio),
         quantity("stretch_modulus", "stretch", Unit::Pressure),
         quantity("volume_modulus", "volume", Unit::Pressure),
         quantity("density", "density", Unit::Density),

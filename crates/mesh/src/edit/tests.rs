@@ -50,6 +50,22 @@ fn an_edit_appends_replaces_and_names_anew() {
     );
 }
 
+#[test]
+fn children_have_the_fibre_direction_of_their_parent() {
+    let mut mesh = pair();
+    mesh.directions = vec![Vector3::x(), Vector3::y()];
+    mesh.apply(&division()).unwrap();
+    assert_eq!(mesh.directions, [Vector3::x(), Vector3::y(), Vector3::x()]);
+    let edit = TopologyEdit {
+        generation: 1,
+        removed: vec![1],
+        ..TopologyEdit::default()
+    };
+    mesh.apply(&edit).unwrap();
+    assert_eq!(mesh.directions, [Vector3::x(); 2]);
+    assert_eq!(mesh.direction(1), Some(Vector3::x()));
+}
+
 /// What leaves is filled from the back; ids go with it and are never given again.
 #[test]
 fn what_leaves_is_filled_from_the_back() {

@@ -24,6 +24,32 @@ pub(super) fn region_rank(name: &str) -> Option<usize> {
     REGION_ARRAYS.iter().position(|known| *known == name)
 }
 
+/// Cell arrays that hold the fibre direction, the first that is there counts: our own name, then those of others.
+const DIRECTION_ARRAYS: [&str; 7] = [
+    "fibre_direction",
+    "fiber_direction",
+    "fibre",
+    "fiber",
+    "fibres",
+    "fibers",
+    "f0",
+];
+
+/// Our own name of the cell array of fibre directions.
+pub(super) const DIRECTIONS: &str = DIRECTION_ARRAYS[0];
+
+/// Rank of a cell array of three components as the one that holds the fibre directions, smaller is better; nothing if it does not.
+pub(super) fn direction_rank(name: &str) -> Option<usize> {
+    DIRECTION_ARRAYS.iter().position(|known| *known == name)
+}
+
+/// What cells carry, one value per cell of any type.
+#[derive(Default)]
+pub(super) struct CellData {
+    pub(super) regions: Option<Vec<u32>>,
+    pub(super) directions: Option<Vec<Vector3<f64>>>,
+}
+
 /// A mesh in the making.
 #[derive(Default)]
 pub(super) struct Parts {
@@ -33,6 +59,8 @@ pub(super) struct Parts {
     pub(super) tets: Vec<[u32; 4]>,
     /// One region per tetrahedron.
     pub(super) regions: Vec<u32>,
+    /// Fibre directions of any length, zero where there is none, of the first tetrahedra; the others have none.
+    pub(super) directions: Vec<Vector3<f64>>,
     /// Elements that are not linear tetrahedra, by name.
     pub(super) left_out: BTreeMap<String, usize>,
     /// What else is to be reported.
@@ -45,6 +73,39 @@ impl Parts {
         if count > 0 {
             *self.left_out.entry(name.to_owned()).or_default() += count;
         }
+    }
+
+    /// Gives a tetrahedron its fibre direction, of any length.
+    pub(super) fn set_direction(&mut self, tet: usize, direction: Vector3<f64>) {
+        if self.directions.len() <= tet {
+            self.directions.resize(tet + 1, Vector3::zeros());
+        }
+        self.directions[tet] = direction;
+    }
+
+    /// Makes the fibre directions unit vectors, one for each tetrahedron, or none at all.
+    fn finish_directions(&mut self) {
+        if self.directions.is_empty() {
+            return;
+        }
+        self.directions.resize(self.tets.len(), Vector3::zeros());
+        let mut without = 0;
+        for direction in &mut self.directions {
+            // One of length 1 to rounding keeps its bits.
+            if (direction.norm_squared() - 1.0).abs() > 4.0 * f64::EPSILON {
+                // Scaled first: the square of the largest number there is has no value.
+                *direction = match direction.amax() {
+                    size if size > 0.0 && size.is_finite() => (*direction / size).normalize(),
+                    _ => Vector3::zeros(),
+                };
+            }
+            without += usize::from(*direction == Vector3::zeros());
+        }
+        let all = self.tets.len();
+        self.notes.push(match without {
+            0 => "every tetrahedron has a fibre direction".to_owned(),
+            _ => format!("{without} of {all} tetrahedra have no fibre direction"),
+        });
     }
 
     /// The mesh, its elements turned positive.
@@ -69,6 +130,7 @@ impl Parts {
             ));
         }
 
+        self.finish_directions();
         let mut turned = 0;
         for tet in &mut self.tets {
             let [a, b, c, d] = tet.map(|node| self.positions[node as usize]);
@@ -83,8 +145,10 @@ impl Parts {
                 self.tets.len()
             ));
         }
+        let mut mesh = TetMesh::new(self.positions, self.tets, self.regions);
+        mesh.directions = self.directions;
         Ok(Import {
-            mesh: TetMesh::new(self.positions, self.tets, self.regions),
+            mesh,
             notes: self.notes,
         })
     }
@@ -126,4 +190,21 @@ pub(super) fn region_values(
                 "cell array \"{name}\" holds values other than 0, 1, 2, … and is not used: every region is 0"
             )
         })
+}
+
+/// The vectors of an array of fibre directions of `cells` cells, or a note why they cannot be directions.
+pub(super) fn direction_values(
+    name: &str,
+    numbers: Numbers,
+    cells: usize,
+) -> Result<Vec<Vector3<f64>>, String> {
+    let values = numbers.into_reals();
+    if Some(values.len()) != cells.checked_mul(3) {
+        let count = values.len();
+        return Err(format!(
+            "cell array \"{name}\" has {count} values for {cells} vectors and is not used: there are no fibre directions"
+        ));
+    }
+    let vectors = values.chunks_exact(3);
+    Ok(vectors.map(|v| Vector3::new(v[0], v[1], v[2])).collect())
 }

@@ -1,6 +1,6 @@
 //! VTK cells: which are tetrahedra.
 
-use super::assemble::Parts;
+use super::assemble::{CellData, Parts};
 use super::error::{FormatError, Place};
 
 /// Cells as three arrays: where each one's points end in `connectivity`, and its type.
@@ -38,12 +38,12 @@ fn kind(cell_type: i64) -> Kind {
 }
 
 impl Cells {
-    /// Adds the tetrahedra to `parts`, whose last positions from `first` on are the points; `regions` has one value per cell.
+    /// Adds the tetrahedra to `parts`, whose last positions from `first` on are the points.
     pub(super) fn add_to(
         &self,
         parts: &mut Parts,
         first: usize,
-        regions: Option<&[u32]>,
+        data: &CellData,
     ) -> Result<(), FormatError> {
         let error = |found: String, expected: &str| {
             Err(FormatError::new(
@@ -101,9 +101,11 @@ impl Cells {
                         }
                     }
                     parts.tets.push(tet);
-                    parts
-                        .regions
-                        .push(regions.map_or(0, |regions| regions[cell]));
+                    let region = data.regions.as_ref().map_or(0, |regions| regions[cell]);
+                    parts.regions.push(region);
+                    if let Some(directions) = &data.directions {
+                        parts.set_direction(parts.tets.len() - 1, directions[cell]);
+                    }
                 }
             }
         }

@@ -4,7 +4,9 @@
 //! senseless counts.
 
 use super::Import;
-use super::assemble::{Parts, positions, region_rank, region_values};
+use super::assemble::{
+    CellData, Parts, direction_rank, direction_values, positions, region_rank, region_values,
+};
 use super::cells::Cells;
 use super::error::{FormatError, Place};
 use super::scalar::{Encoding, Endian, Numbers, Scalar};
@@ -46,6 +48,7 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
         ends_and_connectivity: None,
         types: None,
         region: None,
+        direction: None,
     };
     reader.sections(old_cells)?;
     reader.finish()
@@ -60,6 +63,8 @@ struct Reader<'a> {
     types: Option<Vec<i64>>,
     /// The best region array so far: rank, name, values.
     region: Option<(usize, String, Numbers)>,
+    /// The best array of fibre directions so far.
+    direction: Option<(usize, String, Numbers)>,
 }
 
 impl Reader<'_> {
@@ -84,9 +89,9 @@ impl Reader<'_> {
                 b"METADATA" => self.skip_metadata(),
                 b"FIELD" => self.field(on_cells)?,
                 keyword => {
-                    let (name, values) = self.attribute(keyword, tuples)?;
-                    if let (true, Some(values)) = (on_cells, values) {
-                        self.offer_region(&name, values);
+                    let (name, components, values) = self.attribute(keyword, tuples)?;
+                    if on_cells && keyword != b"LOOKUP_TABLE" {
+                        self.offer(&name, components, values);
                     }
                 }
             }
@@ -94,12 +99,12 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// One attribute: its name and, where there is one per tuple, its values.
+    /// One attribute: its name, how many values each tuple has, and its values.
     fn attribute(
         &mut self,
         keyword: &[u8],
         tuples: usize,
-    ) -> Result<(String, Option<Numbers>), FormatError> {
+    ) -> Result<(String, usize, Numbers), FormatError> {
         let known: &[&[u8]] = &[
             b"SCALARS",
             b"COLOR_SCALARS",
@@ -148,8 +153,7 @@ impl Reader<'_> {
             _ => (self.scalar()?, tuples, 1),
         };
         let values = self.data(scalar, tuples, components, "values of an attribute")?;
-        let one_each = components == 1 && keyword != b"LOOKUP_TABLE";
-        Ok((name, one_each.then_some(values)))
+        Ok((name, components, values))
     }
 
     /// A FIELD: several arrays, each with its own size.
@@ -171,18 +175,24 @@ impl Reader<'_> {
             }
             let scalar = self.scalar()?;
             let values = self.data(scalar, tuples, components, "values of a field")?;
-            if on_cells && components == 1 {
-                self.offer_region(&name, values);
+            if on_cells {
+                self.offer(&name, components, values);
             }
         }
         Ok(())
     }
 
-    fn offer_region(&mut self, name: &str, values: Numbers) {
-        if let Some(rank) = region_rank(name)
-            && self.region.as_ref().is_none_or(|known| rank < known.0)
+    /// Takes an array of the cells, if it is the best one so far of what it holds.
+    fn offer(&mut self, name: &str, components: usize, values: Numbers) {
+        let (rank, best) = match components {
+            1 => (region_rank(name), &mut self.region),
+            3 => (direction_rank(name), &mut self.direction),
+            _ => return,
+        };
+        if let Some(rank) = rank
+            && best.as_ref().is_none_or(|known| rank < known.0)
         {
-            self.region = Some((rank, name.to_owned(), values));
+            *best = Some((rank, name.to_owned(), values));
         }
     }
 
@@ -245,10 +255,16 @@ impl Reader<'_> {
         };
         let (ends, connectivity) = self.ends_and_connectivity.ok_or_else(|| missing("CELLS"))?;
         let types = self.types.ok_or_else(|| missing("CELL_TYPES"))?;
-        let mut regions = None;
+        let mut data = CellData::default();
         if let Some((_, name, values)) = self.region {
             match region_values(&name, values, types.len()) {
-                Ok(values) => regions = Some(values),
+                Ok(values) => data.regions = Some(values),
+                Err(note) => parts.notes.push(note),
+            }
+        }
+        if let Some((_, name, values)) = self.direction {
+            match direction_values(&name, values, types.len()) {
+                Ok(values) => data.directions = Some(values),
                 Err(note) => parts.notes.push(note),
             }
         }
@@ -257,7 +273,7 @@ impl Reader<'_> {
             connectivity,
             types,
         };
-        cells.add_to(&mut parts, 0, regions.as_deref())?;
+        cells.add_to(&mut parts, 0, &data)?;
         parts.finish()
     }
 

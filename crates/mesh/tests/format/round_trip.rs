@@ -90,6 +90,73 @@ fn the_samples_keep_every_bit() {
     check(&tube);
 }
 
+/// Fibre directions of length 1 keep their bits, of a mesh of which one element has none; TetGen has no place for them.
+#[test]
+fn fibre_directions_keep_every_bit() {
+    let mut mesh = two_cells();
+    let direction = |element: usize| {
+        let angle = 0.3 * element as f64;
+        Vector3::new(libm::cos(angle), libm::sin(angle), 0.0)
+    };
+    mesh.directions = (0..mesh.tets.len()).map(direction).collect();
+    mesh.directions[3] = Vector3::zeros();
+    for (format, file) in [
+        (MeshFormat::Gmsh, write_gmsh_2(&mesh)),
+        (MeshFormat::Gmsh, write_gmsh_4(&mesh)),
+        (MeshFormat::VtkLegacy, write_vtk_legacy(&mesh)),
+        (MeshFormat::Vtu, vtu(&mesh, VtuEncoding::Ascii)),
+        (MeshFormat::Vtu, vtu(&mesh, VtuEncoding::AppendedRaw)),
+    ] {
+        let read = import(format, &file);
+        assert_same(&read.mesh, &mesh);
+        assert_eq!(
+            read.notes,
+            ["1 of 12 tetrahedra have no fibre direction"],
+            "{format:?}"
+        );
+    }
+}
+
+/// Names of other programs, any length of the vectors, elements without one, views of other things.
+#[test]
+fn fibre_directions_of_others_become_unit_vectors() {
+    let mesh = two_cells();
+    let file = String::from_utf8(write_gmsh_2(&mesh)).unwrap();
+    let view = |name: &str, components: usize, values: &str| {
+        format!(
+            "$ElementData\n1\n\"{name}\"\n1\n0.0\n3\n0\n{components}\n1\n{values}\n$EndElementData\n"
+        )
+    };
+    let vectors = [view("temperature", 1, "2 37"), view("fiber", 3, "2 0 -3 4")];
+    let read = import(
+        MeshFormat::Gmsh,
+        (file.clone() + &vectors.concat()).as_bytes(),
+    );
+    assert_eq!(read.mesh.direction(1), Some(Vector3::new(0.0, -0.6, 0.8)));
+    assert_eq!(read.mesh.direction(0), None);
+    assert_eq!(read.notes, ["11 of 12 tetrahedra have no fibre direction"]);
+    // Of several names the first of our list.
+    let ours = view("fibre_direction", 3, "2 7 0 0");
+    let read = import(
+        MeshFormat::Gmsh,
+        (file + &vectors.concat() + &ours).as_bytes(),
+    );
+    assert_eq!(read.mesh.direction(1), Some(Vector3::x()));
+
+    let vtk = String::from_utf8(write_vtk_legacy(&mesh)).unwrap();
+    let rows = "0 0 2\n".repeat(12);
+    for array in [
+        format!("VECTORS f0 float\n{rows}"),
+        format!("FIELD FieldData 1\nf0 3 12 float\n{rows}"),
+    ] {
+        let read = import(MeshFormat::VtkLegacy, (vtk.clone() + &array).as_bytes());
+        assert_eq!(read.mesh.directions, [Vector3::z(); 12]);
+    }
+    let short = "FIELD FieldData 1\nf0 3 1 float\n0 0 1\n";
+    let read = import(MeshFormat::VtkLegacy, (vtk + short).as_bytes());
+    assert!(read.mesh.directions.is_empty() && read.notes[0].contains("\"f0\" has 3 values"));
+}
+
 #[test]
 fn binary_encodings_of_gmsh_and_vtk_are_read() {
     let mesh = two_cells();

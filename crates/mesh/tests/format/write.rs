@@ -28,6 +28,12 @@ pub fn write_vtk_legacy(mesh: &TetMesh) -> Vec<u8> {
     for region in &mesh.regions {
         let _ = writeln!(out, "{region}");
     }
+    if !mesh.directions.is_empty() {
+        out.push_str("VECTORS fibre_direction double\n");
+        for a in &mesh.directions {
+            let _ = writeln!(out, "{:?} {:?} {:?}", a.x, a.y, a.z);
+        }
+    }
     out.into_bytes()
 }
 
@@ -158,6 +164,15 @@ pub fn write_gmsh_4(mesh: &TetMesh) -> Vec<u8> {
         }
     }
     out.push_str("$EndElements\n");
+    if !mesh.directions.is_empty() {
+        // One text tag, one real tag, three whole ones: time step, components, elements.
+        let head = "$ElementData\n1\n\"fibre_direction\"\n1\n0\n3\n0\n3\n";
+        let _ = writeln!(out, "{head}{}", mesh.directions.len());
+        for (index, a) in mesh.directions.iter().enumerate() {
+            let _ = writeln!(out, "{} {:?} {:?} {:?}", index + 1, a.x, a.y, a.z);
+        }
+        out.push_str("$EndElementData\n");
+    }
     out.into_bytes()
 }
 

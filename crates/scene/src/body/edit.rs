@@ -26,6 +26,7 @@ impl Body {
             tets,
             element_ids,
             regions,
+            directions,
             ..
         } = &mut self.mesh;
         let (nodes, elements) = (positions.len() / 2, tets.len() / 2);
@@ -34,6 +35,7 @@ impl Body {
         tets.reserve(elements);
         element_ids.reserve(elements);
         regions.reserve(elements);
+        directions.reserve(directions.len() / 2);
     }
 
     /// Updates mesh, model and drive after an edit. The surface is then still that of the mesh before. After an error the body is of no

@@ -1,6 +1,7 @@
 //! Bodies: meshes, materials, and what is attached to them.
 
 use super::error::{FromSettingsCause, FromSettingsError, missing};
+use super::fibres::set_directions;
 use super::{Load, selections};
 use crate::spec::{
     BodySpec, ClampSpec, CouplingSpec, LoadKind, LoadSpec, MotionKey, MotionSpec, Selection,
@@ -21,7 +22,11 @@ pub(super) fn body(
     load: &mut Load<'_>,
     notes: &mut Vec<String>,
 ) -> Result<BodySpec, FromSettingsError> {
-    let (mesh, ends) = mesh(body, key, load, notes)?;
+    let (mut mesh, ends) = mesh(body, key, load, notes)?;
+    set_directions(&mut mesh, body, key, |material, region| {
+        let named = |m: &settings::Material| m.region == Some(region);
+        named(material) || material.region.is_none() && !body.material.iter().any(named)
+    })?;
     let (materials, tear_strains) = materials(body, key, &mesh)?;
     let mut loads = Vec::new();
     for (index, load) in body.load.iter().enumerate() {

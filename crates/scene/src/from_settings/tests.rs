@@ -51,8 +51,13 @@ fn every_name_of_the_settings_means_its_namesake() {
     }
     let constants = "youngs_modulus=1e5\npoisson_ratio=0.3\n";
     for name in LawName::NAMES {
-        match material(&format!("law='{name}'\n{constants}")).behaviour {
-            Behaviour::Continuum(continuum) => assert_eq!(continuum.law.name(), name),
+        let own = match name {
+            "mooney-rivlin" => "c01_fraction=0.3",
+            "transversely-isotropic" => "fibre_ratio=4\nfibres={direction=[0, 0, 2]}",
+            _ => "",
+        };
+        match material(&format!("law='{name}'\n{constants}{own}")).behaviour {
+            Behaviour::Continuum(continuum) => assert_eq!(continuum.law.name().name(), name),
             other => panic!("{name} is {other:?}"),
         }
     }
@@ -63,6 +68,42 @@ fn every_name_of_the_settings_means_its_namesake() {
             other => panic!("{name} is {other:?}"),
         }
     }
+}
+
+/// Each material gives its own elements their directions; others have none.
+#[test]
+fn fibres_of_a_layer_lie_around_the_axis_of_its_tube() {
+    let tube = "generator='tube'\ninner_radius='2 mm'\nlength='4 mm'\naround=8\nalong=1\naxis=[0, 0, 3]\ncentre=['1 m', 0, 0]\n\
+                layer=[{thickness='1 mm', cells=1, region=1}, {thickness='1 mm', cells=1, region=2}]\n\
+                clamp=[{nodes={min=[-1, -1, -1], max=[1, 1, 1]}}]\n";
+    let common = "density=1000\nyoungs_modulus=1e5\npoisson_ratio=0.3\n";
+    let materials = format!(
+        "[[body.material]]\nregion=2\nlaw='transversely-isotropic'\nfibre_ratio=4\nfibres={{angle='0 deg'}}\n{common}\
+         [[body.material]]\nlaw='neo-hookean'\n{common}"
+    );
+    let spec = describe(&read("quasi-static", &format!("{tube}{materials}")));
+    let mesh = &spec.bodies[0].mesh;
+    let mut with = 0;
+    for element in 0..mesh.tets.len() {
+        let direction = mesh.direction(element);
+        assert_eq!(direction.is_some(), mesh.regions[element] == 2);
+        if let Some(direction) = direction {
+            let centre = mesh.corners(element).iter().sum::<Vector3<f64>>() / 4.0;
+            let out = centre - Vector3::new(1.0, 0.0, centre.z);
+            assert!((direction.norm() - 1.0).abs() < 1e-15);
+            assert!(direction.z == 0.0 && direction.dot(&out).abs() < 1e-17);
+            // Right-handed about the axis.
+            assert!(out.cross(&direction).z > 0.0);
+            with += 1;
+        }
+    }
+    assert_eq!(with, 48);
+    assert!(
+        spec.bodies[0]
+            .materials
+            .iter()
+            .any(|(_, m)| m.has_direction())
+    );
 }
 
 /// τ = η/E.

@@ -22,7 +22,7 @@ fn vessel(name: &str, x: f64) -> BodySpec {
         face.copied().collect::<Vec<_>>()
     };
     let constants = ContinuumConstants {
-        law: LawName::StableNeoHookean,
+        law: LawName::StableNeoHookean.into(),
         young: 50e3,
         poisson: 0.3,
         discretisation: Discretisation::Tetrahedra,

@@ -31,7 +31,7 @@ fn bars() -> SceneSpec {
                 density: 1060.0,
                 relaxation_time: 0.0,
                 behaviour: Behaviour::Continuum(ContinuumConstants {
-                    law: LawName::StableNeoHookean,
+                    law: LawName::StableNeoHookean.into(),
                     young: 40e3,
                     poisson: 0.3,
                     discretisation: Discretisation::EdgeSmoothed,

@@ -38,7 +38,7 @@ fn bar(discretisation: Discretisation, relaxation_time: f64) -> BodySpec {
                 density: 1060.0,
                 relaxation_time,
                 behaviour: Behaviour::Continuum(ContinuumConstants {
-                    law: LawName::StableNeoHookean,
+                    law: LawName::StableNeoHookean.into(),
                     young: 50e3,
                     poisson: 0.3,
                     discretisation,

@@ -46,7 +46,7 @@ fn tissue_in(discretisation: Discretisation) -> Material {
         density: 1060.0,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young: 25e3,
             poisson: 0.3,
             discretisation,

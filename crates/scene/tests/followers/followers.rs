@@ -127,7 +127,7 @@ impl Watch for Followers {
         let behaviour = match number {
             0 => Behaviour::Springs(SpringConstants::fitted(1e4, 0.25)),
             _ => Behaviour::Continuum(ContinuumConstants {
-                law: LawName::StableNeoHookean,
+                law: LawName::StableNeoHookean.into(),
                 young: 1e4,
                 poisson: 0.4,
                 discretisation: DISCRETISATIONS[number - 1],

@@ -248,7 +248,10 @@ fn mesh() -> TetMesh {
         cells: CELLS,
         split: CellSplit::Kuhn,
     };
-    block.mesh().expect("a block of positive size")
+    let mut mesh = block.mesh().expect("a block of positive size");
+    // For laws that have a direction: along the beam.
+    mesh.directions = vec![Vector3::x(); mesh.tets.len()];
+    mesh
 }
 
 /// Runs a scheme on each of `damages`; `clock` gives CPU time \[s\].

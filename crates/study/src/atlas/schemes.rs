@@ -22,6 +22,8 @@ const LOGARITHMIC: Substance = tetrahedra(LawName::NeoHookean);
 const COROTATIONAL: Substance = tetrahedra(LawName::Corotational);
 const STABLE: Substance = tetrahedra(LawName::StableNeoHookean);
 const POLYNOMIAL: Substance = tetrahedra(LawName::NeoHookeanPolynomial);
+const MOONEY_RIVLIN: Substance = tetrahedra(LawName::MooneyRivlin);
+const FIBRES: Substance = tetrahedra(LawName::TransverselyIsotropic);
 const SELECTIVE: Substance =
     Substance::Continuum(LawName::StableNeoHookean, Discretisation::Selective);
 const NODAL_PRESSURE: Substance =
@@ -32,13 +34,15 @@ const COROTATIONAL_SELECTIVE: Substance =
     Substance::Continuum(LawName::Corotational, Discretisation::Selective);
 
 /// All substances of the beam.
-const SUBSTANCES: [Substance; 10] = [
+const SUBSTANCES: [Substance; 12] = [
     SPRINGS,
     ST_VENANT,
     LOGARITHMIC,
     COROTATIONAL,
     STABLE,
     POLYNOMIAL,
+    MOONEY_RIVLIN,
+    FIBRES,
     SELECTIVE,
     NODAL_PRESSURE,
     PATCH_PRESSURE,

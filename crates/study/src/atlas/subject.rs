@@ -80,7 +80,7 @@ impl Substance {
             Self::Springs => Behaviour::Springs(SpringConstants::scaled(young, 0.0)),
             Self::SpringsVolumes => Behaviour::Springs(SpringConstants::fitted(young, poisson)),
             Self::Continuum(law, discretisation) => Behaviour::Continuum(ContinuumConstants {
-                law: *law,
+                law: (*law).into(),
                 young,
                 poisson,
                 discretisation: *discretisation,
@@ -269,6 +269,8 @@ pub fn block(variation: Variation) -> TetMesh {
         split: CellSplit::Kuhn,
     };
     let mut mesh = block.mesh().expect("a block of positive size");
+    // For laws that have a direction: along the block, the stiffest modes are those of its length.
+    mesh.directions = vec![Vector3::x(); mesh.tets.len()];
     match variation {
         Variation::Layer(fraction) => {
             // The plane behind the middle one comes nearer to it.

@@ -14,7 +14,7 @@ use crate::material::{
     SpringForm, SpringModuli, build_model,
 };
 use crate::state::State;
-use crate::testing::{block_mesh, numbers};
+use crate::testing::{block_mesh, fibres, numbers};
 use by_hand::ByHand;
 use microsim_vocabulary::Discretisation;
 use nalgebra::{DMatrix, Vector3};
@@ -29,6 +29,7 @@ fn layers(cells: [usize; 3]) -> TetMesh {
         let centre = mesh.corners(element).iter().sum::<Vector3<f64>>() / 4.0;
         mesh.regions[element] = if centre.z > 0.0 { 7 } else { 3 };
     }
+    fibres(&mut mesh);
     mesh
 }
 
@@ -48,12 +49,21 @@ fn continuum(discretisation: Discretisation) -> Material {
         density: 900.0,
         relaxation_time: 2e-3,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young: 2e4,
             poisson: 0.45,
             discretisation,
         }),
     }
+}
+
+/// With a fibre direction in each element.
+fn fibrous(discretisation: Discretisation) -> Material {
+    let mut material = continuum(discretisation);
+    if let Behaviour::Continuum(constants) = &mut material.behaviour {
+        constants.law = LawName::TransverselyIsotropic.into();
+    }
+    material
 }
 
 fn plastic(mut material: Material) -> Material {
@@ -69,7 +79,7 @@ fn plastic(mut material: Material) -> Material {
     material
 }
 
-/// All forms of springs and all discretisations.
+/// All forms of springs and all discretisations, these with fibres and without.
 fn materials() -> Vec<Material> {
     let coefficients = |stiffness| Coefficients {
         stiffness,
@@ -96,6 +106,7 @@ fn materials() -> Vec<Material> {
         springs(fitted),
         plastic(springs(SpringForm::Scaled(moduli))),
     ];
+    all.extend(Discretisation::ALL[..5].iter().map(|one| fibrous(*one)));
     all.extend(Discretisation::ALL.map(continuum));
     all
 }

@@ -6,16 +6,16 @@
 
 use super::continuum_constraints::{ELASTIC, VISCOUS};
 use super::continuum_matrix::{CornerTangent, DomainTangent, set_tangent};
-use super::domains::{Domains, Tetrahedra};
+use super::domains::{Domains, Tetrahedra, constants_at};
 use super::key::Key;
-use super::lanes::LANES;
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent,
 };
+use crate::lanes::LANES;
 use crate::law::decomposition::SignedSvd;
-use crate::law::{Lame, Law, viscosity};
+use crate::law::{Constants, Lame, Law, viscosity};
 use nalgebra::Vector3;
 use std::any::Any;
 use std::marker::PhantomData;
@@ -38,22 +38,29 @@ pub type Smoothed<L> = ContinuumSet<L, SmoothingDomains>;
 
 /// Domains of one law with the same constants.
 #[derive(Clone, Debug)]
-pub struct ContinuumSet<L, D> {
+pub struct ContinuumSet<L: Law, D> {
     pub(super) domains: D,
-    pub(super) lame: Lame,
+    pub(super) constants: L::Constants,
     pub(super) relaxation_time: f64,
     law: PhantomData<L>,
 }
 
 impl<L: Law, D: Domains> ContinuumSet<L, D> {
-    /// These domains with Lamé's constants `lame` and the relaxation time τ \[s\] of Kelvin–Voigt viscosity.
-    pub fn new(domains: D, lame: Lame, relaxation_time: f64) -> Self {
+    /// These domains with the constants `constants`, which take the fibre directions of the domains, and the relaxation time τ \[s\] of
+    /// Kelvin–Voigt viscosity.
+    pub fn new(domains: D, constants: L::Constants, relaxation_time: f64) -> Self {
         Self {
             domains,
-            lame,
+            constants,
             relaxation_time,
             law: PhantomData,
         }
+    }
+
+    /// The constants in a domain.
+    #[inline(always)]
+    fn constants(&self, domain: usize) -> L::Constants {
+        constants_at(&self.domains, domain, &self.constants)
     }
 }
 
@@ -73,7 +80,7 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     fn energy(&self, at: &Configuration<'_>) -> f64 {
         let energies = (0..self.domains.count()).map(|element| {
             let f = self.domains.deformation(element, at.positions);
-            self.domains.volume(element) * L::energy(&f, &self.lame)
+            self.domains.volume(element) * L::energy(&f, &self.constants(element))
         });
         energies.sum()
     }
@@ -83,13 +90,15 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
             for element in range {
                 let f = self.domains.deformation(element, at.positions);
                 let rate = self.domains.deformation(element, at.velocities);
-                let stress = L::stress(&f, &self.lame)
-                    + viscosity::stress(&f, &rate, &self.lame, self.relaxation_time);
+                let constants = self.constants(element);
+                let elasticity = constants.elasticity();
+                let stress = L::stress(&f, &constants)
+                    + viscosity::stress(&f, &rate, &elasticity, self.relaxation_time);
                 self.domains.add_forces(element, &stress, forces);
             }
         } else {
             self.domains
-                .add_elastic_forces::<L>(range, at.positions, &self.lame, forces);
+                .add_elastic_forces::<L>(range, at.positions, &self.constants, forces);
         }
     }
 
@@ -102,9 +111,10 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     ) {
         out.reset(self.domains.nodes(element).len());
         let f = self.domains.deformation(element, at.positions);
+        let constants = self.constants(element);
         let tangent = match tangent {
-            Tangent::Exact => L::tangent(&f, &self.lame),
-            Tangent::Positive => L::positive_tangent(&SignedSvd::new(&f), &self.lame),
+            Tangent::Exact => L::tangent(&f, &constants),
+            Tangent::Positive => L::positive_tangent(&SignedSvd::new(&f), &constants),
         };
         let gradient = |corner| self.domains.gradient(element, corner);
         set_tangent(&tangent, self.domains.volume(element), gradient, out);
@@ -131,12 +141,14 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
                 Tangent::Positive => Some(SignedSvd::of_four(&f)),
             };
             for (element, lane) in (first..count).zip(0..LANES) {
+                let constants = self.constants(element);
                 let mut tangent = match &decomposed {
-                    None => L::tangent(&f[lane], &self.lame),
-                    Some(f) => L::positive_tangent(&f[lane], &self.lame),
+                    None => L::tangent(&f[lane], &constants),
+                    Some(f) => L::positive_tangent(&f[lane], &constants),
                 };
                 if viscous_time > 0.0 {
-                    tangent += viscosity::tangent(&f[lane], &self.lame, viscous_time);
+                    let elasticity = constants.elasticity();
+                    tangent += viscosity::tangent(&f[lane], &elasticity, viscous_time);
                 }
                 let tangent = DomainTangent::new(&tangent, self.domains.volume(element));
                 let nodes = self.domains.nodes(element).len();
@@ -161,7 +173,8 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
             return;
         }
         let f = self.domains.deformation(element, at.positions);
-        let tangent = viscosity::tangent(&f, &self.lame, self.relaxation_time);
+        let elasticity = self.constants(element).elasticity();
+        let tangent = viscosity::tangent(&f, &elasticity, self.relaxation_time);
         let gradient = |corner| self.domains.gradient(element, corner);
         set_tangent(&tangent, self.domains.volume(element), gradient, out);
     }
@@ -171,11 +184,23 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     }
 
     /// Every law is linear elasticity at rest: K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1), with the square of its norm
-    /// V² ((λ² + μ²) |b_i|² |b_j|² + (4 λ μ + 5 μ²) (b_i·b_j)²).
+    /// V² ((λ² + μ²) |b_i|² |b_j|² + (4 λ μ + 5 μ²) (b_i·b_j)²). With fibres the blocks themselves are formed.
     fn rest_norms(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         let nodes = self.domains.nodes(element).len();
         let volume = self.domains.volume(element);
-        let Lame { mu, lambda } = self.lame;
+        let elasticity = self.constants(element).elasticity();
+        if elasticity.fibre.is_some() {
+            let gradients: Vec<_> = (0..nodes)
+                .map(|i| self.domains.gradient(element, i))
+                .collect();
+            let pairs = gradients
+                .iter()
+                .flat_map(|a| gradients.iter().map(move |b| (a, b)));
+            out.clear();
+            out.extend(pairs.map(|(a, b)| elasticity.block(volume, a, b).norm()));
+            return;
+        }
+        let Lame { mu, lambda } = elasticity.lame;
         let sizes = (lambda * lambda + mu * mu) * volume * volume;
         let product = (4.0 * lambda * mu + 5.0 * mu * mu) * volume * volume;
         out.clear();
@@ -194,10 +219,23 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         }
     }
 
-    /// That of K_ii is V (λ + 4 μ) |b_i|².
+    /// That of K_ii is V ((λ + 4 μ) |b_i|² + m (a₀·b_i)²), m = 0 without fibres.
     fn rest_traces(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
-        let stiffness = (self.lame.lambda + 4.0 * self.lame.mu) * self.domains.volume(element);
+        let elasticity = self.constants(element).elasticity();
+        let volume = self.domains.volume(element);
         let nodes = 0..self.domains.nodes(element).len();
+        if let Some((fibre, a)) = elasticity.fibre {
+            let Lame { mu, lambda } = elasticity.lame;
+            let gradients = nodes.map(|i| self.domains.gradient(element, i));
+            let traces = gradients.map(|b| {
+                let along = a.dot(&b);
+                volume * ((lambda + 4.0 * mu) * b.norm_squared() + fibre * along * along)
+            });
+            out.clear();
+            out.extend(traces);
+            return;
+        }
+        let stiffness = (elasticity.lame.lambda + 4.0 * elasticity.lame.mu) * volume;
         let squares = nodes.map(|i| self.domains.gradient(element, i).norm_squared());
         out.clear();
         out.extend(squares.map(|square| stiffness * square));

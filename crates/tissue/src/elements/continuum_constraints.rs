@@ -24,8 +24,8 @@
 
 use super::continuum::ContinuumSet;
 use super::domains::Domains;
-use crate::law::Law;
 use crate::law::decomposition::cofactor;
+use crate::law::{Constants, Lame, Law};
 use nalgebra::{Matrix3, Vector3};
 
 /// Multipliers of C_D and C_H.
@@ -78,7 +78,8 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
         multipliers: &mut [f64],
         h: f64,
     ) -> Matrix3<f64> {
-        let (mu, bulk) = (self.lame.mu, self.lame.lambda + self.lame.mu);
+        let Lame { mu, lambda } = self.constants.elasticity().lame;
+        let bulk = lambda + mu;
         let (volume_gradient, j) = cofactor(f);
         let volume_compliance = 1.0 / (bulk * volume * h * h);
         let volume_rest = j - 1.0 - mu / bulk + volume_compliance * multipliers[1];
@@ -118,6 +119,7 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
     ) -> Matrix3<f64> {
         // ½ k C² with k = τV/h · 2μ for a diagonal entry, 4μ for the two equal ones off it, λ for the trace.
         let scale = self.relaxation_time * volume / h;
+        let lame = self.constants.elasticity().lame;
         let mut moves = Matrix3::zeros();
         let mut project = |gradient: &Matrix3<f64>, stiffness: f64, multiplier: &mut f64| {
             if stiffness <= 0.0 {
@@ -139,9 +141,9 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
                 gradient[(i, a)] += 0.5 * start[(i, b)];
             }
             let factor = if a == b { 2.0 } else { 4.0 };
-            project(&gradient, scale * factor * self.lame.mu, multiplier);
+            project(&gradient, scale * factor * lame.mu, multiplier);
         }
-        project(start, scale * self.lame.lambda, &mut multipliers[6]);
+        project(start, scale * lame.lambda, &mut multipliers[6]);
         moves
     }
 }

@@ -19,7 +19,7 @@ use crate::elements::splice::{Inherited, make_room, splice};
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, NodeWindow, Tangent,
 };
-use crate::material::{MaterialError, not_negative, positive};
+use crate::range::{MaterialError, not_negative, positive};
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::ops::Range;

@@ -1,10 +1,10 @@
 //! Domains with a constant deformation gradient, and the plain ones: tetrahedra.
 
 use super::key::Key;
-use super::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
 use super::splice::{make_room, splice};
 use crate::elements::NodeWindow;
-use crate::law::{Lame, Law};
+use crate::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
+use crate::law::{Constants, Law};
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
@@ -20,6 +20,9 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
 
     /// Volume at rest \[m³\].
     fn volume(&self, domain: usize) -> f64;
+
+    /// Fibre direction at rest, a unit vector; zero where the mesh has none.
+    fn direction(&self, domain: usize) -> Vector3<f64>;
 
     /// Takes a volume times a factor; all that a domain does is in proportion to its volume.
     fn scale_volume(&mut self, domain: usize, factor: f64);
@@ -51,13 +54,27 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
         &self,
         range: Range<usize>,
         positions: &[Vector3<f64>],
-        lame: &Lame,
+        constants: &L::Constants,
         forces: &mut NodeWindow<'_>,
     ) {
         for domain in range {
             let f = self.deformation(domain, positions);
-            self.add_forces(domain, &L::stress(&f, lame), forces);
+            let stress = L::stress(&f, &constants_at(self, domain, constants));
+            self.add_forces(domain, &stress, forces);
         }
+    }
+}
+
+/// The constants of a law in a domain: with its fibre direction, if the law has one.
+#[inline(always)]
+pub(super) fn constants_at<D: Domains, C: Constants>(
+    domains: &D,
+    domain: usize,
+    constants: &C,
+) -> C {
+    match C::HAS_DIRECTION {
+        true => constants.along(domains.direction(domain)),
+        false => *constants,
     }
 }
 
@@ -69,6 +86,8 @@ pub struct Tetrahedra {
     gradients: Vec<[FourVectors; 3]>,
     volumes: Vec<Lanes>,
     shapes: Vec<FourShapes>,
+    /// Fibre directions, if the mesh has any.
+    directions: Vec<Vector3<f64>>,
 }
 
 /// What is held of one element: see [`FourShapes`].
@@ -104,7 +123,12 @@ impl Tetrahedra {
             gradients: Vec::new(),
             volumes: Vec::new(),
             shapes: Vec::new(),
+            directions: Vec::new(),
         };
+        if !mesh.directions.is_empty() {
+            let directions = elements.iter().map(|&e| mesh.directions[e as usize]);
+            tetrahedra.directions = directions.collect();
+        }
         tetrahedra.reserve(elements.len());
         for (index, &element) in elements.iter().enumerate() {
             let (gradients, volume) = shape(&mesh.corners(element as usize));
@@ -188,7 +212,7 @@ impl Tetrahedra {
         blocks: Range<usize>,
         range: &Range<usize>,
         positions: &[Vector3<f64>],
-        lame: &Lame,
+        constants: &L::Constants,
         forces: &mut NodeWindow<'_>,
     ) {
         // In the last block what was there before stands in for elements that are missing.
@@ -205,9 +229,9 @@ impl Tetrahedra {
             }
         }
         for (corners, block) in corners.iter_mut().zip(blocks) {
-            if !forces_by_areas::<L>(corners, &self.shapes[block], lame) {
+            if !forces_by_areas::<L>(corners, &self.shapes[block], constants) {
                 let (gradients, volumes) = (&self.gradients[block], &self.volumes[block]);
-                forces_by_stress::<L>(corners, gradients, volumes, lame);
+                forces_by_stress::<L>(corners, gradients, volumes, constants);
             }
         }
         let mut element = end - nodes.len();
@@ -260,7 +284,7 @@ fn set_forces(corners: &mut [FourVectors; 4], [f1, f2, f3]: [FourVectors; 3]) {
 fn forces_by_areas<L: Law>(
     corners: &mut [FourVectors; 4],
     shapes: &FourShapes,
-    lame: &Lame,
+    constants: &L::Constants,
 ) -> bool {
     let [e1, e2, e3] = edges_of_four(corners);
     let doubled = [
@@ -269,10 +293,11 @@ fn forces_by_areas<L: Law>(
         cross_of_four(&e1, &e2),
     ];
     let j = dot_of_four(&e1, &doubled[0]) * shapes.per_volume;
-    let Some(slope) = L::slope_of_four(j, lame) else {
+    let Some(slope) = L::slope_of_four(j, constants) else {
         return false;
     };
-    let (along, across) = (Lanes::splat(-lame.mu), -(slope * shapes.sixth));
+    let mu = constants.elasticity().lame.mu;
+    let (along, across) = (Lanes::splat(-mu), -(slope * shapes.sixth));
     let [k11, k22, k33, k23, k31, k12] = shapes.metric;
     let force = |[a, b, c]: [Lanes; 3], doubled: &FourVectors| -> FourVectors {
         let entry = |i: usize| (e1[i] * a + e2[i] * b + e3[i] * c) * along + doubled[i] * across;
@@ -293,7 +318,7 @@ fn forces_by_stress<L: Law>(
     corners: &mut [FourVectors; 4],
     [g1, g2, g3]: &[FourVectors; 3],
     volumes: &Lanes,
-    lame: &Lame,
+    constants: &L::Constants,
 ) {
     let edges = edges_of_four(corners);
     let column = |k: usize| product_of_four(&edges, &[g1[k], g2[k], g3[k]]);
@@ -301,7 +326,7 @@ fn forces_by_stress<L: Law>(
     let mut scaled = [[Lanes::splat(0.0); 3]; 3];
     for lane in 0..LANES {
         let f = Matrix3::from_fn(|i, k| f[k][i].0[lane]);
-        let stress = L::stress(&f, lame) * -volumes.0[lane];
+        let stress = L::stress(&f, constants) * -volumes.0[lane];
         for (k, column) in scaled.iter_mut().enumerate() {
             for (i, value) in column.iter_mut().enumerate() {
                 value.0[lane] = stress[(i, k)];
@@ -340,6 +365,11 @@ impl Domains for Tetrahedra {
         self.volumes[domain / LANES].0[domain % LANES]
     }
 
+    fn direction(&self, domain: usize) -> Vector3<f64> {
+        let direction = self.directions.get(domain);
+        direction.copied().unwrap_or_default()
+    }
+
     fn scale_volume(&mut self, domain: usize, factor: f64) {
         let mut one = self.element(domain);
         one.volume *= factor;
@@ -374,6 +404,9 @@ impl Domains for Tetrahedra {
         }
         self.reserve(count);
         splice(&mut self.nodes, removed, &added.nodes);
+        if !self.directions.is_empty() {
+            splice(&mut self.directions, removed, &added.directions);
+        }
         true
     }
 
@@ -382,6 +415,7 @@ impl Domains for Tetrahedra {
         make_room(&mut self.gradients);
         make_room(&mut self.volumes);
         make_room(&mut self.shapes);
+        make_room(&mut self.directions);
     }
 
     #[inline(always)]
@@ -423,14 +457,22 @@ impl Domains for Tetrahedra {
         &self,
         range: Range<usize>,
         positions: &[Vector3<f64>],
-        lame: &Lame,
+        constants: &L::Constants,
         forces: &mut NodeWindow<'_>,
     ) {
+        if L::Constants::HAS_DIRECTION {
+            for domain in range {
+                let f = self.deformation(domain, positions);
+                let stress = L::stress(&f, &constants_at(self, domain, constants));
+                self.add_forces(domain, &stress, forces);
+            }
+            return;
+        }
         let mut corners = [[[Lanes::splat(0.0); 3]; 4]; BLOCKS];
         let end = range.end.div_ceil(LANES);
         for first in (range.start / LANES..end).step_by(BLOCKS) {
             let blocks = first..end.min(first + BLOCKS);
-            self.add_blocks::<L>(&mut corners, blocks, &range, positions, lame, forces);
+            self.add_blocks::<L>(&mut corners, blocks, &range, positions, constants, forces);
         }
     }
 }

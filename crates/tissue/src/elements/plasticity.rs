@@ -8,7 +8,7 @@
 //! Flow dissipates: the factor grows only as far as the energy ½ k (q − q0)² of the element does not rise; what is held back
 //! comes with later flow. Compression does not flow: a vessel that is dilated stays wide, one that is squeezed recovers.
 
-use crate::material::{MaterialError, not_negative};
+use crate::range::{MaterialError, not_negative};
 
 /// Constants of plastic flow.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,6 +13,7 @@ use super::domains::{Domains, product, shape};
 use super::key::Key;
 use super::splice::{make_room, splice};
 use crate::elements::NodeWindow;
+use crate::law::decomposition::symmetric_eigen;
 use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
 
@@ -35,6 +36,8 @@ pub struct SmoothingDomains {
     nodes: Vec<u32>,
     gradients: Vec<Vector3<f64>>,
     volumes: Vec<f64>,
+    /// Fibre directions, if the mesh has any.
+    directions: Vec<Vector3<f64>>,
     keys: Keys,
 }
 
@@ -120,6 +123,7 @@ impl SmoothingDomains {
             nodes: Vec::new(),
             gradients: Vec::new(),
             volumes: Vec::new(),
+            directions: Vec::new(),
             keys,
         }
     }
@@ -134,10 +138,14 @@ impl SmoothingDomains {
     ) {
         shares.clear();
         let mut volume = 0.0;
+        let mut tensor = Matrix3::zeros();
         for &(_, element) in members {
             let ([g1, g2, g3], of_element) = shape(&mesh.corners(element as usize));
             let part = share * of_element;
             volume += part;
+            if let Some(a) = mesh.directions.get(element as usize) {
+                tensor += a * a.transpose() * part;
+            }
             let gradients = [-(g1 + g2 + g3), g1, g2, g3];
             let nodes = mesh.tets[element as usize].into_iter();
             // The shares of a node are summed in the order of the elements. There are few nodes.
@@ -156,6 +164,9 @@ impl SmoothingDomains {
         }
         self.volumes.push(volume);
         self.runs.push([start, self.nodes.len() as u32]);
+        if !mesh.directions.is_empty() {
+            self.directions.push(mean_direction(&tensor));
+        }
     }
 
     /// Writes nodes and gradients of a domain into a gap of their number, or at the end; returns start and end.
@@ -177,6 +188,16 @@ impl SmoothingDomains {
         let [start, end] = self.runs[domain];
         start as usize..end as usize
     }
+}
+
+/// The direction that lines have in the mean: the axis of the largest eigenvalue of Σ V a ⊗ a, in which a and −a are one. Zero where
+/// there are none.
+fn mean_direction(tensor: &Matrix3<f64>) -> Vector3<f64> {
+    if *tensor == Matrix3::zeros() {
+        return Vector3::zeros();
+    }
+    let (values, axes) = symmetric_eigen(tensor);
+    axes.column(values.imax()).into_owned()
 }
 
 /// The patch of each of these elements.
@@ -262,6 +283,11 @@ impl Domains for SmoothingDomains {
         self.volumes[domain]
     }
 
+    fn direction(&self, domain: usize) -> Vector3<f64> {
+        let direction = self.directions.get(domain);
+        direction.copied().unwrap_or_default()
+    }
+
     fn scale_volume(&mut self, domain: usize, factor: f64) {
         self.volumes[domain] *= factor;
     }
@@ -307,6 +333,9 @@ impl Domains for SmoothingDomains {
         let runs: Vec<[u32; 2]> = runs.collect();
         splice(&mut self.runs, removed, &runs);
         splice(&mut self.volumes, removed, &added.volumes);
+        if !self.directions.is_empty() {
+            splice(&mut self.directions, removed, &added.directions);
+        }
         true
     }
 
@@ -315,6 +344,7 @@ impl Domains for SmoothingDomains {
         make_room(&mut self.nodes);
         make_room(&mut self.gradients);
         make_room(&mut self.volumes);
+        make_room(&mut self.directions);
         match &mut self.keys {
             Keys::Around(keys) => make_room(keys),
             Keys::Of(keys) => make_room(keys),

@@ -1,7 +1,7 @@
-//! What every law keeps, as one test.
+//! What every law fulfils, as one test.
 
 use super::decomposition::SignedSvd;
-use super::{Lame, Law, Matrix9, PrincipalTangent};
+use super::{Constants, IsotropicLaw, Lame, Law, Matrix9, PrincipalTangent};
 use crate::testing::numbers;
 use nalgebra::{Matrix3, Vector3};
 
@@ -20,18 +20,30 @@ const DIFFERENCES: f64 = 1e-8;
 /// A few hundred operations on numbers of order one.
 const ROUNDING: f64 = 1e-13;
 
-/// Checks one law.
+/// Checks one law, with a fibre direction where it has one.
 pub fn check<L: Law>() {
     let mut next = numbers();
     let states = states(&mut next);
-    rest::<L>();
+    let direction = Vector3::new(0.48, -0.6, 0.64);
+    let constants = L::constants(&LAME, &L::Parameters::default()).along(direction);
+    rest::<L>(&constants);
     for f in &states {
-        derivatives::<L>(f);
-        frame_and_axes::<L>(f, &rotation(&mut next));
-        additivity::<L>(f);
-        positive_tangent::<L>(f);
+        derivatives::<L>(f, &constants);
+        frame_and_axes::<L>(f, &rotation(&mut next), direction, &constants);
+        parts::<L>(f, &constants);
+        positive_tangent::<L>(f, &constants);
     }
-    far_states::<L>();
+    far_states::<L>(&constants);
+}
+
+/// Checks one isotropic law.
+pub fn check_isotropic<L: IsotropicLaw>() {
+    check::<L>();
+    let constants = L::constants(&LAME, &L::Parameters::default());
+    assert_eq!(constants.along(Vector3::y()), constants);
+    for f in states(&mut numbers()) {
+        nearest_tangent::<L>(&f, &constants);
+    }
 }
 
 /// Moderate and large strain, near and far from a rotation, some inverted.
@@ -60,24 +72,29 @@ fn rotation(next: &mut impl FnMut() -> f64) -> Matrix3<f64> {
     SignedSvd::new(&Matrix3::from_fn(|_, _| next())).rotation()
 }
 
-/// No energy, no stress, and the tangent of linear elasticity, under any rotation.
-fn rest<L: Law>() {
+/// No energy, no stress, and the tangent of the elasticity that the constants state, whose moduli are those that were given.
+fn rest<L: Law>(c: &L::Constants) {
     let one = Matrix3::identity();
-    assert!(L::energy(&one, &LAME).abs() < ROUNDING);
-    assert!(L::stress(&one, &LAME).amax() < ROUNDING);
-    let elasticity = Matrix9::from_fn(|p, q| {
+    assert!(L::energy(&one, c).abs() < ROUNDING);
+    assert!(L::stress(&one, c).amax() < ROUNDING);
+    let elasticity = c.elasticity();
+    assert!((elasticity.lame.mu - LAME.mu).abs() < ROUNDING);
+    assert!((elasticity.lame.lambda - LAME.lambda).abs() < ROUNDING);
+    let (stiffness, a) = elasticity.fibre.unwrap_or((0.0, Vector3::x()));
+    let expected = Matrix9::from_fn(|p, q| {
         let (i, j, k, l) = (p % 3, p / 3, q % 3, q / 3);
         let same = |a, b| f64::from(u8::from(a == b));
         LAME.lambda * same(i, j) * same(k, l)
             + LAME.mu * (same(i, k) * same(j, l) + same(i, l) * same(j, k))
+            + stiffness * a[i] * a[j] * a[k] * a[l]
     });
-    let error = L::tangent(&one, &LAME) - elasticity;
+    let error = L::tangent(&one, c) - expected;
     assert!(error.amax() < ROUNDING, "{error}");
 }
 
 /// Stress is the gradient of the energy, tangent the derivative of the stress, and symmetric.
-fn derivatives<L: Law>(f: &Matrix3<f64>) {
-    let (stress, tangent) = (L::stress(f, &LAME), L::tangent(f, &LAME));
+fn derivatives<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
+    let (stress, tangent) = (L::stress(f, c), L::tangent(f, c));
     let (stress_scale, tangent_scale) = (stress.amax().max(1.0), tangent.amax().max(1.0));
     for q in 0..9 {
         let [plus, minus] = [STEP, -STEP].map(|d| {
@@ -85,13 +102,13 @@ fn derivatives<L: Law>(f: &Matrix3<f64>) {
             moved.as_mut_slice()[q] += d;
             moved
         });
-        let slope = (L::energy(&plus, &LAME) - L::energy(&minus, &LAME)) / (2.0 * STEP);
+        let slope = (L::energy(&plus, c) - L::energy(&minus, c)) / (2.0 * STEP);
         let error = slope - stress.as_slice()[q];
         assert!(
             error.abs() < DIFFERENCES * stress_scale,
             "stress {q}: {error:e} at {f}"
         );
-        let slopes = (L::stress(&plus, &LAME) - L::stress(&minus, &LAME)) / (2.0 * STEP);
+        let slopes = (L::stress(&plus, c) - L::stress(&minus, c)) / (2.0 * STEP);
         for p in 0..9 {
             let error = slopes.as_slice()[p] - tangent[(p, q)];
             assert!(
@@ -103,50 +120,74 @@ fn derivatives<L: Law>(f: &Matrix3<f64>) {
     assert!((tangent - tangent.transpose()).amax() < ROUNDING * tangent_scale);
 }
 
-/// Ψ(Q F) = Ψ(F) and P(Q F) = Q P(F); Ψ(F Q) = Ψ(F) and P(F Q) = P(F) Q.
-fn frame_and_axes<L: Law>(f: &Matrix3<f64>, q: &Matrix3<f64>) {
-    let (energy, stress) = (L::energy(f, &LAME), L::stress(f, &LAME));
+/// Ψ(Q F) = Ψ(F) and P(Q F) = Q P(F); with the fibres turned by Qᵀ Ψ(F Q) = Ψ(F) and P(F Q) = P(F) Q.
+fn frame_and_axes<L: Law>(
+    f: &Matrix3<f64>,
+    q: &Matrix3<f64>,
+    direction: Vector3<f64>,
+    c: &L::Constants,
+) {
+    let (energy, stress) = (L::energy(f, c), L::stress(f, c));
     let scale = energy.abs().max(stress.amax()).max(1.0);
-    for (turned, expected) in [(q * f, q * stress), (f * q, stress * q)] {
-        assert!((L::energy(&turned, &LAME) - energy).abs() < ROUNDING * scale);
-        assert!((L::stress(&turned, &LAME) - expected).amax() < ROUNDING * scale);
+    let turned = c.along(q.tr_mul(&direction));
+    for (f, c, expected) in [(q * f, c, q * stress), (f * q, &turned, stress * q)] {
+        assert!((L::energy(&f, c) - energy).abs() < ROUNDING * scale);
+        assert!((L::stress(&f, c) - expected).amax() < ROUNDING * scale);
     }
 }
 
-/// The parts of μ and λ sum up to the whole.
-fn additivity<L: Law>(f: &Matrix3<f64>) {
-    let parts = [
-        Lame {
-            lambda: 0.0,
-            ..LAME
-        },
-        Lame { mu: 0.0, ..LAME },
-    ];
+/// The isochoric and the volumetric part sum up to the whole; all shear stiffness and all fibres belong to the first, and both resist
+/// a change of volume, if at all, with a positive modulus.
+fn parts<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
+    let parts = c.split().expect("λ is positive");
     let energy: f64 = parts.iter().map(|part| L::energy(f, part)).sum();
     let stress: Matrix3<f64> = parts.iter().map(|part| L::stress(f, part)).sum();
     let tangent: Matrix9 = parts.iter().map(|part| L::tangent(f, part)).sum();
-    let scale = L::tangent(f, &LAME).amax().max(energy.abs()).max(1.0);
-    assert!((energy - L::energy(f, &LAME)).abs() < ROUNDING * scale);
-    assert!((stress - L::stress(f, &LAME)).amax() < ROUNDING * scale);
-    assert!((tangent - L::tangent(f, &LAME)).amax() < ROUNDING * scale);
+    let scale = L::tangent(f, c).amax().max(energy.abs()).max(1.0);
+    assert!((energy - L::energy(f, c)).abs() < ROUNDING * scale);
+    assert!((stress - L::stress(f, c)).amax() < ROUNDING * scale);
+    assert!((tangent - L::tangent(f, c)).amax() < ROUNDING * scale);
+    let [isochoric, volumetric] = parts.map(|part| part.elasticity());
+    assert_eq!(
+        (volumetric.lame.mu, isochoric.lame.mu),
+        (0.0, c.elasticity().lame.mu)
+    );
+    assert!(volumetric.lame.lambda > 0.0 && isochoric.lame.lambda >= 0.0);
+    assert!(
+        volumetric
+            .fibre
+            .is_none_or(|(stiffness, _)| stiffness == 0.0)
+    );
+}
+
+/// The positive tangent has no negative eigenvalue, and is nowhere below the exact one.
+fn positive_tangent<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
+    let exact = L::tangent(f, c);
+    let positive = L::positive_tangent(&SignedSvd::new(f), c);
+    let least = -10.0 * ROUNDING * exact.amax().max(1.0);
+    assert!((positive - positive.transpose()).amax() < -least);
+    assert!(positive.symmetric_eigenvalues().min() > least, "at {f}");
+    let above = positive - exact;
+    let above = (above + above.transpose()) * 0.5;
+    assert!(above.symmetric_eigenvalues().min() > least, "at {f}");
 }
 
 /// In principal axes the tangent is the same, and its positive form is the dense one with the eigenvalues cut off at zero.
-fn positive_tangent<L: Law>(f: &Matrix3<f64>) {
+fn nearest_tangent<L: IsotropicLaw>(f: &Matrix3<f64>, c: &L::Constants) {
     let svd = SignedSvd::new(f);
-    let tangent = L::tangent(f, &LAME);
+    let tangent = L::tangent(f, c);
     let scale = tangent.amax().max(1.0);
-    let principal: PrincipalTangent = L::principal_tangent(&svd.stretches, &LAME);
+    let principal: PrincipalTangent = L::principal_tangent(&svd.stretches, c);
     assert!((principal.rotated(&svd) - tangent).amax() < ROUNDING * scale);
     let eigen = tangent.symmetric_eigen();
     let cut = Matrix9::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0)));
     let nearest = eigen.eigenvectors * cut * eigen.eigenvectors.transpose();
-    let error = (L::positive_tangent(&svd, &LAME) - nearest).amax();
+    let error = (L::positive_tangent(&svd, c) - nearest).amax();
     assert!(error < 10.0 * ROUNDING * scale, "{error:e} at {f}");
 }
 
 /// Finite where laws with logarithms or rotations break: flat, collapsed, inverted, huge.
-fn far_states<L: Law>() {
+fn far_states<L: Law>(c: &L::Constants) {
     for stretches in [
         [0.0, 0.0, 0.0],
         [1.0, 1.0, 0.0],
@@ -157,17 +198,17 @@ fn far_states<L: Law>() {
         [1e6, 1e-6, -1e6],
     ] {
         let f = Matrix3::from_diagonal(&Vector3::from(stretches));
-        assert!(L::energy(&f, &LAME).is_finite(), "{stretches:?}");
+        assert!(L::energy(&f, c).is_finite(), "{stretches:?}");
         assert!(
-            L::stress(&f, &LAME).iter().all(|p| p.is_finite()),
+            L::stress(&f, c).iter().all(|p| p.is_finite()),
             "{stretches:?}"
         );
         assert!(
-            L::tangent(&f, &LAME).iter().all(|p| p.is_finite()),
+            L::tangent(&f, c).iter().all(|p| p.is_finite()),
             "{stretches:?}"
         );
         let svd = SignedSvd::new(&f);
-        let positive = L::positive_tangent(&svd, &LAME);
+        let positive = L::positive_tangent(&svd, c);
         assert!(positive.iter().all(|p| p.is_finite()), "{stretches:?}");
     }
 }

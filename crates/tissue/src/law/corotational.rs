@@ -1,7 +1,8 @@
 //! Corotational linear elasticity.
 
 use super::decomposition::{SignedSvd, rotation_of};
-use super::{Lame, Law, LawName, Matrix9, PrincipalTangent};
+use super::isotropic::nearest_positive;
+use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ ‖F − R‖² + λ/2 tr²(RᵀF − 1), R the proper rotation nearest to F: P = 2μ (F − R) + λ tr(RᵀF − 1) R (Müller & Gross 2004;
@@ -19,7 +20,13 @@ pub struct Corotational;
 const SMALLEST_SUM: f64 = 1e-8;
 
 impl Law for Corotational {
+    type Constants = Lame;
+    type Parameters = ();
     const NAME: LawName = LawName::Corotational;
+
+    fn constants(lame: &Lame, _parameters: &()) -> Lame {
+        *lame
+    }
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let r = rotation_of(f);
@@ -39,6 +46,12 @@ impl Law for Corotational {
         Self::principal_tangent(&svd.stretches, lame).rotated(&svd)
     }
 
+    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
+        nearest_positive::<Self>(f, lame)
+    }
+}
+
+impl IsotropicLaw for Corotational {
     /// Symmetric shear has 2μ, as without rotation; the other one turns R too and has (ψ_i + ψ_j)/(σ_i + σ_j) with
     /// ψ_i = 2μ (σ_i − 1) + λ (Σσ − 3).
     fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
@@ -63,6 +76,6 @@ impl Law for Corotational {
 mod tests {
     #[test]
     fn keeps_the_contract() {
-        crate::law::contract::check::<super::Corotational>();
+        crate::law::contract::check_isotropic::<super::Corotational>();
     }
 }

@@ -5,7 +5,7 @@
 
 mod four;
 
-use crate::elements::lanes::LANES;
+use crate::lanes::LANES;
 use nalgebra::{Matrix3, Vector3};
 
 /// F = U diag(σ) Vᵀ with proper rotations U and V and σ1 ≥ σ2 ≥ |σ3|: σ3 has the sign of det F.

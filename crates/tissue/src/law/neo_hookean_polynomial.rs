@@ -1,9 +1,10 @@
 //! Neo-Hookean law without logarithm.
 
-use super::decomposition::cofactor;
+use super::decomposition::{SignedSvd, cofactor};
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, LawName, Matrix9, PrincipalTangent};
-use crate::elements::Lanes;
+use super::isotropic::nearest_positive;
+use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
+use crate::lanes::Lanes;
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ+μ)/2 (J − 1)², J = det F: the simplest form of Smith, de Goes, Kim 2018 (with
@@ -19,8 +20,14 @@ use nalgebra::{Matrix3, Vector3};
 pub struct NeoHookeanPolynomial;
 
 impl Law for NeoHookeanPolynomial {
+    type Constants = Lame;
+    type Parameters = ();
     const NAME: LawName = LawName::NeoHookeanPolynomial;
     const IS_SUM_OF_SQUARES: bool = true;
+
+    fn constants(lame: &Lame, _parameters: &()) -> Lame {
+        *lame
+    }
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let growth = f.determinant() - 1.0;
@@ -47,6 +54,12 @@ impl Law for NeoHookeanPolynomial {
         invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))
     }
 
+    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
+        nearest_positive::<Self>(f, lame)
+    }
+}
+
+impl IsotropicLaw for NeoHookeanPolynomial {
     fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
         let derivatives = derivatives(stretches.norm_squared(), stretches.product(), lame);
         invariants::principal_tangent(stretches, &derivatives)
@@ -67,6 +80,6 @@ fn derivatives(_i: f64, j: f64, lame: &Lame) -> InvariantDerivatives {
 mod tests {
     #[test]
     fn keeps_the_contract() {
-        crate::law::contract::check::<super::NeoHookeanPolynomial>();
+        crate::law::contract::check_isotropic::<super::NeoHookeanPolynomial>();
     }
 }

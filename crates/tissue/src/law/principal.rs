@@ -4,8 +4,8 @@
 //! stretches and, for each pair of axes, a 2×2 block [[a, b], [b, a]] of the shears (Sifakis & Barbič 2012; Smith, de Goes, Kim
 //! 2019). Its eigenvalues are cut off at zero block by block, which gives the nearest tangent without negative ones.
 
-use super::Matrix9;
 use super::decomposition::{SignedSvd, symmetric_eigen};
+use super::elasticity::Matrix9;
 use nalgebra::Matrix3;
 
 /// The pairs of axes, in the order of the entries of a shear.

@@ -1,6 +1,8 @@
 //! St Venant–Kirchhoff: linear in Green's strain.
 
-use super::{Lame, Law, LawName, Matrix9};
+use super::decomposition::SignedSvd;
+use super::isotropic::nearest_positive;
+use super::{IsotropicLaw, Lame, Law, LawName, Matrix9};
 use nalgebra::Matrix3;
 
 /// Ψ = μ E:E + λ/2 tr²E with Green's strain E = (FᵀF − 1)/2.
@@ -50,7 +52,13 @@ pub(super) fn material_tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
 }
 
 impl Law for StVenantKirchhoff {
+    type Constants = Lame;
+    type Parameters = ();
     const NAME: LawName = LawName::StVenantKirchhoff;
+
+    fn constants(lame: &Lame, _parameters: &()) -> Lame {
+        *lame
+    }
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let strain = strain(f);
@@ -75,12 +83,18 @@ impl Law for StVenantKirchhoff {
         }
         tangent
     }
+
+    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
+        nearest_positive::<Self>(f, lame)
+    }
 }
+
+impl IsotropicLaw for StVenantKirchhoff {}
 
 #[cfg(test)]
 mod tests {
     #[test]
     fn keeps_the_contract() {
-        crate::law::contract::check::<super::StVenantKirchhoff>();
+        crate::law::contract::check_isotropic::<super::StVenantKirchhoff>();
     }
 }

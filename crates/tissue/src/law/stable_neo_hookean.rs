@@ -1,8 +1,9 @@
 //! Stable neo-Hookean law.
 
-use super::decomposition::cofactor;
+use super::decomposition::{SignedSvd, cofactor};
 use super::invariants::{self, InvariantDerivatives};
-use super::{Lame, Law, LawName, Matrix9, PrincipalTangent};
+use super::isotropic::nearest_positive;
+use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ'/2 (I − 3) + λ'/2 (J − α)² − μ'/2 ln(I + 1) up to a constant, I = tr FᵀF, J = det F, α = 1 + 3μ'/(4λ') (Smith, de Goes,
@@ -21,7 +22,13 @@ fn own_constants(lame: &Lame) -> (f64, f64) {
 }
 
 impl Law for StableNeoHookean {
+    type Constants = Lame;
+    type Parameters = ();
     const NAME: LawName = LawName::StableNeoHookean;
+
+    fn constants(lame: &Lame, _parameters: &()) -> Lame {
+        *lame
+    }
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
         let (mu, lambda) = own_constants(lame);
@@ -44,6 +51,12 @@ impl Law for StableNeoHookean {
         invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))
     }
 
+    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
+        nearest_positive::<Self>(f, lame)
+    }
+}
+
+impl IsotropicLaw for StableNeoHookean {
     fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
         let derivatives = derivatives(stretches.norm_squared(), stretches.product(), lame);
         invariants::principal_tangent(stretches, &derivatives)
@@ -66,6 +79,6 @@ fn derivatives(i: f64, j: f64, lame: &Lame) -> InvariantDerivatives {
 mod tests {
     #[test]
     fn keeps_the_contract() {
-        crate::law::contract::check::<super::StableNeoHookean>();
+        crate::law::contract::check_isotropic::<super::StableNeoHookean>();
     }
 }

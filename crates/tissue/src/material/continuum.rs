@@ -1,24 +1,43 @@
 //! Continua: Young's modulus and Poisson's ratio of a material in, elements of a law and a discretisation out.
 
-use super::{Carried, MaterialError, positive};
+use super::{Carried, EnergyPart};
 use crate::elements::key::Key;
 use crate::elements::{
     Continuum, EDGE_SHARE, Elements, NODE_SHARE, Smoothed, SmoothingDomains, Tetrahedra,
 };
-use crate::law::{Lame, Law, with_law};
+use crate::law::{Constants, Lame, Law, MaterialLaw, with_law};
+use crate::range::{MaterialError, positive, require};
 use microsim_mesh::TetMesh;
-use microsim_vocabulary::{Discretisation, LawName};
-use nalgebra::Matrix3;
+use microsim_vocabulary::Discretisation;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// Constants of a continuum.
+///
+/// ```
+/// use microsim_tissue::law::{FibreParameters, LawName, MaterialLaw};
+/// use microsim_tissue::{ContinuumConstants, Discretisation};
+///
+/// let muscle = ContinuumConstants {
+///     law: MaterialLaw::TransverselyIsotropic(FibreParameters { fibre_ratio: 4.0 }),
+///     young: 20e3,
+///     poisson: 0.45,
+///     discretisation: Discretisation::Selective,
+/// };
+/// assert!(muscle.check().is_ok() && muscle.law.has_direction());
+/// let fat = ContinuumConstants {
+///     law: LawName::NeoHookean.into(),
+///     ..muscle
+/// };
+/// assert!(!fat.law.has_direction());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuumConstants {
-    /// The material law.
-    pub law: LawName,
-    /// Young's modulus E \[Pa\], > 0.
+    /// The material law, with what it is given beside E and ν.
+    pub law: MaterialLaw,
+    /// Young's modulus E at small strain \[Pa\], > 0; with fibres that of their matrix.
     pub young: f64,
-    /// Poisson's ratio ν, > −1 and < 0.5.
+    /// Poisson's ratio ν at small strain, > −1 and < 0.5; with fibres that of their matrix.
     pub poisson: f64,
     /// How the mesh carries it.
     pub discretisation: Discretisation,
@@ -28,53 +47,53 @@ impl ContinuumConstants {
     /// Whether all values are in range.
     pub fn check(&self) -> Result<(), MaterialError> {
         positive("young", self.young, "> 0 Pa")?;
-        if self.poisson > -1.0 && self.poisson < 0.5 {
-            return Ok(());
-        }
-        Err(MaterialError {
-            value_name: "poisson",
-            value: self.poisson,
-            allowed: "> -1 and < 0.5; for incompressible tissue take 0.49 with the discretisation selective or patch-pressure",
-        })
+        require(
+            self.poisson > -1.0 && self.poisson < 0.5,
+            "poisson",
+            self.poisson,
+            "> -1 and < 0.5; for incompressible tissue take 0.49 with the discretisation selective or patch-pressure",
+        )?;
+        self.law.check(self.poisson)
     }
 
-    /// The elastic Cauchy stress P Fᵀ/det F \[Pa\] at the deformation gradient `f`. Where the volume is gone to rounding, or
+    /// The elastic Cauchy stress P Fᵀ/det F \[Pa\] at the deformation gradient `f` of an element with this fibre direction, which an
+    /// isotropic law ignores. Where the volume is gone to rounding, or
     /// inverted, there is no such stress and it is zero.
-    pub fn cauchy_stress(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
+    pub fn cauchy_stress(&self, f: &Matrix3<f64>, direction: Vector3<f64>) -> Matrix3<f64> {
         let (volume, size) = (f.determinant(), f.norm());
         if volume <= f64::EPSILON * size * size * size {
             return Matrix3::zeros();
         }
-        let lame = Lame::from_young_poisson(self.young, self.poisson);
-        with_law!(self.law, L => L::stress(f, &lame)) * f.transpose() / volume
+        self.law.stress(f, &self.lame(), direction) * f.transpose() / volume
+    }
+
+    /// Lamé's constants of E and ν.
+    fn lame(&self) -> Lame {
+        Lame::from_young_poisson(self.young, self.poisson)
     }
 
     /// The parts, one or two, each of one set.
     fn parts(&self) -> Vec<Carried> {
-        let lame = Lame::from_young_poisson(self.young, self.poisson);
-        // A part with λ ≤ 0 alone would have no lowest energy; without pressure nothing locks either, so nothing is split.
-        let split = lame.lambda > 0.0;
-        let shear = Lame {
-            lambda: 0.0,
-            ..lame
-        };
-        let pressure = Lame { mu: 0.0, ..lame };
+        use EnergyPart::{Isochoric, Volumetric, Whole};
+        let lame = self.lame();
+        // Without pressure nothing locks, so nothing is split.
+        let split = with_law!(&self.law, L, p => L::constants(&lame, p).split().is_some());
         match self.discretisation {
-            Discretisation::Tetrahedra => vec![Carried::Tetrahedra(lame)],
-            Discretisation::EdgeSmoothed => vec![Carried::Edges(lame)],
-            Discretisation::NodeSmoothed => vec![Carried::Nodes(lame)],
+            Discretisation::EdgeSmoothed => vec![Carried::Edges(Whole)],
+            Discretisation::NodeSmoothed => vec![Carried::Nodes(Whole)],
             Discretisation::Selective if split => {
-                vec![Carried::Edges(shear), Carried::Nodes(pressure)]
+                vec![Carried::Edges(Isochoric), Carried::Nodes(Volumetric)]
             }
-            Discretisation::Selective => vec![Carried::Edges(lame)],
+            Discretisation::Selective => vec![Carried::Edges(Whole)],
             Discretisation::NodalPressure if split => {
-                vec![Carried::Tetrahedra(shear), Carried::Nodes(pressure)]
+                vec![Carried::Tetrahedra(Isochoric), Carried::Nodes(Volumetric)]
             }
-            Discretisation::NodalPressure => vec![Carried::Tetrahedra(lame)],
             Discretisation::PatchPressure if split => {
-                vec![Carried::Tetrahedra(shear), Carried::Patches(pressure)]
+                vec![Carried::Tetrahedra(Isochoric), Carried::Patches(Volumetric)]
             }
-            Discretisation::PatchPressure => vec![Carried::Tetrahedra(lame)],
+            Discretisation::Tetrahedra
+            | Discretisation::NodalPressure
+            | Discretisation::PatchPressure => vec![Carried::Tetrahedra(Whole)],
         }
     }
 
@@ -86,17 +105,17 @@ impl ContinuumConstants {
         relaxation_time: f64,
     ) -> Vec<(Carried, Arc<dyn Elements>)> {
         let set = |carried| match carried {
-            Carried::Edges(lame) => {
+            Carried::Edges(part) => {
                 let domains = SmoothingDomains::around_edges(mesh, elements);
-                self.smoothed(domains, lame, relaxation_time)
+                self.smoothed(domains, part, relaxation_time)
             }
-            Carried::Nodes(lame) => {
+            Carried::Nodes(part) => {
                 let domains = SmoothingDomains::around_nodes(mesh, elements);
-                self.smoothed(domains, lame, relaxation_time)
+                self.smoothed(domains, part, relaxation_time)
             }
-            Carried::Patches(lame) => {
+            Carried::Patches(part) => {
                 let domains = SmoothingDomains::of_patches(mesh, elements);
-                self.smoothed(domains, lame, relaxation_time)
+                self.smoothed(domains, part, relaxation_time)
             }
             _ => self.tetrahedra(mesh, elements, carried, relaxation_time),
         };
@@ -104,7 +123,7 @@ impl ContinuumConstants {
         parts.map(|carried| (carried, set(carried))).collect()
     }
 
-    /// Elements of one of the sets: those with these keys, each with all tetrahedra that have a share in it, ascending.
+    /// Elements of one of the sets: those with these keys, each with all tetrahedra that have a part in it, ascending.
     pub(super) fn build_around(
         &self,
         carried: Carried,
@@ -113,13 +132,13 @@ impl ContinuumConstants {
         relaxation_time: f64,
     ) -> Arc<dyn Elements> {
         match carried {
-            Carried::Edges(lame) => {
+            Carried::Edges(part) => {
                 let domains = SmoothingDomains::around(mesh, around, EDGE_SHARE);
-                self.smoothed(domains, lame, relaxation_time)
+                self.smoothed(domains, part, relaxation_time)
             }
-            Carried::Nodes(lame) => {
+            Carried::Nodes(part) => {
                 let domains = SmoothingDomains::around(mesh, around, NODE_SHARE);
-                self.smoothed(domains, lame, relaxation_time)
+                self.smoothed(domains, part, relaxation_time)
             }
             _ => {
                 let elements: Vec<u32> = around.iter().map(|(_, element)| *element).collect();
@@ -131,21 +150,25 @@ impl ContinuumConstants {
     /// Elements that are patches of these tetrahedra: ascending pairs of patch and tetrahedron.
     pub(super) fn build_patches(
         &self,
-        lame: Lame,
+        part: EnergyPart,
         mesh: &TetMesh,
         members: &[(u32, u32)],
         relaxation_time: f64,
     ) -> Arc<dyn Elements> {
-        self.smoothed(SmoothingDomains::of(mesh, members), lame, relaxation_time)
+        self.smoothed(SmoothingDomains::of(mesh, members), part, relaxation_time)
     }
 
     fn smoothed(
         &self,
         domains: SmoothingDomains,
-        lame: Lame,
+        part: EnergyPart,
         relaxation_time: f64,
     ) -> Arc<dyn Elements> {
-        with_law!(self.law, L => Arc::new(Smoothed::<L>::new(domains, lame, relaxation_time)))
+        let lame = self.lame();
+        with_law!(&self.law, L, p => {
+            let constants = of_part(L::constants(&lame, p), part);
+            Arc::new(Smoothed::<L>::new(domains, constants, relaxation_time))
+        })
     }
 
     fn tetrahedra(
@@ -155,23 +178,36 @@ impl ContinuumConstants {
         carried: Carried,
         relaxation_time: f64,
     ) -> Arc<dyn Elements> {
-        let lame = match carried {
-            Carried::Tetrahedra(lame) => lame,
-            _ => Lame::from_young_poisson(self.young, self.poisson),
+        let part = match carried {
+            Carried::Tetrahedra(part) => part,
+            _ => EnergyPart::Whole,
         };
         let domains = Tetrahedra::new(mesh, elements);
-        with_law!(self.law, L => Arc::new(Continuum::<L>::new(domains, lame, relaxation_time)))
+        let lame = self.lame();
+        with_law!(&self.law, L, p => {
+            let constants = of_part(L::constants(&lame, p), part);
+            Arc::new(Continuum::<L>::new(domains, constants, relaxation_time))
+        })
+    }
+}
+
+/// The constants of a part of the energy; of what cannot be split the whole.
+fn of_part<C: Constants>(constants: C, part: EnergyPart) -> C {
+    match (part, constants.split()) {
+        (EnergyPart::Isochoric, Some([isochoric, _])) => isochoric,
+        (EnergyPart::Volumetric, Some([_, volumetric])) => volumetric,
+        _ => constants,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
+    use crate::law::{LawName, MooneyRivlinParameters};
 
     fn constants(young: f64, poisson: f64) -> ContinuumConstants {
         ContinuumConstants {
-            law: LawName::StableNeoHookean,
+            law: LawName::StableNeoHookean.into(),
             young,
             poisson,
             discretisation: Discretisation::Selective,
@@ -206,19 +242,32 @@ mod tests {
         let expected = Vector3::new(lambda, lambda, lambda + 2.0 * mu) * strain;
         for law in LawName::ALL {
             let constants = ContinuumConstants {
-                law,
+                law: law.into(),
                 ..constants(3e4, 0.4)
             };
+            // Along the stretch fibres would pull as well.
+            let cauchy_stress = |f: &Matrix3<f64>| constants.cauchy_stress(f, Vector3::x());
             let stretched = |z| Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, z));
-            let stress = constants.cauchy_stress(&stretched(1.0 + strain));
+            let stress = cauchy_stress(&stretched(1.0 + strain));
             let error = stress - Matrix3::from_diagonal(&expected);
             assert!(
                 error.norm() < 10.0 * strain * expected.norm(),
                 "{law:?} {stress}"
             );
             for gone in [0.0, 1e-17, -1.0] {
-                assert_eq!(constants.cauchy_stress(&stretched(gone)), Matrix3::zeros());
+                assert_eq!(cauchy_stress(&stretched(gone)), Matrix3::zeros());
             }
         }
+    }
+
+    #[test]
+    fn parameters_of_the_law_are_checked_with_the_ratio() {
+        let law = MaterialLaw::MooneyRivlin(MooneyRivlinParameters { c01_fraction: 1.0 });
+        let of = |poisson| ContinuumConstants {
+            law,
+            ..constants(3e4, poisson)
+        };
+        assert_eq!(of(0.4).check(), Ok(()));
+        assert_eq!(of(0.3).check().unwrap_err().value_name, "poisson");
     }
 }

@@ -3,9 +3,19 @@
 use super::{Behaviour, Material};
 use crate::elements::Elements;
 use crate::elements::key::Key;
-use crate::law::Lame;
 use microsim_mesh::TetMesh;
 use std::sync::Arc;
+
+/// Which part of the energy of a law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EnergyPart {
+    /// All of it.
+    Whole,
+    /// What resists a change of shape.
+    Isochoric,
+    /// What resists a change of volume.
+    Volumetric,
+}
 
 /// By what a part of a material is carried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,13 +27,13 @@ pub(crate) enum Carried {
     /// The volumes of the tetrahedra.
     Volumes,
     /// A continuum in the tetrahedra.
-    Tetrahedra(Lame),
+    Tetrahedra(EnergyPart),
     /// A continuum around edges.
-    Edges(Lame),
+    Edges(EnergyPart),
     /// A continuum around nodes.
-    Nodes(Lame),
+    Nodes(EnergyPart),
     /// A continuum in patches of tetrahedra.
-    Patches(Lame),
+    Patches(EnergyPart),
 }
 
 impl Carried {
@@ -79,8 +89,8 @@ impl Part {
         members: &[(u32, u32)],
     ) -> Option<Arc<dyn Elements>> {
         match (&self.material.behaviour, self.carried) {
-            (Behaviour::Continuum(constants), Carried::Patches(lame)) => {
-                Some(constants.build_patches(lame, mesh, members, self.material.relaxation_time))
+            (Behaviour::Continuum(constants), Carried::Patches(part)) => {
+                Some(constants.build_patches(part, mesh, members, self.material.relaxation_time))
             }
             _ => None,
         }

@@ -22,11 +22,12 @@ mod region;
 
 pub use fit::{Fit, fit};
 
-use super::{Carried, MaterialError, not_negative, positive};
+use super::Carried;
 use crate::elements::key::Key;
 use crate::elements::{
     Area, Constraint, ConstraintSet, Elements, Length, Measure, Plasticity, Volume,
 };
+use crate::range::{MaterialError, not_negative, positive};
 use microsim_mesh::TetMesh;
 use region::Region;
 use std::sync::Arc;

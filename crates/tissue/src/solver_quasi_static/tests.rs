@@ -101,7 +101,7 @@ fn beam() -> TissueModel {
         density: 1000.0,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: crate::law::LawName::StableNeoHookean,
+            law: crate::law::LawName::StableNeoHookean.into(),
             young: 1e5,
             poisson: 0.3,
             discretisation: Discretisation::Tetrahedra,

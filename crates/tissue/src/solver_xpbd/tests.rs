@@ -38,7 +38,7 @@ fn of_law(law: LawName) -> TissueModel {
         density: 1000.0,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
-            law,
+            law: law.into(),
             young: 2e4,
             poisson: 0.4,
             discretisation: Discretisation::Tetrahedra,

@@ -1,5 +1,6 @@
 //! Gmsh `.msh`, versions 2.x and 4.1 (Gmsh reference manual, "MSH file format" and "MSH file format version 2").
 
+mod element_data;
 mod elements;
 mod version_2;
 mod version_4;
@@ -23,6 +24,10 @@ struct Reader<'a> {
     size: Scalar,
     /// Index of each node by its number in the file.
     nodes: BTreeMap<i64, u32>,
+    /// Number of each tetrahedron in the file.
+    tet_numbers: Vec<i64>,
+    /// Fibre directions of elements by their numbers, and the rank of their name.
+    directions: Option<(usize, Vec<(i64, Vector3<f64>)>)>,
     parts: Parts,
 }
 
@@ -60,6 +65,8 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
         encoding,
         size,
         nodes: BTreeMap::new(),
+        tet_numbers: Vec::new(),
+        directions: None,
         parts: Parts::default(),
     };
     match version {
@@ -67,6 +74,7 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
         b"4.1" => version_4::read(&mut reader)?,
         _ => return Err(version_error),
     }
+    reader.set_directions();
     reader.parts.finish()
 }
 
@@ -110,6 +118,8 @@ impl<'a> Reader<'a> {
             }
             if name == "PhysicalNames" {
                 self.physical_names()?;
+            } else if name == "ElementData" {
+                self.element_data()?;
             } else if section(self, name)? {
                 self.scanner.keyword(&format!("$End{name}"))?;
             } else {

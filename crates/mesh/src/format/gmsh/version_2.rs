@@ -34,8 +34,9 @@ fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
     while read < count {
         // ASCII: number, type, number of tags per element. Binary: a header for several elements, then their numbers.
         let ascii = reader.encoding == Encoding::Ascii;
+        let mut number = 0;
         if ascii {
-            reader.int("an element number (or fewer elements in $Elements)")?;
+            number = reader.int("an element number (or fewer elements in $Elements)")?;
         }
         let element_type = reader.int("an element type")?;
         let block = if ascii {
@@ -55,7 +56,7 @@ fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
         let (nodes, name) = reader.known_type(element_type)?;
         for _ in 0..block {
             if !ascii {
-                reader.int("an element number")?;
+                number = reader.int("an element number")?;
             }
             let mut physical = 0;
             for tag in 0..tags {
@@ -72,6 +73,7 @@ fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
                 }
                 reader.parts.tets.push(tet);
                 reader.parts.regions.push(region);
+                reader.tet_numbers.push(number);
             } else {
                 reader
                     .scanner

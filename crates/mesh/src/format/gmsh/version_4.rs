@@ -112,7 +112,7 @@ fn elements(reader: &mut Reader<'_>, regions: &BTreeMap<i64, u32>) -> Result<(),
         let least = reader.least_bytes(1 + nodes, (1 + nodes) * reader.size.size());
         let in_block = reader.scanner.check_count(in_block, least, "elements")?;
         for _ in 0..in_block {
-            reader.size("an element number")?;
+            let number = reader.size("an element number")?;
             if element_type == TETRAHEDRON {
                 let mut tet = [0; 4];
                 for slot in &mut tet {
@@ -123,6 +123,7 @@ fn elements(reader: &mut Reader<'_>, regions: &BTreeMap<i64, u32>) -> Result<(),
                     .parts
                     .regions
                     .push(regions.get(&entity).copied().unwrap_or(0));
+                reader.tet_numbers.push(number);
             } else {
                 reader
                     .scanner

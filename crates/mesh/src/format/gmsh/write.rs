@@ -1,6 +1,7 @@
 //! Gmsh files from a mesh, in ASCII: version 2.2, which other programs read too.
 
 use crate::TetMesh;
+use crate::format::assemble::DIRECTIONS;
 use std::fmt::Write;
 
 /// `mesh` as a version 2.2 file; the physical group of an element is its region. Gmsh itself takes groups up to 2³¹ − 1.
@@ -34,5 +35,23 @@ pub fn write_gmsh_2(mesh: &TetMesh) -> Vec<u8> {
         );
     }
     out.push_str("$EndElements\n");
+    write_directions(mesh, &mut out);
     out.into_bytes()
+}
+
+/// The fibre directions, if there are any, as a view; elements are numbered from 1.
+fn write_directions(mesh: &TetMesh, out: &mut String) {
+    if mesh.directions.is_empty() {
+        return;
+    }
+    let count = mesh.directions.len();
+    // One text tag, one real tag (the time), three whole ones: time step, components, elements.
+    let _ = writeln!(
+        out,
+        "$ElementData\n1\n\"{DIRECTIONS}\"\n1\n0\n3\n0\n3\n{count}"
+    );
+    for (index, a) in mesh.directions.iter().enumerate() {
+        let _ = writeln!(out, "{} {:?} {:?} {:?}", index + 1, a.x, a.y, a.z);
+    }
+    out.push_str("$EndElementData\n");
 }

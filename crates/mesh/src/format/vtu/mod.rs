@@ -7,7 +7,9 @@ mod write;
 pub use write::{Field, FieldValues, VtuEncoding, write_vtu};
 
 use super::Import;
-use super::assemble::{Parts, positions, region_rank, region_values};
+use super::assemble::{
+    CellData, Parts, direction_rank, direction_values, positions, region_rank, region_values,
+};
 use super::cells::Cells;
 use super::error::{FormatError, Place};
 use array::Decoder;
@@ -55,20 +57,28 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
             ));
         }
 
-        let region = piece
-            .cell_data
-            .iter()
-            .filter(|array| array.components == 1)
-            .filter_map(|array| Some((region_rank(&array.name)?, array)))
-            .min_by_key(|(rank, _)| *rank);
-        let mut regions = None;
-        if let Some((_, array)) = region {
+        let best = |components: usize, rank: fn(&str) -> Option<usize>| {
+            let arrays = piece.cell_data.iter();
+            arrays
+                .filter(|array| array.components == components)
+                .filter_map(|array| Some((rank(&array.name)?, array)))
+                .min_by_key(|(rank, _)| *rank)
+                .map(|(_, array)| array)
+        };
+        let mut data = CellData::default();
+        if let Some(array) = best(1, region_rank) {
             match region_values(&array.name, decoder.numbers(array)?, cells.types.len()) {
-                Ok(values) => regions = Some(values),
+                Ok(values) => data.regions = Some(values),
                 Err(note) => parts.notes.push(note),
             }
         }
-        cells.add_to(&mut parts, first, regions.as_deref())?;
+        if let Some(array) = best(3, direction_rank) {
+            match direction_values(&array.name, decoder.numbers(array)?, cells.types.len()) {
+                Ok(values) => data.directions = Some(values),
+                Err(note) => parts.notes.push(note),
+            }
+        }
+        cells.add_to(&mut parts, first, &data)?;
     }
     parts.finish()
 }

@@ -1,6 +1,7 @@
 //! `.vtu` files from a mesh and its fields.
 
 use crate::TetMesh;
+use crate::format::assemble::DIRECTIONS;
 use nalgebra::Vector3;
 use std::fmt::Write;
 
@@ -116,6 +117,9 @@ pub fn write_vtu(
         FieldValues::Wholes(&mesh.element_ids),
         elements,
     );
+    if !mesh.directions.is_empty() {
+        file.field(DIRECTIONS, FieldValues::Vectors(&mesh.directions), elements);
+    }
     for field in element_fields {
         file.field(field.name, field.values, elements);
     }

@@ -70,6 +70,8 @@ impl ByHand {
             self.parents.push(parent);
             self.mesh.tets.push(with(a));
             self.mesh.regions.push(self.mesh.regions[element as usize]);
+            let direction = self.mesh.directions.get(element as usize).copied();
+            self.mesh.directions.extend(direction);
             self.mesh
                 .element_ids
                 .push(self.mesh.element_ids.len() as u32);
@@ -114,6 +116,9 @@ impl ByHand {
         for &element in self.removed_elements.iter().rev() {
             mesh.tets.swap_remove(element as usize);
             mesh.regions.swap_remove(element as usize);
+            if !mesh.directions.is_empty() {
+                mesh.directions.swap_remove(element as usize);
+            }
             mesh.element_ids.swap_remove(element as usize);
         }
         let mut names: Vec<u32> = (0..mesh.positions.len() as u32).collect();

@@ -25,12 +25,14 @@ fn distorted_mesh() -> TetMesh {
     for position in &mut mesh.positions {
         *position += Vector3::from_fn(|_, _| next()) * 1e-4;
     }
+    // One direction for all, so that a linear displacement is in equilibrium.
+    mesh.directions = vec![Vector3::new(0.48, -0.6, 0.64); mesh.tets.len()];
     mesh
 }
 
 fn constants(law: LawName, discretisation: Discretisation, poisson: f64) -> ContinuumConstants {
     ContinuumConstants {
-        law,
+        law: law.into(),
         young: YOUNG,
         poisson,
         discretisation,

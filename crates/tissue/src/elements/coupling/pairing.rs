@@ -1,7 +1,7 @@
 //! Which node of one part is tied to which point of another.
 
 use super::{Coupling, CouplingConstants, Support, Tie, coordinates};
-use crate::material::MaterialError;
+use crate::range::MaterialError;
 use microsim_geometry::{closest_on_triangle, triangle_normal};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;

@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::law::{
-    Corotational, NeoHookean, NeoHookeanPolynomial, StVenantKirchhoff, StableNeoHookean,
+    Corotational, Lame, MooneyRivlin, NeoHookean, NeoHookeanPolynomial, StVenantKirchhoff,
+    StableNeoHookean, TransverselyIsotropic,
 };
-use crate::testing::{numbers, soft_block};
+use crate::testing::{fibres, numbers, soft_block};
 
 const LAME: Lame = Lame {
     mu: 4e3,
@@ -13,7 +14,8 @@ const LAME: Lame = Lame {
 
 /// Positions of a strained block, and its elements; their number, 48 less 5, is no multiple of four.
 fn strained() -> (Tetrahedra, Vec<Vector3<f64>>) {
-    let mesh = soft_block([2, 2, 2]);
+    let mut mesh = soft_block([2, 2, 2]);
+    fibres(&mut mesh);
     let elements: Vec<u32> = (0..mesh.tets.len() as u32 - 5).collect();
     let mut next = numbers();
     let moved = mesh.positions.iter();
@@ -23,6 +25,7 @@ fn strained() -> (Tetrahedra, Vec<Vector3<f64>>) {
 }
 
 fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
+    let constants = L::constants(&LAME, &L::Parameters::default());
     let forces = |ranges: &[Range<usize>]| {
         let mut values = vec![Vector3::zeros(); positions.len()];
         let mut window = NodeWindow {
@@ -30,7 +33,7 @@ fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
             values: &mut values,
         };
         for range in ranges {
-            tetrahedra.add_elastic_forces::<L>(range.clone(), positions, &LAME, &mut window);
+            tetrahedra.add_elastic_forces::<L>(range.clone(), positions, &constants, &mut window);
         }
         values
     };
@@ -51,7 +54,8 @@ fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
     };
     let mut size = 0.0f64;
     for element in 0..count {
-        let stress = L::stress(&tetrahedra.deformation(element, positions), &LAME);
+        let f = tetrahedra.deformation(element, positions);
+        let stress = L::stress(&f, &constants.along(tetrahedra.direction(element)));
         tetrahedra.add_forces(element, &stress, &mut window);
         let gradients = tetrahedra.gradients(element).map(|g| g.norm());
         let largest = gradients.into_iter().fold(0.0, f64::max);
@@ -72,6 +76,8 @@ fn four_elements_at_once_are_what_each_is_alone() {
         check::<Corotational>(&tetrahedra, &positions);
         check::<StableNeoHookean>(&tetrahedra, &positions);
         check::<NeoHookeanPolynomial>(&tetrahedra, &positions);
+        check::<MooneyRivlin>(&tetrahedra, &positions);
+        check::<TransverselyIsotropic>(&tetrahedra, &positions);
         for element in 0..tetrahedra.count() {
             tetrahedra.scale_volume(element, 0.5 + (element % 3) as f64);
         }

@@ -4,9 +4,7 @@
 //! at least √3 away from the others, so that its vector is exact to rounding; one rotation around it does the rest (Eberly 2014).
 
 use super::SignedSvd;
-use crate::elements::lanes::{
-    FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four,
-};
+use crate::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 

@@ -309,7 +309,7 @@ fn a_fit_has_the_mean_it_wants_on_any_mesh_and_is_exact_on_mirrored_cells() {
 fn a_continuum_homogenises_to_its_own_constants() {
     let mesh = block(2.0, 2, CellSplit::Kuhn);
     let constants = ContinuumConstants {
-        law: LawName::StableNeoHookean,
+        law: LawName::StableNeoHookean.into(),
         young: 3e4,
         poisson: 0.4,
         discretisation: Discretisation::Tetrahedra,

@@ -1,0 +1,29 @@
+//! Laws that have no direction of their own.
+
+use super::decomposition::SignedSvd;
+use super::definition::Law;
+use super::elasticity::Matrix9;
+use super::principal::PrincipalTangent;
+use nalgebra::{Matrix3, Vector3};
+
+/// A law that has no direction of its own.
+pub trait IsotropicLaw: Law {
+    /// ∂P/∂F \[Pa\] at F = diag(`stretches`).
+    fn principal_tangent(
+        stretches: &Vector3<f64>,
+        constants: &Self::Constants,
+    ) -> PrincipalTangent {
+        let f = Matrix3::from_diagonal(stretches);
+        PrincipalTangent::from_tangent(&Self::tangent(&f, constants))
+    }
+}
+
+/// The nearest tangent of a law without negative eigenvalues.
+pub(super) fn nearest_positive<L: IsotropicLaw>(
+    f: &SignedSvd,
+    constants: &L::Constants,
+) -> Matrix9 {
+    L::principal_tangent(&f.stretches, constants)
+        .positive()
+        .rotated(f)
+}
