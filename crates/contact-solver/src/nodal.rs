@@ -1,7 +1,7 @@
 //! Nodes that respond to forces each by itself: a compliance per node, and a system of such nodes.
 
 use crate::contact::Contact;
-use crate::solver::LinearSystem;
+use crate::solver::{AddProduct, LinearSystem};
 use microsim_sparse::NotPositive;
 use nalgebra::{Matrix3, Vector3};
 
@@ -106,7 +106,7 @@ impl LinearSystem for NodalSystem {
 
     fn solve_with(
         &mut self,
-        add: &mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        add: AddProduct<'_>,
         x: &mut [Vector3<f64>],
         tolerance: f64,
     ) -> Result<(), NotPositive> {

@@ -30,7 +30,7 @@ pub trait ContactSolver<Response> {
     ) -> Result<(), NotPositive>;
 }
 
-/// Adds the product of a matrix with the first vector to the second one.
+/// Adds the product of a symmetric matrix with the first vector to the second one.
 pub type AddProduct<'a> = &'a mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]);
 
 /// A system of linear equations of 3×3 blocks, one row per node: K, symmetric and positive definite, as it was last factored.
@@ -52,7 +52,7 @@ pub trait LinearSystem {
     /// When the matrix shows not to be positive definite.
     fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive>;
 
-    /// As [`solve`](Self::solve), for the matrix and what `add` adds: q += (…) p.
+    /// As [`solve`](Self::solve), for the sum of the matrix and the one that `add` stands for.
     ///
     /// # Errors
     /// When the sum shows not to be positive definite.

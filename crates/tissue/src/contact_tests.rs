@@ -12,9 +12,9 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 mod bodies;
+mod early_terminated;
 mod explicit;
 mod implicit;
-mod quick;
 
 /// What is remembered of a contact.
 type Memory = BTreeMap<[u32; 2], (f64, Vector3<f64>)>;
@@ -132,7 +132,7 @@ impl ContactSource for Source<'_> {
     }
 }
 
-/// The planes of a test are told apart by their normals.
+/// The planes of a test are distinguished by their normals.
 fn remember(
     planes: &[Plane],
     contacts: &[Contact],

@@ -56,8 +56,8 @@ pub use newton::{
 pub use range::MaterialError;
 pub use solver::{Solver, StepFailure, StepReport};
 pub use solver_explicit::{Scheme, SolverExplicit};
-pub use solver_implicit::{ImplicitScheme, SolverImplicit};
-pub use solver_quasi_static::SolverQuasiStatic;
+pub use solver_implicit::{DistortionOptions, ImplicitScheme, SolverImplicit};
+pub use solver_quasi_static::{QuasiStaticOptions, SolverQuasiStatic};
 pub use solver_verlet::SolverVerlet;
 pub use solver_xpbd::SolverXpbd;
 pub use state::{Control, Energies, NodeTarget, Pressure, State};

@@ -10,6 +10,43 @@ use std::fmt::Debug;
 ///
 /// A solver holds working memory for one model and nothing that evolves: from equal states come equal bits, whatever was
 /// computed before.
+///
+/// ```
+/// use microsim_mesh::{Block, CellSplit};
+/// use microsim_tissue::{
+///     Behaviour, Contact, ContactSource, ContactStep, Control, Material, Method, Serial, SpringConstants, State,
+///     build_model,
+/// };
+/// use nalgebra::Vector3;
+///
+/// // A floor that every node of the low face of a body may touch.
+/// struct Floor(f64);
+/// impl ContactSource for Floor {
+///     fn find(&mut self, _: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>) {
+///         contacts.clear();
+///         let low = (0..positions.len()).filter(|&node| positions[node].z < self.0 + 1e-4);
+///         contacts.extend(low.map(|node| Contact::of_node(node as u32, Vector3::z(), self.0)));
+///     }
+/// }
+///
+/// // A free block of soft tissue, 2 mm in each direction, on a floor.
+/// let block = Block { center: [0.0; 3], size: [2e-3; 3], cells: [2; 3], split: CellSplit::Kuhn };
+/// let mesh = block.mesh().unwrap();
+/// let springs = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+/// let tissue = Material { density: 1060.0, relaxation_time: 0.0, behaviour: springs };
+/// let free = vec![false; mesh.positions.len()];
+/// let model = build_model(&mesh, &[(0, tissue)], &free, 0.0, Vec::new()).unwrap();
+///
+/// let mut state = State::at_rest(&model);
+/// let control = Control { gravity: [0.0, 0.0, -9.81].into(), ..Control::default() };
+/// let mut solver = Method::StoermerVerlet.solver(&model).unwrap();
+/// let mut floor = Floor(-1e-3);
+/// let mut contact = ContactStep { source: &mut floor, contacts: Vec::new() };
+/// solver.advance(&model, &mut state, &control, &[], Some(&mut contact), 1e-5, &Serial)?;
+/// assert!(contact.contacts.iter().all(|contact| contact.normal_force > 0.0));
+/// assert!(state.positions.iter().all(|x| x.z >= -1e-3 - 1e-12));
+/// # Ok::<(), microsim_tissue::StepFailure>(())
+/// ```
 pub trait Solver: Debug + Send {
     /// Advances `state` by `h` \[s\] with the nodes of `targets` prescribed and the gaps of `contact` enforced. After a failure the state is
     /// as it was.

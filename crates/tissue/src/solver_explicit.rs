@@ -52,7 +52,31 @@ pub enum Scheme {
     VelocityVerletLagged,
 }
 
-/// The solver: working memory for one model, no state of its own between steps.
+/// The explicit solver, with its working memory for one model; it has no state of its own between steps.
+///
+/// ```
+/// # use microsim_mesh::{Block, CellSplit};
+/// # use microsim_tissue::{Behaviour, Material, SpringConstants, build_model};
+/// # let block = Block { center: [0.0; 3], size: [4e-3, 2e-3, 2e-3], cells: [4, 2, 2], split: CellSplit::Kuhn };
+/// # let mesh = block.mesh().unwrap();
+/// # let springs = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+/// # let tissue = Material { density: 1060.0, relaxation_time: 0.0, behaviour: springs };
+/// # let clamped: Vec<bool> = mesh.positions.iter().map(|x| x.x < -1.9e-3).collect();
+/// # let model = build_model(&mesh, &[(0, tissue)], &clamped, 0.0, Vec::new()).unwrap();
+/// use microsim_tissue::{Control, Method, Scheme, Serial, Solver, SolverExplicit, State, stability};
+///
+/// // A block that is clamped at one end, under its weight, in steps below the limit of stability.
+/// let mut state = State::at_rest(&model);
+/// let control = Control { gravity: [0.0, 0.0, -9.81].into(), ..Control::default() };
+/// let highest = stability::power_iteration(&model, stability::Part::Stiffness, 50);
+/// let h = 0.5 * stability::limit(&Method::SymplecticEuler, highest, 0.0);
+/// let mut solver = SolverExplicit::new(&model, Scheme::SymplecticEuler);
+/// for _ in 0..10 {
+///     solver.step(&model, &mut state, &control, &[], h, &Serial)?;
+/// }
+/// assert!(state.energies(&model).elastic() > 0.0);
+/// # Ok::<(), microsim_tissue::StepFailure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SolverExplicit {
     scheme: Scheme,

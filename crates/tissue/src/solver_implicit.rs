@@ -62,11 +62,6 @@ use nalgebra::Vector3;
 /// γ of SDIRK2, 1 − 1/√2.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-/// A tetrahedron is distorted below this ratio to its volume at rest, or above this root mean square of the stretches of three of
-/// its edges.
-const LEAST_VOLUME: f64 = 0.5;
-const MOST_STRETCH: f64 = 1.5;
-
 /// Which method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImplicitScheme {
@@ -80,11 +75,52 @@ pub enum ImplicitScheme {
     GuardedMidpoint,
 }
 
-/// The solver: working memory for one model.
+/// When guarded midpoint takes a tetrahedron for distorted. Stricter values drop the speed of more steps; laxer ones let large steps blow
+/// up. Measured on torn and inverted beams (`microsim atlas`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistortionOptions {
+    /// Below this ratio of its volume to that at rest; in 0..0.9.
+    pub least_volume: f64,
+    /// Or above this root mean square of the stretches of three of its edges; in 1.1..3.
+    pub most_stretch: f64,
+}
+
+impl Default for DistortionOptions {
+    fn default() -> Self {
+        Self {
+            least_volume: 0.5,
+            most_stretch: 1.5,
+        }
+    }
+}
+
+/// The implicit solver, with its working memory for one model.
+///
+/// ```
+/// # use microsim_mesh::{Block, CellSplit};
+/// # use microsim_tissue::{Behaviour, Material, SpringConstants, build_model};
+/// # let block = Block { center: [0.0; 3], size: [4e-3, 2e-3, 2e-3], cells: [4, 2, 2], split: CellSplit::Kuhn };
+/// # let mesh = block.mesh().unwrap();
+/// # let springs = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+/// # let tissue = Material { density: 1060.0, relaxation_time: 0.0, behaviour: springs };
+/// # let clamped: Vec<bool> = mesh.positions.iter().map(|x| x.x < -1.9e-3).collect();
+/// # let model = build_model(&mesh, &[(0, tissue)], &clamped, 0.0, Vec::new()).unwrap();
+/// use microsim_tissue::{Control, ImplicitScheme, Newton, Serial, Solver, SolverImplicit, State};
+///
+/// // A block that is clamped at one end, under its weight: steps of time that no explicit method could take.
+/// let mut state = State::at_rest(&model);
+/// let control = Control { gravity: [0.0, 0.0, -9.81].into(), ..Control::default() };
+/// let mut solver = SolverImplicit::new(&model, ImplicitScheme::Sdirk2, Newton::default());
+/// let report = solver.step(&model, &mut state, &control, &[], 5e-3, &Serial)?;
+/// assert!(report.residual <= 1e-6);
+/// assert!(state.energies(&model).kinetic > 0.0);
+/// # Ok::<(), microsim_tissue::StepFailure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SolverImplicit {
     scheme: ImplicitScheme,
     newton: Newton,
+    distortion: DistortionOptions,
     solver: NewtonSolver,
     equation: Equation,
     prescribed: Prescribed,
@@ -103,29 +139,34 @@ pub struct SolverImplicit {
 impl SolverImplicit {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel, scheme: ImplicitScheme, newton: Newton) -> Self {
-        Self::with_options(model, scheme, newton, &NewtonOptions::default())
+        let distortion = DistortionOptions::default();
+        Self::with_options(model, scheme, newton, &NewtonOptions::default(), distortion)
     }
 
-    /// As [`new`](Self::new), with other constants of Newton's method.
+    /// As [`new`](Self::new), with other constants of Newton's method and of guarded midpoint.
     pub fn with_options(
         model: &TissueModel,
         scheme: ImplicitScheme,
         newton: Newton,
         options: &NewtonOptions,
+        distortion: DistortionOptions,
     ) -> Self {
-        Self::with_solver(model, scheme, newton, NewtonSolver::new(model, options))
+        let solver = NewtonSolver::new(model, options);
+        Self::with_solver(model, scheme, newton, distortion, solver)
     }
 
     fn with_solver(
         model: &TissueModel,
         scheme: ImplicitScheme,
         newton: Newton,
+        distortion: DistortionOptions,
         solver: NewtonSolver,
     ) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
         Self {
             scheme,
             newton,
+            distortion,
             solver,
             equation: Equation {
                 rate: 0.0,
@@ -190,6 +231,10 @@ impl SolverImplicit {
     fn is_distorted(&self, model: &TissueModel, state: &State) -> bool {
         let middle = &self.solver.trial.positions;
         let rest = model.rest_positions();
+        let DistortionOptions {
+            least_volume,
+            most_stretch,
+        } = self.distortion;
         let squares =
             |[a, b, c]: [Vector3<f64>; 3]| a.norm_squared() + b.norm_squared() + c.norm_squared();
         let edges = |x: &dyn Fn(usize) -> Vector3<f64>, tet: &[u32; 4]| {
@@ -201,8 +246,8 @@ impl SolverImplicit {
             .iter()
             .zip(model.rest_volumes())
             .any(|(tet, volume)| {
-                let most = MOST_STRETCH * MOST_STRETCH * squares(edges(&|n| rest[n], tet));
-                let least = 6.0 * LEAST_VOLUME * volume;
+                let most = most_stretch * most_stretch * squares(edges(&|n| rest[n], tet));
+                let least = 6.0 * least_volume * volume;
                 let bad = |e: [Vector3<f64>; 3]| {
                     !(e[0].dot(&e[1].cross(&e[2])) > least && squares(e) < most)
                 };
@@ -438,7 +483,7 @@ impl Solver for SolverImplicit {
 
     fn follow(&mut self, model: &TissueModel) {
         let solver = self.solver.following(model);
-        *self = Self::with_solver(model, self.scheme, self.newton, solver);
+        *self = Self::with_solver(model, self.scheme, self.newton, self.distortion, solver);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -7,7 +7,7 @@
 //! # Limitations
 //! No inertia, no drag, no viscosity: the length of the step changes nothing, and velocities are zero after it. A body that is
 //! not held has no solution ([`StepFailure::Singular`]). One that only contacts hold may still slide or roll: its nodes are tied to where
-//! they were before the step by springs of 1e-4 of their own stiffness, so where nothing else holds it creeps, and forces of a step in
+//! they were before the step by springs of 1e-4 of their own stiffness ([`QuasiStaticOptions::regularisation`]), so where nothing else holds it creeps, and forces of a step in
 //! which it moves are wrong by that much of what it would take to strain it as far. Old overlaps are pushed out by force. A body
 //! that buckles ends in one of its equilibria, the nearest downhill. Deformation that is followed, not sought, should come in steps in which elements are not inverted.
 
@@ -23,17 +23,52 @@ use microsim_contact_solver::{Components, ContactStep};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// The shortest part of a step that is tried; in 1e-3..0.5. A shorter one finds more equilibria, and fails later where there is none.
-const SHORTEST_PART: f64 = 1.0 / 64.0;
+/// The constants of the solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuasiStaticOptions {
+    /// The shortest part of a step that is tried; in 1e-3..0.5. A shorter one finds more equilibria, and fails later where there is none.
+    pub shortest_part: f64,
+    /// Springs from the nodes of a component that contacts alone hold to where they were, over the stiffness of the node by itself; in
+    /// 1e-6..1e-2. Larger values creep less and make forces wrong by as much.
+    pub regularisation: f64,
+}
 
-/// Regularisation: springs from the nodes of a component that contacts alone hold to where they were, over the stiffness of the node by
-/// itself; in 1e-6..1e-2. Larger values creep less and make forces wrong by as much.
-const REGULARISATION: f64 = 1e-4;
+impl Default for QuasiStaticOptions {
+    fn default() -> Self {
+        Self {
+            shortest_part: 1.0 / 64.0,
+            regularisation: 1e-4,
+        }
+    }
+}
 
-/// The solver: working memory for one model.
+/// The quasi-static solver, with its working memory for one model.
+///
+/// ```
+/// # use microsim_mesh::{Block, CellSplit};
+/// # use microsim_tissue::{Behaviour, Material, SpringConstants, build_model};
+/// # let block = Block { center: [0.0; 3], size: [4e-3, 2e-3, 2e-3], cells: [4, 2, 2], split: CellSplit::Kuhn };
+/// # let mesh = block.mesh().unwrap();
+/// # let springs = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+/// # let tissue = Material { density: 1060.0, relaxation_time: 0.0, behaviour: springs };
+/// # let clamped: Vec<bool> = mesh.positions.iter().map(|x| x.x < -1.9e-3).collect();
+/// # let model = build_model(&mesh, &[(0, tissue)], &clamped, 0.0, Vec::new()).unwrap();
+/// use microsim_tissue::{Control, Newton, Serial, Solver, SolverQuasiStatic, State};
+///
+/// // The equilibrium of a block that is clamped at one end, under its weight. The length of the step changes nothing.
+/// let mut state = State::at_rest(&model);
+/// let control = Control { gravity: [0.0, 0.0, -9.81].into(), ..Control::default() };
+/// let mut solver = SolverQuasiStatic::new(&model, Newton::default());
+/// solver.step(&model, &mut state, &control, &[], 1.0, &Serial)?;
+/// let tip = model.node_count() - 1;
+/// assert!(state.positions[tip].z < model.rest_positions()[tip].z);
+/// # Ok::<(), microsim_tissue::StepFailure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SolverQuasiStatic {
     newton: Newton,
+    newton_options: NewtonOptions,
+    options: QuasiStaticOptions,
     solver: NewtonSolver,
     equation: Equation,
     prescribed: Prescribed,
@@ -51,10 +86,23 @@ pub struct SolverQuasiStatic {
 impl SolverQuasiStatic {
     /// Working memory for `model`.
     pub fn new(model: &TissueModel, newton: Newton) -> Self {
+        let options = QuasiStaticOptions::default();
+        Self::with_options(model, newton, &NewtonOptions::default(), options)
+    }
+
+    /// As [`new`](Self::new), with other constants of Newton's method and of the solver.
+    pub fn with_options(
+        model: &TissueModel,
+        newton: Newton,
+        newton_options: &NewtonOptions,
+        options: QuasiStaticOptions,
+    ) -> Self {
         let zeros = vec![Vector3::zeros(); model.node_count()];
-        let solver = NewtonSolver::new(model, &NewtonOptions::default());
+        let solver = NewtonSolver::new(model, newton_options);
         Self {
             newton,
+            newton_options: *newton_options,
+            options,
             components: model.components().clone(),
             solver,
             equation: Equation {
@@ -97,7 +145,7 @@ impl SolverQuasiStatic {
         for (&part, stiffness) in of_node.iter().zip(self.solver.stiffness()) {
             let loose = !held[part as usize];
             let spring = if loose {
-                REGULARISATION * stiffness
+                self.options.regularisation * stiffness
             } else {
                 0.0
             };
@@ -194,7 +242,7 @@ impl Solver for SolverQuasiStatic {
                     }
                     self.solver.begin(state, false);
                     part *= 0.5;
-                    if part < SHORTEST_PART {
+                    if part < self.options.shortest_part {
                         return Err(match failure {
                             StepFailure::NotConverged { residual, .. } => {
                                 StepFailure::NotConverged {
@@ -225,7 +273,8 @@ impl Solver for SolverQuasiStatic {
     }
 
     fn follow(&mut self, model: &TissueModel) {
-        *self = Self::new(model, self.newton);
+        let newton_options = self.newton_options;
+        *self = Self::with_options(model, self.newton, &newton_options, self.options);
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

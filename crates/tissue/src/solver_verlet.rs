@@ -37,7 +37,28 @@ use crate::state::{Control, NodeTarget, State};
 use microsim_contact_solver::{ContactStep, Projection};
 use nalgebra::Vector3;
 
-/// The solver: working memory for one model, no state of its own between steps.
+/// The leapfrog solver, with its working memory for one model; it has no state of its own between steps.
+///
+/// ```
+/// # use microsim_mesh::{Block, CellSplit};
+/// # use microsim_tissue::{Behaviour, Material, SpringConstants, build_model};
+/// # let block = Block { center: [0.0; 3], size: [4e-3, 2e-3, 2e-3], cells: [4, 2, 2], split: CellSplit::Kuhn };
+/// # let mesh = block.mesh().unwrap();
+/// # let springs = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+/// # let tissue = Material { density: 1060.0, relaxation_time: 0.0, behaviour: springs };
+/// # let clamped: Vec<bool> = mesh.positions.iter().map(|x| x.x < -1.9e-3).collect();
+/// # let model = build_model(&mesh, &[(0, tissue)], &clamped, 0.0, Vec::new()).unwrap();
+/// use microsim_tissue::{Control, NodeTarget, Serial, Solver, SolverVerlet, State};
+///
+/// // The last node of a block is moved by 10 µm, exactly.
+/// let mut state = State::at_rest(&model);
+/// let node = model.node_count() - 1;
+/// let target = state.positions[node] + nalgebra::Vector3::z() * 1e-5;
+/// let targets = [NodeTarget { node: node as u32, target, overlap: nalgebra::Vector3::zeros() }];
+/// SolverVerlet::new(&model).step(&model, &mut state, &Control::default(), &targets, 1e-5, &Serial)?;
+/// assert!((state.positions[node] - target).norm() < 1e-18);
+/// # Ok::<(), microsim_tissue::StepFailure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SolverVerlet {
     forces: Forces,

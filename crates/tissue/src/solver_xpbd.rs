@@ -29,7 +29,27 @@ use crate::state::{Control, NodeTarget, State};
 use microsim_contact_solver::{Contact, ContactStep, GapConstraint, Projection};
 use nalgebra::Vector3;
 
-/// The solver: working memory for one model.
+/// The position-based solver, with its working memory for one model.
+///
+/// ```
+/// # use microsim_mesh::{Block, CellSplit};
+/// # use microsim_tissue::{Behaviour, Material, SpringConstants, build_model};
+/// # let block = Block { center: [0.0; 3], size: [4e-3, 2e-3, 2e-3], cells: [4, 2, 2], split: CellSplit::Kuhn };
+/// # let mesh = block.mesh().unwrap();
+/// # let springs = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+/// # let tissue = Material { density: 1060.0, relaxation_time: 0.0, behaviour: springs };
+/// # let clamped: Vec<bool> = mesh.positions.iter().map(|x| x.x < -1.9e-3).collect();
+/// # let model = build_model(&mesh, &[(0, tissue)], &clamped, 0.0, Vec::new()).unwrap();
+/// use microsim_tissue::{Control, Serial, Solver, SolverXpbd, State};
+///
+/// // A block that is clamped at one end, under its weight: ten sub-steps of one iteration.
+/// let mut state = State::at_rest(&model);
+/// let control = Control { gravity: [0.0, 0.0, -9.81].into(), ..Control::default() };
+/// let mut solver = SolverXpbd::new(&model, 10, 1).expect("springs are constraints");
+/// solver.step(&model, &mut state, &control, &[], 5e-3, &Serial)?;
+/// assert!(state.energies(&model).elastic() > 0.0);
+/// # Ok::<(), microsim_tissue::StepFailure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SolverXpbd {
     substeps: u32,

@@ -6,7 +6,7 @@
 use crate::elements::{MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
 use crate::state::{Pressure, State};
-use microsim_contact_solver::{Contact, LinearSystem};
+use microsim_contact_solver::{AddProduct, Contact, LinearSystem};
 use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive, Pattern};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -123,7 +123,7 @@ impl System {
 
     /// As [`factorise`](Self::factorise), with an f64 Cholesky factor.
     pub fn factorise_f64(&mut self, fixed: &[bool]) -> Result<(), NotPositive> {
-        self.solver.factorise_double(&self.matrix, fixed)
+        self.solver.factorise_f64(&self.matrix, fixed)
     }
 }
 
@@ -169,7 +169,7 @@ impl LinearSystem for System {
 
     fn solve_with(
         &mut self,
-        add: &mut dyn FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+        add: AddProduct<'_>,
         x: &mut [Vector3<f64>],
         tolerance: f64,
     ) -> Result<(), NotPositive> {

@@ -71,7 +71,7 @@ fn a_block_on_a_slope_sticks_or_slides() {
     }
 }
 
-/// Two blocks that hit one another head-on: momentum is kept, energy never rises, no node gets past the other.
+/// Two blocks that hit one another head-on: momentum is conserved, energy never rises, no node gets past the other.
 #[test]
 fn blocks_that_hit_each_other_keep_momentum() {
     let one = free_block([3, 2, 2], 0.0);

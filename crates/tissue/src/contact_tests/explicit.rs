@@ -4,7 +4,7 @@ use super::*;
 use crate::state::NodeTarget;
 use crate::testing::numbers;
 
-/// Nodes under a plane, in any motion, land on it to rounding; the force that the contact says, as a load, takes the node to the same
+/// Nodes under a plane, in any motion, land on it to rounding; the force of the contact, as a load, takes the node to the same
 /// place (NUMERICS 2).
 #[test]
 fn nodes_land_on_a_surface_by_the_force_that_is_told() {
@@ -80,7 +80,7 @@ fn explicit_euler_misses() {
     assert_eq!(step(0.0), step(1.0));
 }
 
-/// Nodes pressed against a tool, and one that is led, come to rest: |v| → 0 while springs pull at them.
+/// Nodes pressed against a tool, and one with a target, come to rest: |v| → 0 while springs pull at them.
 #[test]
 fn held_nodes_come_to_rest() {
     for (method, h) in explicit() {

@@ -1,4 +1,4 @@
-//! Steps of time that need not converge, of bodies so small that contacts are settled among themselves: a free block in a grip.
+//! Steps of time that need not converge, of bodies so small that the interior-point method solves the contacts: a free block in a grip.
 
 use super::*;
 
@@ -11,12 +11,12 @@ const STEPS: [f64; 2] = [1e-3, 8e-3];
 const CLOSED: f64 = 0.04;
 const END: f64 = 0.104;
 
-/// The two digits to which friction comes in such steps, and the miss of the multipliers that they leave, as a share of an edge: the
-/// constants `ROUGH` and `SLACK` of the method.
+/// The two digits to which friction comes in such steps, and the multiplier residual that they leave, over the mean edge length: the options
+/// `friction_tolerance` and `multiplier_tolerances` of the method.
 const DIGITS: f64 = 1e-2;
-const SLACK: f64 = 1e-3;
+const RESIDUAL: f64 = 1e-3;
 
-fn quick() -> Newton {
+fn early() -> Newton {
     Newton {
         iterations: 6,
         must_converge: false,
@@ -65,13 +65,13 @@ fn squeeze(world: &World) -> f64 {
     push(1.0).min(push(-1.0))
 }
 
-/// Signorini and Coulomb for each contact as it is told, and Newton's second law for the block with them. What the block does is to be
+/// Signorini and Coulomb for each contact as it is published, and Newton's second law for the block with them. What the block does is to be
 /// rounding: of positions in an acceleration, and of the sum of forces.
 #[test]
 fn forces_in_a_grip_obey_friction_and_move_the_piece() {
     for h in STEPS {
         for friction in [FRICTION, WEAK] {
-            grip(quick(), friction, h, |before, world| {
+            grip(early(), friction, h, |before, world| {
                 let (mut pressures, mut sizes) = (0.0, 0.0);
                 for contact in &world.contacts {
                     let (normal_force, friction_force) =
@@ -108,7 +108,7 @@ fn a_piece_in_a_grip_is_carried_or_slips() {
             let mut steps = 0;
             let steady = (0.02 / h) as usize;
             let last = (END / h).round() as usize;
-            grip(quick(), friction, h, |before, world| {
+            grip(early(), friction, h, |before, world| {
                 steps += 1;
                 if steps <= last - steady {
                     return;
@@ -118,9 +118,9 @@ fn a_piece_in_a_grip_is_carried_or_slips() {
                 let velocity = world.velocity();
                 if holds {
                     assert!(!slide.contains(&true), "{slide:?}");
-                    // Twice the slack of a step.
+                    // Twice the residual of a step.
                     let edge = world.model.mean_edge_length();
-                    assert!((velocity.z - 0.02).abs() <= 2.0 * SLACK * edge / h);
+                    assert!((velocity.z - 0.02).abs() <= 2.0 * RESIDUAL * edge / h);
                 } else {
                     assert!(!slide.contains(&false), "{slide:?}");
                     let held = 2.0 * friction * squeeze(world);
@@ -134,17 +134,16 @@ fn a_piece_in_a_grip_is_carried_or_slips() {
     }
 }
 
-/// What is left out in such steps is less than they may leave: of converged ones, with six more digits, they differ by the slack. It is a way across
-/// once when a load comes on and once when it goes, as forces are remembered; along the normal it is a share of what the jaws have
-/// closed.
+/// What is left out in such steps is less than they may leave: of converged ones, with six more digits, they differ by the residual: across the
+/// normal once when a load comes on and once when it goes, as forces are remembered; along it relative to what the jaws have closed.
 #[test]
-fn a_quick_grip_is_that_of_converged_steps() {
+fn an_early_terminated_grip_is_that_of_converged_steps() {
     let exact = Newton {
         tolerance: 1e-12,
         ..Newton::default()
     };
     for h in STEPS {
-        let [quick, exact] = [quick(), exact].map(|newton| {
+        let [early, exact] = [early(), exact].map(|newton| {
             let (mut places, mut grips, mut edge) = (Vec::new(), Vec::new(), 0.0);
             grip(newton, FRICTION, h, |_, world| {
                 let both = world.state.positions.iter().zip(world.model.masses());
@@ -155,15 +154,15 @@ fn a_quick_grip_is_that_of_converged_steps() {
             });
             (places, grips, edge)
         });
-        let slack = SLACK * exact.2;
-        for (step, (found, right)) in quick.0.iter().zip(&exact.0).enumerate() {
+        let residual = RESIDUAL * exact.2;
+        for (step, (found, right)) in early.0.iter().zip(&exact.0).enumerate() {
             let error = (found - right).norm();
-            assert!(error <= 2.0 * slack, "{h} s, {step}: {error} m");
+            assert!(error <= 2.0 * residual, "{h} s, {step}: {error} m");
         }
-        for (step, (found, right)) in quick.1.iter().zip(&exact.1).enumerate() {
+        for (step, (found, right)) in early.1.iter().zip(&exact.1).enumerate() {
             let closed = place((step + 1) as f64 * h)[0];
             let error = (found / right - 1.0).abs();
-            assert!(error <= slack / closed, "{h} s, {step}: {error}");
+            assert!(error <= residual / closed, "{h} s, {step}: {error}");
         }
         let least = exact.0.last().unwrap().z - exact.0[0].z;
         assert!(least > 0.9 * place(END)[1], "it is lifted");
