@@ -34,6 +34,7 @@ impl Member {
     }
 
     /// The vector with these components along the directions.
+    #[inline]
     pub fn vector(&self, components: &[f64]) -> Vector3<f64> {
         let mut vector = Vector3::zeros();
         for k in 0..self.count {

@@ -45,6 +45,7 @@ impl NodalCompliance {
 
 impl NodalRow {
     /// Moves the nodes of its contact by a force.
+    #[inline]
     pub fn shift(&self, contact: &Contact, force: &Vector3<f64>, values: &mut [Vector3<f64>]) {
         for (&node, response) in contact.nodes.iter().zip(self.response) {
             values[node as usize] += force * response;

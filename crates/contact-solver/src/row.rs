@@ -56,6 +56,7 @@ impl ContactForce {
     };
 
     /// On the first side \[N\].
+    #[inline]
     pub fn vector(&self, contact: &Contact) -> Vector3<f64> {
         contact.normal * self.normal + self.friction
     }
@@ -63,11 +64,13 @@ impl ContactForce {
 
 impl Row {
     /// What of its curvature is in the factored matrix, zero for none.
+    #[inline]
     pub fn factored(&self) -> Matrix3<f64> {
         self.factored.unwrap_or_else(Matrix3::zeros)
     }
 
     /// Force and energy \[J\] after the sides have come closer by `y`.
+    #[inline]
     pub fn law(&self, contact: &Contact, y: &Vector3<f64>) -> (ContactForce, f64) {
         let along = contact.normal.dot(y);
         let normal = (self.multiplier - self.penalty * (self.gap + along - self.floor)).max(0.0);
@@ -95,17 +98,20 @@ impl Row {
     }
 
     /// The force vector of [`law`](Self::law) \[N\].
+    #[inline]
     pub fn force_at(&self, contact: &Contact, y: &Vector3<f64>) -> Vector3<f64> {
         self.law(contact, y).0.vector(contact)
     }
 
     /// t − k u.
+    #[inline]
     fn trial(&self, contact: &Contact, y: &Vector3<f64>, along: f64) -> Vector3<f64> {
         let slip = self.slip + y - contact.normal * along;
         self.friction_multiplier - slip * self.tangential_penalty
     }
 
     /// The second derivative of the energy.
+    #[inline]
     pub fn curvature(&self, contact: &Contact, y: &Vector3<f64>) -> Matrix3<f64> {
         let n = contact.normal;
         let along = n.dot(y);

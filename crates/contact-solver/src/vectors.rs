@@ -4,11 +4,13 @@ use crate::contact::Contact;
 use nalgebra::Vector3;
 
 /// a·b.
+#[inline]
 pub(crate) fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }
 
 /// The norm of the forces at the nodes that are not fixed \[N\].
+#[inline]
 pub(crate) fn norm_of_free(forces: &[Vector3<f64>], fixed: &[bool]) -> f64 {
     let free = forces.iter().zip(fixed).filter(|(_, fixed)| !**fixed);
     free.map(|(f, _)| f.norm_squared()).sum::<f64>().sqrt()
@@ -24,6 +26,7 @@ pub(crate) fn clear_fixed(values: &mut [Vector3<f64>], fixed: &[bool]) {
 }
 
 /// Adds a force on the first side, and its opposite on the other, to the nodes.
+#[inline]
 pub(crate) fn scatter(contact: &Contact, force: &Vector3<f64>, forces: &mut [Vector3<f64>]) {
     for (&node, weight) in contact.nodes.iter().zip(contact.weights) {
         forces[node as usize] += force * weight;

@@ -131,7 +131,7 @@ impl LinearSolver {
         self.prepare(matrix, self.first)
     }
 
-    /// Whether an f64 factor costs about as much as a few solutions: [`factorise_double`](Self::factorise_double) is no
+    /// Whether an f64 factor costs about as much as a few solutions: [`factorise_f64`](Self::factorise_f64) is no
     /// luxury then.
     pub fn is_small(&self) -> bool {
         let few = |symbolic: &Arc<Symbolic>| symbolic.flops() <= FEW;
@@ -142,7 +142,7 @@ impl LinearSolver {
     ///
     /// # Errors
     /// When the matrix shows not to be positive definite.
-    pub fn factorise_double(
+    pub fn factorise_f64(
         &mut self,
         matrix: &BlockMatrix,
         fixed: &[bool],

@@ -1,4 +1,4 @@
-//! Newton's method for the positions at the end of a step: what all implicit methods share.
+//! Newton's method for the positions at the end of a step: the part that all implicit methods have in common.
 //!
 //! Every stage of the implicit methods here, and static equilibrium, is one equation for positions x,
 //!

@@ -13,7 +13,7 @@
 //! Velocity Verlet (3.19, 3.20 as corrected in NUMERICS 1.2) carries its accelerations in the state; a' is taken at p' and the
 //! velocity E (u + ½h a) expected there, so that viscous forces keep second order. A body with internal variables computes its
 //! accelerations at the start of each step again, since these may have flowed in between. The lagged loop stores velocity and
-//! acceleration of the positions before the last step (v₋, a₋, h₋ the step that led from them), as 3.19 and 3.20 are printed;
+//! acceleration of the positions before the last step (v₋, a₋, h₋ the step from them), as 3.19 and 3.20 are printed;
 //! its a holds viscous forces and drag −c v₋ of that old velocity.
 //!
 //! The force that lands a node on its target p*, for p̃ where the step would bring it without (NUMERICS 2), is

@@ -203,7 +203,7 @@ fn a_small_body_has_a_factor_of_double_numbers() {
     let mut solver = LinearSolver::new(matrix.pattern(), &positions);
     let b = vectors(&mut Congruential(58), positions.len());
     let mut x = b.clone();
-    solver.factorise_double(&matrix, &fixed).unwrap();
+    solver.factorise_f64(&matrix, &fixed).unwrap();
     solver.solve(&matrix, &mut x, 0.1).unwrap();
     // Condition 1e3 at most for a few cells along, times the rounding of a hundred sums.
     assert!(residual(&matrix, &fixed, &x, &b) <= 1e-11);

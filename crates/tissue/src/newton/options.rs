@@ -105,7 +105,7 @@ pub struct NewtonContactOptions {
     /// and which contacts are closed or stick, are left to the other iterations; cuts lie where they do with any such number
     /// (tests/results/tune_coordination.md).
     pub early_searches: u32,
-    /// How often an iteration of an early-terminated step goes back by half of its length where that led to overlaps; 0 for never.
+    /// How often an iteration of an early-terminated step goes back by half of its length where overlaps came of it; 0 for never.
     pub retreats: u32,
     /// The displacement of an iteration that ends an early-terminated step \[mean edge length\]; in 1e-6..1e-2. What is held slides by what
     /// is left in every step, so it is far below the multiplier tolerance.

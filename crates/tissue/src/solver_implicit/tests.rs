@@ -222,10 +222,10 @@ fn a_follower_pressure_is_balanced() {
     assert!(drift.norm() < 1e-9, "{drift}");
 }
 
-/// In equilibrium under even pressure there are no reactions, and in a long step no inertia: the pressure alone is what the
-/// residual is a share of. After one linear step it is of the order of the strain, p/κ = 50/5e4.
+/// In equilibrium under even pressure there are no reactions, and in a long step no inertia: the residual is relative to
+/// the pressure alone. After one linear step it is of the order of the strain, p/κ = 50/5e4.
 #[test]
-fn a_residual_under_pressure_is_a_share_of_the_pressure() {
+fn a_residual_under_pressure_is_relative_to_the_pressure() {
     let mesh = soft_block([2, 2, 1]);
     let model = build(&mesh, |_| false);
     let control = Control {
