@@ -3,18 +3,13 @@
 use crate::modules::roots;
 use crate::sources::is_test;
 use crate::{assert_none, files_below, folders, sources, text};
-use std::path::PathBuf;
-
-/// Sources that are still longer.
-const PENDING: &[&str] = &["coordination/tests/contract.rs"];
 
 /// Longest source file, in lines.
 const LONGEST: usize = 600;
 
 #[test]
 fn no_source_is_too_long() {
-    let short = |path: &PathBuf| !PENDING.iter().any(|file| path.ends_with(file));
-    let long = sources().into_iter().filter(short).filter_map(|path| {
+    let long = sources().into_iter().filter_map(|path| {
         let lines = text(&path).lines().count();
         (lines > LONGEST).then(|| format!("{}: {lines} lines, at most {LONGEST}", path.display()))
     });
