@@ -43,9 +43,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sag = -end.iter().sum::<f64>() / end.len() as f64;
     // q L⁴/(8 E I) + q L²/(2 κ G A) with κ = 10 (1 + ν)/(12 + 11 ν) (Timoshenko; Cowper 1966).
     let (load, area) = (density * gravity * side * side, side * side);
-    let bending = load * length.powi(4) / (8.0 * young * area * area / 12.0);
+    let bending = load * length * length * length * length / (8.0 * young * area * area / 12.0);
     let kappa = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson);
-    let shear = load * length.powi(2) / (kappa * young / (1.0 + poisson) * area);
+    let shear = load * length * length / (kappa * young / (1.0 + poisson) * area);
     println!("sag at the end    {:.4} mm", 1e3 * sag);
     println!("beam theory       {:.4} mm", 1e3 * (bending + shear));
     Ok(())

@@ -117,7 +117,7 @@ fn fibre_directions_keep_every_bit() {
     }
 }
 
-/// Names of other programs, any length of the vectors, elements without one, views of other things.
+/// Names of other programs, any length of the vectors, elements without one, views of other quantities.
 #[test]
 fn fibre_directions_of_others_become_unit_vectors() {
     let mesh = two_cells();

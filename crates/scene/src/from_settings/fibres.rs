@@ -8,7 +8,7 @@ use nalgebra::{Unit, Vector3};
 use settings::KeyPath;
 
 /// Gives the elements of `mesh` that are made of a material with fibres their directions; those of a mesh file stay where a material
-/// states none. `is_of` tells whether an element of a region is made of a material.
+/// states none. `is_of` returns whether an element of a region is made of a material.
 pub(super) fn set_directions(
     mesh: &mut TetMesh,
     body: &settings::Body,
