@@ -11,7 +11,7 @@ use crate::member::Member;
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
 use crate::scene::Scene;
 use crate::surface_edits::SurfaceDiff;
-use crate::tool::{Line, ToolMotion};
+use crate::tool::{Lonor, ToolMotion};
 use microsim_cutting::{self as cutting, Blade};
 use microsim_geometry::{
     Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 
 impl Scene {
     /// The single edges that touch what they can cut, as they are at the end of the tick, each with its tool.
-    pub(crate) fn edges(&self, motions: &[ToolMotion]) -> Vec<(u32, Line)> {
+    pub(crate) fn edges(&self, motions: &[ToolMotion]) -> Vec<(u32, Lonor)> {
         let mut edges = Vec::new();
         for motion in motions {
             let touching =

@@ -5,7 +5,7 @@
 //! lines are made of.
 
 use crate::spec::{CapsuleSpec, Jaw};
-use crate::tool::Line;
+use crate::tool::Lonor;
 use microsim_cutting::Sweep;
 use nalgebra::Vector3;
 
@@ -22,7 +22,7 @@ pub(crate) struct Jaws<'a>(Vec<Couple<'a>>);
 
 /// Lines of both jaws that cut against each other.
 #[derive(Clone, Copy, Debug)]
-struct Couple<'a>([&'a Line; 2]);
+struct Couple<'a>([&'a Lonor; 2]);
 
 /// Whether lines of both jaws can be paired: as many on the left as on the right, each going on where the one before it ends.
 pub(crate) fn fit(capsules: &[CapsuleSpec]) -> bool {
@@ -103,7 +103,7 @@ pub(crate) fn sweeps(
 
 impl<'a> Jaws<'a> {
     /// The first line of the left jaw with the first of the right one, and so on; single edges are in no couple.
-    pub fn new(lines: &'a [Line]) -> Self {
+    pub fn new(lines: &'a [Lonor]) -> Self {
         let of = |jaw| {
             lines
                 .iter()
@@ -170,9 +170,9 @@ impl<'a> Jaws<'a> {
 }
 
 impl std::ops::Index<usize> for Couple<'_> {
-    type Output = Line;
+    type Output = Lonor;
 
-    fn index(&self, jaw: usize) -> &Line {
+    fn index(&self, jaw: usize) -> &Lonor {
         self.0[jaw]
     }
 }
@@ -244,11 +244,11 @@ mod tests {
     use super::*;
 
     /// Straight lines along y, 1 m long each, one behind the other, on both sides of x = 0.
-    fn lines(count: usize) -> Vec<Line> {
+    fn lines(count: usize) -> Vec<Lonor> {
         let line = |index: usize| {
             let (couple, jaw) = (index / 2, [Jaw::Left, Jaw::Right][index % 2]);
             let x = if jaw == Jaw::Left { -1e-2 } else { 1e-2 };
-            Line {
+            Lonor {
                 capsule: index as u32,
                 a: Vector3::new(x, couple as f64, 0.0),
                 b: Vector3::new(x, couple as f64 + 1.0, 0.0),

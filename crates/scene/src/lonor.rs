@@ -16,7 +16,7 @@
 use crate::exemption::Exemption;
 use crate::group_contact::GroupContact;
 use crate::jaws::{self, Jaws};
-use crate::tool::{Line, Tool, ToolMotion};
+use crate::tool::{Lonor, Tool, ToolMotion};
 use microsim_contact::{CapsuleMotion, Partner};
 use microsim_cutting::{Stroke, Sweep};
 
@@ -105,7 +105,7 @@ impl EdgeLoads {
         group: usize,
         of: &GroupContact,
         tools: &[Option<Vec<CapsuleMotion>>],
-        edges: &[(u32, Line)],
+        edges: &[(u32, Lonor)],
         h: f64,
     ) {
         for (point, contact) in of.points.iter().zip(&of.contacts) {
@@ -178,7 +178,7 @@ impl BladeState {
     pub fn decide(&mut self, case: &Case<'_>) -> Vec<Path> {
         let lines = [0.0, 1.0].map(|t| case.tool.lines(case.motion, t));
         let both = || lines[0].iter().zip(&lines[1]);
-        let straight = |(from, to): (&Line, &Line)| Path {
+        let straight = |(from, to): (&Lonor, &Lonor)| Path {
             line: to.capsule,
             sweeps: vec![Sweep {
                 before: [from.a, from.b],
@@ -221,7 +221,7 @@ impl BladeState {
     }
 
     /// Adds the path of the closing points: both ends of each part that is closed, which grows as the jaws close and is swept along with them.
-    fn close(&mut self, lines: &[Vec<Line>; 2], pinch: f64, paths: &mut Vec<Path>) {
+    fn close(&mut self, lines: &[Vec<Lonor>; 2], pinch: f64, paths: &mut Vec<Path>) {
         let jaws = [Jaws::new(&lines[0]), Jaws::new(&lines[1])];
         let Some(line) = jaws[1].line() else {
             return;
@@ -298,7 +298,7 @@ impl BladeState {
     }
 
     /// The parts of a tool's capsules that touch nothing, as what they cut lies around them.
-    pub fn exemptions(&self, body: u32, tool: u32, lines: &[Line]) -> Vec<Exemption> {
+    pub fn exemptions(&self, body: u32, tool: u32, lines: &[Lonor]) -> Vec<Exemption> {
         let part = |capsule, range| Exemption {
             body,
             tool,

@@ -53,7 +53,7 @@ struct Part {
 
 /// A line of no return in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct Lonor {
     /// The capsule whose axis it is.
     pub capsule: u32,
     pub a: Vector3<f64>,
@@ -168,7 +168,7 @@ impl Tool {
     }
 
     /// Its lines of no return in the world at the fraction `t` (0..1) of a motion.
-    pub fn lines(&self, motion: &ToolMotion, t: f64) -> Vec<Line> {
+    pub fn lines(&self, motion: &ToolMotion, t: f64) -> Vec<Lonor> {
         let world_from_tool = motion.from.interpolate(&motion.to, t);
         let opening = motion.opening_from + (motion.opening_to - motion.opening_from) * t;
         let cutting = self.parts.iter().enumerate().filter(|(_, part)| part.lonor);
@@ -179,7 +179,7 @@ impl Tool {
                 let turned = hinge.map_or(edge, |hinge| hinge.rotation(opening) * edge);
                 world_from_tool.orientation * turned
             });
-            Line {
+            Lonor {
                 capsule: index as u32,
                 a,
                 b,
