@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         split: CellSplit::Kuhn,
     };
     let behaviour = Behaviour::Continuum(ContinuumConstants {
-        law: LawName::StableNeoHookean,
+        law: LawName::StableNeoHookean.into(),
         young: 20e3,
         poisson: 0.4,
         discretisation: Discretisation::Tetrahedra,
