@@ -24,7 +24,6 @@ mod pipelines;
 mod renderer;
 mod surface;
 mod targets;
-mod tessellate;
 #[cfg(test)]
 mod testing;
 

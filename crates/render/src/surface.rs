@@ -1,10 +1,12 @@
 //! All triangles of a picture in the view frame, in the order of drawing, ready for upload.
 
+mod tessellate;
+
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
 use crate::picture::{Item, Shape, View};
-use crate::tessellate::Tessellator;
+use tessellate::Tessellator;
 
 /// What the vertex shader reads, in its order.
 #[repr(C)]

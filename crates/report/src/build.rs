@@ -2,11 +2,10 @@
 
 use crate::device::DeviceCollector;
 use crate::force::ForceCollector;
+use crate::input::ReportInput;
 use crate::moment::MomentCollector;
 use crate::motion::{MotionCollector, PresenceCollector};
-use crate::report::{
-    EventRecord, MetricEntry, RecoveryRecord, Report, ReportInput, Verdict, Warning,
-};
+use crate::report::{EventRecord, MetricEntry, RecoveryRecord, Report, Verdict, Warning};
 use microsim_bus::{Frame, Frames};
 use microsim_message::{
     ContactForces, DecodeError, InputSample, LevelEvent, LevelState, Log, LogLevel, Message,

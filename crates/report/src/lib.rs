@@ -7,7 +7,8 @@
 //! - [`Report`]: what a session holds; its JSON form has the field names of the struct.
 //! - `device`, `motion`, `force`: what is read from the raw input, the tools and the contacts.
 //! - `moment`: what happened when.
-//! - `table`: CSV. `html`: the page. `plot`: its drawings. `number`: how numbers are shown.
+//! - `input`: what is known besides the messages.
+//! - `table`: CSV. `html`: the page. `text`: its texts in both languages. `plot`: its drawings. `number`: how numbers are shown.
 //!
 //! # Times
 //! All series and the `session_time` of lines are on one axis, the simulated time since the session began \[s\]. A message
@@ -20,6 +21,7 @@ mod build;
 mod device;
 mod force;
 mod html;
+mod input;
 mod moment;
 mod motion;
 mod number;
@@ -28,11 +30,13 @@ mod report;
 mod table;
 #[cfg(test)]
 mod testing;
+mod text;
 
 pub use device::DeviceRecord;
 pub use force::ForceSeries;
 pub use html::{Page, Pictures};
+pub use input::ReportInput;
 pub use microsim_vocabulary::Language;
 pub use moment::{Moment, MomentKind};
 pub use motion::{ToolPresence, ToolSeries};
-pub use report::{EventRecord, MetricEntry, RecoveryRecord, Report, ReportInput, Verdict, Warning};
+pub use report::{EventRecord, MetricEntry, RecoveryRecord, Report, Verdict, Warning};

@@ -5,8 +5,8 @@
 //! kind in it, such as `stray-cut`), its words are more precise, and of the two they stay.
 
 use crate::ReportInput;
-use crate::html::in_both;
 use crate::number::shown;
+use crate::text::in_both;
 use microsim_message::{
     ContactForces, GRIP_MIN, LevelEvent, LevelPhase, LevelState, LocalText, TissueCut,
 };
@@ -53,6 +53,18 @@ impl MomentKind {
             Self::ExcessForce => &["excess"],
             Self::Begin | Self::LargestForce | Self::Event | Self::End => &[],
         }
+    }
+}
+
+/// The class of the style sheet that gives a kind its colour.
+pub(crate) fn kind_class(kind: MomentKind) -> &'static str {
+    match kind {
+        MomentKind::Begin | MomentKind::End => "k-bound",
+        MomentKind::Grip => "k-grip",
+        MomentKind::Cut | MomentKind::PieceOff => "k-cut",
+        MomentKind::Tear => "k-tear",
+        MomentKind::ExcessForce | MomentKind::LargestForce => "k-force",
+        MomentKind::Event => "k-event",
     }
 }
 

@@ -17,7 +17,6 @@
 
 #![forbid(unsafe_code)]
 
-mod csv_error;
 mod csv_recording;
 mod rotation;
 mod sample;
@@ -26,9 +25,9 @@ mod statistics;
 mod trainee;
 mod translator;
 
-pub use csv_error::{CsvError, CsvProblem};
 pub use csv_recording::{
-    Column, ColumnMap, DeviceColumns, MAX_SAMPLES, OpeningColumn, Recording, read_csv,
+    Column, ColumnMap, CsvError, CsvProblem, DeviceColumns, MAX_SAMPLES, OpeningColumn, Recording,
+    read_csv,
 };
 pub use microsim_vocabulary::{Interpolation, ToolStatus};
 pub use rotation::{NORM_TOLERANCE, QuaternionError};

@@ -1,9 +1,9 @@
 //! What happened, in pictures and in a list.
 
-use super::text::{bilingual, spans};
 use super::{Pictures, section};
-use crate::moment::{key_moments, line_kind, lines};
+use crate::moment::{key_moments, kind_class, line_kind, lines};
 use crate::number::shown;
+use crate::text::{bilingual, spans};
 use crate::{MomentKind, Report};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -16,18 +16,6 @@ const FILLED_UP: usize = 8;
 const LONG: f64 = 1.0;
 /// Lines of the list; the JSON form has all moments.
 const MOST_MOMENTS: usize = 80;
-
-/// The class of the style sheet that gives a kind its colour.
-pub(crate) fn kind_class(kind: MomentKind) -> &'static str {
-    match kind {
-        MomentKind::Begin | MomentKind::End => "k-bound",
-        MomentKind::Grip => "k-grip",
-        MomentKind::Cut | MomentKind::PieceOff => "k-cut",
-        MomentKind::Tear => "k-tear",
-        MomentKind::ExcessForce | MomentKind::LargestForce => "k-force",
-        MomentKind::Event => "k-event",
-    }
-}
 
 impl Report {
     /// The ticks of which a page shows pictures, ascending: those of the key moments, and some between where nothing is reported for long.

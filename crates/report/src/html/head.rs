@@ -1,7 +1,7 @@
 //! The top of the page: what was trained, how it ended and why, and whether that counts.
 
-use super::text::{bilingual, in_both, spans};
 use crate::number::{date_time, fixed, shown};
+use crate::text::{bilingual, in_both, spans};
 use crate::{Report, Verdict};
 use microsim_drawing::escape;
 use microsim_message::LevelPhase;

@@ -1,8 +1,8 @@
 //! The tables of metrics: those with a limit, and those for information.
 
-use super::text::{bilingual, spans};
 use crate::number::{against_limits, fixed};
 use crate::plot::gauge;
+use crate::text::{bilingual, spans};
 use crate::{MetricEntry, Report};
 use microsim_drawing::escape;
 use microsim_message::LimitRecord;

@@ -5,18 +5,14 @@ mod course;
 mod head;
 mod metrics;
 mod record;
-mod text;
-
-pub(crate) use course::kind_class;
-pub use text::in_both;
 
 use crate::Report;
 use crate::plot::{colour_class, force_plot, path_plots, speed_plot};
+use crate::text::{bilingual, spans};
 use microsim_drawing::PageHead;
 use microsim_vocabulary::{Language, LocalText};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use text::{bilingual, spans};
 
 const STYLE: &str = include_str!("style.css");
 

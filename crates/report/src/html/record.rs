@@ -1,9 +1,9 @@
 //! The input, what went wrong, and where all of it comes from.
 
 use super::section;
-use super::text::{bilingual, spans};
 use crate::Report;
 use crate::number::{fixed, shown};
+use crate::text::{bilingual, spans};
 use microsim_drawing::escape;
 use microsim_message::LogLevel;
 use std::fmt::Write;

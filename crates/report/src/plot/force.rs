@@ -1,7 +1,7 @@
 //! Contact force over time, one strip for each pair of tool and body.
 
 use super::{MAX_POINTS, colour_class, grid, strip_labels, strips, thin};
-use crate::html::in_both;
+use crate::text::in_both;
 use crate::{ForceSeries, Report};
 use microsim_drawing::{ValueAxis, broken_line, value_range};
 use microsim_message::LocalText;

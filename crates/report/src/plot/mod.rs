@@ -12,9 +12,9 @@ pub use gauge::gauge;
 pub use path::path_plots;
 pub use speed::speed_plot;
 
-use crate::html::{in_both, kind_class};
-use crate::moment::{line_kind, lines};
+use crate::moment::{kind_class, line_kind, lines};
 use crate::number::fixed;
+use crate::text::in_both;
 use crate::{Moment, Report};
 use microsim_drawing::{Anchor, ValueAxis, escape, localised_text, text, value_range};
 use microsim_message::LocalText;

@@ -3,7 +3,7 @@
 
 use super::{MAX_POINTS, colour_class, grid, open, svg_text, thin};
 use crate::ToolSeries;
-use crate::html::in_both;
+use crate::text::in_both;
 use microsim_drawing::{Anchor, ValueAxis, broken_line, value_range};
 use microsim_message::LocalText;
 use std::fmt::Write;

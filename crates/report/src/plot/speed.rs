@@ -1,7 +1,7 @@
 //! Speed of the tools over time, one strip for each, with gaps and events.
 
 use super::{MAX_POINTS, colour_class, grid, strip_labels, strips, thin};
-use crate::html::in_both;
+use crate::text::in_both;
 use crate::{Report, ToolSeries};
 use microsim_drawing::{ValueAxis, broken_line, value_range};
 use microsim_message::LocalText;

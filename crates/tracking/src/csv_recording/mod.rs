@@ -3,12 +3,16 @@
 //! Which column is what, and in which unit, is stated by a [`ColumnMap`]; nothing is guessed from the file itself. Samples
 //! come out as they stand in the file: nothing is filtered, and nothing is interpolated over a gap.
 
+mod error;
+
+pub use error::{CsvError, CsvProblem};
+
 use std::sync::Arc;
 
 use csv::ByteRecord;
 
 use crate::rotation::checked_unit;
-use crate::{CsvError, CsvProblem, RawStatistics, Sample};
+use crate::{RawStatistics, Sample};
 
 /// Most samples (rows times devices) that are read from one file: about 1 GB of memory, and at 1000 rows a second
 /// nearly three hours of one device.

@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::fmt;
 
-use crate::{MAX_SAMPLES, QuaternionError};
+use super::MAX_SAMPLES;
+use crate::QuaternionError;
 
 /// Why a CSV file is not a recording. Its text begins with `file:line:`.
 #[derive(Clone, Debug, PartialEq)]

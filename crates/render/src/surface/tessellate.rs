@@ -6,9 +6,9 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use super::{Surfaces, Vertex, view_from_field};
 use crate::light::linear_from_srgb;
 use crate::picture::{Item, Shape, View};
-use crate::surface::{Surfaces, Vertex, view_from_field};
 use microsim_vocabulary::Finish;
 
 /// A chord may leave the circle that it stands for by this much \[pixels\]: a quarter is below what the eye sees.
