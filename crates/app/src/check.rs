@@ -1,6 +1,7 @@
 //! `microsim check`.
 
 use crate::cli::{CheckArgs, Place};
+use crate::listing::files_in;
 use crate::mesh_file;
 use crate::output::{Exit, Problem, print_if_read as print};
 use crate::scene_file::{self, SceneFile};
@@ -356,20 +357,6 @@ fn check_session(path: &Path) -> Result<Vec<String>, String> {
         )),
         (None, None) => Ok(Vec::new()),
     }
-}
-
-/// The files of a folder with an extension, by name.
-pub fn files_in(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .filter_map(Result::ok);
-    let mut files: Vec<PathBuf> = entries
-        .map(|e| e.path())
-        .filter(|p| p.is_file() && p.extension().is_some_and(|e| e == extension))
-        .collect();
-    files.sort();
-    files
 }
 
 /// The CSV files below the folder of recordings.

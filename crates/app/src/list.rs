@@ -1,7 +1,7 @@
 //! `microsim list`.
 
-use crate::check::files_in;
 use crate::cli::{ListArgs, Place};
+use crate::listing::files_in;
 use crate::output::{Exit, Problem, print, print_json};
 use crate::session_file::installation;
 use microsim_host::assemble::known_metrics;

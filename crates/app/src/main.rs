@@ -17,6 +17,7 @@ mod cli;
 mod doctor;
 mod key_pictures;
 mod list;
+mod listing;
 mod log;
 mod mesh_file;
 mod output;

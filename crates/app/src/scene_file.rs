@@ -41,7 +41,7 @@ pub fn find(place: &Place, given: &Path) -> Result<PathBuf, Problem> {
     if given.components().count() == 1 && named.is_file() {
         return Ok(named);
     }
-    let names: Vec<String> = crate::check::files_in(&folder, "toml")
+    let names: Vec<String> = crate::listing::files_in(&folder, "toml")
         .iter()
         .filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned()))
         .collect();
