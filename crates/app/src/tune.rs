@@ -198,7 +198,7 @@ fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Ex
             value: f64::NAN,
             tolerance: 1.0,
             scale: None,
-            settle: 0.0,
+            fall_time: 0.0,
             source: String::new(),
         });
         return watched.collect();
@@ -214,7 +214,7 @@ fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Ex
         value: references.get(k).copied().unwrap_or(f64::NAN),
         tolerance: 1.0,
         scale: None,
-        settle: measure.settle,
+        fall_time: measure.fall_time,
         source: String::new(),
     };
     let all = of_plan.measure.iter().enumerate().map(expect);

@@ -70,7 +70,7 @@ table! {
         material: Vec<Material> [1, 64],
         /// What holds some of its nodes.
         clamp: Vec<Clamp> [0, 64],
-        /// What joins regions that share no nodes: soft and two-sided.
+        /// What joins regions that have no nodes in common: soft and two-sided.
         coupling: Vec<Coupling> [0, 16],
         /// What acts on its surface.
         load: Vec<Load> [0, 16],
@@ -133,7 +133,7 @@ table! {
 }
 
 table! {
-    /// Nodes of a body, in its frame and at rest: all, or those that fulfil everything that is said.
+    /// Nodes of a body, in its frame and at rest: all, or those that fulfil every condition that is given.
     #[derive(Copy, Default)]
     pub struct Nodes {
         /// Corner with the smallest coordinates of a box, in the body's frame \[m\]; needs `max`.

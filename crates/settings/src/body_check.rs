@@ -51,7 +51,7 @@ const GENERATOR: [Rule; 13] = [
 /// The laws of continua.
 const CONTINUUM: &[&str] = &LawName::NAMES;
 
-/// Keys that all forms of springs have, and a continuum has not, and the other way round; keys of single laws.
+/// Keys that all forms of springs have, and a continuum has not, and the reverse; keys of single laws.
 const LAW: [Rule; 6] = [
     needed("c01_fraction", &["mooney-rivlin"]),
     needed("fibre_ratio", &["transversely-isotropic"]),
@@ -346,7 +346,7 @@ fn check_nodes(reading: &mut Reading, key: &KeyPath, needed: bool) {
     check_box(reading, key);
     let written: Vec<&str> = ["min", "shell", "nearest"]
         .into_iter()
-        .filter(|way| reading.is_written(&key.key(way)))
+        .filter(|selection| reading.is_written(&key.key(selection)))
         .collect();
     match written.as_slice() {
         [] if needed && !reading.is_written(&key.key("max")) => reading.complain(
@@ -356,7 +356,7 @@ fn check_nodes(reading: &mut Reading, key: &KeyPath, needed: bool) {
         ),
         [_, second, ..] => {
             let found = format!("`{second}` besides `{}`", written[0]);
-            reading.complain(&key.key(second), &found, "one way to select nodes here");
+            reading.complain(&key.key(second), &found, "one kind of selection here");
         }
         _ => {}
     }

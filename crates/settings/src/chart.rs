@@ -39,11 +39,11 @@ table! {
     /// How much time is allowed.
     #[derive(Copy)]
     pub struct ChartBudget {
-        /// CPU time of a run \[s\]; what needs more is cut off and said to be over budget.
+        /// CPU time of a run \[s\]; what needs more is cut off and reported as over budget.
         run: f64 = time(0.01, 1e6),
-        /// The same for the quick chart \[s\].
+        /// The same for the short chart \[s\].
         quick_run: f64 = time(0.01, 1e6),
-        /// Time of the quick chart \[s\]; what does not fit is left out and named.
+        /// Time of the short chart \[s\]; what does not fit is left out and named.
         quick_total: f64 = time(1.0, 1e6),
     }
 }
@@ -55,8 +55,8 @@ table! {
         rest: Vec<String> [0, 64],
         /// Overrides for the motion: those of an explicit method.
         motion: Vec<String> [0, 64],
-        /// Step of the motion as a share of the estimated stability limit.
-        share: f64 = quantity(Unit::Ratio, 0.001, 1.0) => 0.25,
+        /// Step of the motion as a fraction of the estimated stability limit.
+        fraction: f64 = quantity(Unit::Ratio, 0.001, 1.0) => 0.25,
     }
 }
 
@@ -103,8 +103,8 @@ table! {
         set: Vec<String> [0, 64],
         /// Steps of the solver \[s\].
         steps: Vec<f64> = list(time(1e-9, 1.0), 0, 32),
-        /// Steps as shares of the estimated stability limit of explicit methods.
-        shares: Vec<f64> = list(quantity(Unit::Ratio, 0.001, 10.0), 0, 32),
+        /// Steps as fractions of the estimated stability limit of explicit methods.
+        fractions: Vec<f64> = list(quantity(Unit::Ratio, 0.001, 10.0), 0, 32),
         /// Numbers of iterations in a step; the method's own if empty.
         iterations: Vec<u32> = list(Kind::Integer { min: 1, max: 100_000 }, 0, 32),
     }
@@ -158,7 +158,7 @@ table! {
         /// What of its series.
         what: Feature,
         /// A first peak counts when the curve has stayed below it for this time \[s\].
-        settle: f64 = time(0.0, 1e3) => 0.05,
+        fall_time: f64 = time(0.0, 1e3) => 0.05,
     }
 }
 
@@ -192,7 +192,7 @@ table! {
 table! {
     /// A product of lists.
     pub struct ChartSweep {
-        /// Whether it belongs to the quick chart.
+        /// Whether it belongs to the short chart (`--quick`).
         quick: bool => false,
         /// Names of resolutions.
         resolutions: Vec<String> [1, 64],
@@ -204,8 +204,8 @@ table! {
         methods: Vec<String> [1, 64],
         /// Steps of the solver \[s\].
         steps: Vec<f64> = list(time(1e-9, 1.0), 0, 32),
-        /// Steps as shares of the estimated stability limit of explicit methods.
-        shares: Vec<f64> = list(quantity(Unit::Ratio, 0.001, 10.0), 0, 32),
+        /// Steps as fractions of the estimated stability limit of explicit methods.
+        fractions: Vec<f64> = list(quantity(Unit::Ratio, 0.001, 10.0), 0, 32),
         /// Numbers of iterations in a step; the method's own if empty.
         iterations: Vec<u32> = list(Kind::Integer { min: 1, max: 100_000 }, 0, 32),
     }
@@ -283,7 +283,7 @@ fn check_scene(reading: &mut Reading, index: usize) {
             reading.complain(&key, &format!("{count} values"), &expected);
         }
         if items(variant, "reference").any(|(_, value)| value.as_f64() == Some(0.0)) {
-            reading.complain(&key, "0", "values of which an error can be a share");
+            reading.complain(&key, "0", "values to which an error can be relative");
         }
     }
     let all = reading.value().clone();

@@ -1,4 +1,4 @@
-//! Checks that several kinds of file share, on values that may be incomplete because something in them was wrong.
+//! Checks that several kinds of file have in common, on values that may be incomplete because something in them was wrong.
 
 use crate::document::Reading;
 use crate::error::KeyPath;
@@ -33,14 +33,8 @@ pub(crate) fn unique(
     }
 }
 
-/// Complains if the text at `key` is none of the `known` names of a thing, given with its article.
-pub(crate) fn refers(
-    reading: &mut Reading,
-    key: &KeyPath,
-    name: &str,
-    thing: &str,
-    known: &[&str],
-) {
+/// Complains if the text at `key` is none of the `known` names of an item, given with its article.
+pub(crate) fn refers(reading: &mut Reading, key: &KeyPath, name: &str, item: &str, known: &[&str]) {
     if known.contains(&name) {
         return;
     }
@@ -48,9 +42,9 @@ pub(crate) fn refers(
     let quoted: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
     let quoted: Vec<&str> = quoted.iter().map(String::as_str).collect();
     let expected = match quoted.as_slice() {
-        [] => format!("the name of {thing}, but there is none"),
+        [] => format!("the name of {item}, but there is none"),
         quoted => format!(
-            "the name of {thing}: {}{hint}",
+            "the name of {item}: {}{hint}",
             crate::schema::enumerate(quoted, "or")
         ),
     };

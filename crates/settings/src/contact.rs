@@ -8,13 +8,13 @@ use microsim_vocabulary::Unit;
 use serde::{Deserialize, Serialize};
 
 table! {
-    /// Two that touch each other: a body, and one of a tool, a rigid thing, another body, or itself. No other contact is computed.
+    /// Two that touch each other: a body, and one of a tool, an obstacle, another body, or itself. No other contact is computed.
     pub struct ContactPair {
         /// Name of the body.
         body: String = identifier(),
         /// The tool that touches it.
         tool: Option<String> = identifier(),
-        /// The rigid thing that it touches.
+        /// The obstacle that it touches.
         rigid: Option<String> = identifier(),
         /// The other body that it touches.
         with: Option<String> = identifier(),
@@ -23,7 +23,7 @@ table! {
         /// Coefficient of Coulomb friction, for sticking and for sliding.
         friction: f64 = ratio(10.0) => 0.0,
         /// For the open ends of two vessels, and only with `with`: whether nodes beyond the plane of the other end
-        /// are led back along its axis.
+        /// are moved back along its axis.
         end_planes: bool => false,
         /// Size of the force from which on time is counted \[N\].
         force_limit: Option<f64> = quantity(Unit::Force, 0.0, 1e3),

@@ -1,4 +1,4 @@
-//! What pairs, rigid things and tools of scenes must fulfil beyond their single values.
+//! What pairs, obstacles and tools of scenes must fulfil beyond their single values.
 
 use crate::check::{items, refers, texts, unique};
 use crate::document::Reading;
@@ -7,7 +7,7 @@ use crate::tool::check_jaws;
 use microsim_vocabulary::Unit;
 use serde_json::Value;
 
-/// Sizes of rigid things: which shape needs them, and which may have them.
+/// Sizes of obstacles: which shape needs them, and which may have them.
 const SIZES: [(&str, &[&str], bool); 6] = [
     ("half_size", &["box", "tray", "clamp"], true),
     ("rounding", &["box", "tray", "clamp"], false),
@@ -17,12 +17,12 @@ const SIZES: [(&str, &[&str], bool); 6] = [
     ("length", &["cylinder"], true),
 ];
 
-/// Complains about rigid things whose sizes do not fit their shape.
+/// Complains about obstacles whose sizes do not fit their shape.
 pub(crate) fn check_rigid(reading: &mut Reading) {
     for (i, shape) in texts(reading.value(), "rigid", "shape") {
-        let thing = KeyPath::root().key("rigid").at(i);
+        let obstacle = KeyPath::root().key("rigid").at(i);
         for (size, of, needed) in SIZES {
-            let key = thing.key(size);
+            let key = obstacle.key(size);
             match (of.contains(&shape.as_str()), reading.is_written(&key)) {
                 (true, false) if needed => {
                     reading.complain(&key, "nothing", &format!("`{size}`, which a {shape} needs"));
@@ -30,7 +30,7 @@ pub(crate) fn check_rigid(reading: &mut Reading) {
                 (false, true) => reading.complain(
                     &key,
                     &format!("`{size}`"),
-                    &format!("no `{size}`, as the thing is a {shape}"),
+                    &format!("no `{size}`, as the obstacle is a {shape}"),
                 ),
                 _ => {}
             }
@@ -49,7 +49,7 @@ pub(crate) fn check_rigid(reading: &mut Reading) {
                 Unit::Length.describe(thinnest)
             );
             reading.complain(
-                &thing.key("rounding"),
+                &obstacle.key("rounding"),
                 &Unit::Length.describe(rounding),
                 &expected,
             );
@@ -61,16 +61,16 @@ pub(crate) fn check_rigid(reading: &mut Reading) {
 pub(crate) fn check_contacts(reading: &mut Reading) {
     let known = ["tool", "rigid", "body"].map(|list| texts(reading.value(), list, "name"));
     let [tools, rigid, bodies] = &known;
-    for (field, thing, known) in [
+    for (field, item, known) in [
         ("tool", "a tool", tools),
-        ("rigid", "a rigid thing", rigid),
+        ("rigid", "an obstacle", rigid),
         ("body", "a body", bodies),
         ("with", "a body", bodies),
     ] {
         let known: Vec<&str> = known.iter().map(|(_, name)| name.as_str()).collect();
         for (i, name) in texts(reading.value(), "contact", field) {
             let key = KeyPath::root().key("contact").at(i).key(field);
-            refers(reading, &key, &name, thing, &known);
+            refers(reading, &key, &name, item, &known);
         }
     }
     let pairs: Vec<(usize, Value)> = items(reading.value(), "contact")
@@ -133,12 +133,12 @@ pub(crate) fn check_contacts(reading: &mut Reading) {
 
 /// Complains about cuts by or of what is not there, and about the same two again.
 pub(crate) fn check_cuts(reading: &mut Reading) {
-    for (field, thing) in [("tool", "a tool"), ("body", "a body")] {
+    for (field, item) in [("tool", "a tool"), ("body", "a body")] {
         let known = texts(reading.value(), field, "name");
         let known: Vec<&str> = known.iter().map(|(_, name)| name.as_str()).collect();
         for (i, name) in texts(reading.value(), "cut", field) {
             let key = KeyPath::root().key("cut").at(i).key(field);
-            refers(reading, &key, &name, thing, &known);
+            refers(reading, &key, &name, item, &known);
         }
     }
     let cuts: Vec<(usize, Value)> = items(reading.value(), "cut")

@@ -141,7 +141,7 @@ fn reference_rows(keys: &[Key], prefix: &str, lines: &mut String) {
     }
 }
 
-/// What the value may be; shorter than [`Kind::expected`], which also tells how to write it.
+/// What the value may be; shorter than [`Kind::expected`], which also explains how to write it.
 fn value_text(kind: &Kind) -> String {
     match kind {
         Kind::Quantity { unit, min, max } => range(*unit, *min, *max),

@@ -20,7 +20,7 @@ pub struct Tree {
 /// A training module with its levels.
 #[derive(Clone, Debug)]
 pub struct ModuleFolder {
-    /// What the module says of itself.
+    /// What the module declares of itself.
     pub manifest: Loaded<Manifest>,
     /// `levels/level1.toml`, `levels/level2.toml` …: level N is element N − 1.
     pub levels: Vec<PathBuf>,

@@ -82,14 +82,14 @@ impl Document {
     }
 }
 
-/// A file on its way from text to typed settings: the checks that go beyond single values work on this.
+/// A file between text and typed settings: the checks that go beyond single values work on this.
 pub(crate) struct Reading {
     document: Document,
     errors: Vec<ConfigError>,
 }
 
 impl Reading {
-    /// Reads a text by a schema. Fails at once only if the text is no TOML; otherwise complaints are kept for the end.
+    /// Reads a text by a schema. Fails at once only if the text is no TOML; otherwise complaints are collected until the end.
     pub fn new(text: &str, file: &str, schema: &Schema) -> Result<Reading, ConfigErrors> {
         Self::with_overrides(text, file, schema, &[])
     }
@@ -191,7 +191,7 @@ impl Reading {
             // A test holds schema and types together, so this is for a schema of somebody else's.
             Err(error) => {
                 let found = format!("settings that do not fit their type ({error})");
-                let expected = "what the schema says";
+                let expected = "what the schema states";
                 let error = document.error_at(&KeyPath::root(), &found, expected);
                 Err(ConfigErrors(vec![error]))
             }
@@ -199,7 +199,7 @@ impl Reading {
     }
 }
 
-/// The text of a file; `expected` says what should be there, for the complaint that it is not.
+/// The text of a file; `expected` names what should be there, for the complaint that it is not.
 pub(crate) fn load_text(path: &Path, expected: &str) -> Result<String, ConfigErrors> {
     let complain = |found: String| {
         ConfigErrors(vec![ConfigError {

@@ -11,7 +11,7 @@ pub struct Position {
     pub column: usize,
 }
 
-/// A way from the top of a file to a value, printed as `limit[0].max`.
+/// A path from the top of a file to a value, printed as `limit[0].max`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct KeyPath(Vec<Step>);
 

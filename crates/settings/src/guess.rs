@@ -1,4 +1,4 @@
-//! Which kind a file is, by what stands in it, where neither its name nor its folder tells.
+//! Which kind a file is, by what stands in it, where neither its name nor its folder decides.
 
 use crate::tree::{Item, Node};
 

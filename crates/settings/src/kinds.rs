@@ -1,4 +1,4 @@
-//! Kinds of values that several tables share.
+//! Kinds of values that several tables have in common.
 
 use crate::schema::{Form, Kind};
 use microsim_vocabulary::Unit;
@@ -103,7 +103,7 @@ pub(crate) fn list(of: Kind, min: usize, max: usize) -> Kind {
     }
 }
 
-/// A value whose kind another part of the files decides; the text says which.
+/// A value whose kind another part of the files decides; the text names it.
 pub(crate) fn dependent(which: &str) -> Kind {
     Kind::Dependent(which.to_owned())
 }

@@ -35,7 +35,7 @@ table! {
         object: Vec<Object> [0, 256],
         /// Tetrahedral bodies.
         body: Vec<Body> [0, 64],
-        /// Rigid things that stand.
+        /// Obstacles: they stand.
         rigid: Vec<Rigid> [0, 64],
         /// Which body touches what: exactly one of `tool`, `rigid`, `with` (another body) and `self`; all others pass
         /// through each other.
@@ -47,11 +47,11 @@ table! {
         physics: Option<Physics>,
         /// How the bodies are advanced; needed if and only if there are bodies.
         method: Option<Method>,
-        /// What is stated of the motion of the bodies; `microsim tune` looks for the cheapest way to keep it.
+        /// What is stated of the motion of the bodies; `microsim tune` looks for the cheapest setting that meets it.
         accuracy: Option<Accuracy>,
         /// What `microsim tune` chose and measured.
         tuned: Option<Tuned>,
-        /// What is demanded; a level is passed if every limit is kept.
+        /// What is demanded; a level is passed if every limit is met.
         limit: Vec<Limit> [0, 64],
         /// Parameters of the metrics that need motion alone.
         metrics: MetricParameters => own_defaults(),
@@ -320,7 +320,7 @@ table! {
         source: String,
         /// Whether it still has to be set from measurements.
         provisional: bool => true,
-        /// The module's reason that a result names if it is not kept; the metric's id if left out.
+        /// The module's reason that a result names if it is not met; the metric's id if left out.
         reason: Option<String> = identifier(),
     }
 }

@@ -81,7 +81,7 @@ fn check_tick(reading: &mut Reading) {
     }
 }
 
-/// Tools, objects, bodies and rigid things stand in one scene graph: no two have the same name.
+/// Tools, objects, bodies and obstacles stand in one scene graph: no two have the same name.
 fn check_names(reading: &mut Reading) {
     let mut taken: Vec<String> = Vec::new();
     for list in ["tool", "object", "body", "rigid"] {
@@ -92,7 +92,7 @@ fn check_names(reading: &mut Reading) {
                 reading.complain(
                     &key,
                     &found,
-                    "a name that no other tool, object, body or rigid thing has",
+                    "a name that no other tool, object, body or obstacle has",
                 );
             }
             taken.extend(names);
@@ -252,7 +252,7 @@ fn check_limit(reading: &mut Reading, limit: &KeyPath, metric: &KnownMetric<'_>)
             "a range that is not empty",
         );
     }
-    // Points are derived from the bound where a level does not say; nothing can be derived from 0.
+    // Points are derived from the bound where a level gives none; nothing can be derived from 0.
     let bound = if has_max { max } else { min };
     if bound == Some(0.0) && !has_full && !has_zero {
         reading.complain(

@@ -1,4 +1,4 @@
-//! The only reader of configuration: reads every TOML file once, checks it, and says file:line of what is wrong.
+//! The only reader of configuration: reads every TOML file once, checks it, and reports file:line of what is wrong.
 //!
 //! One declarative engine ([`Schema`], [`Kind`], [`Unit`]) serves both the files of the program and the keys that a
 //! training module declares in its manifest. It rejects unknown keys, wrong units and values out of range, fills in

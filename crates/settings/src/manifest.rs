@@ -8,7 +8,7 @@ use microsim_vocabulary::{Category, Direction, LocalText, Overflow, PluginKind, 
 use serde_json::Value;
 
 table! {
-    /// What a plugin or module says of itself.
+    /// What a plugin or module declares of itself.
     pub struct Manifest {
         /// Unique among all plugins and modules.
         name: String = identifier(),
@@ -53,7 +53,7 @@ table! {
         name: String = message_kind(),
         /// Version of its content.
         version: u32 [1, 65_535],
-        /// What it says.
+        /// What it states.
         doc: String,
         /// What happens when its queue is full.
         overflow: Overflow,

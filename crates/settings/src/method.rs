@@ -1,5 +1,5 @@
 //! How bodies are advanced: the method and its parameters, and what accuracy is stated of the result. Levels and scenes
-//! share them.
+//! have them in common.
 
 use crate::document::Reading;
 use crate::error::KeyPath;
@@ -16,7 +16,7 @@ table! {
         /// Of implicit methods: largest number in a step. Of xpbd: number in a sub-step. The method's own if left
         /// out.
         iterations: Option<u32> [1, 10_000],
-        /// Of implicit methods: share of the forces at which iterations end; linear systems are solved to a tenth of
+        /// Of implicit methods: fraction of the forces at which iterations end; linear systems are solved to a tenth of
         /// it, so 0.01 is enough for a single iteration. The method's own if left out.
         tolerance: Option<f64> = quantity(Unit::Ratio, 1e-15, 1.0),
         /// Of implicit methods: whether a step that ends above the tolerance fails; it does if left out.

@@ -63,13 +63,13 @@ impl Override {
     /// Puts the value into a tree, as the `index`-th override.
     pub(crate) fn apply(&self, root: &mut Node, index: usize) -> Result<(), ConfigError> {
         let at = place(index);
-        let (last, way) = self
+        let (last, path_to_last) = self
             .steps
             .split_last()
             .unwrap_or_else(|| unreachable!("`parse` finds at least one step"));
         let mut node = root;
         let mut path = KeyPath::root();
-        for step in way.iter().chain([last]) {
+        for step in path_to_last.iter().chain([last]) {
             let parent = path.clone();
             let wrong = |found: String, expected: String| ConfigError {
                 file: format!("--set {}", self.text),

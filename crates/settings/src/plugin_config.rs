@@ -1,4 +1,4 @@
-//! What the host gives each kind of plugin: types that host and plugin share, made of a level, its module's manifest and
+//! What the host gives each kind of plugin: types of host and plugin alike, made of a level, its module's manifest and
 //! the files of the installation. On the wire they are the value `config` of a set-up.
 
 use crate::body::Body;
@@ -55,7 +55,7 @@ pub struct TranslatorConfig {
 }
 
 impl TranslatorConfig {
-    /// Which of the source's `devices` drives which tool: as the translator's file says, otherwise the tool of the device's
+    /// Which of the source's `devices` drives which tool: as the translator's file states, otherwise the tool of the device's
     /// own name. Where the devices are not known beforehand, every tool that the file does not list has a device of its own name.
     pub fn new(translator: &Translator, devices: Option<&[String]>, tools: &[ToolSlot]) -> Self {
         let listed = &translator.device;

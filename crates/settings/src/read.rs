@@ -1,4 +1,4 @@
-//! Reads a tree by a schema: the values in SI with the defaults filled in, and every complaint on the way.
+//! Reads a tree by a schema: the values in SI with the defaults filled in, and every complaint about them.
 
 use crate::error::{ConfigError, KeyPath, Position};
 use crate::schema::{Form, Key, Kind, Presence, enumerate};
@@ -8,6 +8,13 @@ use serde_json::{Map, Value};
 
 /// How far the length of a quaternion may be from 1: what four digits after the point leave.
 const QUATERNION_LENGTH_TOLERANCE: f64 = 1e-3;
+
+/// Keys that have had another name, before and now.
+const RENAMED: [(&str, &str); 3] = [
+    ("settle", "fall_time"),
+    ("share", "fraction"),
+    ("shares", "fractions"),
+];
 
 /// Collects complaints about one file.
 pub(crate) struct Reader<'a> {
@@ -148,7 +155,13 @@ impl Reader<'_> {
         let names: Vec<&str> = keys.iter().map(|key| key.name.as_str()).collect();
         let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         let quoted: Vec<&str> = quoted.iter().map(String::as_str).collect();
-        let hint = did_you_mean(name, names.iter().copied());
+        let renamed = RENAMED
+            .iter()
+            .find(|(old, new)| *old == name && names.contains(new));
+        let hint = match renamed {
+            Some((_, new)) => format!(" (it is `{new}` now)"),
+            None => did_you_mean(name, names.iter().copied()),
+        };
         let known = match keys {
             [] => "no key here".to_owned(),
             _ => enumerate(&quoted, "or"),
@@ -303,7 +316,7 @@ fn is_colour(text: &str) -> bool {
 
 /// " (did you mean `x`?)" for the nearest of the known names, if one is near.
 pub(crate) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    // Up to two slips in three letters still read as the same word; a name of one or two letters says too little.
+    // Up to two slips in three letters still read as the same word; a name of one or two letters has too little in common.
     let allowed = match name.chars().count() {
         0..3 => return String::new(),
         letters => 1 + letters / 3,

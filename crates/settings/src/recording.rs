@@ -101,7 +101,7 @@ pub fn read_recording_map(text: &str, file: &str) -> Result<Loaded<RecordingMap>
             reading.complain(
                 key,
                 &format!("the column `{name}` a second time"),
-                "each column for one thing",
+                "each column for one purpose",
             );
         }
     }
@@ -149,14 +149,14 @@ pub fn recording_map_path(csv: &Path) -> PathBuf {
 }
 
 /// Reads the map beside the CSV at `csv`. Without one the complaint names the file that is missing; what to write there
-/// is said by [`recording_map_help`].
+/// is given by [`recording_map_help`].
 pub fn load_recording_map(csv: &Path) -> Result<Loaded<RecordingMap>, ConfigErrors> {
     let path = recording_map_path(csv);
     let expected = format!("the column map of {}", csv.display());
     read_recording_map(&load_text(&path, &expected)?, &path.display().to_string())
 }
 
-/// Tells how to write the map of a recording that has none, with an example made of its header: the first line.
+/// Explains how to write the map of a recording that has none, with an example made of its header: the first line.
 pub fn recording_map_help(csv: &Path, header: &str) -> String {
     let map = recording_map_path(csv);
     let found = [',', ';', '\t', '|']
@@ -175,7 +175,7 @@ pub fn recording_map_help(csv: &Path, header: &str) -> String {
     )
 }
 
-/// A map that fits the header as far as its headings tell; what they do not tell is filled with the usual names.
+/// A map that fits the header as far as its headings show; what they do not show is filled with the usual names.
 fn example_map(delimiter: char, header: &[&str]) -> String {
     let (time, time_unit) = guess(header, &["t", "time", "timestamp"], Unit::Time);
     let axes = ["x", "y", "z"].map(|axis| {

@@ -1,7 +1,7 @@
-//! Rigid things that stand in levels and scenes, and the solid parts of which they are made.
+//! Obstacles of levels and scenes, and the solid parts of which they are made.
 //!
-//! Frames: a thing lies in the frame of its level or scene by `position` and `orientation`, about its centre unless its
-//! shape says otherwise. Everything is in SI.
+//! Frames: an obstacle lies in the frame of its level or scene by `position` and `orientation`, about its centre unless its
+//! shape defines otherwise. Everything is in SI.
 
 use crate::colour::Colour;
 use crate::kinds::{identifier, point, quantity, rotation, size, size3};
@@ -11,7 +11,7 @@ use microsim_vocabulary::Finish;
 use microsim_vocabulary::{Unit, terms};
 use serde::{Deserialize, Serialize};
 
-/// A rigid thing that stands.
+/// An obstacle: a rigid object that stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RigidFile", into = "RigidFile")]
 pub struct Rigid {
@@ -29,7 +29,7 @@ pub struct Rigid {
     pub finish: Finish,
 }
 
-/// Form and size of a rigid thing in its own frame.
+/// Form and size of an obstacle in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RigidShape {
     /// Everything below z = 0.
@@ -94,7 +94,7 @@ impl RigidShape {
             } => {
                 let half = 0.5 * wall;
                 let (outer_x, outer_y) = (x + wall, y + wall);
-                // Walls stand on the floor's level, so that no edge lies on the way along the floor.
+                // Walls stand on the floor's level, so that no edge lies in the path along the floor.
                 vec![
                     cuboid([outer_x, outer_y, half], rounding, [0.0, 0.0, -z - half]),
                     cuboid([half, outer_y, z + half], rounding, [x + half, 0.0, -half]),
@@ -122,12 +122,12 @@ impl RigidShape {
     }
 }
 
-/// A solid part of a rigid thing, turned as it is.
+/// A solid part of an obstacle, turned as it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidPart {
     /// Form and size.
     pub solid: Solid,
-    /// Origin of the form in the frame of the thing \[m\].
+    /// Origin of the form in the frame of the obstacle \[m\].
     pub centre: [f64; 3],
 }
 
@@ -153,7 +153,7 @@ pub enum Solid {
 }
 
 terms! {
-    /// Forms of rigid things.
+    /// Forms of obstacles.
     pub(crate) enum RigidName {
         /// Everything below z = 0.
         Plane = "plane",
@@ -171,7 +171,7 @@ terms! {
 choices!(RigidName);
 
 table! {
-    /// A rigid thing as the file has it: the sizes that its shape needs are checked before.
+    /// An obstacle as the file has it: the sizes that its shape needs are checked before.
     pub(crate) struct RigidFile {
         /// Its name.
         name: String = identifier(),

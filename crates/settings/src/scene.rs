@@ -31,7 +31,7 @@ table! {
         body: Vec<Body> [1, 64],
         /// Tools and how they move.
         tool: Vec<SceneTool> [0, 8],
-        /// Rigid things that stand.
+        /// Obstacles: they stand.
         rigid: Vec<Rigid> [0, 64],
         /// Which body touches what: exactly one of `tool`, `rigid`, `with` (another body) and `self`; all others pass
         /// through each other.
@@ -43,7 +43,7 @@ table! {
         probe: Vec<Probe> [0, 64],
         /// What must come out, and where that is known from.
         expect: Vec<Expect> [0, 64],
-        /// What is stated of the result; `microsim tune` looks for the cheapest way to keep it.
+        /// What is stated of the result; `microsim tune` looks for the cheapest setting that meets it.
         accuracy: Option<Accuracy>,
         /// What `microsim tune` chose and measured.
         tuned: Option<Tuned>,
@@ -92,16 +92,16 @@ table! {
         name: String = identifier(),
         /// The body.
         body: String = identifier(),
-        /// Nodes of the body: all, or those that fulfil everything that is said.
+        /// Nodes of the body: all, or those that fulfil every condition that is given.
         nodes: Nodes => own_defaults(),
-        /// The other side: a tool, rigid thing or body of a contact-force, a tool of a grip, a body of a gap or of
+        /// The other side: a tool, obstacle or body of a contact-force, a tool of a grip, a body of a gap or of
         /// crossings, and only there.
         with: Option<String> = identifier(),
         /// What of them: mean `displacement`, that of the `centre` of mass, mean change of the `radius`, largest
         /// `distance` from rest, `force` or `torque` with which clamps hold those that they hold now, relative change
-        /// of the body's `volume`, `smallest-volume` of an element as a share of that at rest, total `energy`;
+        /// of the body's `volume`, `smallest-volume` of an element relative to that at rest, total `energy`;
         /// `contact-force` of the other side, `grip`, the force with which both jaws of a tool squeeze it between
-        /// them, `gap` to the other body, share of nodes `inside` what the body touches and the `depth` of the
+        /// them, `gap` to the other body, fraction of nodes `inside` what the body touches and the `depth` of the
         /// deepest, `crossings` of edges of its surface and the other body's with triangles; number of `pieces` that
         /// the body has come apart into.
         quantity: Quantity,
@@ -131,7 +131,7 @@ terms! {
         Torque = "torque",
         /// Relative change of the body's volume.
         Volume = "volume",
-        /// Smallest volume of an element, as a share of that at rest; negative for an inverted one.
+        /// Smallest volume of an element, relative to that at rest; negative for an inverted one.
         SmallestVolume = "smallest-volume",
         /// Kinetic, elastic and potential energy of the body, the last one 0 at rest.
         Energy = "energy",
@@ -141,11 +141,11 @@ terms! {
         Grip = "grip",
         /// How far another body is ahead of this one along a direction: its least coordinate less the largest one of the nodes.
         Gap = "gap",
-        /// Share of the nodes that are inside other bodies, tools and rigid things that the body touches.
+        /// Fraction of the nodes that are inside other bodies, tools and obstacles that the body touches.
         Inside = "inside",
         /// Depth of the deepest of these.
         Depth = "depth",
-        /// Number of edges of the body's surface through triangles of another body's, and the other way round.
+        /// Number of edges of the body's surface through triangles of another body's, and the reverse.
         Crossings = "crossings",
         /// Number of pieces that the body has come apart into.
         Pieces = "pieces",
@@ -181,12 +181,12 @@ table! {
         what: Feature,
         /// The right value.
         value: f64 = dependent("a value in the unit of what is expected"),
-        /// Largest error that is right, as a share of `scale`.
+        /// Largest error that is right, relative to `scale`.
         tolerance: f64 = quantity(Unit::Ratio, 1e-15, 10.0),
-        /// What errors are a share of; the size of `value` if left out.
+        /// What errors are relative to; the size of `value` if left out.
         scale: Option<f64> = dependent("a value in the unit of what is expected"),
         /// A first peak counts when the curve has stayed below it for this time \[s\].
-        settle: f64 = time(0.0, 600.0) => 0.05,
+        fall_time: f64 = time(0.0, 600.0) => 0.05,
         /// Where value and tolerance come from, in a sentence.
         source: String,
     }

@@ -52,7 +52,7 @@ fn check(reading: &mut Reading) {
     check_expectations(reading);
 }
 
-/// Bodies, tools and rigid things: pairs and probes name them, so no two have the same name.
+/// Bodies, tools and obstacles: pairs and probes name them, so no two have the same name.
 fn check_names(reading: &mut Reading) {
     let mut taken: Vec<String> = Vec::new();
     for list in ["body", "tool", "rigid"] {
@@ -62,7 +62,7 @@ fn check_names(reading: &mut Reading) {
                 reading.complain(
                     &key,
                     &format!("`{name}` a second time"),
-                    "a name that no other body, tool or rigid thing has",
+                    "a name that no other body, tool or obstacle has",
                 );
             }
             taken.push(name);
@@ -78,7 +78,7 @@ fn check_run(reading: &mut Reading) {
         (true, false) => reading.complain(
             &key,
             "nothing",
-            "`rest_speed`, by which `end = \"rest\"` is judged",
+            "`rest_speed`, by which `end = \"rest\"` is decided",
         ),
         (false, true) => reading.complain(
             &key,
@@ -168,8 +168,7 @@ fn check_with(reading: &mut Reading, key: &KeyPath, quantity: &str) {
         (own && other) || turned
     });
     if !touches {
-        let expected =
-            format!("a tool, rigid thing or body that `{body}` touches by a [[contact]]");
+        let expected = format!("a tool, obstacle or body that `{body}` touches by a [[contact]]");
         reading.complain(&key.key("with"), &format!("`{with}`"), &expected);
     }
 }
@@ -201,7 +200,7 @@ fn check_expectations(reading: &mut Reading) {
         let value = reading.refine(&key.key("value"), &any);
         let scale = reading.refine(&key.key("scale"), &Kind::quantity(unit, 0.0, f64::INFINITY));
         if value.and_then(|v| v.as_f64()) == Some(0.0) && !reading.is_written(&key.key("scale")) {
-            let expected = "`scale`, as an error is no share of an expected 0";
+            let expected = "`scale`, as no error is relative to an expected 0";
             reading.complain(&key.key("scale"), "nothing", expected);
         }
         if scale.and_then(|s| s.as_f64()) == Some(0.0) {

@@ -11,7 +11,7 @@ use serde_json::Value;
 pub struct Schema {
     /// Its name on the command line, for example `level`.
     pub name: String,
-    /// What such a file says, in a sentence.
+    /// What such a file holds, in a sentence.
     pub doc: String,
     /// The keys at its top.
     pub keys: Vec<Key>,
@@ -122,7 +122,7 @@ pub enum Kind {
         /// Kind of each value.
         of: Box<Kind>,
     },
-    /// A number, text, truth value or list of these, whose kind another part of the files decides; the text says which.
+    /// A number, text, truth value or list of these, whose kind another part of the files decides; the text names it.
     Dependent(String),
 }
 
@@ -249,7 +249,7 @@ pub(crate) fn range(unit: Unit, min: f64, max: f64) -> String {
     }
 }
 
-/// How a quantity may be written, if there is more than one way.
+/// How a quantity may be written, if there is more than one notation.
 fn notation(unit: Unit) -> String {
     match unit {
         Unit::Ratio | Unit::Count => String::new(),

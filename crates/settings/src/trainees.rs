@@ -1,6 +1,6 @@
 //! `config/trainees.toml`: how synthetic trainees move.
 //!
-//! A synthetic trainee follows the plan of a script, the way a hand does. What is here describes kinds of them; it is set before
+//! A synthetic trainee follows the plan of a script, as a hand does. What is here describes kinds of them; it is set before
 //! anything is scored, and a group of synthetic trainees validates nothing.
 
 use crate::check::{texts, unique};
@@ -30,7 +30,7 @@ table! {
         tremor_still: Sourced = sourced(length()),
         /// RMS of the tremor between 8 and 12 Hz, all axes together, while the jaws are opened or closed \[m\].
         tremor_actuating: Sourced = sourced(length()),
-        /// Time for everything, as a share of that of the plan.
+        /// Time for everything, relative to that of the plan.
         pace: Sourced = sourced(quantity(Unit::Ratio, 0.1, 10.0)),
         /// Chance of a pause where all tools rest.
         hesitation_chance: Sourced = sourced(ratio(1.0)),
@@ -42,11 +42,11 @@ table! {
         /// Standard deviation about each axis of how the tool is turned where a movement of at least 1 mm ends \[rad\]; in
         /// proportion less for a shorter one.
         angular_error: Sourced = sourced(quantity(Unit::Angle, 0.0, 0.5)),
-        /// How far a movement gets ahead of the plan, as a share of its length: beyond its end by what this is above 0.9 %.
+        /// How far a movement gets ahead of the plan, relative to its length: beyond its end by what this is above 0.9 %.
         lead: Sourced = sourced(ratio(1.0)),
-        /// How far a movement goes astray to the side, as a share of its length.
+        /// How far a movement goes astray to the side, relative to its length.
         detour: Sourced = sourced(ratio(1.0)),
-        /// How much further than planned jaws are closed, as a share of the closing.
+        /// How much further than planned jaws are closed, relative to the closing.
         grip_excess: Sourced = sourced(ratio(1.0)),
         /// Standard deviation of the logarithm of the factor by which one trainee differs from the profile, for each
         /// parameter.

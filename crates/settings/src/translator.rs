@@ -42,7 +42,7 @@ table! {
         tool_rotation: [f64; 4] = rotation() => [0.0, 0.0, 0.0, 1.0],
         /// Field lengths per device length.
         scale: f64 = quantity(Unit::Ratio, 0.001, 1000.0) => 1.0,
-        /// Where the opening comes from: the device, or always `closed`, `open` or this share.
+        /// Where the opening comes from: the device, or always `closed`, `open` or this fraction.
         opening: OpeningSource => "device",
     }
 }
@@ -53,14 +53,14 @@ table! {
 pub enum OpeningSource {
     /// From the device or always at an end.
     Named(OpeningName),
-    /// Always this share of the full opening.
+    /// Always this fraction of the full opening.
     Fixed(f64),
 }
 
 terms! {
     /// Openings that have a name.
     pub enum OpeningName {
-        /// As the device says.
+        /// As the device reports it.
         Device = "device",
         /// Always 0.
         Closed = "closed",
@@ -70,7 +70,7 @@ terms! {
 }
 
 impl OpeningSource {
-    /// The opening that holds whatever the device says, from 0 closed to 1 open; `None` if the device says it.
+    /// The opening that holds whatever the device reports, from 0 closed to 1 open; `None` if the device reports it.
     pub fn fixed(self) -> Option<f64> {
         match self {
             OpeningSource::Named(OpeningName::Device) => None,

@@ -72,7 +72,7 @@ impl Node {
         self.follow(path).0.at
     }
 
-    /// The last value on the way along `path`, and how many steps lead to it.
+    /// The last value along `path`, and how many steps lead to it.
     fn follow(&self, path: &KeyPath) -> (&Node, usize) {
         let mut node = self;
         for (taken, step) in path.steps().iter().enumerate() {
@@ -174,7 +174,7 @@ impl Builder<'_> {
                 }
             }
             DeValue::Float(number) => match number.as_str().parse::<f64>() {
-                // A number that is only too large reads as infinite; one that says `inf` is left to the schema.
+                // A number that is only too large reads as infinite; one written `inf` is left to the schema.
                 Ok(value) if !value.is_infinite() || number.as_str().contains("inf") => {
                     Item::Float(value)
                 }

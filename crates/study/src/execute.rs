@@ -129,7 +129,7 @@ pub(crate) fn exact_way<'a>(
     kind: ExactKind,
     scene: Option<&'a ChartScene>,
 ) -> (&'a [String], Option<PlannedStep>) {
-    let fraction = PlannedStep::LimitFraction(chart.exact.share);
+    let fraction = PlannedStep::LimitFraction(chart.exact.fraction);
     let (set, step) = match kind {
         ExactKind::Rest => (&chart.exact.rest, Some(PlannedStep::Sample)),
         ExactKind::Motion => (&chart.exact.motion, Some(fraction)),
@@ -227,7 +227,7 @@ fn prepare(
             value: 1.0,
             tolerance: 1.0,
             scale: None,
-            settle: measure.settle,
+            fall_time: measure.fall_time,
             source: String::new(),
         })
         .collect();

@@ -135,7 +135,7 @@ fn runs_of(chart: &Chart, sweep: &ChartSweep, name: &str) -> Vec<PlannedRun> {
         }
     }
     let steps = chosen(&own.steps, &sweep.steps).iter();
-    let fractions = chosen(&own.shares, &sweep.shares).iter();
+    let fractions = chosen(&own.fractions, &sweep.fractions).iter();
     let steps = steps.map(|step| PlannedStep::Seconds(*step));
     let steps = steps.chain(fractions.map(|fraction| PlannedStep::LimitFraction(*fraction)));
     let iterations: Vec<Option<u32>> = match chosen(&own.iterations, &sweep.iterations) {

@@ -291,7 +291,7 @@ fn measured_goal(
 fn parameters(method: &ChartMethod) -> Vec<(PlannedStep, Option<u32>)> {
     let steps = method.steps.iter().map(|step| PlannedStep::Seconds(*step));
     let fractions = method
-        .shares
+        .fractions
         .iter()
         .map(|fraction| PlannedStep::LimitFraction(*fraction));
     let iterations: Vec<Option<u32>> = match &method.iterations[..] {

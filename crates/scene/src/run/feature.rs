@@ -18,8 +18,8 @@ pub(super) fn find(expect: &Expect, time: &[f64], values: &[f64]) -> Option<f64>
         Feature::AtEnd => *values.last()?,
         Feature::Largest => largest,
         Feature::Spread => largest - smallest,
-        Feature::FirstPeak => first_peak(time, values, expect.settle, fall)?.1,
-        Feature::FirstPeakTime => first_peak(time, values, expect.settle, fall)?.0,
+        Feature::FirstPeak => first_peak(time, values, expect.fall_time, fall)?.1,
+        Feature::FirstPeakTime => first_peak(time, values, expect.fall_time, fall)?.0,
         Feature::Frequency => frequency(time, values, smallest, largest)?,
     };
     found.is_finite().then_some(found)
@@ -84,7 +84,7 @@ mod tests {
             value: 0.0,
             tolerance: 0.0,
             scale: None,
-            settle: 0.05,
+            fall_time: 0.05,
             source: String::new(),
         }
     }

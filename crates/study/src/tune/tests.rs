@@ -10,7 +10,7 @@ fn goal(error: f64, value: f64) -> Goal {
             value,
             tolerance: 1.0,
             scale: None,
-            settle: 0.02,
+            fall_time: 0.02,
             source: String::new(),
         }],
         error,
