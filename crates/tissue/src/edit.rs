@@ -1,12 +1,12 @@
 //! Edits of a body: its model and its state follow a mesh of which a few elements were cut, split or taken away.
 //!
-//! A [`ModelEdit`] says in plain data what became of nodes and elements; [`TissueModel::edit`] then makes anew what has a share of a
-//! changed tetrahedron, by what the edit touches and not by the body, and says in a [`ModelChange`] what a [`State`] has to
+//! A [`ModelEdit`] states in plain data what became of nodes and elements; [`TissueModel::edit`] then rebuilds what is made of a
+//! changed tetrahedron, by what the edit touches and not by the body, and states in a [`ModelChange`] what a [`State`] has to
 //! follow. What is dirty is decided by keys of few nodes: the edge of a spring, the face of a triangle, the corners of a
 //! tetrahedron, the edge or the node of a domain. Elements with such a key inside an old tetrahedron that is gone, or inside a new one,
 //! go; those of the mesh after the edit come, each from all tetrahedra around its key. So the model is the one that
 //! [`build_model`](crate::build_model) makes of that mesh, up to the order of its elements; patches of
-//! [`Discretisation::PatchPressure`](crate::Discretisation::PatchPressure) are formed anew among the elements of those that were
+//! [`Discretisation::PatchPressure`](crate::Discretisation::PatchPressure) are formed again among the elements of those that were
 //! touched. Kept from before are the characteristic length, the inertia added to nodes away from the edit, and factors of a
 //! stiffness cap on elements away from it.
 //!
@@ -18,14 +18,14 @@
 //! # Cost
 //! A cut that divides 40 to 60 elements takes 0.15 ms (tetrahedra), 0.35 ms (springs) to 0.6 ms (selective) of one core with state, mass
 //! floor and an explicit solver, the 99th of a hundred 0.25 to 1.2 ms, in bodies of 10,000 to 100,000 tetrahedra alike. What goes with the
-//! body: 4 ns per node for the parts that are told to a solver; memory once a body has half as many elements again as at the
-//! start, 5 ms at 100,000 tetrahedra; pieces that come off, whose parts are found anew, 10 ns per tetrahedron; a union of bodies, made
-//! anew, 5 to 40 ns per tetrahedron; and what an implicit solver knows of the pattern, 0.7 ms (tetrahedra) to 2.6 ms (selective) at 3,200
+//! body: 4 ns per node for the parts that a solver is given; memory once a body has half as many elements again as at the
+//! start, 5 ms at 100,000 tetrahedra; pieces that come off, whose parts are found again, 10 ns per tetrahedron; a union of bodies,
+//! rebuilt, 5 to 40 ns per tetrahedron; and what an implicit solver knows of the pattern, 0.7 ms (tetrahedra) to 2.6 ms (selective) at 3,200
 //! tetrahedra, 2.2 and 9.6 ms at 10,500, beside a step of 3.6 and 14 ms (`cargo run --release -p microsim-tissue --example edit_time`).
 //!
 //! # Limitations
-//! A model that others share (a clone, the union of several bodies) shares its sets with them: the first edit then copies each
-//! set that it touches. A union cannot be edited itself: make it anew of its members. New nodes of an interface are not tied
+//! A clone and the union of several bodies hold the sets of a model in common with it: the first edit then copies each
+//! set that it touches. A union cannot be edited itself: rebuild it of its members. New nodes of an interface are not tied
 //! by a coupling; what holds them are the ties around.
 
 mod error;
@@ -58,7 +58,7 @@ pub struct ModelEdit<'a> {
     pub replaced: Vec<u32>,
     /// For each appended element the one before the edit of which it is a part.
     pub parents: Vec<u32>,
-    /// Each new node as a point of the line between two others with smaller numbers: a + share (b − a). A copy has the share 0.
+    /// Each new node as a point of the line between two others with smaller numbers: a + s (b − a). A copy has s = 0.
     pub new_nodes: Vec<([u32; 2], f64)>,
     /// Whether each new node is fixed in space.
     pub clamped: Vec<bool>,
@@ -101,7 +101,7 @@ impl<'a> ModelEdit<'a> {
 impl TissueModel {
     /// Follows an edit of the mesh. After an error the model is as it was.
     ///
-    /// The first edit of a body builds an index of its elements and copies the sets that clones share, in a time that goes with the
+    /// The first edit of a body builds an index of its elements and copies the sets that clones hold too, in a time that goes with the
     /// body; [`prepare_edits`](Self::prepare_edits) does so before.
     pub fn edit(&mut self, edit: &ModelEdit<'_>) -> Result<ModelChange, EditError> {
         // Both are those of the body before all edits, or follow from them, whenever they are asked for: equal edits give equal bits.

@@ -171,7 +171,7 @@ pub trait Elements: Any + Debug + Send + Sync {
         false
     }
 
-    /// Calls `visit` with each [`Key`] by which an edit of the mesh finds an element: its nodes, unless it says otherwise.
+    /// Calls `visit` with each [`Key`] by which an edit of the mesh finds an element: its nodes, unless it overrides this.
     fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
         visit(Key::new(self.nodes(element)));
     }

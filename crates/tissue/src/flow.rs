@@ -6,7 +6,7 @@ use crate::state::State;
 /// Lets the internal variables of all elements flow for `h` \[s\] at the state's positions; returns whether a stiffness has
 /// grown. Then the step must be checked again with [`stable_step_at`](crate::stability::stable_step_at).
 ///
-/// Solvers integrate motion alone. Whoever drives them calls this after each step, once the step is kept.
+/// Solvers integrate motion alone. Whoever drives them calls this after each step, once the step is accepted.
 pub fn flow(model: &TissueModel, state: &mut State, h: f64) -> bool {
     let mut stiffer = false;
     for (set, elements) in model.sets().iter().enumerate() {

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Working memory for forces on one model.
 ///
-/// A large body is computed in parts that the model alone fixes: part `p` adds its share of every set of elements to a buffer
+/// A large body is computed in parts that the model alone fixes: part `p` adds its elements of every set of elements to a buffer
 /// of its own, and each node sums the buffers in the order of the parts. So the bits do not depend on the executor.
 #[derive(Clone, Debug)]
 pub struct Forces {

@@ -1,8 +1,8 @@
 //! The stiffness of a body as a whole: the tensor of its energy under one small strain of all nodes.
 //!
 //! C_ijkl = (1/V) Σ_e ∂²E_e/∂ε_ij∂ε_kl with x = (1 + ε) X for every node. The nodes follow the strain, so C is an upper bound
-//! (Voigt) of what they do when they are free to settle; where every node is a centre of symmetry, as inside Kuhn and mirrored
-//! Kuhn blocks, they have nothing to settle and C is exact.
+//! (Voigt) of what they do when they are free to relax; where every node is a centre of symmetry, as inside Kuhn and mirrored
+//! Kuhn blocks, they have nothing to relax and C is exact.
 
 use crate::elements::{Configuration, ElementMatrix, Elements, Tangent};
 use nalgebra::{SMatrix, SVector, Vector3};

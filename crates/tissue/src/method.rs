@@ -100,7 +100,7 @@ impl Method {
         }
     }
 
-    /// Whether a node can be led to a target within one step ([`NodeTarget`](crate::NodeTarget)).
+    /// Whether a node can be guided to a target within one step ([`NodeTarget`](crate::NodeTarget)).
     pub fn leads_nodes(&self) -> bool {
         match self {
             Self::StoermerVerlet
@@ -118,7 +118,7 @@ impl Method {
         }
     }
 
-    /// Whether gaps are kept by it ([`ContactStep`](crate::ContactStep)); where not, a step with contact fails and says so.
+    /// Whether non-penetration is enforced by it ([`ContactStep`](crate::ContactStep)); where not, a step with contact fails with the reason.
     pub fn keeps_gaps(&self) -> bool {
         // As with nodes that are led: a force of explicit Euler moves a node one step later only.
         !matches!(self, Self::ExplicitEuler)
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use crate::testing::{build, soft_block};
 
-    /// Without an iteration or a sub-step nothing would move, and no failure would tell.
+    /// Without an iteration or a sub-step nothing would move, and no failure would show it.
     #[test]
     fn counts_below_one_are_refused_by_name() {
         let model = build(&soft_block([1; 3]), |p| p.x < -0.9e-3);

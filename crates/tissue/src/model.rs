@@ -259,7 +259,7 @@ impl TissueModel {
         self.update_inverse_mass(node);
     }
 
-    /// A set to be changed: a copy first, where others share it.
+    /// A set to be changed: a copy first, where other models hold it too.
     pub(crate) fn own_set(&mut self, set: usize) -> &mut dyn Elements {
         if Arc::get_mut(&mut self.sets[set]).is_none() {
             self.sets[set] = self.sets[set].shifted(0);

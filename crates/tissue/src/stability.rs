@@ -22,7 +22,7 @@ use crate::state::State;
 use matrix::BlockMatrix;
 use nalgebra::Vector3;
 
-/// Recommended share of the stability limit (NUMERICS 3.1).
+/// Recommended fraction of the stability limit (NUMERICS 3.1).
 pub const SAFETY: f64 = 0.6;
 
 /// Steps of the power iteration in [`stable_step`]. From 20 on the estimate stays within 3 % of λ_max (NUMERICS 3.2).
@@ -65,7 +65,7 @@ pub fn power_iteration_at(model: &TissueModel, state: &State, part: Part, steps:
     BlockMatrix::new(model, state, part).largest_eigenvalue(model.inverse_masses(), steps)
 }
 
-/// The longest step \[s\] at the share `safety` of the stability limit of explicit methods that take viscous forces from a known
+/// The longest step \[s\] at the fraction `safety` of the stability limit of explicit methods that take viscous forces from a known
 /// velocity: h²λ + 2hΛ = 4·safety² (NUMERICS 3.1, q < 4 − 2δ), λ and Λ of stiffness and damping the smaller of the Gershgorin
 /// bound and the estimate by power iteration with its margin. Infinite for a body without stiffness or without a free node.
 /// It does not hold for explicit Euler ([`limit`]). Up to `safety` = √½ it does for the lagged Verlet, and for velocity Verlet with

@@ -14,7 +14,7 @@ pub enum EditError {
     Count {
         /// Of what.
         of: &'static str,
-        /// As the edit says.
+        /// As the edit states.
         expected: usize,
         /// In the mesh.
         found: usize,
@@ -26,11 +26,11 @@ pub enum EditError {
         /// The number.
         number: u32,
     },
-    /// A share of a new node is not in 0..=1.
+    /// The fraction of a new node is not in 0..=1.
     Share {
         /// Place among the new nodes.
         node: usize,
-        /// The share.
+        /// The fraction.
         share: f64,
     },
     /// An element of the mesh has no positive volume at rest.

@@ -162,7 +162,7 @@ impl Clone for IndexCell {
 
 impl TissueModel {
     /// Builds what [`edit`](Self::edit) and [`stability::floor_nodes`](crate::stability::floor_nodes) look up, takes the sets of
-    /// elements to itself where clones share them, and makes room for half as much again, in a time that goes with the body. Else edits
+    /// elements to itself where clones hold them too, and makes room for half as much again, in a time that goes with the body. Else edits
     /// do it.
     pub fn prepare_edits(&mut self) {
         self.index();

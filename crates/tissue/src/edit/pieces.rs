@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 impl TissueModel {
     /// Makes the connected parts follow. Where what was touched still holds together by itself, or with the tetrahedra next to it, they
-    /// are as they were; else something may have come off, and they are found anew when they are next asked for, in a time that
-    /// goes with the body. `ties_changed` says that of a coupling.
+    /// are as they were; else something may have come off, and they are found again when they are next asked for, in a time that
+    /// goes with the body. `ties_changed` states that of a coupling.
     pub(super) fn follow_components(&mut self, plan: &Plan, ties_changed: bool) {
         let Some(mut components) = self.components.take() else {
             return;

@@ -307,7 +307,7 @@ impl TissueModel {
         found
     }
 
-    /// Patches that were touched, formed anew among what is left of them and what is new; those that only have other numbers are made of
+    /// Patches that were touched, formed again among what is left of them and what is new; those that only have other numbers are made of
     /// the same elements.
     fn exchange_patches(
         &self,

@@ -1,8 +1,8 @@
 //! Sets of elements with the energy ½ k (q − q0)²: springs (q a length), triangles (an area), tetrahedra (a volume).
 //!
 //! Forces are −(k C + k_d Ċ) g with C = q − q0, g = ∂q/∂x (3.4, 3.8 as corrected in NUMERICS 1.1). The constants here are the
-//! plain ones (4.1, 4.2); the normalised form of THMG04 (3.5–3.8) and the volume-scaled form of NUMERICS 1.1 are other ways to
-//! say them, and are converted when a set is made.
+//! plain ones (4.1, 4.2); the normalised form of THMG04 (3.5–3.8) and the volume-scaled form of NUMERICS 1.1 are other forms
+//! of them, and are converted when a set is made.
 
 use super::measure::{Area, Length, Measure, Volume};
 use super::plasticity::Plasticity;
@@ -269,8 +269,8 @@ impl<M: Measure<N>, const N: usize> Elements for ConstraintSet<M, N> {
         make_room(&mut self.damping);
     }
 
-    /// The mean plastic stretch of rest values, and the mean factor of the stiffness, of the ancestors: a part of an edge has its share
-    /// of the rest length, a part of a tetrahedron its share of the rest volume (NUMERICS 1.4).
+    /// The mean plastic stretch of rest values, and the mean factor of the stiffness, of the ancestors: a part of an edge has its part
+    /// of the rest length, a part of a tetrahedron its part of the rest volume (NUMERICS 1.4).
     fn inherited(&self, added: &dyn Elements, ancestors: &[Vec<u32>]) -> Vec<Inherited> {
         let added = (added as &dyn Any).downcast_ref::<Self>();
         let (Some(_), Some(added)) = (self.plasticity, added) else {

@@ -31,7 +31,7 @@ pub type Continuum<L> = ContinuumSet<L, Tetrahedra>;
 /// Smoothing domains around edges or nodes.
 ///
 /// # Limitations
-/// Only the means over the domains are kept in check: volumes of single tetrahedra scatter around them (0.93–1.07 in the
+/// Only the means over the domains are held near 1: volumes of single tetrahedra scatter around them (0.93–1.07 in the
 /// cantilever M at ν = 0.49 with the discretisation selective). Matrices couple the neighbours of neighbours: a static solution
 /// of M takes six times as long as with tetrahedra.
 pub type Smoothed<L> = ContinuumSet<L, SmoothingDomains>;

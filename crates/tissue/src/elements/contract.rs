@@ -11,7 +11,7 @@ const DELTA: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-8;
 /// Sums of some hundred terms of size one.
 const ROUNDING: f64 = 1e-13;
-/// A share of the damping \[1/s\].
+/// A multiple of the damping \[1/s\].
 const DAMPING: f64 = 30.0;
 
 /// Checks that factors of the elements of `set` scale energy, forces and matrices.
@@ -42,7 +42,7 @@ pub(crate) fn check_factors(set: &dyn Elements, at: &Configuration<'_>) {
     }
 }
 
-/// Checks that the matrix of all elements, with damping, is the sum of those of single ones, which may be formed in another way.
+/// Checks that the matrix of all elements, with damping, is the sum of those of single ones, which may be formed in another manner.
 pub(crate) fn check_assembly(set: &dyn Elements, at: &Configuration<'_>) {
     let nodes = at.positions.len();
     let (pattern, slots) = Slots::of_sets(nodes, [set]);

@@ -1,4 +1,4 @@
-//! Matrices of single elements, and their way into the matrix of a body.
+//! Matrices of single elements, and how they enter the matrix of a body.
 
 use super::Elements;
 use microsim_sparse::Pattern;
@@ -13,7 +13,7 @@ pub struct ElementMatrix {
 }
 
 impl ElementMatrix {
-    /// An empty matrix; its memory is kept from element to element.
+    /// An empty matrix; its memory is retained from element to element.
     pub fn new() -> Self {
         Self::default()
     }

@@ -31,7 +31,7 @@ pub(crate) struct Flow {
     /// (1 + e_y) to the power: beyond this ratio of value and rest value an element yields.
     yield_ratio: f64,
     yield_stretch: f64,
-    /// Share of the way to the end of the flow that is gone in the step.
+    /// Fraction of the remaining flow that happens in the step.
     share: f64,
     max_stretch: f64,
     hardening: f64,

@@ -6,7 +6,7 @@
 //! keeps nearly incompressible tissue from locking. Domains are made of the elements that are given: those of one region, so
 //! nothing is smoothed across a layer.
 //!
-//! Each domain gathers F from its nodes and scatters its force to them. The other way, F once per tetrahedron and means of those,
+//! Each domain gathers F from its nodes and scatters its force to them. The alternative, F once per tetrahedron and means of those,
 //! takes the same time around edges (39 ns per tetrahedron, both measured), but a pass and memory more.
 
 use super::domains::{Domains, product, shape};
@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 /// More elements than that around an edge make more than one patch.
 const LARGEST_PATCH: usize = 6;
 
-/// The share of its volume that a tetrahedron gives to each of its edges.
+/// The fraction of its volume that a tetrahedron gives to each of its edges.
 pub(crate) const EDGE_SHARE: f64 = 1.0 / 6.0;
 
 /// And to each of its nodes.
@@ -83,7 +83,7 @@ impl SmoothingDomains {
         Self::of(mesh, &members)
     }
 
-    /// One domain per key, around an edge or a node: of each of its elements the share `share` of the volume. Pairs of key and element
+    /// One domain per key, around an edge or a node: of each of its elements this fraction of the volume. Pairs of key and element
     /// are ascending.
     pub(crate) fn around(mesh: &TetMesh, around: &[(Key, u32)], share: f64) -> Self {
         let mut domains = Self::new(Keys::Around(Vec::new()));
@@ -128,7 +128,7 @@ impl SmoothingDomains {
         }
     }
 
-    /// Adds a domain of these elements; `shares` is working memory.
+    /// Adds a domain of these elements; the last argument is working memory.
     fn push<K>(
         &mut self,
         mesh: &TetMesh,

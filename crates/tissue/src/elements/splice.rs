@@ -54,7 +54,7 @@ pub struct Inherited {
 mod tests {
     use super::*;
 
-    /// Against an array of names: each place holds what it is said to hold.
+    /// Against an array of names: each place holds what it should.
     #[test]
     fn places_are_those_of_the_splice() {
         for (removed, added) in [

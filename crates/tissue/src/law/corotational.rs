@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Finite everywhere; inverted matter is pushed back along the axis of the smallest stretch.
 ///
 /// # Limitations
-/// λ resists the sum of the stretches, not the volume: at large strain the volume is not kept. Where the two smallest signed
+/// λ resists the sum of the stretches, not the volume: at large strain the volume is not preserved. Where the two smallest signed
 /// stretches sum to zero R jumps, and so does the stress: the tangent is not defined there and is bounded instead.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Corotational;

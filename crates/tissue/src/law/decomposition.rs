@@ -129,7 +129,7 @@ fn perpendicular(u: &Vector3<f64>) -> Vector3<f64> {
     u.cross(&axis).normalize()
 }
 
-/// Newton's iteration is used while det F is at least this share of the cube of the mean stretch.
+/// Newton's iteration is used while det F is at least this fraction of the cube of the mean stretch.
 const WELL_SHAPED: f64 = 0.02;
 
 /// The square of the last step of Newton's iteration: the error left is half of it.
@@ -139,7 +139,7 @@ const NEWTON_DONE: f64 = 1e-15;
 const NEWTON_STEPS: usize = 16;
 
 /// The proper rotation R nearest to F, that of F = R S with S symmetric; for an inverted F (det F < 0) the axis of the smallest
-/// stretch counts as the inverted one. Two equal smallest stretches of an inverted F leave a choice, which falls the same way
+/// stretch counts as the inverted one. Two equal smallest stretches of an inverted F leave a choice, which falls alike
 /// every time.
 ///
 /// Newton's iteration X ← (X + X⁻ᵀ)/2 (Higham 1986) for well shaped F, [`SignedSvd`] for the others.
@@ -163,7 +163,7 @@ pub fn rotation_of(f: &Matrix3<f64>) -> Matrix3<f64> {
     rotation_by_svd(f)
 }
 
-/// Out of the way of the common case.
+/// Apart from the common case.
 #[cold]
 fn rotation_by_svd(f: &Matrix3<f64>) -> Matrix3<f64> {
     SignedSvd::new(f).rotation()

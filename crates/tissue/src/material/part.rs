@@ -37,7 +37,7 @@ pub(crate) enum Carried {
 }
 
 impl Carried {
-    /// Calls `visit` with the key of each element of the set in which a tetrahedron has a share.
+    /// Calls `visit` with the key of each element of the set of which a tetrahedron is a part.
     pub fn keys(&self, tet: &[u32; 4], mut visit: impl FnMut(Key)) {
         let [a, b, c, d] = *tet;
         match self {
@@ -69,7 +69,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// The elements of the set with the keys in `around`, each with all tetrahedra that have a share in it: ascending pairs.
+    /// The elements of the set with the keys in `around`, each with all tetrahedra that have a part in it: ascending pairs.
     pub fn build_around(&self, mesh: &TetMesh, around: &[(Key, u32)]) -> Arc<dyn Elements> {
         let time = self.material.relaxation_time;
         match &self.material.behaviour {

@@ -1,6 +1,6 @@
 //! Springs, triangles and volumes: constants of a material in, stiffness of each element out.
 //!
-//! There are four ways to say the constants; elements know the plain one alone.
+//! There are four forms of the constants; elements know the plain one alone.
 //!
 //! - *Plain* (4.1, 4.2): E = ½ k (q − q0)², one k for all elements of a kind.
 //! - *Normalised* (THMG04; 3.5–3.8): E = ½ k ((q − q0)/q̃0)², so k_plain = k/q̃0². q̃0 is q0; for an element that is nearly
@@ -41,7 +41,7 @@ pub struct SpringConstants {
     pub plasticity: Option<Plasticity>,
 }
 
-/// The four ways to say the constants.
+/// The four forms of the constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpringForm {
     /// k in N/m, N/m³ and N/m⁵, k_d in N·s/m, N·s/m³ and N·s/m⁵ for springs, triangles and volumes.
@@ -70,7 +70,7 @@ pub struct KindConstants {
     pub volume: Coefficients,
 }
 
-/// Stiffness and damping of one kind of element; the form says the units.
+/// Stiffness and damping of one kind of element; their units depend on the form.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coefficients {
     /// k, ≥ 0.
@@ -187,7 +187,7 @@ impl SpringConstants {
         sets.into_iter().flatten().collect()
     }
 
-    /// Elements of one of the sets: those with these keys, each with all tetrahedra that have a share in it, ascending.
+    /// Elements of one of the sets: those with these keys, each with all tetrahedra that have a part in it, ascending.
     pub(super) fn build_around(
         &self,
         carried: Carried,

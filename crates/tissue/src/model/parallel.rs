@@ -48,7 +48,7 @@ pub(super) fn parts(tets: usize, nodes: usize, sets: &[Arc<dyn Elements>]) -> Ve
 }
 
 /// Follows an edit: `placed` are the places of each set where there are other elements now. Runs stay where they are but for the
-/// last one; once it has grown to twice its share all are cut anew, which takes a time that goes with the body.
+/// last one; once it has grown to twice its size at the start all are cut again, which takes a time that goes with the body.
 pub(super) fn follow(
     all: &mut Vec<Part>,
     tets: usize,

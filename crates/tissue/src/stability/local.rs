@@ -14,7 +14,7 @@ pub struct Remedied {
     pub added: f64,
 }
 
-/// Gives these nodes, ascending, the inertia with which the step `h` \[s\] of `method` is stable at the share `safety` of the limit: of the
+/// Gives these nodes, ascending, the inertia with which the step `h` \[s\] of `method` is stable at the fraction `safety` of the limit: of the
 /// inertia that is beyond their mass what is needed, max(0, (S_i h² + a D_i h)/(s² r − b c h) − m_i) by Gershgorin at rest. S_i and
 /// D_i are the sums of the rows of stiffness and damping, c the drag per mass, and stable is h²λ + a hΛ + b hc < r (NUMERICS 3.1):
 ///
@@ -27,7 +27,7 @@ pub struct Remedied {
 /// | lagged velocity Verlet, without | 4 | 0 | 0 |
 ///
 /// Implicit methods need nothing and are given nothing. Neither is explicit Euler: more inertia takes from it the damping that holds
-/// it. The step must be within [`stable_step`](super::stable_step) and, for the drag, within [`limit`](super::limit), each at a share of 0.6.
+/// it. The step must be within [`stable_step`](super::stable_step) and, for the drag, within [`limit`](super::limit), each at a fraction of 0.6.
 ///
 /// Gershgorin's bound is 2 to 3.5 times λ_max (NUMERICS 3.2): at a `safety` close to 1 nodes that are well without it stay
 /// as they are where the step is half of the limit or less. After 500 cuts in a cube of 10,368 tetrahedra, which make it 20,864, a step
@@ -36,7 +36,7 @@ pub struct Remedied {
 /// --example cut_stability`).
 ///
 /// # Panics
-/// When drag alone takes up the share of the limit: no inertia helps against it.
+/// When drag alone takes up that fraction of the limit: no inertia helps against it.
 pub fn floor_nodes(
     model: &mut TissueModel,
     nodes: &[u32],

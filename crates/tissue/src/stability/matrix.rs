@@ -83,7 +83,7 @@ impl BlockMatrix {
     }
 }
 
-/// Starts of rows and ascending columns of all pairs of nodes that share an element.
+/// Starts of rows and ascending columns of all pairs of nodes of a common element.
 fn pattern(model: &TissueModel) -> (Vec<usize>, Vec<u32>) {
     let n = model.node_count();
     // Sorted per row, and freed of copies whenever a row has doubled: memory follows the pattern, not the elements.

@@ -7,7 +7,7 @@ use super::{Part, row_sums};
 use crate::model::TissueModel;
 use crate::state::State;
 
-/// Inertia to be added at each node \[kg\], with which the step `h` \[s\] is stable at the share `safety` of the limit:
+/// Inertia to be added at each node \[kg\], with which the step `h` \[s\] is stable at the fraction `safety` of the limit:
 /// max(0, (S_i h² + 2 D_i h)/(4 s²) − m_i), for [`TissueModel::with_added_inertia`]. It must be reported.
 pub fn mass_floor(model: &TissueModel, state: &State, h: f64, safety: f64) -> Vec<f64> {
     let sums = sums(model, state, h);
@@ -19,7 +19,7 @@ pub fn mass_floor(model: &TissueModel, state: &State, h: f64, safety: f64) -> Ve
     model.masses().iter().enumerate().map(floor).collect()
 }
 
-/// Factors ≤ 1 of the stiffness of each element, set after set, with which the step `h` \[s\] is stable at the share `safety` of
+/// Factors ≤ 1 of the stiffness of each element, set after set, with which the step `h` \[s\] is stable at the fraction `safety` of
 /// the limit: φ_i = min(1, 4 s² m_i/(h² S_i + 2 h D_i)) of a node, the smallest of its free nodes for an element. Masses stay.
 pub fn stiffness_cap(model: &TissueModel, state: &State, h: f64, safety: f64) -> Vec<Vec<f64>> {
     let sums = sums(model, state, h);

@@ -1,4 +1,4 @@
-//! The sums of the rows of stiffness and damping at rest, kept up to date by edits.
+//! The sums of the rows of stiffness and damping at rest, updated by edits.
 
 use crate::model::TissueModel;
 

@@ -6,7 +6,7 @@ use microsim_geometry::{closest_on_triangle, triangle_normal};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 
-/// Two boundaries farther apart than this share of the mean edge length are not one interface. It covers what two
+/// Two boundaries farther apart than this fraction of the mean edge length are not one interface. It covers what two
 /// divisions of one curved surface differ by.
 const REACH: f64 = 0.25;
 
@@ -53,7 +53,7 @@ struct Face {
 /// Ties every node of the interface of region `from` to region `to`. A node is on the interface when a boundary triangle at
 /// it faces one of the other region within reach; its stiffness is that per area times its third of such triangles. It is
 /// tied to the tetrahedron behind the nearest of them, in whose coordinates it may lie slightly outside: so every tie is at
-/// rest in the rest shape. A node that both regions share is tied already.
+/// rest in the rest shape. A node that belongs to both regions is tied already.
 pub fn couple(
     mesh: &TetMesh,
     from: u32,

@@ -8,7 +8,7 @@
 //! so the fit holds for every part of any mesh.
 //!
 //! What is left is the anisotropy of the mesh. On mirrored Kuhn cells it vanishes: one k per tetrahedron balances axes, face
-//! and space diagonals exactly (k ∝ L0 does not). On plain Kuhn cells it is large, as all space diagonals point one way. A
+//! and space diagonals exactly (k ∝ L0 does not). On plain Kuhn cells it is large, as all space diagonals are parallel. A
 //! strain that varies from element to element, at a free surface or where volumes lock, is not in this figure.
 
 use super::SpringConstants;

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// c of k = Σ c·E·L0, 2√2/25.
 const SPRING_SHARE: f64 = 0.08 * std::f64::consts::SQRT_2;
 
-/// Below this share of the size of a regular element one counts as flat (NUMERICS 1.1).
+/// Below this fraction of the size of a regular element one counts as flat (NUMERICS 1.1).
 const FLAT: f64 = 1e-3;
 
 /// The faces of a tetrahedron as corners.
