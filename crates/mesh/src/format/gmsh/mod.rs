@@ -16,6 +16,9 @@ use super::scanner::{Scanner, quoted};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
+/// A vector for each element, by its number in the file.
+type Numbered = Vec<(i64, Vector3<f64>)>;
+
 /// What both versions have in common while they are read.
 struct Reader<'a> {
     scanner: Scanner<'a>,
@@ -27,7 +30,7 @@ struct Reader<'a> {
     /// Number of each tetrahedron in the file.
     tet_numbers: Vec<i64>,
     /// Fibre directions of elements by their numbers, and the rank of their name.
-    directions: Option<(usize, Vec<(i64, Vector3<f64>)>)>,
+    directions: Option<(usize, Numbered)>,
     parts: Parts,
 }
 
