@@ -341,7 +341,7 @@ fn check_regions(reading: &mut Reading, body: &KeyPath, value: &Value) {
     }
 }
 
-/// A selection is at most one of a box, a shell and a node; `needed` says whether one of them has to be there.
+/// A selection is at most one of a box, a shell and a node; `needed` is set where one of them has to be there.
 fn check_nodes(reading: &mut Reading, key: &KeyPath, needed: bool) {
     check_box(reading, key);
     let written: Vec<&str> = ["min", "shell", "nearest"]

@@ -1,4 +1,4 @@
-//! The schema, which reads, and the Rust types, which the program uses, say the same.
+//! The schema, which reads, and the Rust types, which the program uses, agree.
 
 use crate::{EXAMPLES, manifest, read};
 use microsim_settings::*;
@@ -36,7 +36,7 @@ fn schema(kind: &str) -> Schema {
     }
 }
 
-/// What the type of a kind says to values; only errors are of interest.
+/// The result of reading values by the type of a kind; only errors are of interest.
 fn accept(kind: &str, value: &Value) -> Result<(), String> {
     fn parse<T: serde::de::DeserializeOwned>(value: &Value) -> Result<(), String> {
         serde_json::from_value::<T>(value.clone())

@@ -39,7 +39,7 @@ fn each_mistake_is_named_with_its_place() {
     );
 }
 
-/// What `load_*` says of a file that cannot be read as text.
+/// The error of `load_*` for a file that cannot be read as text.
 #[test]
 fn a_file_that_is_missing_or_no_text_is_named_with_what_it_should_be() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! Full examples give the values that they say, and the files that the project ships are right.
+//! Full examples give the values that they state, and the files that the project ships are right.
 
 use crate::{KNOWN_METRICS, example, manifest};
 use microsim_settings::*;

@@ -1,4 +1,4 @@
-//! What host and plugins share crosses between them unchanged.
+//! The types common to host and plugins cross between them unchanged.
 
 use crate::{KNOWN_METRICS, example, manifest};
 use microsim_settings::*;
@@ -48,7 +48,7 @@ fn configurations_cross_unchanged() {
     });
 }
 
-/// A device that the file lists drives the tool that it says, another one the tool of its own name; one that drives no tool of
+/// A device that the file lists drives the tool that it names, another one the tool of its own name; one that drives no tool of
 /// the level is left out.
 #[test]
 fn devices_drive_the_tools_that_the_file_says_or_those_of_their_own_names() {
