@@ -94,7 +94,7 @@ fn a_scene_shows_solver_and_contact() {
     let path = trace.to_str().expect("UTF-8");
     microsim([
         "simulate",
-        "drop",
+        "block-on-slope",
         "--set",
         "run.duration=20ms",
         "--trace",
