@@ -113,13 +113,13 @@ impl Body {
                 source,
             })?;
         let drive = Drive::new(mesh, &origin, &clamps, &loads, model.clamped());
-        if touched && !method.keeps_gaps() {
+        if touched && !method.enforces_non_penetration() {
             return Err(SceneError::Contact {
                 body: name,
                 method: method.name(),
             });
         }
-        if drive.has_grips() && !method.leads_nodes() {
+        if drive.has_grips() && !method.reaches_node_targets() {
             return Err(SceneError::Grip {
                 body: name,
                 method: method.name(),

@@ -400,7 +400,7 @@ fn verdict(
     let loaded = load(context, goal, &trial.overrides)?;
     let scene = Scene::new(&loaded.spec).map_err(|e| e.to_string())?;
     trial.method = scene.method().name().into();
-    if candidates.contact && !scene.method().leads_nodes() {
+    if candidates.contact && !scene.method().reaches_node_targets() {
         return Err("it cannot lead nodes, which contact needs".into());
     }
     if let (Some(reason), Method::QuasiStatic(_)) = (candidates.motion, scene.method()) {

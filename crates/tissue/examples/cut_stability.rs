@@ -20,7 +20,7 @@ const CELLS: usize = 12;
 /// Edge of the squares, in cells.
 const SQUARE: f64 = 1.0;
 
-/// Share of the limit that the floor leaves.
+/// Fraction of the limit that the floor leaves.
 const FLOOR: f64 = 0.95;
 
 /// The energy is gone beyond all bounds at so many times that of the start.

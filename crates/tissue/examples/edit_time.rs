@@ -1,5 +1,5 @@
 //! What it takes a model to follow a cut of about 60 elements, against the size of the body, part by part; and what it takes an implicit
-//! method to begin anew, stage by stage.
+//! method to begin again, stage by stage.
 //!
 //! `cargo run --release -p microsim-tissue --example edit_time [MATERIAL]` prints two tables of CPU times of one core \[µs\].
 
@@ -32,7 +32,7 @@ const SQUARE: f64 = 2.3;
 /// Cuts that divide as many elements count.
 const DIVIDED: std::ops::RangeInclusive<usize> = 40..=60;
 
-/// Repeats of which the fastest is told, in the second table.
+/// Repeats of which the fastest is reported, in the second table.
 const REPEATS: usize = 7;
 
 /// What is timed.

@@ -279,7 +279,7 @@ fn a_method_that_cannot_keep_gaps_says_so() {
         let mut world = World::new(model.clone(), method);
         let before = world.state.clone();
         let result = world.step(1e-5);
-        if method.keeps_gaps() {
+        if method.enforces_non_penetration() {
             assert!(result.is_ok(), "{method:?}: {result:?}");
         } else {
             let failure = result.unwrap_err();

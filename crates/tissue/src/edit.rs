@@ -7,7 +7,7 @@
 //! go; those of the mesh after the edit come, each from all tetrahedra around its key. So the model is the one that
 //! [`build_model`](crate::build_model) makes of that mesh, up to the order of its elements; patches of
 //! [`Discretisation::PatchPressure`](crate::Discretisation::PatchPressure) are formed again among the elements of those that were
-//! touched. Kept from before are the characteristic length, the inertia added to nodes away from the edit, and factors of a
+//! touched. Retained from before are the characteristic length, the inertia added to nodes away from the edit, and factors of a
 //! stiffness cap on elements away from it.
 //!
 //! # Plastic flow
@@ -35,10 +35,9 @@ mod plan;
 mod sets;
 mod state;
 
-pub use error::EditError;
 #[cfg(test)]
-use index::Index;
-pub(crate) use index::IndexCell;
+use crate::element_index::Index;
+pub use error::EditError;
 pub use state::ModelChange;
 
 use crate::model::TissueModel;

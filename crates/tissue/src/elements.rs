@@ -26,7 +26,7 @@ pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;
 pub use smoothed::SmoothingDomains;
-pub(crate) use smoothed::{EDGE_SHARE, NODE_SHARE, patches};
+pub(crate) use smoothed::{EDGE_FRACTION, NODE_FRACTION, patches};
 
 use key::Key;
 use nalgebra::Vector3;

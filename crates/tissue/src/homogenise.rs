@@ -117,7 +117,7 @@ impl EffectiveStiffness {
         )
     }
 
-    /// Share of the tensor (Frobenius) that is not in the mean over all directions.
+    /// Fraction of the tensor (Frobenius) that is not in the mean over all directions.
     pub fn anisotropy(&self) -> f64 {
         let (bulk, shear) = self.bulk_and_shear();
         let mut rest = self.tensor - SMatrix::identity() * (2.0 * shear);

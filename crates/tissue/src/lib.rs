@@ -1,6 +1,6 @@
 //! Deformable tissue: elements, material laws, models, solvers.
 //!
-//! Four things are kept apart: the constant [`TissueModel`], the evolving [`State`], the [`Control`] and the
+//! Four types stay apart: the constant [`TissueModel`], the evolving [`State`], the [`Control`] and the
 //! [node targets](NodeTarget) of a step; a [`Solver`] is `step(model, state, control, targets, h)`, or `advance` with a [`ContactStep`]. A model is held together by sets of
 //! [`elements`](Elements): springs, triangles, volumes, continua of a material [`law`], couplings. What is not here: finding contacts (crate
 //! `contact`), coupling of bodies (crate `scene`), linear algebra of large systems (crate `sparse`), files, clocks, threads of
@@ -9,14 +9,17 @@
 
 #![forbid(unsafe_code)]
 
+mod build;
 mod components;
 #[cfg(test)]
 mod contact_tests;
 mod edit;
+mod element_index;
 pub mod elements;
 mod executor;
 mod flow;
 mod forces;
+mod gershgorin;
 pub mod homogenise;
 mod lanes;
 pub mod law;
@@ -36,6 +39,7 @@ pub mod stability;
 mod state;
 mod system;
 
+pub use build::{BuildError, build_model};
 pub use edit::{EditError, ModelChange, ModelEdit};
 pub use elements::Elements;
 pub use executor::{Executor, Serial};
@@ -43,8 +47,8 @@ pub use flow::flow;
 pub use forces::Forces;
 pub use lanes::Lanes;
 pub use material::{
-    Behaviour, BuildError, Coefficients, ContinuumConstants, Fit, KindConstants, Material,
-    SpringConstants, SpringForm, SpringModuli, build_model, fit,
+    Behaviour, Coefficients, ContinuumConstants, Fit, KindConstants, Material, SpringConstants,
+    SpringForm, SpringModuli, fit,
 };
 pub use method::{Method, MethodError};
 pub use microsim_contact_solver::{Contact, ContactSource, ContactStep};

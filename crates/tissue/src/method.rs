@@ -101,7 +101,7 @@ impl Method {
     }
 
     /// Whether a node can be guided to a target within one step ([`NodeTarget`](crate::NodeTarget)).
-    pub fn leads_nodes(&self) -> bool {
+    pub fn reaches_node_targets(&self) -> bool {
         match self {
             Self::StoermerVerlet
             | Self::SymplecticEuler
@@ -119,7 +119,7 @@ impl Method {
     }
 
     /// Whether non-penetration is enforced by it ([`ContactStep`](crate::ContactStep)); where not, a step with contact fails with the reason.
-    pub fn keeps_gaps(&self) -> bool {
+    pub fn enforces_non_penetration(&self) -> bool {
         // As with nodes that are led: a force of explicit Euler moves a node one step later only.
         !matches!(self, Self::ExplicitEuler)
     }

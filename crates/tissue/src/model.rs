@@ -2,14 +2,15 @@
 
 mod error;
 mod parallel;
+mod row_sums;
 
 pub use error::ModelError;
 pub(crate) use parallel::Part;
+pub(crate) use row_sums::RowSums;
 
-use crate::edit::IndexCell;
+use crate::element_index::IndexCell;
 use crate::elements::Elements;
 use crate::material;
-use crate::stability::{self, RowSums, gershgorin_bound};
 use microsim_contact_solver::Components;
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
@@ -37,7 +38,7 @@ pub struct TissueModel {
     pub(crate) parts: Vec<Part>,
     /// What edits look up; made at the first one.
     pub(crate) index: IndexCell,
-    rate_bound: OnceLock<f64>,
+    pub(crate) rate_bound: OnceLock<f64>,
     pub(crate) components: OnceLock<Arc<Components>>,
     /// S_i of stiffness \[N/m\] and damping \[N·s/m\] at rest (NUMERICS 3.2); edits keep them up to date.
     pub(crate) row_sums: OnceLock<Vec<RowSums>>,
@@ -360,14 +361,6 @@ impl TissueModel {
     /// Mean rest length of the edges \[m\]: the characteristic length of the body. Edits leave it what it was at the start.
     pub fn mean_edge_length(&self) -> f64 {
         self.mean_edge_length
-    }
-
-    /// A bound of λ_max at rest \[1/s²\], that of Gershgorin: how fast the body answers. Edits leave it what it was at the start, as the
-    /// characteristic length.
-    pub(crate) fn rate_bound(&self) -> f64 {
-        *self
-            .rate_bound
-            .get_or_init(|| gershgorin_bound(self, stability::Part::Stiffness))
     }
 
     /// The parts in which forces are computed; one for a small body.

@@ -1,7 +1,8 @@
-//! Bodies and numbers that the tests of this crate share.
+//! Bodies and numbers of the tests of this crate.
 
+use crate::build::build_model;
 use crate::law::LawName;
-use crate::material::{Behaviour, ContinuumConstants, Material, SpringConstants, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material, SpringConstants};
 use crate::model::TissueModel;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_random::Congruential;
@@ -58,7 +59,7 @@ pub fn fibres(mesh: &mut TetMesh) {
     mesh.directions = mesh.tets.iter().map(one).collect();
 }
 
-/// The body of a mesh of soft tissue, clamped where `clamp` says so of the rest position.
+/// The body of a mesh of soft tissue, clamped where `clamp` is true of the rest position.
 pub fn build(mesh: &TetMesh, clamp: impl Fn(&Vector3<f64>) -> bool) -> TissueModel {
     let clamped: Vec<bool> = mesh.positions.iter().map(clamp).collect();
     build_model(mesh, &[(0, soft())], &clamped, 0.0, Vec::new()).unwrap()

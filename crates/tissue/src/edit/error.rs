@@ -27,11 +27,11 @@ pub enum EditError {
         number: u32,
     },
     /// The fraction of a new node is not in 0..=1.
-    Share {
+    Fraction {
         /// Place among the new nodes.
         node: usize,
         /// The fraction.
-        share: f64,
+        fraction: f64,
     },
     /// An element of the mesh has no positive volume at rest.
     Volume {
@@ -75,8 +75,11 @@ impl std::fmt::Display for EditError {
                     "{of} {number} is out of range, out of order or twice there"
                 )
             }
-            Self::Share { node, share } => {
-                write!(f, "new node {node} has the share {share}; allowed: 0 to 1")
+            Self::Fraction { node, fraction } => {
+                write!(
+                    f,
+                    "new node {node} has the fraction {fraction}; allowed: 0 to 1"
+                )
             }
             Self::Volume { element, volume } => write!(
                 f,

@@ -1,164 +1,8 @@
-//! Which elements are at a node: what an edit looks up.
+//! What edits look up in a model, and how they prepare it.
 
-use crate::elements::Elements;
-use crate::elements::key::Key;
-use crate::elements::splice::{make_room, places};
+use crate::element_index::Index;
+use crate::elements::splice::make_room;
 use crate::model::TissueModel;
-use std::sync::{Arc, OnceLock};
-
-/// The tetrahedra at each node, and the elements of each set by their keys.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Index {
-    tets: Vec<Vec<u32>>,
-    sets: Vec<SetIndex>,
-}
-
-/// The elements of one set by their keys.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SetIndex {
-    /// By the lowest node of the key.
-    at: Vec<Vec<(Key, u32)>>,
-}
-
-impl Index {
-    /// That of these tetrahedra and sets.
-    pub fn new(nodes: usize, tets: &[[u32; 4]], sets: &[Arc<dyn Elements>]) -> Self {
-        let mut index = Self {
-            tets: vec![Vec::new(); nodes],
-            sets: sets
-                .iter()
-                .map(|set| SetIndex::new(nodes, &**set))
-                .collect(),
-        };
-        for (element, tet) in tets.iter().enumerate() {
-            index.add_tet(element as u32, tet);
-        }
-        index
-    }
-
-    /// Makes room for so many nodes, or forgets the last ones.
-    pub fn resize(&mut self, nodes: usize) {
-        self.tets.resize(nodes, Vec::new());
-        for set in &mut self.sets {
-            set.at.resize(nodes, Vec::new());
-        }
-    }
-
-    /// The tetrahedra at a node, in no particular order.
-    pub fn tets_at(&self, node: u32) -> &[u32] {
-        &self.tets[node as usize]
-    }
-
-    pub fn add_tet(&mut self, element: u32, tet: &[u32; 4]) {
-        for node in tet {
-            self.tets[*node as usize].push(element);
-        }
-    }
-
-    pub fn remove_tet(&mut self, element: u32, tet: &[u32; 4]) {
-        for node in tet {
-            let at = &mut self.tets[*node as usize];
-            if let Some(place) = at.iter().position(|&other| other == element) {
-                at.swap_remove(place);
-            }
-        }
-    }
-
-    /// The tetrahedra that have all nodes of a key, ascending, added to `found`.
-    pub fn tets_of(&self, key: Key, tets: &[[u32; 4]], found: &mut Vec<u32>) {
-        let nodes = key.nodes();
-        let Some(fewest) = nodes.iter().min_by_key(|node| self.tets_at(**node).len()) else {
-            return;
-        };
-        let first = found.len();
-        let has_all = |element: &&u32| {
-            let tet = &tets[**element as usize];
-            nodes.iter().all(|node| tet.contains(node))
-        };
-        found.extend(self.tets_at(*fewest).iter().filter(has_all));
-        found[first..].sort_unstable();
-    }
-
-    /// Brings all entries in order.
-    #[cfg(test)]
-    pub fn sort(&mut self) {
-        self.tets.iter_mut().for_each(|at| at.sort_unstable());
-        let sets = self.sets.iter_mut().flat_map(|set| &mut set.at);
-        sets.for_each(|at| at.sort_unstable());
-    }
-
-    /// The elements of a set.
-    pub fn set(&self, set: usize) -> &SetIndex {
-        &self.sets[set]
-    }
-
-    /// The elements of a set.
-    pub fn set_mut(&mut self, set: usize) -> &mut SetIndex {
-        &mut self.sets[set]
-    }
-}
-
-impl SetIndex {
-    fn new(nodes: usize, set: &dyn Elements) -> Self {
-        let mut index = Self {
-            at: vec![Vec::new(); nodes],
-        };
-        for element in 0..set.count() {
-            index.add(set, element);
-        }
-        index
-    }
-
-    fn add(&mut self, set: &dyn Elements, element: usize) {
-        set.keys(element, &mut |key| {
-            self.at[key.first() as usize].push((key, element as u32));
-        });
-    }
-
-    fn remove(&mut self, set: &dyn Elements, element: usize) {
-        set.keys(element, &mut |key| {
-            let at = &mut self.at[key.first() as usize];
-            let entry = (key, element as u32);
-            if let Some(place) = at.iter().position(|other| *other == entry) {
-                at.swap_remove(place);
-            }
-        });
-    }
-
-    /// The elements with a key.
-    pub fn find(&self, key: Key) -> impl Iterator<Item = u32> + '_ {
-        let at = self.at[key.first() as usize].iter();
-        at.filter(move |(other, _)| *other == key)
-            .map(|(_, element)| *element)
-    }
-
-    /// Forgets what a splice takes out of `set` or moves; to be called before it. `added` is how many come in.
-    pub fn before_splice(&mut self, set: &dyn Elements, removed: &[u32], added: usize) {
-        for &element in removed {
-            self.remove(set, element as usize);
-        }
-        for [from, _] in places(set.count(), removed, added).1 {
-            self.remove(set, from as usize);
-        }
-    }
-
-    /// Learns what a splice put in or moved: elements of `set` at these places.
-    pub fn after_splice(&mut self, set: &dyn Elements, placed: &[u32]) {
-        for &element in placed {
-            self.add(set, element as usize);
-        }
-    }
-}
-
-/// The index of a model, once it was needed. A clone makes its own: an edit then never copies one.
-#[derive(Debug, Default)]
-pub(crate) struct IndexCell(OnceLock<Index>);
-
-impl Clone for IndexCell {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
 
 impl TissueModel {
     /// Builds what [`edit`](Self::edit) and [`stability::floor_nodes`](crate::stability::floor_nodes) look up, takes the sets of
@@ -183,24 +27,23 @@ impl TissueModel {
             self.row_sums = sums.into();
         }
         let mut index = self.take_index();
-        make_room(&mut index.tets);
-        index.sets.iter_mut().for_each(|set| make_room(&mut set.at));
+        index.make_room();
         self.put_index(index);
     }
 
     /// What edits look up.
     pub(crate) fn index(&self) -> &Index {
         let index = || Index::new(self.node_count(), &self.tets, &self.sets);
-        self.index.0.get_or_init(index)
+        self.index.get_or_init(index)
     }
 
     /// Takes the index out, to be changed and [put back](Self::put_index).
     pub(super) fn take_index(&mut self) -> Index {
         self.index();
-        self.index.0.take().unwrap_or_default()
+        self.index.take().unwrap_or_default()
     }
 
     pub(super) fn put_index(&mut self, index: Index) {
-        self.index = IndexCell(index.into());
+        self.index.put(index);
     }
 }

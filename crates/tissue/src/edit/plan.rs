@@ -2,7 +2,7 @@
 
 use super::ModelEdit;
 use super::error::EditError;
-use super::index::Index;
+use crate::element_index::Index;
 use crate::elements::Coupling;
 use crate::elements::splice::places;
 use crate::model::TissueModel;
@@ -101,14 +101,14 @@ impl Plan {
         for &parent in &edit.parents {
             in_range("element", parent, elements_before)?;
         }
-        for (place, (between, share)) in edit.new_nodes.iter().enumerate() {
+        for (place, (between, fraction)) in edit.new_nodes.iter().enumerate() {
             for &node in between {
                 in_range("node", node, nodes_before + place)?;
             }
-            if !(0.0..=1.0).contains(share) {
-                return Err(EditError::Share {
+            if !(0.0..=1.0).contains(fraction) {
+                return Err(EditError::Fraction {
                     node: place,
-                    share: *share,
+                    fraction: *fraction,
                 });
             }
         }
@@ -240,9 +240,9 @@ impl Plan {
 /// The nodes before the edit between which each new one is.
 fn supports(before: usize, new_nodes: &[([u32; 2], f64)]) -> Vec<Vec<u32>> {
     let mut supports: Vec<Vec<u32>> = Vec::with_capacity(new_nodes.len());
-    for (between, share) in new_nodes {
+    for (between, fraction) in new_nodes {
         let mut support = Vec::new();
-        for (node, weight) in between.iter().zip([1.0 - share, *share]) {
+        for (node, weight) in between.iter().zip([1.0 - fraction, *fraction]) {
             if weight == 0.0 {
                 continue;
             }

@@ -6,12 +6,13 @@ mod solvers;
 mod states;
 
 use super::*;
+use crate::build::build_model;
 use crate::elements::key::Key;
 use crate::elements::{Elements, NodeWindow, Plasticity, Tangent};
 use crate::law::LawName;
 use crate::material::{
     Behaviour, Coefficients, ContinuumConstants, KindConstants, Material, SpringConstants,
-    SpringForm, SpringModuli, build_model,
+    SpringForm, SpringModuli,
 };
 use crate::state::State;
 use crate::testing::{block_mesh, fibres, numbers};
@@ -178,7 +179,7 @@ fn answer_at(model: &TissueModel, state: &State, internal: &[f64]) -> Answer {
     }
 }
 
-/// Compares a model with one built anew.
+/// Compares a model with one that is rebuilt.
 fn check_same(edited: &TissueModel, anew: &TissueModel, internal: &[f64]) {
     let count = |model: &TissueModel| -> Vec<usize> {
         model.sets().iter().map(|set| set.count()).collect()
@@ -279,7 +280,7 @@ fn an_edited_body_is_the_one_built_of_the_mesh_after_the_edit() {
     }
 }
 
-/// Every element of the region is in one patch; puts the same patches into the model built anew, which forms its own.
+/// Every element of the region is in one patch; puts the same patches into the rebuilt model, which forms its own.
 fn check_patches(edited: &TissueModel, anew: &mut TissueModel, mesh: &TetMesh, set: usize) {
     let (number, part, set) = (set, edited.parts_made()[set], &edited.sets()[set]);
     let place = |tet: &Key| {
@@ -307,7 +308,7 @@ fn check_patches(edited: &TissueModel, anew: &mut TissueModel, mesh: &TetMesh, s
     anew.sets[number] = part.build_patches(mesh, &members).unwrap();
 }
 
-/// The index of an edited body is the one built anew, up to the order of its entries.
+/// The index of an edited body is the rebuilt one, up to the order of its entries.
 fn check_index(model: &TissueModel) {
     let mut kept = model.index().clone();
     let mut anew = Index::new(model.node_count(), model.tets(), model.sets());
@@ -402,9 +403,9 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     });
     assert!(matches!(
         error,
-        EditError::Share {
+        EditError::Fraction {
             node: 0,
-            share: 1.5
+            fraction: 1.5
         }
     ));
     let error = refused(&ModelEdit {

@@ -21,10 +21,10 @@ use nalgebra::{Matrix3, Vector3};
 const LARGEST_PATCH: usize = 6;
 
 /// The fraction of its volume that a tetrahedron gives to each of its edges.
-pub(crate) const EDGE_SHARE: f64 = 1.0 / 6.0;
+pub(crate) const EDGE_FRACTION: f64 = 1.0 / 6.0;
 
 /// And to each of its nodes.
-pub(crate) const NODE_SHARE: f64 = 0.25;
+pub(crate) const NODE_FRACTION: f64 = 0.25;
 
 /// Domains of any number of nodes, as arrays.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ impl SmoothingDomains {
         });
         let mut around: Vec<_> = around.collect();
         around.sort_unstable();
-        Self::around(mesh, &around, EDGE_SHARE)
+        Self::around(mesh, &around, EDGE_FRACTION)
     }
 
     /// One domain per node of these elements, in ascending order.
@@ -69,7 +69,7 @@ impl SmoothingDomains {
         });
         let mut around: Vec<_> = around.collect();
         around.sort_unstable();
-        Self::around(mesh, &around, NODE_SHARE)
+        Self::around(mesh, &around, NODE_FRACTION)
     }
 
     /// One domain per patch of about five elements around a common edge.

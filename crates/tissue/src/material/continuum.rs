@@ -3,7 +3,7 @@
 use super::{Carried, EnergyPart};
 use crate::elements::key::Key;
 use crate::elements::{
-    Continuum, EDGE_SHARE, Elements, NODE_SHARE, Smoothed, SmoothingDomains, Tetrahedra,
+    Continuum, EDGE_FRACTION, Elements, NODE_FRACTION, Smoothed, SmoothingDomains, Tetrahedra,
 };
 use crate::law::{Constants, Lame, Law, MaterialLaw, with_law};
 use crate::range::{MaterialError, positive, require};
@@ -133,11 +133,11 @@ impl ContinuumConstants {
     ) -> Arc<dyn Elements> {
         match carried {
             Carried::Edges(part) => {
-                let domains = SmoothingDomains::around(mesh, around, EDGE_SHARE);
+                let domains = SmoothingDomains::around(mesh, around, EDGE_FRACTION);
                 self.smoothed(domains, part, relaxation_time)
             }
             Carried::Nodes(part) => {
-                let domains = SmoothingDomains::around(mesh, around, NODE_SHARE);
+                let domains = SmoothingDomains::around(mesh, around, NODE_FRACTION);
                 self.smoothed(domains, part, relaxation_time)
             }
             _ => {

@@ -4,9 +4,9 @@ mod flow;
 mod limits;
 mod viscosity;
 
+use crate::build::build_model;
 use crate::elements::{Constraint, Springs};
 use crate::executor::Serial;
-use crate::material::build_model;
 use crate::method::Method;
 use crate::model::TissueModel;
 use crate::solver::StepFailure;
@@ -251,7 +251,7 @@ fn momentum_of_a_free_body_is_kept() {
 
 #[test]
 fn every_target_is_hit_in_one_step() {
-    for method in ALL.into_iter().filter(Method::leads_nodes) {
+    for method in ALL.into_iter().filter(Method::reaches_node_targets) {
         for drag in [0.0, 150.0] {
             let (model, mut state) = block(true, drag, 0.1);
             let control = Control {
@@ -337,7 +337,7 @@ fn the_formulas_of_the_contact_force_are_those_of_the_schemes() {
 
 #[test]
 fn undoing_an_overlap_leaves_no_velocity() {
-    for method in ALL.into_iter().filter(Method::leads_nodes) {
+    for method in ALL.into_iter().filter(Method::reaches_node_targets) {
         let model = TissueModel::assemble(
             vec![Vector3::zeros()],
             vec![0.3],
@@ -422,7 +422,7 @@ fn a_step_into_nothing_leaves_the_state_as_it_was() {
             overlap: Vector3::zeros(),
         };
         let mut cases = vec![(push, vec![])];
-        if method.leads_nodes() {
+        if method.reaches_node_targets() {
             cases.push((Control::default(), vec![bad]));
         }
         for (control, targets) in cases {

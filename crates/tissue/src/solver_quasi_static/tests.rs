@@ -1,9 +1,10 @@
 //! Closed forms, dynamics that comes to rest, steps of a load, bodies that are not held.
 
 use super::*;
+use crate::build::build_model;
 use crate::elements::{Constraint, Springs};
 use crate::executor::Serial;
-use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material};
 use crate::solver_implicit::{ImplicitScheme, SolverImplicit};
 use crate::state::NodeTarget;
 use crate::testing::{block_mesh, build, soft_block};

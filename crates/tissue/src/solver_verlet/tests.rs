@@ -1,9 +1,9 @@
 //! Closed forms, conservation, landing, same bits.
 
 use super::*;
+use crate::build::build_model;
 use crate::elements::{Constraint, Springs};
 use crate::executor::Serial;
-use crate::material::build_model;
 use crate::stability::{Part, gershgorin_bound, power_iteration};
 use crate::state::NodeTarget;
 use crate::testing::{block_mesh, numbers, soft};

@@ -1,10 +1,11 @@
 //! The limit of many iterations, closed forms, conservation, targets, refusals, same bits.
 
 use super::*;
+use crate::build::build_model;
 use crate::elements::{Constraint, Springs};
 use crate::executor::Serial;
 use crate::law::LawName;
-use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material};
 use crate::method::Method;
 use crate::newton::Newton;
 use crate::solver_implicit::{ImplicitScheme, SolverImplicit};

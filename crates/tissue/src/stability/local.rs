@@ -1,8 +1,8 @@
 //! Remedies where an edit has been, in a time that goes with the nodes that it touched.
 
-use super::RowSums;
 use super::limit::budget;
 use crate::method::Method;
+use crate::model::RowSums;
 use crate::model::TissueModel;
 
 /// What a remedy did.

@@ -1,6 +1,7 @@
 //! Stiffness or damping of a body as one sparse matrix of 3×3 blocks.
 
-use super::{Part, each_matrix};
+use super::Part;
+use crate::gershgorin::each_matrix;
 use crate::model::TissueModel;
 use crate::state::State;
 use microsim_random::Congruential;

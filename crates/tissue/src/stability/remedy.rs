@@ -3,7 +3,8 @@
 //! Both hold S_i h² + 2 D_i h ≤ 4 s² m_i at every node, S_i of stiffness and D_i of damping, so that h²λ_max + 2hΛ_max ≤ 4 s² by
 //! Gershgorin (NUMERICS 3.1).
 
-use super::{Part, row_sums};
+use super::Part;
+use crate::gershgorin::row_sums;
 use crate::model::TissueModel;
 use crate::state::State;
 

@@ -4,10 +4,11 @@ use super::*;
 use crate::elements::{Constraint, Elements, Plasticity, Springs, Volumes};
 use crate::executor::Serial;
 use crate::flow::flow;
+use crate::gershgorin::each_matrix;
 use crate::method::Method;
 use crate::state::Control;
 use crate::testing::{build, soft_block};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
 
 fn block(cells: [usize; 3], clamp: bool) -> TissueModel {
@@ -170,7 +171,7 @@ fn a_deformed_shape_has_its_own_bound_and_its_own_eigenvalue() {
     assert!(gershgorin_bound_at(&model, &state, Part::Stiffness) >= largest);
 }
 
-/// A block of which one inner node has moved towards its neighbour by the share `close` of the edge, as a cut would leave it;
+/// A block of which one inner node has moved towards its neighbour by the fraction `close` of the edge, as a cut would leave it;
 /// rest lengths and volumes are those of this mesh.
 fn sliver(close: f64, factors: Option<Vec<Vec<f64>>>) -> TissueModel {
     let mut mesh = soft_block([3, 3, 3]);
@@ -261,7 +262,7 @@ fn mass_floor_and_stiffness_cap_make_a_given_step_stable() {
     );
 }
 
-/// The largest way from rest, over that at the start, of a mass that a floor at this share of the limit has made heavier, in 2,000 steps; it hangs
+/// The largest displacement from rest, over that at the start, of a mass that a floor at this fraction of the limit has made heavier, in 2,000 steps; it hangs
 /// on a spring so stiff that it needs one, with these damping \[N·s/m\] and drag \[1/s\]. Of one oscillator Gershgorin's bound is exact.
 fn growth(method: &Method, damping: f64, drag: f64, safety: f64) -> f64 {
     let (h, start) = (2.0, 1e-9);

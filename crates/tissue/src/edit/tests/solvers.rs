@@ -126,7 +126,7 @@ fn a_cut_body_is_the_one_built_of_the_mesh_after_the_cut() {
     cut_and_compare(3);
 }
 
-/// Cuts bodies of all materials so many times, and compares each time with one built anew.
+/// Cuts bodies of all materials so many times, and compares each time with one that is rebuilt.
 fn cut_and_compare(cuts: usize) {
     for (number, material) in materials().into_iter().enumerate() {
         let mut mesh = layers([3, 3, 2]);
@@ -161,7 +161,7 @@ fn cut_and_compare(cuts: usize) {
     }
 }
 
-/// Edited members make the union that members built anew make.
+/// Edited members make the union that rebuilt members make.
 #[test]
 fn a_union_is_made_anew_of_edited_members() {
     let mut mesh = layers([3, 3, 2]);

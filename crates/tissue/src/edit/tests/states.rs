@@ -33,7 +33,7 @@ fn a_linear_motion_stays_linear() {
 }
 
 /// Every edge has flowed by its own amount. After an edge was divided its halves have its plastic stretch, all other edges of before their
-/// own, the new ones the mean over the edges of the elements they are in; volumes share that of their parent.
+/// own, the new ones the mean over the edges of the elements they are in; volumes have that of their parent.
 #[test]
 fn plastic_flow_is_inherited() {
     let mesh = layers([2, 2, 2]);

@@ -197,7 +197,7 @@ fn plastic_flow_of_a_set_moves_rest_values_once_per_element() {
     assert!((springs.energy(&at) - 0.5 * 8.0 * internal[2] * c * c - other).abs() < 1e-14);
 }
 
-/// At a corner that is at rest the matrix is k g gᵀ: norms and traces of its blocks are what is said without it.
+/// At a corner that is at rest the matrix is k g gᵀ: norms and traces of its blocks are those given without it.
 fn check_rest<M: Measure<N>, const N: usize>() {
     let mut next = numbers();
     let positions = cloud(6, &mut next);

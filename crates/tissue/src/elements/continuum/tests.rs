@@ -1,9 +1,10 @@
 //! What every law on every discretisation keeps, on a distorted mesh.
 
+use crate::build::build_model;
 use crate::elements::contract::{check_assembly, check_factors};
 use crate::elements::{Configuration, ElementMatrix, NodeWindow, Tangent};
 use crate::law::LawName;
-use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material};
 use crate::model::TissueModel;
 use crate::testing::{numbers, soft_block};
 use microsim_mesh::TetMesh;
@@ -362,7 +363,7 @@ fn nothing_is_smoothed_across_a_layer() {
     }
 }
 
-/// Share of the sag of a Timoshenko beam that the cantilever S of NUMERICS 1.6 shows under a small load.
+/// Fraction of the sag of a Timoshenko beam that the cantilever S of NUMERICS 1.6 shows under a small load.
 fn sag(discretisation: Discretisation, poisson: f64) -> f64 {
     let block = microsim_mesh::Block {
         center: [0.05, 0.01, 0.01],

@@ -223,7 +223,7 @@ const EXPANSION: f64 = 6.0 * LAME.mu + 9.0 * LAME.lambda;
 
 /// A regular tetrahedron that expands uniformly, x = (1 + a) X, is an oscillator with one degree of freedom: V·(6μ + 9λ) a²/2
 /// of energy, τ times that of damping, Σ m |X|² of inertia. Released from rest length with a speed, implicit Euler leaves the
-/// share 1/(1 + h²ω² (1 + τ/h)) of the way that it would go freely.
+/// fraction 1/(1 + h²ω² (1 + τ/h)) of the displacement that it would have freely.
 #[test]
 fn viscosity_slows_an_expansion_as_implicit_euler_does() {
     let mesh = regular_tetrahedron();

@@ -16,7 +16,7 @@ const ROOT_OF_THREE: f64 = 1.732_050_807_568_877_2;
 const SQUARE: f64 = -0.021_260_3;
 const CUBE: f64 = 0.002_457_1;
 
-/// Largest cosine between columns that count as orthogonal: F is restored to that share of its largest stretch. With stretches within a
+/// Largest cosine between columns that count as orthogonal: F is restored to that fraction of its largest stretch. With stretches within a
 /// factor of two the roundings of FᵀF leave less.
 pub(super) const COSINE: f64 = 32.0 * f64::EPSILON;
 
@@ -29,7 +29,7 @@ const UNEQUAL: f64 = 1e-6;
 /// Added to what may vanish where eigenvalues are equal, and any axes are eigenvectors.
 const TINY: f64 = 1e-100;
 
-/// The decompositions, where the stretches are near enough to each other for FᵀF to have kept their digits.
+/// The decompositions, where the stretches are near enough to each other for FᵀF to have retained their digits.
 pub(super) fn direct(f: &[Matrix3<f64>; LANES]) -> [Option<SignedSvd>; LANES] {
     let column = |k: usize| [0, 1, 2].map(|i| Lanes(f.map(|f| f[(i, k)])));
     let f = [column(0), column(1), column(2)];

@@ -29,7 +29,7 @@ pub struct Fit {
     pub achieved_young: f64,
     /// Poisson's ratio of the mean over all directions.
     pub achieved_poisson: f64,
-    /// Share of the stiffness tensor that is not isotropic ([`EffectiveStiffness::anisotropy`]).
+    /// Fraction of the stiffness tensor that is not isotropic ([`EffectiveStiffness::anisotropy`]).
     pub anisotropy: f64,
     /// The remaining error: the largest |E(n)/E − 1| over the 13 directions n along axes, face and space diagonals.
     pub error: f64,

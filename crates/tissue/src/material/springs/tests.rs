@@ -1,11 +1,12 @@
 //! The forms against closed forms, the fit against its closed form and against a body that is pulled.
 
 use super::*;
+use crate::build::build_model;
 use crate::elements::Configuration;
 use crate::executor::Serial;
 use crate::homogenise::homogenise;
 use crate::law::LawName;
-use crate::material::{Behaviour, ContinuumConstants, Material, build_model};
+use crate::material::{Behaviour, ContinuumConstants, Material};
 use crate::method::Method;
 use crate::state::{Control, State};
 use crate::testing::block_mesh;
@@ -377,9 +378,9 @@ fn pulled(mesh: &TetMesh, constants: SpringConstants, young: f64) -> (f64, f64) 
     )
 }
 
-/// What the homogenised tensor says of a stretch along x is what a body does. Plain Kuhn cells are all alike, so one strain of
+/// What the homogenised tensor predicts of a stretch along x is what a body does. Plain Kuhn cells are all alike, so one strain of
 /// all nodes is in balance up to the surface: exact, but for strains of 1e-4 and what the slow shear modes have left to
-/// go. Mirrored cells are softer by a part of a layer at the surface: a share O(1/cells) that halves with twice the cells.
+/// go. Mirrored cells are softer by a part of a layer at the surface: a fraction O(1/cells) that halves with twice the cells.
 #[test]
 fn a_block_that_is_pulled_shows_the_homogenised_constants() {
     let errors = |split: CellSplit, cells: usize, poisson: f64| {

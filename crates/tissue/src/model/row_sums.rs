@@ -1,6 +1,6 @@
 //! The sums of the rows of stiffness and damping at rest, updated by edits.
 
-use crate::model::TissueModel;
+use super::TissueModel;
 
 /// The sums of the row of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,7 +12,7 @@ pub(crate) struct RowSums {
 }
 
 impl TissueModel {
-    /// Those of every node at rest, without plastic flow: as [`gershgorin_bound`](super::gershgorin_bound) sums them. After edits
+    /// Those of every node at rest, without plastic flow: as [`gershgorin_bound`](crate::stability::gershgorin_bound) sums them. After edits
     /// they are right to the rounding of what has ever been in the sum.
     pub(crate) fn row_sums(&self) -> &[RowSums] {
         self.row_sums.get_or_init(|| {
