@@ -7,6 +7,7 @@ use crate::error::KeyPath;
 use crate::schema::Kind;
 use microsim_vocabulary::{LawName, Unit};
 use serde_json::Value;
+use std::collections::BTreeSet;
 
 /// A key with those who may have it, and those who need it.
 struct Rule {
@@ -51,10 +52,8 @@ const GENERATOR: [Rule; 13] = [
 /// The laws of continua.
 const CONTINUUM: &[&str] = &LawName::NAMES;
 
-/// Keys that all forms of springs have, and a continuum has not, and the reverse; keys of single laws.
-const LAW: [Rule; 6] = [
-    needed("c01_fraction", &["mooney-rivlin"]),
-    needed("fibre_ratio", &["transversely-isotropic"]),
+/// Keys that all forms of springs have, and a continuum has not, and the reverse; those of single laws that may be left out.
+const LAW: [Rule; 4] = [
     allowed("fibres", &["transversely-isotropic"]),
     allowed("discretisation", CONTINUUM),
     allowed("form", &["springs"]),
@@ -211,18 +210,34 @@ fn check_fill(reading: &mut Reading, body: &KeyPath, surface: Option<bool>) {
 /// Holds the keys of a table to its rules; `which` is the generator, law or form.
 fn apply(reading: &mut Reading, table: &KeyPath, rules: &[Rule], which: &str, whose: &str) {
     for rule in rules {
-        let key = table.key(rule.key);
-        let name = rule.key;
-        match (rule.of.contains(&which), reading.is_written(&key)) {
-            (true, false) if rule.needed => {
-                reading.complain(&key, "nothing", &format!("`{name}`, which {whose} needs"));
-            }
-            (false, true) => {
-                let expected = format!("no `{name}`, which {whose} does not have");
-                reading.complain(&key, &format!("`{name}`"), &expected);
-            }
-            _ => {}
+        let own = rule.of.contains(&which);
+        hold(reading, table, rule.key, own, rule.needed, whose);
+    }
+}
+
+/// Holds a key of a table to what it is to `whose`: its `own`, which may be `needed`, or not there.
+fn hold(reading: &mut Reading, table: &KeyPath, name: &str, own: bool, needed: bool, whose: &str) {
+    let key = table.key(name);
+    match (own, reading.is_written(&key)) {
+        (true, false) if needed => {
+            reading.complain(&key, "nothing", &format!("`{name}`, which {whose} needs"));
         }
+        (false, true) => {
+            let expected = format!("no `{name}`, which {whose} does not have");
+            reading.complain(&key, &format!("`{name}`"), &expected);
+        }
+        _ => {}
+    }
+}
+
+/// Holds the parameters of laws to the law of a material.
+fn check_parameters(reading: &mut Reading, material: &KeyPath, law: &str, whose: &str) {
+    let own = LawName::from_name(law).map_or(&[][..], LawName::parameters);
+    let of_laws = LawName::ALL.into_iter().flat_map(LawName::parameters);
+    let keys: BTreeSet<&str> = of_laws.map(|(key, _)| *key).collect();
+    for name in keys {
+        let own = own.iter().any(|(key, _)| *key == name);
+        hold(reading, material, name, own, true, whose);
     }
 }
 
@@ -245,7 +260,9 @@ fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
     let Some(law) = material["law"].as_str() else {
         return;
     };
-    apply(reading, key, &LAW, law, &format!("the law {law}"));
+    let whose = format!("the law {law}");
+    check_parameters(reading, key, law, &whose);
+    apply(reading, key, &LAW, law, &whose);
     let form = match law {
         "springs" => material["form"].as_str().unwrap_or("scaled"),
         _ => "continuum",

@@ -65,6 +65,17 @@ table! {
     }
 }
 
+impl Material {
+    /// What a law is given beside E and ν, by its key ([`LawName::parameters`]).
+    pub fn parameter(&self, key: &str) -> Option<f64> {
+        match key {
+            "c01_fraction" => self.c01_fraction,
+            "fibre_ratio" => self.fibre_ratio,
+            _ => None,
+        }
+    }
+}
+
 table! {
     /// Fibre directions at rest, in the body's frame: one for all elements, or at an angle to the circles around an axis.
     #[derive(Copy)]

@@ -26,23 +26,6 @@ table! {
     }
 }
 
-/// The parameters that a method has.
-fn parameters(method: MethodName) -> &'static [&'static str] {
-    match method {
-        MethodName::ImplicitEuler
-        | MethodName::ImplicitMidpoint
-        | MethodName::GuardedMidpoint
-        | MethodName::Sdirk2
-        | MethodName::QuasiStatic => &["iterations", "tolerance", "must_converge"],
-        MethodName::Xpbd => &["iterations", "substeps"],
-        MethodName::StoermerVerlet
-        | MethodName::ExplicitEuler
-        | MethodName::SymplecticEuler
-        | MethodName::VelocityVerlet
-        | MethodName::VelocityVerletLagged => &[],
-    }
-}
-
 table! {
     /// What is stated of the result.
     #[derive(Copy)]
@@ -93,7 +76,7 @@ pub(crate) fn check_method(reading: &mut Reading, key: &KeyPath) {
         .pointer("/method/name")
         .and_then(|name| MethodName::from_name(name.as_str()?));
     let Some(method) = name else { return };
-    let own = parameters(method);
+    let own = method.parameters();
     for parameter in ["iterations", "tolerance", "must_converge", "substeps"] {
         let key = key.key(parameter);
         if reading.is_written(&key) && !own.contains(&parameter) {

@@ -18,9 +18,9 @@
 //!
 //! # A new law
 //! A file beside these with a type that implements [`Law`], its constants ([`Constants`]) and what it is given beside E and ν
-//! ([`Parameters`]); a test that calls the contract; its module and its re-export in this file, and its line in `laws!` in `law/choice.rs`. From there
-//! on every discretisation, integrator and comparison has it. What a file of settings calls it and its parameters stands in
-//! `settings::body` and `scene::from_settings`.
+//! ([`Parameters`]); a test that calls the contract; its module and its re-export in this file, and its line in `laws!` in `law/choice.rs`. What a file
+//! calls it and its parameters stands in [`LawName`]; range and meaning of a parameter's key in `settings::Material`. From there on every
+//! discretisation, integrator, file and comparison has it.
 
 mod choice;
 mod constants;

@@ -60,6 +60,26 @@ impl std::fmt::Display for MethodError {
 impl std::error::Error for MethodError {}
 
 impl Method {
+    /// The method of a name, with those of the parameters that it has. `substeps` and `iterations` are of position-based dynamics.
+    pub fn named(name: MethodName, newton: Newton, substeps: u32, iterations: u32) -> Self {
+        match name {
+            MethodName::StoermerVerlet => Self::StoermerVerlet,
+            MethodName::ExplicitEuler => Self::ExplicitEuler,
+            MethodName::SymplecticEuler => Self::SymplecticEuler,
+            MethodName::VelocityVerlet => Self::VelocityVerlet,
+            MethodName::VelocityVerletLagged => Self::VelocityVerletLagged,
+            MethodName::ImplicitEuler => Self::ImplicitEuler(newton),
+            MethodName::ImplicitMidpoint => Self::ImplicitMidpoint(newton),
+            MethodName::GuardedMidpoint => Self::GuardedMidpoint(newton),
+            MethodName::Sdirk2 => Self::Sdirk2(newton),
+            MethodName::QuasiStatic => Self::QuasiStatic(newton),
+            MethodName::Xpbd => Self::Xpbd {
+                substeps,
+                iterations,
+            },
+        }
+    }
+
     /// Which method it is, without its parameters.
     pub fn kind(&self) -> MethodName {
         match self {

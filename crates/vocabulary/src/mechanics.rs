@@ -1,6 +1,6 @@
 //! Laws, discretisations, methods and meshes.
 
-use crate::terms;
+use crate::{Unit, terms};
 
 terms! {
     /// The material laws of continua.
@@ -19,6 +19,21 @@ terms! {
         MooneyRivlin = "mooney-rivlin",
         /// Neo-Hookean elasticity with one family of fibres (Qiu & Pence 1997).
         TransverselyIsotropic = "transversely-isotropic",
+    }
+}
+
+impl LawName {
+    /// The keys in files of what the law needs beside E and ν, with their units.
+    pub const fn parameters(self) -> &'static [(&'static str, Unit)] {
+        match self {
+            Self::MooneyRivlin => &[("c01_fraction", Unit::Ratio)],
+            Self::TransverselyIsotropic => &[("fibre_ratio", Unit::Ratio)],
+            Self::StVenantKirchhoff
+            | Self::NeoHookean
+            | Self::Corotational
+            | Self::StableNeoHookean
+            | Self::NeoHookeanPolynomial => &[],
+        }
     }
 }
 
@@ -104,6 +119,25 @@ terms! {
         QuasiStatic = "quasi-static",
         /// Position-based dynamics with compliance.
         Xpbd = "xpbd",
+    }
+}
+
+impl MethodName {
+    /// The keys in files of the parameters that the method has.
+    pub const fn parameters(self) -> &'static [&'static str] {
+        match self {
+            Self::ImplicitEuler
+            | Self::ImplicitMidpoint
+            | Self::GuardedMidpoint
+            | Self::Sdirk2
+            | Self::QuasiStatic => &["iterations", "tolerance", "must_converge"],
+            Self::Xpbd => &["iterations", "substeps"],
+            Self::StoermerVerlet
+            | Self::ExplicitEuler
+            | Self::SymplecticEuler
+            | Self::VelocityVerlet
+            | Self::VelocityVerletLagged => &[],
+        }
     }
 }
 

@@ -60,15 +60,20 @@ fn material_line(material: &settings::Material, value: &Value) -> String {
         text("discretisation"),
         quantity("youngs_modulus", "E", Unit::Pressure),
         quantity("poisson_ratio", "nu", Unit::Ratio),
-        quantity("c01_fraction", "c01/(c10 + c01)", Unit::Ratio),
-        quantity("fibre_ratio", "fibres/matrix", Unit::Ratio),
         quantity("stretch_modulus", "stretch", Unit::Pressure),
         quantity("volume_modulus", "volume", Unit::Pressure),
         quantity("density", "density", Unit::Density),
         quantity("viscosity", "viscosity", Unit::Viscosity),
         quantity("relaxation_time", "relaxation", Unit::Time),
     ];
-    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    let parameters = match material.law {
+        settings::Law::Springs => &[][..],
+        settings::Law::Continuum(law) => law.parameters(),
+    };
+    let of_law = parameters.iter();
+    let of_law = of_law.filter_map(|(key, unit)| quantity(key, key, *unit));
+    let parts = parts.into_iter().flatten().chain(of_law);
+    parts.collect::<Vec<_>>().join(", ")
 }
 
 /// How it ended, what it cost, and what came out.

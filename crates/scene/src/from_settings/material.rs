@@ -3,7 +3,7 @@
 use super::error::{FromSettingsError, missing};
 use microsim_settings as settings;
 use microsim_tissue::elements::Plasticity;
-use microsim_tissue::law::{FibreParameters, LawName, MaterialLaw, MooneyRivlinParameters};
+use microsim_tissue::law::MaterialLaw;
 use microsim_tissue::{
     Behaviour, Coefficients, ContinuumConstants, Discretisation, KindConstants, Material,
     SpringConstants, SpringForm, SpringModuli,
@@ -51,18 +51,9 @@ fn behaviour(
             let constants = SpringConstants { form, plasticity };
             return Ok((Behaviour::Springs(constants), modulus));
         }
-        settings::Law::Continuum(LawName::MooneyRivlin) => {
-            MaterialLaw::MooneyRivlin(MooneyRivlinParameters {
-                c01_fraction: value("c01_fraction", material.c01_fraction)?,
-            })
+        settings::Law::Continuum(law) => {
+            MaterialLaw::read(law, &|key| value(key, material.parameter(key)))?
         }
-        settings::Law::Continuum(LawName::TransverselyIsotropic) => {
-            MaterialLaw::TransverselyIsotropic(FibreParameters {
-                fibre_ratio: value("fibre_ratio", material.fibre_ratio)?,
-            })
-        }
-        // The others have no parameters.
-        settings::Law::Continuum(law) => law.into(),
     };
     let young = value("youngs_modulus", material.youngs_modulus)?;
     let constants = ContinuumConstants {

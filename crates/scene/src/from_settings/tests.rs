@@ -2,7 +2,7 @@ use super::*;
 use crate::spec::{BoxSpec, LoadKind};
 use microsim_mesh::format::write_gmsh_2;
 use microsim_mesh::{Block, CellSplit};
-use microsim_tissue::law::LawName;
+use microsim_tissue::law::{LawName, MaterialLaw};
 use microsim_tissue::{Behaviour, Discretisation, Material};
 use nalgebra::Vector3;
 
@@ -49,15 +49,20 @@ fn every_name_of_the_settings_means_its_namesake() {
         let spec = describe(&read(name, &format!("{BLOCK}{MATERIAL}")));
         assert_eq!(spec.method.name(), name);
     }
-    let constants = "youngs_modulus=1e5\npoisson_ratio=0.3\n";
-    for name in LawName::NAMES {
-        let own = match name {
-            "mooney-rivlin" => "c01_fraction=0.3",
-            "transversely-isotropic" => "fibre_ratio=4\nfibres={direction=[0, 0, 2]}",
-            _ => "",
-        };
+    let constants = "youngs_modulus=1e5\npoisson_ratio=0.4\n";
+    for law in LawName::ALL {
+        let (name, mut own) = (law.name(), String::new());
+        for (key, _) in law.parameters() {
+            own += &format!("{key}=1\n");
+        }
+        if MaterialLaw::from(law).has_direction() {
+            own += "fibres={direction=[0, 0, 2]}\n";
+        }
         match material(&format!("law='{name}'\n{constants}{own}")).behaviour {
-            Behaviour::Continuum(continuum) => assert_eq!(continuum.law.name().name(), name),
+            Behaviour::Continuum(continuum) => assert_eq!(
+                Ok::<_, ()>(continuum.law),
+                MaterialLaw::read(law, &|_| Ok(1.0))
+            ),
             other => panic!("{name} is {other:?}"),
         }
     }

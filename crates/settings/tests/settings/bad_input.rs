@@ -2,7 +2,7 @@
 //!
 //! Each case there is a kind of file, a part of its full example (`- `), what stands there instead (`+ `, `\n` for a line
 //! break), and then every complaint. The complaints were taken from the reader and read through against the examples;
-//! since then they hold it to its words.
+//! since then they hold it to its words. `{laws}` and `{methods}` stand for the lists of all names, which grow.
 
 use crate::{KNOWN_METRICS, example, manifest, read};
 use microsim_settings::*;
@@ -10,6 +10,9 @@ use microsim_settings::*;
 #[test]
 fn each_mistake_is_named_with_its_place() {
     let cases = include_str!("../examples/bad-input.txt");
+    let laws: Vec<&str> = Law::all().map(Law::name).collect();
+    let cases = cases.replace("{laws}", &listed(&laws));
+    let cases = cases.replace("{methods}", &listed(&MethodName::NAMES));
     let mut count = 0;
     let mut wrong = Vec::new();
     for case in cases.trim_end().split("\n\n") {
@@ -37,6 +40,13 @@ fn each_mistake_is_named_with_its_place() {
         count,
         cases.lines().filter(|line| line.starts_with("- ")).count()
     );
+}
+
+/// Names as complaints list them.
+fn listed(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    let (last, others) = quoted.split_last().expect("a name");
+    format!("{} or {last}", others.join(", "))
 }
 
 /// The error of `load_*` for a file that cannot be read as text.

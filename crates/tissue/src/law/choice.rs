@@ -26,6 +26,17 @@ macro_rules! laws {
                     $(Self::$law(_) => LawName::$law,)+
                 }
             }
+
+            /// The law of a name, with its parameters from values by their keys in files ([`LawName::parameters`]), or the error of
+            /// the first that is not there.
+            pub fn read<E>(
+                name: LawName,
+                value: &dyn Fn(&'static str) -> Result<f64, E>,
+            ) -> Result<Self, E> {
+                Ok(match name {
+                    $(LawName::$law => Self::$law(Parameters::read(value)?),)+
+                })
+            }
         }
 
         impl From<LawName> for MaterialLaw {
@@ -95,6 +106,18 @@ mod tests {
             let law = MaterialLaw::from(name);
             assert_eq!((law.name(), law.check(0.45)), (name, Ok(())));
             assert_eq!(with_law!(law, L, _ => L::NAME), name);
+            // It reads the keys that its name states, each of them.
+            let read = std::cell::RefCell::new(Vec::new());
+            let one = |key| {
+                read.borrow_mut().push(key);
+                Ok::<f64, ()>(1.0)
+            };
+            assert_eq!(
+                MaterialLaw::read(name, &one).map(|law| law.name()),
+                Ok(name)
+            );
+            let stated = name.parameters().iter().map(|(key, _)| *key);
+            assert_eq!(read.into_inner(), stated.collect::<Vec<_>>());
         }
     }
 

@@ -45,11 +45,19 @@ impl Constants for Lame {
 
 /// What a law is given beside E and ν; `()` for a law of these two alone.
 pub trait Parameters: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
+    /// Those of these values by their keys in files ([`LawName::parameters`](super::LawName::parameters)), or the error of the first
+    /// that is not there.
+    fn read<E>(value: &dyn Fn(&'static str) -> Result<f64, E>) -> Result<Self, E>;
+
     /// Whether all values are in range, together with Poisson's ratio.
     fn check(&self, poisson: f64) -> Result<(), MaterialError>;
 }
 
 impl Parameters for () {
+    fn read<E>(_value: &dyn Fn(&'static str) -> Result<f64, E>) -> Result<Self, E> {
+        Ok(())
+    }
+
     fn check(&self, _poisson: f64) -> Result<(), MaterialError> {
         Ok(())
     }

@@ -37,6 +37,12 @@ impl Default for MooneyRivlinParameters {
 }
 
 impl Parameters for MooneyRivlinParameters {
+    fn read<E>(value: &dyn Fn(&'static str) -> Result<f64, E>) -> Result<Self, E> {
+        Ok(Self {
+            c01_fraction: value("c01_fraction")?,
+        })
+    }
+
     fn check(&self, poisson: f64) -> Result<(), MaterialError> {
         let r = self.c01_fraction;
         require((0.0..=1.0).contains(&r), "c01_fraction", r, ">= 0 and <= 1")?;

@@ -39,6 +39,12 @@ impl Default for FibreParameters {
 }
 
 impl Parameters for FibreParameters {
+    fn read<E>(value: &dyn Fn(&'static str) -> Result<f64, E>) -> Result<Self, E> {
+        Ok(Self {
+            fibre_ratio: value("fibre_ratio")?,
+        })
+    }
+
     fn check(&self, _poisson: f64) -> Result<(), MaterialError> {
         let n = self.fibre_ratio;
         require(n.is_finite() && n >= 1.0, "fibre_ratio", n, ">= 1")
