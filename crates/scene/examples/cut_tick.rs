@@ -112,14 +112,14 @@ fn measure(cells: [usize; 3], touches: Touches) {
         tools: vec![ToolSpec {
             name: "blade".into(),
             capsules: vec![CapsuleSpec {
-                a: [0.0, -0.5 * WIDTH * edge, 0.0],
-                b: [0.0, 0.5 * WIDTH * edge, 0.0],
-                // As thick as a cell, so that its path in a tick is one step of the solver.
-                radius: 1.1 * edge,
-                hinge: None,
-                jaw: None,
                 lonor: true,
                 edge: (touches != Touches::Table).then_some([0.0, 0.0, -1.0]),
+                // As thick as a cell, so that its path in a tick is one step of the solver.
+                ..CapsuleSpec::new(
+                    [0.0, -0.5 * WIDTH * edge, 0.0],
+                    [0.0, 0.5 * WIDTH * edge, 0.0],
+                    1.1 * edge,
+                )
             }],
             sharpness: 1.0,
             motion: Vec::new(),

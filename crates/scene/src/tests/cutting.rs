@@ -51,13 +51,9 @@ fn bar(discretisation: Discretisation, relaxation_time: f64) -> BodySpec {
 /// A line of no return along y.
 fn line(radius: f64, edge: Option<[f64; 3]>) -> CapsuleSpec {
     CapsuleSpec {
-        a: [0.0, -2e-3, 0.0],
-        b: [0.0, 2e-3, 0.0],
-        radius,
-        hinge: None,
-        jaw: None,
         lonor: true,
         edge,
+        ..CapsuleSpec::new([0.0, -2e-3, 0.0], [0.0, 2e-3, 0.0], radius)
     }
 }
 
