@@ -36,7 +36,7 @@ set = ["body.0.material.0.discretisation=patches"]
 name = "verlet"
 title = "Störmer–Verlet"
 set = ["method.name=stoermer-verlet"]
-shares = [0.5, 1.5]
+fractions = [0.5, 1.5]
 [[method]]
 name = "implicit"
 title = "implicit Euler"
@@ -211,7 +211,7 @@ title = "as it is"
 name = "verlet"
 title = "Verlet"
 set = ['method={name="stoermer-verlet"}']
-shares = [0.5, 1.5]
+fractions = [0.5, 1.5]
 [[method]]
 name = "midpoint"
 title = "midpoint"
@@ -227,7 +227,7 @@ name = "beam"
 title = "Beam"
 file = "beam.toml"
 exact = "motion"
-measure = [{ title = "first peak", probe = "sag", what = "first-peak", settle = "20 ms" }]
+measure = [{ title = "first peak", probe = "sag", what = "first-peak", fall_time = "20 ms" }]
 resolution = [{ name = "S" }]
 variant = [{ name = "as it is" }]
 [[scene.sweep]]
