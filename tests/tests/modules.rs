@@ -496,6 +496,7 @@ fn the_json_of_a_run_has_its_fields() {
         "late_ticks",
         "level",
         "module",
+        "physics_digest",
         "pictures",
         "report",
         "score",
