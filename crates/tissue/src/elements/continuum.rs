@@ -4,7 +4,6 @@
 //! so the loop over the elements has no calls through pointers. Forces are −V P b_i with the gradients b_i of the domain;
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
-use super::continuum_constraints::{ELASTIC, VISCOUS};
 use super::continuum_matrix::{CornerTangent, DomainTangent, set_tangent};
 use super::domains::{Domains, Tetrahedra, constants_at};
 use super::key::Key;
@@ -21,6 +20,12 @@ use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Arc;
+
+/// Multipliers of the elastic constraints C_D and C_H (`continuum_constraints`).
+pub(super) const ELASTIC: usize = 2;
+
+/// Multipliers of the viscous constraints.
+const VISCOUS: usize = 7;
 
 /// Linear tetrahedra.
 ///

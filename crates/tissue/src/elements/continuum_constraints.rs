@@ -22,17 +22,11 @@
 //! cantilever S at ν = 0.3 with one iteration, instead of 25.13 mm: 25.15 at 0.1 ms and 26.5 at 0.5 ms (25.4 and 31.7 with the
 //! two constraints one after the other); beyond that meaningless, though bounded.
 
-use super::continuum::ContinuumSet;
+use super::continuum::{ContinuumSet, ELASTIC};
 use super::domains::Domains;
 use crate::law::decomposition::cofactor;
 use crate::law::{Constants, Lame, Law};
 use nalgebra::{Matrix3, Vector3};
-
-/// Multipliers of C_D and C_H.
-pub(super) const ELASTIC: usize = 2;
-
-/// Multipliers of viscosity.
-pub(super) const VISCOUS: usize = 7;
 
 /// Below this square of F a domain has collapsed to a point, and C_D has no gradient.
 const COLLAPSED: f64 = 1e-300;

@@ -17,6 +17,7 @@
 //! Limitations: a spring network has a Poisson's ratio of its own, ¼, and is anisotropic unless the mesh is balanced
 //! ([`Fit::error`]); strong volume forces lock on linear tetrahedra (NUMERICS 1.6).
 
+mod edges;
 mod fit;
 mod region;
 

@@ -12,7 +12,7 @@
 //! strain that varies from element to element, at a free surface or where volumes lock, is not in this figure.
 
 use super::SpringConstants;
-use super::region::edges;
+use super::edges::edges;
 use crate::homogenise::{EffectiveStiffness, homogenise};
 use crate::law::Lame;
 use microsim_mesh::{TetMesh, signed_volume};

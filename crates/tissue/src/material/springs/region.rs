@@ -1,10 +1,10 @@
 //! The constraints of a region of a mesh, with plain constants.
 
+use super::edges::edges;
 use super::fit::{fitted_moduli, spring_stiffness};
 use super::{Coefficients, SpringForm};
 use crate::elements::Constraint;
 use microsim_mesh::{TetMesh, signed_volume};
-use nalgebra::Vector3;
 
 /// c of k = Σ c·E·L0, 2√2/25.
 const SPRING_SHARE: f64 = 0.08 * std::f64::consts::SQRT_2;
@@ -150,11 +150,6 @@ fn shared<const N: usize>(
 ) -> Vec<Constraint<N>> {
     let groups = parts.chunk_by(|a, b| a.0 == b.0);
     groups.map(|group| make(group[0].0, group)).collect()
-}
-
-/// The six edges of a tetrahedron.
-pub(super) fn edges(corners: &[Vector3<f64>; 4]) -> impl Iterator<Item = Vector3<f64>> + '_ {
-    (0..4).flat_map(move |i| (0..i).map(move |j| corners[i] - corners[j]))
 }
 
 /// q̃0 for the rest value q0 and the size of the regular element.
