@@ -14,7 +14,7 @@ use std::sync::Mutex;
 ///
 /// let sums: [AtomicU64; 4] = Default::default();
 /// // The host's loop is in [`Services`](crate::Services); this one is serial.
-/// Parallel::default().for_each(4, |part| sums[part].store(part as u64, Ordering::Relaxed));
+/// Parallel::default().for_each(4, &|part| sums[part].store(part as u64, Ordering::Relaxed));
 /// let total: u64 = sums.iter().map(|sum| sum.load(Ordering::Relaxed)).sum();
 /// assert_eq!(total, 6);
 /// ```
