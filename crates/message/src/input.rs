@@ -19,6 +19,19 @@ pub struct InputSample {
     pub opening: Option<f64>,
 }
 
+impl InputSample {
+    /// The sample of a device that does not see the instrument at `device_time` \[s\].
+    pub fn not_visible(device: &str, device_time: f64) -> Self {
+        Self {
+            device: device.to_owned(),
+            device_time,
+            visible: false,
+            pose: Pose::default(),
+            opening: None,
+        }
+    }
+}
+
 impl Message for InputSample {
     const KIND: &'static str = "input.sample";
 }

@@ -1,9 +1,8 @@
 //! What came in, device by device, raw: so that a reader can assess the input before the trainee.
 
 use microsim_message::InputSample;
-use microsim_tracking::{RawStatistics, Sample};
+use microsim_tracking::RawStatistics;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Raw figures of one device, in its own frame and by its own clock. A *segment* is a run of visible samples without a
 /// gap; a *gap* is an interval longer than `gap_threshold_s`, or one in which the device did not see the instrument.
@@ -37,37 +36,24 @@ pub struct DeviceRecord {
 /// Gathers the samples of each device, devices in the order of their first sample.
 #[derive(Default)]
 pub(crate) struct DeviceCollector {
-    devices: Vec<(Arc<str>, Vec<Sample>)>,
+    devices: Vec<(String, Vec<InputSample>)>,
 }
 
 impl DeviceCollector {
     pub fn add(&mut self, sample: InputSample) {
-        let at = match self.devices.iter().position(|d| *d.0 == *sample.device) {
-            Some(at) => at,
-            None => {
-                self.devices
-                    .push((Arc::from(sample.device.as_str()), Vec::new()));
-                self.devices.len() - 1
-            }
-        };
-        let (name, samples) = &mut self.devices[at];
-        samples.push(Sample {
-            device: Arc::clone(name),
-            time_s: sample.device_time,
-            visible: sample.visible,
-            position: sample.pose.position,
-            orientation: sample.pose.orientation,
-            opening: sample.opening,
-        });
+        match self.devices.iter_mut().find(|d| d.0 == sample.device) {
+            Some((_, samples)) => samples.push(sample),
+            None => self.devices.push((sample.device.clone(), vec![sample])),
+        }
     }
 
     pub fn finish(self) -> Vec<DeviceRecord> {
         self.devices
-            .iter()
-            .map(|(name, samples)| {
-                let raw = RawStatistics::of(samples, None);
+            .into_iter()
+            .map(|(device, samples)| {
+                let raw = RawStatistics::of(&samples, None);
                 DeviceRecord {
-                    device: name.to_string(),
+                    device,
                     samples: raw.samples,
                     occluded_samples: samples.len() - raw.samples,
                     segments: raw.segments,

@@ -1,10 +1,9 @@
 //! How the tools moved in the field, and how long they were tracked.
 
 use microsim_message::{ToolSample, ToolStates, ToolStatus};
-use microsim_tracking::{RawStatistics, Sample};
+use microsim_tracking::RawStatistics;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Motion of one tool: lists of equal length, one entry for each sample in which it was tracked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,34 +45,26 @@ pub(crate) struct MotionCollector {
 }
 
 struct ToolSamples {
-    tool: Arc<str>,
+    tool: String,
     /// Simulated time − device time at the first sample \[s\].
     offset: f64,
-    samples: Vec<Sample>,
+    samples: Vec<ToolSample>,
 }
 
 impl MotionCollector {
     pub fn add(&mut self, now: f64, sample: ToolSample) {
-        let at = match self.tools.iter().position(|t| *t.tool == *sample.tool) {
+        let at = match self.tools.iter().position(|t| t.tool == sample.tool) {
             Some(at) => at,
             None => {
                 self.tools.push(ToolSamples {
-                    tool: Arc::from(sample.tool.as_str()),
+                    tool: sample.tool.clone(),
                     offset: now - sample.time,
                     samples: Vec::new(),
                 });
                 self.tools.len() - 1
             }
         };
-        let tool = &mut self.tools[at];
-        tool.samples.push(Sample {
-            device: Arc::clone(&tool.tool),
-            time_s: sample.time,
-            visible: sample.tracked,
-            position: sample.pose.position,
-            orientation: sample.pose.orientation,
-            opening: Some(sample.opening),
-        });
+        self.tools[at].samples.push(sample);
     }
 
     pub fn finish(self) -> Vec<ToolSeries> {
@@ -84,36 +75,41 @@ impl MotionCollector {
 impl ToolSamples {
     fn series(self) -> ToolSeries {
         // One definition of a gap for the raw input and the tools.
-        let threshold = RawStatistics::of(&self.samples, None)
+        let path = self.samples.iter().map(|sample| {
+            let position = sample.tracked.then_some(sample.pose.position);
+            (sample.time, position)
+        });
+        let threshold = RawStatistics::of_path(path, None)
             .gap_threshold_s
             .unwrap_or(f64::INFINITY);
         let mut series = ToolSeries {
-            tool: self.tool.to_string(),
+            tool: self.tool,
             ..ToolSeries::default()
         };
-        let mut before: Option<&Sample> = None;
+        let mut before: Option<&ToolSample> = None;
         let mut segment = 0;
         let mut lost = false;
         for sample in &self.samples {
-            if !sample.visible {
+            if !sample.tracked {
                 lost = true;
                 continue;
             }
             let mut speed = None;
             if let Some(before) = before {
-                let interval = sample.time_s - before.time_s;
+                let interval = sample.time - before.time;
                 if lost || interval > threshold {
                     segment += 1;
                 } else if interval > 0.0 {
                     speed = Some(
-                        (Vector3::from(sample.position) - Vector3::from(before.position)).norm()
+                        (Vector3::from(sample.pose.position) - Vector3::from(before.pose.position))
+                            .norm()
                             / interval,
                     );
                 }
             }
-            series.time.push(sample.time_s + self.offset);
+            series.time.push(sample.time + self.offset);
             series.segment.push(segment);
-            series.position.push(sample.position);
+            series.position.push(sample.pose.position);
             series.speed.push(speed);
             before = Some(sample);
             lost = false;

@@ -10,7 +10,7 @@
 //!
 //! | frame | what |
 //! |---|---|
-//! | device | the axes and origin of a tracker or recording; positions of [`Sample`] are in it |
+//! | device | the axes and origin of a tracker or recording; positions of [`InputSample`](microsim_message::InputSample) are in it |
 //! | body | fixed to the handle that the tracker follows; a sample's orientation is `device_from_body` |
 //! | field | the operating field, in which tools and tissue meet; poses of [`ToolPose`] are in it |
 //! | tool | fixed to a tool, as its model was drawn; a pose's orientation is `field_from_tool` |
@@ -19,7 +19,6 @@
 
 mod csv_recording;
 mod rotation;
-mod sample;
 mod script;
 mod statistics;
 mod trainee;
@@ -31,7 +30,6 @@ pub use csv_recording::{
 };
 pub use microsim_vocabulary::{Interpolation, ToolStatus};
 pub use rotation::{NORM_TOLERANCE, QuaternionError};
-pub use sample::Sample;
 pub use script::{Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
 pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics};
 pub use trainee::{Profile, Trainee};

@@ -2,7 +2,7 @@
 //!
 //! These numbers describe the input, so that a reader of a report can assess it; the trainee's metrics are elsewhere.
 
-use crate::Sample;
+use microsim_message::InputSample;
 use nalgebra::Vector3;
 
 /// Without a stated threshold an interval of more than this many median intervals is a gap. The median is not moved by
@@ -35,34 +35,45 @@ pub struct RawStatistics {
 }
 
 impl RawStatistics {
-    /// Measures the samples of one device, in the order of their times. An interval longer than `gap_s` `[s]` is a gap;
+    /// Measures the samples of one device, in the order of their times. An interval longer than `gap_s` \[s\] is a gap;
     /// without it the threshold is [`DEFAULT_GAP_INTERVALS`] times the median interval.
-    pub fn of<'a>(samples: impl IntoIterator<Item = &'a Sample>, gap_s: Option<f64>) -> Self {
+    pub fn of<'a>(samples: impl IntoIterator<Item = &'a InputSample>, gap_s: Option<f64>) -> Self {
+        let path = samples.into_iter().map(|sample| {
+            let position = sample.visible.then_some(sample.pose.position);
+            (sample.device_time, position)
+        });
+        Self::of_path(path, gap_s)
+    }
+
+    /// Measures a path of times \[s\] and positions \[m\], `None` where the position is not known; else as [`Self::of`].
+    pub fn of_path(
+        path: impl IntoIterator<Item = (f64, Option<[f64; 3]>)>,
+        gap_s: Option<f64>,
+    ) -> Self {
         // Visible samples, each with the interval since the one before and whether the device was lost in between.
         let mut steps: Vec<Step> = Vec::new();
         let mut count = 0;
         let mut first_time = 0.0;
         let mut duration = 0.0;
-        let mut before: Option<&Sample> = None;
+        let mut before: Option<(f64, Vector3<f64>)> = None;
         let mut lost = false;
-        for sample in samples {
-            if !sample.visible {
+        for (time, position) in path {
+            let Some(position) = position.map(Vector3::from) else {
                 lost = true;
                 continue;
-            }
+            };
             match before {
-                None => first_time = sample.time_s,
-                Some(before) => steps.push(Step {
-                    interval_s: sample.time_s - before.time_s,
-                    length_m: (Vector3::from(sample.position) - Vector3::from(before.position))
-                        .norm(),
+                None => first_time = time,
+                Some((time_before, position_before)) => steps.push(Step {
+                    interval_s: time - time_before,
+                    length_m: (position - position_before).norm(),
                     lost,
                 }),
             }
-            duration = sample.time_s - first_time;
+            duration = time - first_time;
             count += 1;
             lost = false;
-            before = Some(sample);
+            before = Some((time, position));
         }
 
         let gap_threshold_s =
@@ -120,18 +131,21 @@ fn median_interval(steps: &[Step]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use microsim_message::Pose;
 
     /// Samples at whole metres on the x axis; `None` is one at which the device was not visible.
-    fn samples(points: &[(f64, Option<f64>)]) -> Vec<Sample> {
-        let device = "stylus".into();
+    fn samples(points: &[(f64, Option<f64>)]) -> Vec<InputSample> {
         points
             .iter()
             .map(|&(time_s, x)| {
-                let sample = Sample::not_visible(std::sync::Arc::clone(&device), time_s);
+                let sample = InputSample::not_visible("stylus", time_s);
                 match x {
-                    Some(x) => Sample {
+                    Some(x) => InputSample {
                         visible: true,
-                        position: [x, 0.0, 0.0],
+                        pose: Pose {
+                            position: [x, 0.0, 0.0],
+                            ..sample.pose
+                        },
                         ..sample
                     },
                     None => sample,

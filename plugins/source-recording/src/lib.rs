@@ -3,10 +3,10 @@
 
 #![forbid(unsafe_code)]
 
-use microsim_sdk::message::{InputSample, Pose, decode_bytes};
+use microsim_sdk::message::decode_bytes;
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{RecordingConfig, RecordingMap, Unit};
-use microsim_tracking::{Column, ColumnMap, DeviceColumns, OpeningColumn, Sample, read_csv};
+use microsim_tracking::{Column, ColumnMap, DeviceColumns, OpeningColumn, read_csv};
 
 /// Name of the file with the motion.
 const FILE: &str = "recording";
@@ -48,19 +48,6 @@ fn column_map(map: &RecordingMap) -> Result<ColumnMap, Fault> {
     })
 }
 
-fn message(sample: Sample) -> InputSample {
-    InputSample {
-        device: sample.device.to_string(),
-        device_time: sample.time_s,
-        visible: sample.visible,
-        pose: Pose {
-            position: sample.position,
-            orientation: sample.orientation,
-        },
-        opening: sample.opening,
-    }
-}
-
 impl Plugin for RecordingSource {
     fn new() -> Self {
         Self::default()
@@ -76,8 +63,7 @@ impl Plugin for RecordingSource {
             RecordingConfig::Csv { name, map } => {
                 let recording = read_csv(bytes, &name, &column_map(&map)?);
                 let recording = recording.map_err(|error| Fault::new(error.to_string()))?;
-                let samples = recording.samples.into_iter().map(message).collect();
-                Playback::by_device_time(&setup.name, samples)
+                Playback::by_device_time(&setup.name, recording.samples)
             }
             RecordingConfig::Samples => Playback::new(&setup.name, decode_bytes(bytes)?),
         };

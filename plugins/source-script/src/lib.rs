@@ -2,10 +2,9 @@
 
 #![forbid(unsafe_code)]
 
-use microsim_sdk::message::{InputSample, Pose};
+use microsim_sdk::message::InputSample;
 use microsim_sdk::{Fault, Playback, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{Script, ScriptConfig};
-use microsim_tracking::Sample;
 
 /// Plays a script.
 #[derive(Debug, Default)]
@@ -16,20 +15,7 @@ pub struct ScriptSource {
 fn samples(script: &Script) -> Result<Vec<InputSample>, Fault> {
     let played = script.motion();
     let played = played.map_err(|error| Fault::new(format!("the script: {error}")))?;
-    Ok(played.samples(script.rate).map(message).collect())
-}
-
-fn message(sample: Sample) -> InputSample {
-    InputSample {
-        device: sample.device.to_string(),
-        device_time: sample.time_s,
-        visible: sample.visible,
-        pose: Pose {
-            position: sample.position,
-            orientation: sample.orientation,
-        },
-        opening: sample.opening,
-    }
+    Ok(played.samples(script.rate).collect())
 }
 
 impl Plugin for ScriptSource {

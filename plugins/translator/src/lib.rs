@@ -10,7 +10,7 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{DeviceMap, ToolSlot, TranslatorConfig};
-use microsim_tracking::{self as tracking, Mapping, Opening, Sample, Translator};
+use microsim_tracking::{self as tracking, Mapping, Opening, Translator};
 use std::collections::BTreeSet;
 
 /// The translator of a run.
@@ -57,16 +57,8 @@ impl TranslatorPlugin {
             }
             return Ok(());
         }
-        let sample = Sample {
-            device: message.device.as_str().into(),
-            time_s: message.device_time,
-            visible: message.visible,
-            position: message.pose.position,
-            orientation: message.pose.orientation,
-            opening: message.opening,
-        };
         let translator = self.translator()?;
-        let translated = match translator.feed(&sample, now) {
+        let translated = match translator.feed(&message, now) {
             Ok(translated) => translated,
             Err(refusal) => {
                 // A flood of bad samples must not become a flood of log lines: the first of each tool, then every

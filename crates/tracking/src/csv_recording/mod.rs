@@ -7,12 +7,11 @@ mod error;
 
 pub use error::{CsvError, CsvProblem};
 
-use std::sync::Arc;
-
 use csv::ByteRecord;
 
+use crate::RawStatistics;
 use crate::rotation::checked_unit;
-use crate::{RawStatistics, Sample};
+use microsim_message::InputSample;
 
 /// Most samples (rows times devices) that are read from one file: about 1 GB of memory, and at 1000 rows a second
 /// nearly three hours of one device.
@@ -75,14 +74,14 @@ pub struct OpeningColumn {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// All samples: in the order of their times, and at one time in the order of the devices in the column map.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<InputSample>,
     /// The column map's threshold for gaps `[s]`.
     pub gap_s: Option<f64>,
 }
 
 impl Recording {
     /// The samples of one device, in the order of their times.
-    pub fn samples_of<'a>(&'a self, device: &'a str) -> impl Iterator<Item = &'a Sample> {
+    pub fn samples_of<'a>(&'a self, device: &'a str) -> impl Iterator<Item = &'a InputSample> {
         self.samples
             .iter()
             .filter(move |sample| &*sample.device == device)
@@ -175,7 +174,7 @@ struct Layout {
 }
 
 struct DeviceLayout {
-    device: Arc<str>,
+    device: String,
     position: [Field; 3],
     orientation: Option<[Field; 4]>,
     opening: Option<(Field, f64, f64)>,
@@ -229,7 +228,7 @@ impl Layout {
         &self,
         record: &ByteRecord,
         before_s: Option<f64>,
-        samples: &mut Vec<Sample>,
+        samples: &mut Vec<InputSample>,
     ) -> Result<f64, CsvProblem> {
         let time_s = self.time.number(record)?;
         if let Some(before_s) = before_s
@@ -248,8 +247,8 @@ impl Layout {
 }
 
 impl DeviceLayout {
-    fn sample(&self, record: &ByteRecord, time_s: f64) -> Result<Sample, CsvProblem> {
-        let mut sample = Sample::not_visible(Arc::clone(&self.device), time_s);
+    fn sample(&self, record: &ByteRecord, time_s: f64) -> Result<InputSample, CsvProblem> {
+        let mut sample = InputSample::not_visible(&self.device, time_s);
         if let Some(visible) = &self.visible
             && !visible.flag(record)?
         {
@@ -265,22 +264,22 @@ impl DeviceLayout {
             3 => return Ok(sample),
             _ => {
                 return Err(CsvProblem::PartialPosition {
-                    device: self.device.to_string(),
+                    device: self.device.clone(),
                 });
             }
         }
 
         sample.visible = true;
-        for (component, field) in sample.position.iter_mut().zip(&self.position) {
+        for (component, field) in sample.pose.position.iter_mut().zip(&self.position) {
             *component = field.number(record)?;
         }
         if let Some(fields) = &self.orientation {
-            for (component, field) in sample.orientation.iter_mut().zip(fields) {
+            for (component, field) in sample.pose.orientation.iter_mut().zip(fields) {
                 *component = field.number(record)?;
             }
-            sample.orientation =
-                checked_unit(sample.orientation).map_err(|error| CsvProblem::Quaternion {
-                    device: self.device.to_string(),
+            sample.pose.orientation =
+                checked_unit(sample.pose.orientation).map_err(|error| CsvProblem::Quaternion {
+                    device: self.device.clone(),
                     error,
                 })?;
         }

@@ -1,3 +1,5 @@
+use microsim_message::Pose;
+
 use super::*;
 
 fn names<const N: usize>(names: [&str; N]) -> [String; N] {
@@ -77,12 +79,14 @@ fn units_opening_and_visibility() {
          20;nan;;;;0;4;5;6;;TRUE\n"
     );
     let recording = read_csv(csv.as_bytes(), "pair.csv", &pair_map()).unwrap();
-    let sample = |device: &str, time_s, position, opening| Sample {
+    let sample = |device: &str, device_time, position, opening| InputSample {
         device: device.into(),
-        time_s,
+        device_time,
         visible: true,
-        position,
-        orientation: [0.0, 0.0, 0.0, 1.0],
+        pose: Pose {
+            position,
+            ..Pose::default()
+        },
         opening,
     };
     assert_eq!(
@@ -92,8 +96,8 @@ fn units_opening_and_visibility() {
             sample("right", 0.0, [4.0, 5.0, 6.0], Some(0.5)),
             // 50 lies beyond what means open.
             sample("left", 0.01, [1.0, 2.0, 3.0], Some(1.0)),
-            Sample::not_visible("right".into(), 0.01),
-            Sample::not_visible("left".into(), 0.02),
+            InputSample::not_visible("right", 0.01),
+            InputSample::not_visible("left", 0.02),
             sample("right", 0.02, [4.0, 5.0, 6.0], None),
         ]
     );
@@ -107,7 +111,7 @@ fn quaternion_is_scaled_to_norm_one_within_the_tolerance() {
     let csv = format!("{HEADER}0,1,2,3,0,0,0.6003,0.8004\n");
     let recording = read_csv(csv.as_bytes(), "near.csv", &stylus_map()).unwrap();
     // The norm is 1.0005, so the components are 0.6 and 0.8 up to rounding.
-    let [x, y, z, w] = recording.samples[0].orientation;
+    let [x, y, z, w] = recording.samples[0].pose.orientation;
     assert_eq!((x, y), (0.0, 0.0));
     assert!((z - 0.6).abs() <= 2.0 * f64::EPSILON && (w - 0.8).abs() <= 2.0 * f64::EPSILON);
 }
@@ -258,8 +262,8 @@ fn a_million_rows() {
     }
     let recording = read_csv(csv.as_bytes(), "long.csv", &stylus_map()).unwrap();
     assert_eq!(recording.samples.len(), ROWS);
-    assert_eq!(recording.samples[ROWS - 1].time_s, 999_999.125);
-    let memory = recording.samples.capacity() * size_of::<Sample>();
+    assert_eq!(recording.samples[ROWS - 1].device_time, 999_999.125);
+    let memory = recording.samples.capacity() * size_of::<InputSample>();
     assert!(
         memory <= 4 * csv.len(),
         "{memory} bytes for a file of {}",

@@ -13,8 +13,9 @@ use std::sync::Arc;
 
 use microsim_vocabulary::Interpolation;
 
+use crate::QuaternionError;
 use crate::rotation::{checked_unit, slerp};
-use crate::{QuaternionError, Sample};
+use microsim_message::InputSample;
 
 /// A pose at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,7 +144,7 @@ impl Script {
     /// The sample of a device at time `t` `[s]`; `None` for a device that the script does not have.
     ///
     /// Before its first keyframe a device is not visible; after its last it stays there.
-    pub fn sample(&self, device: &str, t: f64) -> Option<Sample> {
+    pub fn sample(&self, device: &str, t: f64) -> Option<InputSample> {
         let track = self.tracks.iter().find(|track| &*track.device == device)?;
         Some(self.sample_of(track, t))
     }
@@ -153,7 +154,7 @@ impl Script {
     ///
     /// # Panics
     /// If the rate is not a finite positive number.
-    pub fn samples(&self, rate_hz: f64) -> impl Iterator<Item = Sample> {
+    pub fn samples(&self, rate_hz: f64) -> impl Iterator<Item = InputSample> {
         assert!(
             rate_hz.is_finite() && rate_hz > 0.0,
             "a script cannot be sampled at {rate_hz} Hz"
@@ -167,8 +168,8 @@ impl Script {
         })
     }
 
-    fn sample_of(&self, track: &ScriptTrack, t: f64) -> Sample {
-        let mut sample = Sample::not_visible(Arc::clone(&track.device), t);
+    fn sample_of(&self, track: &ScriptTrack, t: f64) -> InputSample {
+        let mut sample = InputSample::not_visible(&track.device, t);
         let reached = track
             .keyframes
             .partition_point(|keyframe| keyframe.time_s <= t);
@@ -184,14 +185,14 @@ impl Script {
                     Interpolation::MinimumJerk => minimum_jerk(fraction),
                     Interpolation::Linear => fraction,
                 };
-                sample.position =
+                sample.pose.position =
                     std::array::from_fn(|i| mix(from.position[i], to.position[i], reached));
-                sample.orientation = slerp(from.orientation, to.orientation, reached);
+                sample.pose.orientation = slerp(from.orientation, to.orientation, reached);
                 sample.opening = Some(mix(from.opening, to.opening, fraction));
             }
             _ => {
-                sample.position = from.position;
-                sample.orientation = from.orientation;
+                sample.pose.position = from.position;
+                sample.pose.orientation = from.orientation;
                 sample.opening = Some(from.opening);
             }
         }

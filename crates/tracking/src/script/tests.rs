@@ -28,7 +28,7 @@ fn script(keyframes: Vec<Keyframe>, interpolation: Interpolation) -> Script {
 }
 
 fn x_at(script: &Script, t: f64) -> f64 {
-    script.sample("forceps", t).unwrap().position[0]
+    script.sample("forceps", t).unwrap().pose.position[0]
 }
 
 /// Flash & Hogan 1985: from rest to rest. Near an end the polynomial is 10τ³ plus higher terms, so after a fraction h of
@@ -113,7 +113,7 @@ fn orientation_and_opening() {
     let sample = script.sample("forceps", 0.25).unwrap();
     assert_eq!(sample.opening, Some(0.75));
     let expected = about_z(53.0 / 512.0 * PI / 2.0);
-    for (found, expected) in sample.orientation.iter().zip(expected) {
+    for (found, expected) in sample.pose.orientation.iter().zip(expected) {
         assert!((found - expected).abs() <= 8.0 * f64::EPSILON);
     }
 }
@@ -145,10 +145,10 @@ fn samples_cover_the_script_in_order() {
         Interpolation::Linear,
     )
     .unwrap();
-    let samples: Vec<Sample> = script.samples(4.0).collect();
+    let samples: Vec<InputSample> = script.samples(4.0).collect();
     let found: Vec<(&str, f64, f64)> = samples
         .iter()
-        .map(|sample| (&*sample.device, sample.time_s, sample.position[0]))
+        .map(|sample| (&*sample.device, sample.device_time, sample.pose.position[0]))
         .collect();
     // 0.6 s at 4 Hz: the last at 0.75 s, where both have arrived.
     assert_eq!(found.len(), 8);

@@ -287,8 +287,8 @@ impl Hand {
         Some(Keyframe {
             time_s: t,
             hold_s: 0.0,
-            position: (Vector3::from(planned.position) + error.shift + tremor).into(),
-            orientation: turned_by(planned.orientation, &error.turn),
+            position: (Vector3::from(planned.pose.position) + error.shift + tremor).into(),
+            orientation: turned_by(planned.pose.orientation, &error.turn),
             opening: (planned.opening? - error.squeeze).max(0.0),
             visible: planned.visible,
         })

@@ -61,8 +61,8 @@ fn without_errors_a_trainee_makes_the_motion_of_the_plan() {
     let plan = plan();
     for keyframe in follow(PERFECT, 7, &plan) {
         let planned = plan.sample("right", keyframe.time_s).expect("a device");
-        assert_eq!(keyframe.position, planned.position);
-        assert_eq!(keyframe.orientation, planned.orientation);
+        assert_eq!(keyframe.position, planned.pose.position);
+        assert_eq!(keyframe.orientation, planned.pose.orientation);
         assert_eq!(Some(keyframe.opening), planned.opening);
     }
 }
@@ -222,7 +222,10 @@ fn reaches_go_too_far_and_astray() {
             .iter()
             .map(|k| {
                 let planned = plan.sample("right", k.time_s).expect("a device");
-                (k.position[0] - planned.position[0], k.position[0] - 0.01)
+                (
+                    k.position[0] - planned.pose.position[0],
+                    k.position[0] - 0.01,
+                )
             })
             .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         // Beyond the end by the lead less what is left of 10 mm then: 1.1 % of them 8 ms before the peak, nothing at the end.

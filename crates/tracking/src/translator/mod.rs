@@ -25,8 +25,9 @@ use std::fmt;
 pub use mapping::{Mapping, MappingProblem, Opening, TranslatorError};
 pub use state::{StateMismatch, ToolPose, ToolState, TranslatorState};
 
+use crate::QuaternionError;
 use crate::rotation::{checked_unit, product, rotated};
-use crate::{QuaternionError, Sample};
+use microsim_message::InputSample;
 use state::ToolMemory;
 
 /// Turns samples of devices into poses of tools, and remembers the last of each.
@@ -102,13 +103,13 @@ impl Translator {
     /// [`Refusal`] for a visible sample with values that are no pose. Its tool is then occluded and keeps its last pose.
     pub fn feed(
         &mut self,
-        sample: &Sample,
+        sample: &InputSample,
         now_s: f64,
     ) -> Result<Option<TranslatedSample>, Refusal> {
         let Some(index) = self
             .mappings
             .iter()
-            .position(|mapping| mapping.device == *sample.device)
+            .position(|mapping| mapping.device == sample.device)
         else {
             return Ok(None);
         };
@@ -131,7 +132,7 @@ impl Translator {
                 Err(Refusal {
                     tool: mapping.tool.clone(),
                     device: mapping.device.clone(),
-                    time_s: sample.time_s,
+                    time_s: sample.device_time,
                     fault,
                 })
             }
@@ -174,13 +175,18 @@ impl Translator {
 }
 
 /// The pose of the mapped tool for a visible sample; `opening` is retained where the device should measure it and does not.
-fn translate(mapping: &Mapping, sample: &Sample, opening: f64) -> Result<ToolPose, SampleFault> {
-    if !sample.time_s.is_finite() {
+fn translate(
+    mapping: &Mapping,
+    sample: &InputSample,
+    opening: f64,
+) -> Result<ToolPose, SampleFault> {
+    if !sample.device_time.is_finite() {
         return Err(SampleFault::Time);
     }
-    let device_from_body = checked_unit(sample.orientation).map_err(SampleFault::Orientation)?;
+    let device_from_body =
+        checked_unit(sample.pose.orientation).map_err(SampleFault::Orientation)?;
 
-    let from_origin = std::array::from_fn(|i| sample.position[i] - mapping.device_origin[i]);
+    let from_origin = std::array::from_fn(|i| sample.pose.position[i] - mapping.device_origin[i]);
     let turned = rotated(mapping.field_from_device, from_origin);
     let position: [f64; 3] =
         std::array::from_fn(|i| mapping.field_offset[i] + mapping.scale * turned[i]);
@@ -204,7 +210,7 @@ fn translate(mapping: &Mapping, sample: &Sample, opening: f64) -> Result<ToolPos
         position,
         orientation: product(field_from_body, mapping.body_from_tool),
         opening,
-        sample_time_s: sample.time_s,
+        sample_time_s: sample.device_time,
     })
 }
 

@@ -1,6 +1,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use crate::ToolStatus;
+use microsim_message::Pose;
 use proptest::prelude::*;
 
 use super::*;
@@ -11,24 +12,26 @@ const QUARTER_X: [f64; 4] = [FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2];
 /// A quarter turn about z: x goes to y.
 const QUARTER_Z: [f64; 4] = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
 
-fn sample(time_s: f64, position: [f64; 3], orientation: [f64; 4]) -> Sample {
-    Sample {
+fn sample(time_s: f64, position: [f64; 3], orientation: [f64; 4]) -> InputSample {
+    InputSample {
         visible: true,
-        position,
-        orientation,
-        ..Sample::not_visible("stylus".into(), time_s)
+        pose: Pose {
+            position,
+            orientation,
+        },
+        ..InputSample::not_visible("stylus", time_s)
     }
 }
 
-fn hidden(time_s: f64) -> Sample {
-    Sample::not_visible("stylus".into(), time_s)
+fn hidden(time_s: f64) -> InputSample {
+    InputSample::not_visible("stylus", time_s)
 }
 
 fn translator(mapping: Mapping) -> Translator {
     Translator::new(vec![mapping], 0.5).unwrap()
 }
 
-fn pose_of(mapping: &Mapping, sample: &Sample) -> ToolPose {
+fn pose_of(mapping: &Mapping, sample: &InputSample) -> ToolPose {
     translator(mapping.clone())
         .feed(sample, 0.0)
         .unwrap()
@@ -114,7 +117,7 @@ fn orientation_by_hand() {
 #[test]
 fn identity_mapping_changes_nothing() {
     let position = [0.1, -0.2, 0.3];
-    let sample = Sample {
+    let sample = InputSample {
         opening: Some(0.25),
         ..sample(1.0, position, QUARTER_X)
     };
@@ -135,7 +138,7 @@ fn openings() {
         readings
             .iter()
             .map(|&opening| {
-                let sample = Sample {
+                let sample = InputSample {
                     opening,
                     ..sample(0.0, [0.0; 3], IDENTITY)
                 };
@@ -218,42 +221,54 @@ fn refusals_say_what_and_where() {
     let good = sample(2.5, [0.0; 3], IDENTITY);
     let cases = [
         (
-            Sample {
-                time_s: f64::NAN,
+            InputSample {
+                device_time: f64::NAN,
                 ..good.clone()
             },
             "at its time NaN s is refused: time is not finite",
         ),
         (
-            Sample {
-                position: [0.0, f64::INFINITY, 0.0],
+            InputSample {
+                pose: Pose {
+                    position: [0.0, f64::INFINITY, 0.0],
+                    ..good.pose
+                },
                 ..good.clone()
             },
             "at its time 2.5 s is refused: position is not finite",
         ),
         (
-            Sample {
-                orientation: [0.0; 4],
+            InputSample {
+                pose: Pose {
+                    orientation: [0.0; 4],
+                    ..good.pose
+                },
                 ..good.clone()
             },
             "at its time 2.5 s is refused: quaternion is zero, expected a unit quaternion",
         ),
         (
-            Sample {
-                orientation: [f64::NAN, 0.0, 0.0, 1.0],
+            InputSample {
+                pose: Pose {
+                    orientation: [f64::NAN, 0.0, 0.0, 1.0],
+                    ..good.pose
+                },
                 ..good.clone()
             },
             "at its time 2.5 s is refused: quaternion is not finite",
         ),
         (
-            Sample {
-                orientation: [0.0, 0.0, 0.0, 2.0],
+            InputSample {
+                pose: Pose {
+                    orientation: [0.0, 0.0, 0.0, 2.0],
+                    ..good.pose
+                },
                 ..good.clone()
             },
             "at its time 2.5 s is refused: quaternion has norm 2, expected 1 within 0.001",
         ),
         (
-            Sample {
+            InputSample {
                 opening: Some(f64::NAN),
                 ..good.clone()
             },
@@ -281,9 +296,11 @@ fn refusals_say_what_and_where() {
 #[test]
 fn hidden_sample_may_hold_anything() {
     let mut translator = translator(Mapping::identity("stylus", "forceps"));
-    let sample = Sample {
-        position: [f64::NAN; 3],
-        orientation: [0.0; 4],
+    let sample = InputSample {
+        pose: Pose {
+            position: [f64::NAN; 3],
+            orientation: [0.0; 4],
+        },
         ..hidden(0.0)
     };
     assert_eq!(translator.feed(&sample, 0.0), Ok(None));
@@ -301,7 +318,7 @@ fn devices_and_tools_meet_in_the_mapping() {
     translator
         .feed(&sample(0.0, [1.0; 3], IDENTITY), 0.0)
         .unwrap();
-    let stranger = Sample {
+    let stranger = InputSample {
         device: "stranger".into(),
         ..sample(0.0, [1.0; 3], IDENTITY)
     };
@@ -535,7 +552,7 @@ proptest! {
         opening in prop::option::of(prop::num::f64::ANY),
     ) {
         let mut translator = translator(Mapping { scale: 2.0, ..Mapping::identity("stylus", "forceps") });
-        let sample = Sample { opening, ..sample(time_s, position, orientation) };
+        let sample = InputSample { opening, ..sample(time_s, position, orientation) };
         if let Ok(Some(TranslatedSample { pose, .. })) = translator.feed(&sample, 0.0) {
             prop_assert!(pose.position.iter().all(|component| component.is_finite()));
             let norm = pose.orientation.iter().map(|component| component * component).sum::<f64>();
