@@ -21,8 +21,10 @@ pub struct Body {
     pub measures: Measures,
     pub settings: Settings,
     surface: BTreeSet<SurfaceTriangle>,
-    /// Number of nodes of the first generation.
-    originals: usize,
+    /// The mesh of the first generation, with a fibre direction in each element.
+    original: TetMesh,
+    /// The smallest identity that an element of the next edit can have.
+    next_element: u32,
 }
 
 fn block(random: &mut SplitMix64) -> TetMesh {
@@ -101,6 +103,24 @@ fn filled(random: &mut SplitMix64) -> TetMesh {
     .expect("a mesh")
 }
 
+/// Fibres of a helix that widens along z, unlike at any two places.
+fn fibre_at(place: &V3) -> V3 {
+    let angle = 3.0 * place.z + 5.0 * place.norm_squared();
+    V3::new(libm::cos(angle), libm::sin(angle), 0.5 + place.x * place.y).normalize()
+}
+
+/// Barycentric coordinates of a place in a tetrahedron.
+fn barycentric([a, b, c, d]: &[V3; 4], place: &V3) -> [f64; 4] {
+    let volume = |a: &V3, b: &V3, c: &V3, d: &V3| (b - a).cross(&(c - a)).dot(&(d - a));
+    let parts = [
+        volume(place, b, c, d),
+        volume(a, place, c, d),
+        volume(a, b, place, d),
+        volume(a, b, c, place),
+    ];
+    parts.map(|part| part / volume(a, b, c, d))
+}
+
 /// The same mesh with nodes and elements in another order.
 fn shuffled(mesh: &TetMesh, random: &mut SplitMix64) -> TetMesh {
     let mut order = |n: usize| {
@@ -133,18 +153,20 @@ impl Body {
             Kind::Tube => tube(random),
             Kind::Filled => filled(random),
         };
-        let mesh = shuffled(&mesh, random);
+        let mut mesh = shuffled(&mesh, random);
+        let centre = |element| mesh.corners(element).iter().sum::<V3>() / 4.0;
+        mesh.directions = (0..mesh.tets.len()).map(|e| fibre_at(&centre(e))).collect();
         let topology = Topology::new(&mesh);
         let measures = check(&mesh, &topology).expect("a valid mesh");
         let surface = topology.surface().into_iter().collect();
-        let originals = mesh.positions.len();
         Self {
+            original: mesh.clone(),
+            next_element: mesh.element_ids.iter().max().map_or(0, |id| id + 1),
             mesh,
             topology,
             measures,
             settings: Settings::default(),
             surface,
-            originals,
         }
     }
 
@@ -163,6 +185,39 @@ impl Body {
         if self.surface != self.topology.surface().into_iter().collect() {
             return Err("the surface that was followed is another".into());
         }
+        Ok(())
+    }
+
+    /// Each element that an edit has made has the fibre direction of the element of the first generation in which its centroid lies; positions of a
+    /// mesh are those at rest, and no edit moves them. Where the centroid lies on a face to rounding, of one of the two.
+    pub fn check_fibres(&mut self) -> Result<(), String> {
+        if self.mesh.directions.len() != self.mesh.tets.len() {
+            return Err(format!(
+                "{} fibre directions of {} elements",
+                self.mesh.directions.len(),
+                self.mesh.tets.len()
+            ));
+        }
+        let mut next = self.next_element;
+        for (element, &id) in self.mesh.element_ids.iter().enumerate() {
+            next = next.max(id + 1);
+            if id < self.next_element {
+                continue;
+            }
+            let centre = self.mesh.corners(element).iter().sum::<V3>() / 4.0;
+            let found = self.mesh.directions[element];
+            let holds = |parent: usize| {
+                let parts = barycentric(&self.original.corners(parent), &centre);
+                parts.iter().all(|part| *part > -1e-9)
+            };
+            let mut parents = (0..self.original.tets.len()).filter(|parent| holds(*parent));
+            if !parents.any(|parent| self.original.directions[parent] == found) {
+                return Err(format!(
+                    "element {element} has the fibres {found} of another"
+                ));
+            }
+        }
+        self.next_element = next;
         Ok(())
     }
 
@@ -219,6 +274,6 @@ impl Body {
 
     /// Whether a node was there in the first generation.
     fn is_original(&self, node: usize) -> bool {
-        (self.mesh.node_ids[node] as usize) < self.originals
+        (self.mesh.node_ids[node] as usize) < self.original.positions.len()
     }
 }

@@ -310,6 +310,7 @@ impl Body {
             return Err(format!("an element of {least} of the mean volume"));
         }
         self.follow_surface(&cut.surface)?;
+        self.check_fibres()?;
         summary.edits += 1;
         summary.divided += cut.divided;
         summary.crossed += cut.crossed;

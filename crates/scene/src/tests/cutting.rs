@@ -234,12 +234,41 @@ fn check_blade(body: BodySpec, method: Method) {
     );
 }
 
-/// Saved at each tick of a cut and restored, into the same scene and into a new one, it goes on with the same bits; reset, it begins again.
+/// The bar with a helix of fibres around its axis.
+fn fibrous_bar() -> BodySpec {
+    let mut body = bar(Discretisation::Selective, 0.0);
+    if let Behaviour::Continuum(constants) = &mut body.materials[0].1.behaviour {
+        constants.law = LawName::TransverselyIsotropic.into();
+    }
+    let mesh = &mut body.mesh;
+    let centre = |element| mesh.corners(element).iter().sum::<Vector3<f64>>() / 4.0;
+    let around = |place: Vector3<f64>| {
+        (Vector3::x().cross(&place) + place.norm() * Vector3::x()).normalize()
+    };
+    mesh.directions = (0..mesh.tets.len())
+        .map(|element| around(centre(element)))
+        .collect();
+    body
+}
+
+/// Saved at each tick of a cut and restored, into the same scene and into a new one, it goes on with the same bits, with fibres and
+/// without; reset, it begins again.
 #[test]
 fn a_cut_that_is_under_way_is_saved() {
-    for method in [Method::StoermerVerlet, Method::ImplicitEuler(NEWTON)] {
-        let of = spec(
+    for (body, method) in [
+        (
             bar(Discretisation::EdgeSmoothed, 0.0),
+            Method::StoermerVerlet,
+        ),
+        (
+            bar(Discretisation::EdgeSmoothed, 0.0),
+            Method::ImplicitEuler(NEWTON),
+        ),
+        (fibrous_bar(), Method::StoermerVerlet),
+        (fibrous_bar(), Method::ImplicitEuler(NEWTON)),
+    ] {
+        let of = spec(
+            body,
             tool("blade", 0.0, vec![line(5e-5, None)]),
             false,
             method,
@@ -255,7 +284,7 @@ fn a_cut_that_is_under_way_is_saved() {
             saved.push(scene.save());
             scene.tick(&motion(k), 1e-3, steps, &Serial).unwrap();
         }
-        let end = scene.save();
+        let (end, digest) = (scene.save(), scene.digest());
         assert!(scene.body(0).piece_count() == 2 && end.len() > start.len());
         for from in [3, 7, 12] {
             let mut again = fresh();
@@ -265,6 +294,7 @@ fn a_cut_that_is_under_way_is_saved() {
                 again.tick(&motion(k), 1e-3, steps, &Serial).unwrap();
             }
             assert_eq!(again.save(), end, "from tick {from}");
+            assert_eq!(again.digest(), digest, "from tick {from}");
         }
         scene.restore(&saved[12]).unwrap();
         assert_eq!(scene.save(), saved[12]);

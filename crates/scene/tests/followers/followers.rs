@@ -39,11 +39,18 @@ const DISCRETISATIONS: [Discretisation; 4] = [
     Discretisation::Selective,
 ];
 
+/// The same of tissue with fibres, whose domains have directions beside their shape.
+const FIBROUS: [Discretisation; 3] = [
+    Discretisation::Tetrahedra,
+    Discretisation::EdgeSmoothed,
+    Discretisation::Selective,
+];
+
 /// What was followed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
-    /// Bodies of each material: springs, then the discretisations.
-    pub materials: [usize; 1 + DISCRETISATIONS.len()],
+    /// Bodies of each material: springs, then the discretisations, then those with fibres.
+    pub materials: [usize; 1 + DISCRETISATIONS.len() + FIBROUS.len()],
     pub edits: usize,
     /// Edits with which elements left.
     pub crumbs: usize,
@@ -124,15 +131,18 @@ impl Watch for Followers {
     fn begins(&mut self, body: &Body) {
         let number = self.tally.materials.iter().sum::<usize>() % self.tally.materials.len();
         self.tally.materials[number] += 1;
-        let behaviour = match number {
-            0 => Behaviour::Springs(SpringConstants::fitted(1e4, 0.25)),
-            _ => Behaviour::Continuum(ContinuumConstants {
-                law: LawName::StableNeoHookean.into(),
+        let continuum = |law: LawName, discretisation| {
+            Behaviour::Continuum(ContinuumConstants {
+                law: law.into(),
                 young: 1e4,
                 poisson: 0.4,
-                discretisation: DISCRETISATIONS[number - 1],
-            }),
+                discretisation,
+            })
         };
+        let isotropic = DISCRETISATIONS.map(|one| continuum(LawName::StableNeoHookean, one));
+        let fibrous = FIBROUS.map(|one| continuum(LawName::TransverselyIsotropic, one));
+        let springs = Behaviour::Springs(SpringConstants::fitted(1e4, 0.25));
+        let behaviour = [&[springs][..], &isotropic, &fibrous].concat()[number];
         // Half of the bodies are viscous, so much that it halves the step.
         let relaxation_time = match self.random.below(2) {
             0 => 0.0,
