@@ -31,7 +31,7 @@ pub use setup::{
     Log, LogLevel, PictureRequest, Progress, SessionRecord, Setup, SetupFile, config_value,
 };
 pub use tool::{
-    ContactForce, ContactForces, GRIP_MIN, TissueCut, TissueRecovery, ToolSample, ToolState,
-    ToolStates,
+    ContactForce, ContactForces, GRIP_MIN, TissueCut, TissueRecovery, ToolPose, ToolSample,
+    ToolState, ToolStates,
 };
 pub use wire::{DecodeError, Message, decode, decode_bytes, encode, push, to_json};

@@ -5,6 +5,19 @@ use crate::wire::Message;
 use microsim_vocabulary::{Overflow, ToolStatus};
 use serde::{Deserialize, Serialize};
 
+/// Where a tool was, by one valid sample of its device.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolPose {
+    /// `field_from_tool`: pose of the tip in the field.
+    #[serde(flatten)]
+    pub pose: Pose,
+    /// Opening, 0 closed … 1 open.
+    pub opening: f64,
+    /// Time of the sample by the device's clock \[s\].
+    #[serde(rename = "sample_time_s")]
+    pub time: f64,
+}
+
 /// One input sample, translated: for metrics, which must not depend on the tick.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ToolSample {
@@ -18,6 +31,28 @@ pub struct ToolSample {
     pub pose: Pose,
     /// Opening, 0 closed … 1 open.
     pub opening: f64,
+}
+
+impl ToolSample {
+    /// The sample of a tool that is, or if it is not tracked was last seen, `at` a pose; its time is that of the sample.
+    pub fn new(tool: &str, tracked: bool, at: ToolPose) -> Self {
+        Self {
+            tool: tool.to_owned(),
+            time: at.time,
+            tracked,
+            pose: at.pose,
+            opening: at.opening,
+        }
+    }
+
+    /// Where the tool is, without its name.
+    pub fn at(&self) -> ToolPose {
+        ToolPose {
+            pose: self.pose,
+            opening: self.opening,
+            time: self.time,
+        }
+    }
 }
 
 impl Message for ToolSample {

@@ -123,12 +123,7 @@ impl LevelRun {
                 log.mark_gap();
                 continue;
             }
-            let pushed = log.push(training::Sample {
-                time: sample.time,
-                position: sample.pose.position,
-                orientation: sample.pose.orientation,
-                opening: Some(sample.opening),
-            });
+            let pushed = log.push(sample.at());
             if let Err(error) = pushed {
                 // A flood of bad samples must not become a flood of log lines.
                 self.refused += 1;

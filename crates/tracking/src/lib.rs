@@ -12,7 +12,7 @@
 //! |---|---|
 //! | device | the axes and origin of a tracker or recording; positions of [`InputSample`](microsim_message::InputSample) are in it |
 //! | body | fixed to the handle that the tracker follows; a sample's orientation is `device_from_body` |
-//! | field | the operating field, in which tools and tissue meet; poses of [`ToolPose`] are in it |
+//! | field | the operating field, in which tools and tissue meet; poses of [`ToolSample`](microsim_message::ToolSample) are in it |
 //! | tool | fixed to a tool, as its model was drawn; a pose's orientation is `field_from_tool` |
 
 #![forbid(unsafe_code)]
@@ -34,6 +34,6 @@ pub use script::{Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
 pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics};
 pub use trainee::{Profile, Trainee};
 pub use translator::{
-    Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch, ToolPose, ToolState,
-    TranslatedSample, Translator, TranslatorError, TranslatorState,
+    Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch, TrackedTool, Translator,
+    TranslatorError, TranslatorState,
 };

@@ -33,7 +33,7 @@ pub use level::{
 pub use measure::{Measurement, motion_metrics};
 pub use metric::{MetricDefinition, MetricValue, NotApplicable};
 pub use microsim_vocabulary::{Category, Direction, LocalText};
-pub use motion::{MotionBytesError, MotionError, MotionLog, Sample, path_length, rotation_angle};
+pub use motion::{MotionBytesError, MotionError, MotionLog, path_length, rotation_angle};
 pub use parameter::{MetricParameters, Parameter, ParameterError};
 pub use score::{Assessment, CategoryScore, Limit, LimitError, Rules, ScoreRecord, TargetCount};
 pub use tremor::tremor_rms;

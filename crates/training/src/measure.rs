@@ -5,11 +5,12 @@
 //! Several tools are combined alike: sums add up (the working volume too, box by box), means run over the
 //! segments of all tools. With more than one tracked tool each metric also stands for every tool by itself.
 
+use microsim_message::ToolPose;
 use serde::{Deserialize, Serialize};
 
 use crate::catalogue::{MOTION_METRICS, id};
 use crate::metric::{MetricValue, NotApplicable};
-use crate::motion::{MotionLog, Sample, path_length, rotation_angle};
+use crate::motion::{MotionLog, path_length, rotation_angle};
 use crate::parameter::{MetricParameters, ParameterError};
 use crate::signal;
 use crate::smoothness::{ldlj, sparc};
@@ -110,7 +111,7 @@ const TOOL_METRICS: [&str; 8] = [
 
 struct Tool<'a> {
     name: &'a str,
-    segments: Vec<&'a [Sample]>,
+    segments: Vec<&'a [ToolPose]>,
     tally: Tally,
 }
 
@@ -178,7 +179,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn of_tool(segments: &[&[Sample]], parameters: &MetricParameters) -> Self {
+    fn of_tool(segments: &[&[ToolPose]], parameters: &MetricParameters) -> Self {
         let mut tally = Tally::default();
         for segment in segments {
             tally.add_segment(segment, parameters);
@@ -193,7 +194,7 @@ impl Tally {
         tally
     }
 
-    fn add_segment(&mut self, segment: &[Sample], parameters: &MetricParameters) {
+    fn add_segment(&mut self, segment: &[ToolPose], parameters: &MetricParameters) {
         let [first, .., last] = segment else {
             for pool in [&mut self.path, &mut self.angle] {
                 pool.add(Err(NotApplicable::SegmentTooShort), 0.0);
@@ -205,14 +206,14 @@ impl Tally {
         self.path.add(Ok(path_length(segment)), duration);
         let angle = segment
             .windows(2)
-            .map(|pair| rotation_angle(pair[0].orientation, pair[1].orientation))
+            .map(|pair| rotation_angle(pair[0].pose.orientation, pair[1].pose.orientation))
             .sum();
         self.angle.add(Ok(angle), duration);
         self.add_even(segment, duration, parameters);
     }
 
     /// The metrics that need evenly spaced samples.
-    fn add_even(&mut self, segment: &[Sample], duration: f64, parameters: &MetricParameters) {
+    fn add_even(&mut self, segment: &[ToolPose], duration: f64, parameters: &MetricParameters) {
         let rate = parameters.resample_hz;
         let positions = match segment {
             [first, .., last] => signal::resample(segment, first.time, last.time, rate),
@@ -308,13 +309,13 @@ fn spectral_segment(
 }
 
 /// Volume \[m³\] of the axis-parallel box around all samples.
-fn box_volume(segments: &[&[Sample]]) -> f64 {
+fn box_volume(segments: &[&[ToolPose]]) -> f64 {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     for sample in segments.iter().copied().flatten() {
         for axis in 0..3 {
-            low[axis] = low[axis].min(sample.position[axis]);
-            high[axis] = high[axis].max(sample.position[axis]);
+            low[axis] = low[axis].min(sample.pose.position[axis]);
+            high[axis] = high[axis].max(sample.pose.position[axis]);
         }
     }
     (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2])
@@ -415,11 +416,11 @@ fn bimanual(tools: &[Tool], parameters: &MetricParameters) -> Bimanual {
     }
 }
 
-fn common_start(a: &[Sample], b: &[Sample]) -> Option<f64> {
+fn common_start(a: &[ToolPose], b: &[ToolPose]) -> Option<f64> {
     Some(a.first()?.time.max(b.first()?.time))
 }
 
-fn common_end(a: &[Sample], b: &[Sample]) -> Option<f64> {
+fn common_end(a: &[ToolPose], b: &[ToolPose]) -> Option<f64> {
     Some(a.last()?.time.min(b.last()?.time))
 }
 

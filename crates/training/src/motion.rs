@@ -3,21 +3,9 @@
 //! A gap is a gap: nothing in this crate joins the sample before it to the sample after it. The log is written by the
 //! module once per tick and belongs to its saved state, hence the plain byte form.
 
+use microsim_message::{Pose, ToolPose};
 use nalgebra::Vector3;
 use std::fmt;
-
-/// One measured pose of a tool, tip in the field frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// Device time \[s\].
-    pub time: f64,
-    /// Tip position in the field frame \[m\].
-    pub position: [f64; 3],
-    /// Orientation, field from tool, quaternion x y z w; need not be of unit length, must not be zero.
-    pub orientation: [f64; 4],
-    /// Opening of the jaws, 0 closed .. 1 open; `None` for a tool without jaws.
-    pub opening: Option<f64>,
-}
 
 /// Why a sample was refused. The log is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,7 +98,7 @@ impl std::error::Error for MotionBytesError {}
 /// Everything that one tool did, in order of device time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MotionLog {
-    samples: Vec<Sample>,
+    samples: Vec<ToolPose>,
     /// Indices of samples before which tracking was marked as lost; strictly increasing, each in 1..samples.len().
     breaks: Vec<usize>,
     /// The next sample starts a new segment.
@@ -119,8 +107,10 @@ pub struct MotionLog {
 
 /// Sample count, break count, pending flag.
 const HEADER_BYTES: usize = 8 + 8 + 1;
-/// Nine numbers and a flag: 1 with an opening, 0 without.
+/// Nine numbers and a flag.
 const SAMPLE_BYTES: usize = 9 * 8 + 1;
+/// The flag after each sample: that the last of its numbers is an opening.
+const HAS_OPENING: u8 = 1;
 const BREAK_BYTES: usize = 8;
 
 impl MotionLog {
@@ -129,8 +119,8 @@ impl MotionLog {
         Self::default()
     }
 
-    /// Appends a sample.
-    pub fn push(&mut self, sample: Sample) -> Result<(), MotionError> {
+    /// Appends a sample, tip in the field frame; its quaternion need not be of unit length, and must not be zero.
+    pub fn push(&mut self, sample: ToolPose) -> Result<(), MotionError> {
         check(&sample, self.samples.last())?;
         if self.gap_pending {
             self.breaks.push(self.samples.len());
@@ -147,12 +137,12 @@ impl MotionLog {
     }
 
     /// All samples.
-    pub fn samples(&self) -> &[Sample] {
+    pub fn samples(&self) -> &[ToolPose] {
         &self.samples
     }
 
     /// The contiguous stretches: split wherever two samples lie more than `gap` \[s\] apart, and at every marked gap.
-    pub fn segments(&self, gap: f64) -> Vec<&[Sample]> {
+    pub fn segments(&self, gap: f64) -> Vec<&[ToolPose]> {
         let mut segments = Vec::new();
         let mut breaks = self.breaks.iter().copied().peekable();
         let mut start = 0;
@@ -170,7 +160,7 @@ impl MotionLog {
     }
 
     /// The log as bytes, little-endian: sample count u64, break count u64, pending flag u8; per sample time, position,
-    /// orientation, opening (9 f64, the opening 0 if absent) and a flag u8 (1: has an opening); the breaks as u64.
+    /// orientation, opening (9 f64) and a u8 of 1; the breaks as u64.
     pub fn to_bytes(&self) -> Vec<u8> {
         let length =
             HEADER_BYTES + self.samples.len() * SAMPLE_BYTES + self.breaks.len() * BREAK_BYTES;
@@ -179,22 +169,12 @@ impl MotionLog {
         bytes.extend((self.breaks.len() as u64).to_le_bytes());
         bytes.push(u8::from(self.gap_pending));
         for sample in &self.samples {
-            let [x, y, z] = sample.position;
-            let [qx, qy, qz, qw] = sample.orientation;
-            for value in [
-                sample.time,
-                x,
-                y,
-                z,
-                qx,
-                qy,
-                qz,
-                qw,
-                sample.opening.unwrap_or(0.0),
-            ] {
+            let [x, y, z] = sample.pose.position;
+            let [qx, qy, qz, qw] = sample.pose.orientation;
+            for value in [sample.time, x, y, z, qx, qy, qz, qw, sample.opening] {
                 bytes.extend(value.to_le_bytes());
             }
-            bytes.push(u8::from(sample.opening.is_some()));
+            bytes.push(HAS_OPENING);
         }
         for &index in &self.breaks {
             bytes.extend((index as u64).to_le_bytes());
@@ -235,16 +215,16 @@ impl MotionLog {
                 *value = f64::from_bits(reader.take_u64().ok_or(cut)?);
             }
             let [time, x, y, z, qx, qy, qz, qw, opening] = values;
-            let opening = match reader.take_u8().ok_or(cut)? {
-                0 if opening.to_bits() == 0 => None,
-                1 => Some(opening),
-                _ => return Err(MotionBytesError::Mark),
-            };
-            let sample = Sample {
-                time,
-                position: [x, y, z],
-                orientation: [qx, qy, qz, qw],
+            if reader.take_u8().ok_or(cut)? != HAS_OPENING {
+                return Err(MotionBytesError::Mark);
+            }
+            let sample = ToolPose {
+                pose: Pose {
+                    position: [x, y, z],
+                    orientation: [qx, qy, qz, qw],
+                },
                 opening,
+                time,
             };
             check(&sample, log.samples.last())
                 .map_err(|error| MotionBytesError::Sample { index, error })?;
@@ -269,10 +249,10 @@ impl MotionLog {
 }
 
 /// Length of a contiguous stretch of samples \[m\]: Σ|p_{k+1} − p_k| (DOMAIN 2).
-pub fn path_length(segment: &[Sample]) -> f64 {
+pub fn path_length(segment: &[ToolPose]) -> f64 {
     segment
         .windows(2)
-        .map(|pair| distance(pair[0].position, pair[1].position))
+        .map(|pair| distance(pair[0].pose.position, pair[1].pose.position))
         .sum()
 }
 
@@ -305,26 +285,29 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
     q.map(|component| component / norm)
 }
 
-fn check(sample: &Sample, last: Option<&Sample>) -> Result<(), MotionError> {
+fn check(sample: &ToolPose, last: Option<&ToolPose>) -> Result<(), MotionError> {
     if !sample.time.is_finite() {
         return Err(MotionError::NotFinite("time"));
     }
-    if !sample.position.iter().all(|value| value.is_finite()) {
+    if !sample.pose.position.iter().all(|value| value.is_finite()) {
         return Err(MotionError::NotFinite("position"));
     }
-    if !sample.orientation.iter().all(|value| value.is_finite()) {
+    if !sample
+        .pose
+        .orientation
+        .iter()
+        .all(|value| value.is_finite())
+    {
         return Err(MotionError::NotFinite("orientation"));
     }
-    if !norm_squared(sample.orientation).is_normal() {
+    if !norm_squared(sample.pose.orientation).is_normal() {
         return Err(MotionError::NoOrientation);
     }
-    if let Some(opening) = sample.opening {
-        if opening.is_nan() {
-            return Err(MotionError::NotFinite("opening"));
-        }
-        if !(0.0..=1.0).contains(&opening) {
-            return Err(MotionError::OpeningOutOfRange(opening));
-        }
+    if sample.opening.is_nan() {
+        return Err(MotionError::NotFinite("opening"));
+    }
+    if !(0.0..=1.0).contains(&sample.opening) {
+        return Err(MotionError::OpeningOutOfRange(sample.opening));
     }
     match last {
         Some(last) if sample.time <= last.time => Err(MotionError::TimeNotIncreasing {

@@ -4,7 +4,8 @@
 //! sinc²(f/f_source) on average (8 % at 10 Hz from 62.5 samples a second) where the new times fall between the old ones;
 //! and a source faster than the new rate is not filtered first, so that its noise above half the new rate folds down.
 
-use crate::motion::{Sample, distance};
+use crate::motion::distance;
+use microsim_message::ToolPose;
 
 /// Slack in the number of samples that fit a duration, in samples: keeps the last one in spite of rounded times.
 const COUNT_SLACK: f64 = 1e-6;
@@ -15,7 +16,7 @@ const SMOOTHING_REACH: f64 = 3.0;
 /// Positions \[m\] at `start`, `start` + 1/`rate`, … up to `end` \[s\], interpolated linearly.
 ///
 /// `segment` is contiguous and covers `start` ..= `end`; an empty one gives nothing.
-pub fn resample(segment: &[Sample], start: f64, end: f64, rate: f64) -> Vec<[f64; 3]> {
+pub fn resample(segment: &[ToolPose], start: f64, end: f64, rate: f64) -> Vec<[f64; 3]> {
     let Some(last) = segment.last() else {
         return Vec::new();
     };
@@ -28,14 +29,15 @@ pub fn resample(segment: &[Sample], start: f64, end: f64, rate: f64) -> Vec<[f64
                 next += 1;
             }
             let Some(after) = segment.get(next) else {
-                return last.position;
+                return last.pose.position;
             };
             let Some(before) = next.checked_sub(1).map(|index| &segment[index]) else {
-                return after.position;
+                return after.pose.position;
             };
             let fraction = (time - before.time) / (after.time - before.time);
             [0, 1, 2].map(|axis| {
-                before.position[axis] + fraction * (after.position[axis] - before.position[axis])
+                before.pose.position[axis]
+                    + fraction * (after.pose.position[axis] - before.pose.position[axis])
             })
         })
         .collect()
@@ -130,18 +132,21 @@ pub fn correlation(a: &[f64], b: &[f64], floor: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use microsim_message::Pose;
     use std::f64::consts::PI;
 
     #[test]
     fn resampling_a_straight_line_is_exact() {
         // Uneven times on a line: linear interpolation has no error there but rounding.
-        let segment: Vec<Sample> = [0.0, 0.013, 0.05, 0.081, 0.1]
+        let segment: Vec<ToolPose> = [0.0, 0.013, 0.05, 0.081, 0.1]
             .iter()
-            .map(|&time| Sample {
+            .map(|&time| ToolPose {
+                pose: Pose {
+                    position: [2.0 * time, 1.0, -time],
+                    ..Pose::default()
+                },
+                opening: 1.0,
                 time: 7.0 + time,
-                position: [2.0 * time, 1.0, -time],
-                orientation: [0.0, 0.0, 0.0, 1.0],
-                opening: None,
             })
             .collect();
         let positions = resample(&segment, 7.0, 7.1, 100.0);

@@ -7,8 +7,8 @@ use microsim_scene::{
     ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    ContactForce, ContactForces, TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolState, ToolStates,
-    ToolStatus, decode_bytes, encode,
+    self, ContactForce, ContactForces, TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolState,
+    ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -21,14 +21,14 @@ use std::path::Path;
 /// Pose and opening of a tool at the end of the last tick, while it is tracked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Place {
-    position: [f64; 3],
-    orientation: [f64; 4],
+    #[serde(flatten)]
+    pose: message::Pose,
     opening: f64,
 }
 
 impl Place {
     fn pose(&self) -> Pose {
-        Pose::from_arrays(self.position, self.orientation)
+        Pose::from_arrays(self.pose.position, self.pose.orientation)
     }
 }
 
@@ -71,8 +71,7 @@ impl Physics {
         self.memory.places.resize(tools.len(), None);
         for (tool, (state, last)) in tools.iter().zip(&mut self.memory.places).enumerate() {
             let now = (state.status == ToolStatus::Tracked).then_some(Place {
-                position: state.pose.position,
-                orientation: state.pose.orientation,
+                pose: state.pose,
                 opening: state.opening,
             });
             if let Some(now) = now {

@@ -6,11 +6,11 @@
 #![forbid(unsafe_code)]
 
 use microsim_sdk::message::{
-    InputSample, Pose, ToolSample, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    InputSample, Pose, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{DeviceMap, ToolSlot, TranslatorConfig};
-use microsim_tracking::{self as tracking, Mapping, Opening, Translator};
+use microsim_tracking::{Mapping, Opening, TrackedTool, Translator, TranslatorState};
 use std::collections::BTreeSet;
 
 /// The translator of a run.
@@ -63,74 +63,34 @@ impl TranslatorPlugin {
             Err(refusal) => {
                 // A flood of bad samples must not become a flood of log lines: the first of each tool, then every
                 // thousandth.
-                let states = translator.states(now);
-                let count = states
-                    .iter()
-                    .find(|s| s.tool == refusal.tool)
-                    .map_or(0, |s| s.refused);
-                if count % 1000 == 1 {
-                    tick.log(
-                        LogLevel::Warn,
-                        format!("{refusal} (refused so far: {count})"),
-                    );
+                if refusal.count % 1000 == 1 {
+                    let text = format!("{refusal} (refused so far: {})", refusal.count);
+                    tick.log(LogLevel::Warn, text);
                 }
-                None
+                translator.lost(&message)
             }
         };
-        match translated {
-            Some(tracking::TranslatedSample { tool, pose }) => tick.publish(&ToolSample {
-                tool,
-                time: pose.sample_time_s,
-                tracked: true,
-                pose: Pose {
-                    position: pose.position,
-                    orientation: pose.orientation,
-                },
-                opening: pose.opening,
-            }),
-            // The tool was not seen: whoever counts motion must know that a segment ends here.
-            None => {
-                let states = translator.states(now);
-                let index = translator
-                    .mappings()
-                    .iter()
-                    .position(|m| m.device == message.device);
-                let state = index.map(|i| &states[i]);
-                if let Some((state, pose)) = state.and_then(|s| s.pose.map(|p| (s, p))) {
-                    tick.publish(&ToolSample {
-                        tool: state.tool.clone(),
-                        time: message.device_time,
-                        tracked: false,
-                        pose: Pose {
-                            position: pose.position,
-                            orientation: pose.orientation,
-                        },
-                        opening: pose.opening,
-                    });
-                }
-            }
+        if let Some(sample) = translated {
+            tick.publish(&sample);
         }
         Ok(())
     }
 
-    fn states(&mut self, now: f64) -> Result<ToolStates, Fault> {
-        let known = self.translator()?.states(now);
-        let tools = self.tools.iter().map(|slot| {
-            let state = known.iter().find(|s| s.tool == slot.name);
-            let pose = state.and_then(|s| s.pose);
+    fn states(&self, now: f64) -> Result<ToolStates, Fault> {
+        let translator = self.translator.as_ref();
+        let translator = translator.ok_or_else(|| Fault::new("not initialised"))?;
+        let state = |slot: &ToolSlot| {
+            let tool = translator.tools().iter().find(|t| t.name() == slot.name);
+            let last = tool.and_then(TrackedTool::pose);
             ToolState {
                 tool: slot.name.clone(),
                 model: slot.model.clone(),
-                status: state.map_or(ToolStatus::NeverSeen, |s| s.status),
-                pose: pose
-                    .map(|p| Pose {
-                        position: p.position,
-                        orientation: p.orientation,
-                    })
-                    .unwrap_or_default(),
-                opening: pose.map_or(1.0, |p| p.opening),
+                status: tool.map_or(ToolStatus::NeverSeen, |t| translator.status(t, now).0),
+                pose: last.map_or_else(Pose::default, |last| last.pose),
+                opening: last.map_or(1.0, |last| last.opening),
             }
-        });
+        };
+        let tools = self.tools.iter().map(state);
         Ok(ToolStates {
             tools: tools.collect(),
         })
@@ -175,7 +135,7 @@ impl Plugin for TranslatorPlugin {
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
-        let (state, idle) = decode_bytes::<(Option<tracking::TranslatorState>, _)>(state)?;
+        let (state, idle) = decode_bytes::<(Option<TranslatorState>, _)>(state)?;
         self.idle_devices = idle;
         if let Some(state) = state {
             let restored = self.translator()?.restore(state);

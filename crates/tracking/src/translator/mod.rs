@@ -23,12 +23,12 @@ use std::error::Error;
 use std::fmt;
 
 pub use mapping::{Mapping, MappingProblem, Opening, TranslatorError};
-pub use state::{StateMismatch, ToolPose, ToolState, TranslatorState};
+pub use state::{StateMismatch, TrackedTool, TranslatorState};
 
 use crate::QuaternionError;
 use crate::rotation::{checked_unit, product, rotated};
-use microsim_message::InputSample;
-use state::ToolMemory;
+use microsim_message::{InputSample, Pose, ToolPose, ToolSample};
+use microsim_vocabulary::ToolStatus;
 
 /// Turns samples of devices into poses of tools, and remembers the last of each.
 ///
@@ -38,15 +38,6 @@ pub struct Translator {
     mappings: Vec<Mapping>,
     stale_after_s: f64,
     state: TranslatorState,
-}
-
-/// A sample as a pose of the tool that its device drives.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TranslatedSample {
-    /// Name of the tool.
-    pub tool: String,
-    /// Its pose in the field.
-    pub pose: ToolPose,
 }
 
 /// A sample that cannot be used. It has been counted for its tool.
@@ -60,6 +51,8 @@ pub struct Refusal {
     pub time_s: f64,
     /// What is wrong with it.
     pub fault: SampleFault,
+    /// How many samples of the tool have been refused so far, with this one.
+    pub count: u64,
 }
 
 /// What is wrong with a sample.
@@ -97,7 +90,7 @@ impl Translator {
 
     /// Takes one sample that has arrived at `now_s` `[s]` of the session; arrivals come in the order of their times.
     ///
-    /// Gives the pose of the tool that the device drives; `None` if it drives none, or was not visible.
+    /// Gives the sample of the tool that the device drives; [`Translator::lost`] if it was not visible.
     ///
     /// # Errors
     /// [`Refusal`] for a visible sample with values that are no pose. Its tool is then occluded and keeps its last pose.
@@ -105,38 +98,49 @@ impl Translator {
         &mut self,
         sample: &InputSample,
         now_s: f64,
-    ) -> Result<Option<TranslatedSample>, Refusal> {
-        let Some(index) = self
-            .mappings
-            .iter()
-            .position(|mapping| mapping.device == sample.device)
-        else {
+    ) -> Result<Option<ToolSample>, Refusal> {
+        let Some(index) = self.driven_by(&sample.device) else {
             return Ok(None);
         };
         let mapping = &self.mappings[index];
         let memory = &mut self.state.tools[index];
         if !sample.visible {
-            memory.arrived(now_s, self.stale_after_s, ToolMemory::lose);
-            return Ok(None);
+            memory.arrived(now_s, self.stale_after_s, TrackedTool::lose);
+            return Ok(self.lost(sample));
         }
         match translate(mapping, sample, memory.opening()) {
             Ok(pose) => {
                 memory.arrived(now_s, self.stale_after_s, |memory| memory.see(pose));
-                Ok(Some(TranslatedSample {
-                    tool: mapping.tool.clone(),
-                    pose,
-                }))
+                Ok(Some(ToolSample::new(&mapping.tool, true, pose)))
             }
             Err(fault) => {
-                memory.arrived(now_s, self.stale_after_s, ToolMemory::refuse);
+                memory.arrived(now_s, self.stale_after_s, TrackedTool::refuse);
                 Err(Refusal {
                     tool: mapping.tool.clone(),
                     device: mapping.device.clone(),
                     time_s: sample.device_time,
                     fault,
+                    count: memory.refused(),
                 })
             }
         }
+    }
+
+    /// The tool that the device of a sample drives, not tracked at the time of the sample, with its last valid pose: for whoever
+    /// counts motion, where a segment ends. `None` if the device drives none, or the tool was never seen.
+    pub fn lost(&self, sample: &InputSample) -> Option<ToolSample> {
+        let tool = &self.state.tools[self.driven_by(&sample.device)?];
+        let last = tool.pose()?;
+        let at = ToolPose {
+            time: sample.device_time,
+            ..last
+        };
+        Some(ToolSample::new(tool.name(), false, at))
+    }
+
+    fn driven_by(&self, device: &str) -> Option<usize> {
+        let mut mappings = self.mappings.iter();
+        mappings.position(|mapping| mapping.device == device)
     }
 
     /// The mappings, in the order of the tools.
@@ -144,13 +148,15 @@ impl Translator {
         &self.mappings
     }
 
-    /// All tools as they are at `now_s` `[s]` of the session, in the order of their mappings.
-    pub fn states(&self, now_s: f64) -> Vec<ToolState> {
-        self.state
-            .tools
-            .iter()
-            .map(|memory| memory.at(now_s, self.stale_after_s))
-            .collect()
+    /// All tools, in the order of their mappings.
+    pub fn tools(&self) -> &[TrackedTool] {
+        &self.state.tools
+    }
+
+    /// How well one of its tools is known at `now_s` `[s]` of the session, and since when.
+    pub fn status(&self, tool: &TrackedTool, now_s: f64) -> (ToolStatus, f64) {
+        let status = tool.status(now_s, self.stale_after_s);
+        (status, tool.since(now_s, self.stale_after_s))
     }
 
     /// All that changes while samples arrive, to be saved.
@@ -207,10 +213,12 @@ fn translate(
         }
     };
     Ok(ToolPose {
-        position,
-        orientation: product(field_from_body, mapping.body_from_tool),
+        pose: Pose {
+            position,
+            orientation: product(field_from_body, mapping.body_from_tool),
+        },
         opening,
-        sample_time_s: sample.device_time,
+        time: sample.device_time,
     })
 }
 

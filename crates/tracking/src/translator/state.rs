@@ -3,43 +3,16 @@
 use std::error::Error;
 use std::fmt;
 
+use microsim_message::ToolPose;
 use microsim_vocabulary::ToolStatus;
 use serde::{Deserialize, Serialize};
 
 use super::Mapping;
 
-/// Where a tool was, by one valid sample.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ToolPose {
-    /// Position of the tip in the field frame `[m]`.
-    pub position: [f64; 3],
-    /// `field_from_tool`: unit quaternion x, y, z, w.
-    pub orientation: [f64; 4],
-    /// 0 closed to 1 open.
-    pub opening: f64,
-    /// Time of the sample by the device's clock `[s]`.
-    pub sample_time_s: f64,
-}
-
-/// A tool at one moment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ToolState {
-    /// Its name.
-    pub tool: String,
-    /// How well it is known.
-    pub status: ToolStatus,
-    /// Since when it has this status, in the session's time `[s]`.
-    pub since_s: f64,
-    /// Its last valid pose; `None` exactly if it was never seen.
-    pub pose: Option<ToolPose>,
-    /// Number of samples refused so far.
-    pub refused: u64,
-}
-
 /// All that a translator remembers, to be saved and restored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TranslatorState {
-    pub(super) tools: Vec<ToolMemory>,
+    pub(super) tools: Vec<TrackedTool>,
 }
 
 /// A saved state does not belong to this translator.
@@ -51,9 +24,9 @@ pub struct StateMismatch {
     pub found: Vec<String>,
 }
 
-/// What is remembered of one tool.
+/// A tool, as its samples up to now leave it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct ToolMemory {
+pub struct TrackedTool {
     tool: String,
     pose: Option<ToolPose>,
     /// When the last sample of any sort arrived, in the session's time `[s]`.
@@ -69,7 +42,7 @@ impl TranslatorState {
     pub(super) fn new(mappings: &[Mapping]) -> Self {
         let tools = mappings
             .iter()
-            .map(|mapping| ToolMemory {
+            .map(|mapping| TrackedTool {
                 tool: mapping.tool.clone(),
                 pose: None,
                 last_arrival_s: None,
@@ -99,7 +72,22 @@ impl TranslatorState {
     }
 }
 
-impl ToolMemory {
+impl TrackedTool {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.tool
+    }
+
+    /// Its last valid pose; `None` exactly if it was never seen.
+    pub fn pose(&self) -> Option<ToolPose> {
+        self.pose
+    }
+
+    /// Number of samples refused so far.
+    pub fn refused(&self) -> u64 {
+        self.refused
+    }
+
     /// The last opening; open before any.
     pub(super) fn opening(&self) -> f64 {
         self.pose.map_or(1.0, |pose| pose.opening)
@@ -134,22 +122,15 @@ impl ToolMemory {
         self.refused += 1;
     }
 
-    pub(super) fn at(&self, now_s: f64, stale_after_s: f64) -> ToolState {
-        let status = self.status(now_s, stale_after_s);
-        let since_s = match (status, self.last_arrival_s) {
+    /// When the status that it has at `now_s` began.
+    pub(super) fn since(&self, now_s: f64, stale_after_s: f64) -> f64 {
+        match (self.status(now_s, stale_after_s), self.last_arrival_s) {
             (ToolStatus::Stale, Some(arrival_s)) => arrival_s + stale_after_s,
             _ => self.since_s,
-        };
-        ToolState {
-            tool: self.tool.clone(),
-            status,
-            since_s,
-            pose: self.pose,
-            refused: self.refused,
         }
     }
 
-    fn status(&self, now_s: f64, stale_after_s: f64) -> ToolStatus {
+    pub(super) fn status(&self, now_s: f64, stale_after_s: f64) -> ToolStatus {
         let is_stale = self
             .last_arrival_s
             .is_some_and(|arrival_s| now_s - arrival_s > stale_after_s);

@@ -31,12 +31,15 @@ fn translator(mapping: Mapping) -> Translator {
     Translator::new(vec![mapping], 0.5).unwrap()
 }
 
-fn pose_of(mapping: &Mapping, sample: &InputSample) -> ToolPose {
+fn translated(mapping: &Mapping, sample: &InputSample) -> ToolSample {
     translator(mapping.clone())
         .feed(sample, 0.0)
         .unwrap()
         .unwrap()
-        .pose
+}
+
+fn pose_of(mapping: &Mapping, sample: &InputSample) -> Pose {
+    translated(mapping, sample).pose
 }
 
 fn close<const N: usize>(found: [f64; N], expected: [f64; N], tolerance: f64) -> bool {
@@ -88,12 +91,13 @@ fn position_by_hand() {
         scale: 0.5,
         ..Mapping::identity("stylus", "forceps")
     };
-    let pose = pose_of(&mapping, &sample(7.0, [0.011, 0.022, 0.033], IDENTITY));
+    let tool = translated(&mapping, &sample(7.0, [0.011, 0.022, 0.033], IDENTITY));
+    let expected = [0.099, 0.2005, 0.3015];
     assert!(
-        close(pose.position, [0.099, 0.2005, 0.3015], 4.0 * f64::EPSILON),
-        "{pose:?}"
+        close(tool.pose.position, expected, 4.0 * f64::EPSILON),
+        "{tool:?}"
     );
-    assert_eq!(pose.sample_time_s, 7.0);
+    assert_eq!((tool.time, tool.tracked), (7.0, true));
 }
 
 /// By hand: the tool's x axis lies along the handle's y; the device turns that to z about its x; the field turns about z
@@ -121,11 +125,10 @@ fn identity_mapping_changes_nothing() {
         opening: Some(0.25),
         ..sample(1.0, position, QUARTER_X)
     };
-    let translated = translator(Mapping::identity("stylus", "forceps")).feed(&sample, 0.0);
-    let TranslatedSample { tool, pose } = translated.unwrap().unwrap();
-    assert_eq!(tool, "forceps");
-    assert_eq!((pose.position, pose.opening), (position, 0.25));
-    assert!(close(pose.orientation, QUARTER_X, 2.0 * f64::EPSILON));
+    let tool = translated(&Mapping::identity("stylus", "forceps"), &sample);
+    assert_eq!(tool.tool, "forceps");
+    assert_eq!((tool.pose.position, tool.opening), (position, 0.25));
+    assert!(close(tool.pose.orientation, QUARTER_X, 2.0 * f64::EPSILON));
 }
 
 #[test]
@@ -142,7 +145,7 @@ fn openings() {
                     opening,
                     ..sample(0.0, [0.0; 3], IDENTITY)
                 };
-                translator.feed(&sample, 0.0).unwrap().unwrap().pose.opening
+                translator.feed(&sample, 0.0).unwrap().unwrap().opening
             })
             .collect()
     };
@@ -203,13 +206,13 @@ fn statuses_over_a_timeline() {
             // The refusals are looked at in a test of their own.
             let _ = translator.feed(&sample, now_s);
         }
-        let states = translator.states(now_s);
-        let [state] = states.as_slice() else {
-            panic!("{states:?}");
+        let [tool] = translator.tools() else {
+            panic!("{:?}", translator.tools());
         };
-        let x = state.pose.map(|pose| pose.position[0]);
+        let (status, since_s) = translator.status(tool, now_s);
+        let x = tool.pose().map(|at| at.pose.position[0]);
         assert_eq!(
-            (state.status, state.since_s, x, state.refused),
+            (status, since_s, x, tool.refused()),
             expected,
             "at {now_s} s"
         );
@@ -278,17 +281,20 @@ fn refusals_say_what_and_where() {
     for (index, (bad, expected)) in cases.into_iter().enumerate() {
         let mut translator = translator(Mapping::identity("stylus", "forceps"));
         translator.feed(&good, 0.0).unwrap();
-        let before = translator.states(0.0)[0].pose;
+        let before = translator.tools()[0].pose().unwrap();
         let refusal = translator.feed(&bad, 0.25).unwrap_err();
         let expected = format!("tool \"forceps\": the sample of device \"stylus\" {expected}");
         assert_eq!(refusal.to_string(), expected, "case {index}");
-        let state = &translator.states(0.25)[0];
-        assert_eq!(
-            (state.status, state.refused),
-            (ToolStatus::Occluded, 1),
-            "case {index}"
-        );
-        assert_eq!(state.pose, before, "case {index}");
+        let tool = &translator.tools()[0];
+        assert_eq!((tool.refused(), refusal.count), (1, 1), "case {index}");
+        assert_eq!(tool.pose(), Some(before), "case {index}");
+        let status = translator.status(tool, 0.25).0;
+        assert_eq!(status, ToolStatus::Occluded, "case {index}");
+        // What follows knows that the motion ends here, and where the tool was last.
+        let lost = translator.lost(&bad).unwrap();
+        assert_eq!((lost.tool.as_str(), lost.tracked), ("forceps", false));
+        assert_eq!((lost.pose, lost.opening), (before.pose, before.opening));
+        assert_eq!(lost.time.to_bits(), bad.device_time.to_bits());
     }
 }
 
@@ -304,7 +310,7 @@ fn hidden_sample_may_hold_anything() {
         ..hidden(0.0)
     };
     assert_eq!(translator.feed(&sample, 0.0), Ok(None));
-    assert_eq!(translator.states(0.0)[0].refused, 0);
+    assert_eq!(translator.tools()[0].refused(), 0);
 }
 
 /// One recording drives forceps or scissors by its mapping alone; a device without a mapping drives nothing.
@@ -323,10 +329,10 @@ fn devices_and_tools_meet_in_the_mapping() {
         ..sample(0.0, [1.0; 3], IDENTITY)
     };
     assert_eq!(translator.feed(&stranger, 0.0), Ok(None));
-    let states = translator.states(0.0);
-    let found: Vec<(&str, ToolStatus)> = states
+    let found: Vec<(&str, ToolStatus)> = translator
+        .tools()
         .iter()
-        .map(|state| (state.tool.as_str(), state.status))
+        .map(|tool| (tool.name(), translator.status(tool, 0.0).0))
         .collect();
     assert_eq!(
         found,
@@ -360,8 +366,8 @@ fn saved_state_goes_on() {
         .unwrap();
     for now_s in [0.2, 0.3, 0.9] {
         assert_eq!(
-            restored.states(now_s),
-            original.states(now_s),
+            restored.status(&restored.tools()[0], now_s),
+            original.status(&original.tools()[0], now_s),
             "at {now_s} s"
         );
     }
@@ -377,8 +383,9 @@ fn saved_state_goes_on() {
     );
 
     original.reset();
-    assert_eq!(original.states(2.0)[0].status, ToolStatus::NeverSeen);
-    assert_eq!(original.states(2.0)[0].refused, 0);
+    let tool = &original.tools()[0];
+    assert_eq!(original.status(tool, 2.0).0, ToolStatus::NeverSeen);
+    assert_eq!(tool.refused(), 0);
 }
 
 #[test]
@@ -553,13 +560,13 @@ proptest! {
     ) {
         let mut translator = translator(Mapping { scale: 2.0, ..Mapping::identity("stylus", "forceps") });
         let sample = InputSample { opening, ..sample(time_s, position, orientation) };
-        if let Ok(Some(TranslatedSample { pose, .. })) = translator.feed(&sample, 0.0) {
-            prop_assert!(pose.position.iter().all(|component| component.is_finite()));
-            let norm = pose.orientation.iter().map(|component| component * component).sum::<f64>();
+        if let Ok(Some(tool)) = translator.feed(&sample, 0.0) {
+            prop_assert!(tool.pose.position.iter().all(|component| component.is_finite()));
+            let norm = tool.pose.orientation.iter().map(|component| component * component).sum::<f64>();
             prop_assert!((norm - 1.0).abs() <= 32.0 * f64::EPSILON);
-            prop_assert!((0.0..=1.0).contains(&pose.opening) && pose.sample_time_s.is_finite());
+            prop_assert!((0.0..=1.0).contains(&tool.opening) && tool.time.is_finite());
         } else {
-            prop_assert_eq!(translator.states(0.0)[0].refused, 1);
+            prop_assert_eq!(translator.tools()[0].refused(), 1);
         }
     }
 }

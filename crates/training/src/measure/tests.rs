@@ -1,9 +1,21 @@
 use super::*;
 use crate::motion::tests::recording;
+use microsim_message::Pose;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
 const UPRIGHT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+fn at(time: f64, position: [f64; 3], orientation: [f64; 4]) -> ToolPose {
+    ToolPose {
+        pose: Pose {
+            position,
+            orientation,
+        },
+        opening: 1.0,
+        time,
+    }
+}
 
 /// A log at `rate` \[Hz\] from `begin` over `seconds`, both ends included.
 fn log(begin: f64, seconds: f64, rate: f64, position: impl Fn(f64) -> [f64; 3]) -> MotionLog {
@@ -21,13 +33,8 @@ fn extend(
 ) {
     for k in 0..=(seconds * rate).round() as usize {
         let t = k as f64 / rate;
-        let sample = Sample {
-            time: begin + t,
-            position: position(t),
-            orientation: UPRIGHT,
-            opening: None,
-        };
-        log.push(sample).expect("a valid sample");
+        log.push(at(begin + t, position(t), UPRIGHT))
+            .expect("a valid sample");
     }
 }
 
@@ -124,12 +131,7 @@ fn angular_path_of_a_known_rotation() {
         let half = (f64::from(k.min(90 - k)) * 2.0).to_radians() / 2.0;
         let (sin, cos) = (libm::sin(half), libm::cos(half));
         let orientation = [0.6 * sin, 0.0, 0.8 * sin, cos];
-        let sample = Sample {
-            time: f64::from(k) / 60.0,
-            position: [0.0; 3],
-            orientation,
-            opening: None,
-        };
+        let sample = at(f64::from(k) / 60.0, [0.0; 3], orientation);
         turning.push(sample).expect("a valid sample");
     }
     let found = number(&[("a", &turning)], id::ANGULAR_PATH);
@@ -278,13 +280,9 @@ fn what_cannot_be_formed_is_not_applicable() {
     let mut nominal = MotionLog::new();
     for k in 0..=100 {
         let time = (f64::from(k) / 60.0 * 1e6).round() / 1e6;
-        let sample = Sample {
-            time,
-            position: movements(time),
-            orientation: UPRIGHT,
-            opening: None,
-        };
-        nominal.push(sample).expect("a valid sample");
+        nominal
+            .push(at(time, movements(time), UPRIGHT))
+            .expect("a valid sample");
     }
     number(&[("a", &nominal)], id::TREMOR);
 

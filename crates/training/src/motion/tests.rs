@@ -2,16 +2,18 @@ use super::*;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-fn at(time: f64, position: [f64; 3]) -> Sample {
-    Sample {
+fn at(time: f64, position: [f64; 3]) -> ToolPose {
+    ToolPose {
+        pose: Pose {
+            position,
+            ..Pose::default()
+        },
+        opening: 0.25,
         time,
-        position,
-        orientation: [0.0, 0.0, 0.0, 1.0],
-        opening: None,
     }
 }
 
-fn log_of(samples: &[Sample]) -> MotionLog {
+fn log_of(samples: &[ToolPose]) -> MotionLog {
     let mut log = MotionLog::new();
     for sample in samples {
         log.push(*sample).expect("a valid sample");
@@ -22,63 +24,63 @@ fn log_of(samples: &[Sample]) -> MotionLog {
 #[test]
 fn refuses_what_is_not_a_sample_and_stays_as_it_was() {
     let good = at(1.0, [0.0; 3]);
+    let turned = |orientation| Pose {
+        orientation,
+        ..good.pose
+    };
     let cases = [
         (
-            Sample {
+            ToolPose {
                 time: f64::NAN,
                 ..good
             },
             MotionError::NotFinite("time"),
         ),
         (
-            Sample {
-                time: 2.0,
-                position: [0.0, f64::INFINITY, 0.0],
-                ..good
-            },
+            at(2.0, [0.0, f64::INFINITY, 0.0]),
             MotionError::NotFinite("position"),
         ),
         (
-            Sample {
+            ToolPose {
                 time: 2.0,
-                orientation: [f64::NAN; 4],
+                pose: turned([f64::NAN; 4]),
                 ..good
             },
             MotionError::NotFinite("orientation"),
         ),
         (
-            Sample {
+            ToolPose {
                 time: 2.0,
-                orientation: [0.0; 4],
+                pose: turned([0.0; 4]),
                 ..good
             },
             MotionError::NoOrientation,
         ),
         (
-            Sample {
+            ToolPose {
                 time: 2.0,
-                opening: Some(f64::NAN),
+                opening: f64::NAN,
                 ..good
             },
             MotionError::NotFinite("opening"),
         ),
         (
-            Sample {
+            ToolPose {
                 time: 2.0,
-                opening: Some(1.5),
+                opening: 1.5,
                 ..good
             },
             MotionError::OpeningOutOfRange(1.5),
         ),
         (
-            Sample { time: 1.0, ..good },
+            ToolPose { time: 1.0, ..good },
             MotionError::TimeNotIncreasing {
                 last: 1.0,
                 next: 1.0,
             },
         ),
         (
-            Sample { time: 0.5, ..good },
+            ToolPose { time: 0.5, ..good },
             MotionError::TimeNotIncreasing {
                 last: 1.0,
                 next: 0.5,
@@ -96,7 +98,7 @@ fn refuses_what_is_not_a_sample_and_stays_as_it_was() {
 #[test]
 fn path_of_a_circle() {
     let (sides, radius) = (1000, 2e-3);
-    let samples: Vec<Sample> = (0..=sides)
+    let samples: Vec<ToolPose> = (0..=sides)
         .map(|k| {
             let angle = 2.0 * PI * k as f64 / sides as f64;
             at(
@@ -169,13 +171,14 @@ pub(crate) fn recording() -> MotionLog {
             .split(',')
             .map(|field| field.parse().expect("a number"))
             .collect();
-        let position = [row[1] * 1e-3, row[2] * 1e-3, row[3] * 1e-3];
-        let orientation = [row[4], row[5], row[6], row[7]];
-        log.push(Sample {
+        let pose = Pose {
+            position: [row[1] * 1e-3, row[2] * 1e-3, row[3] * 1e-3],
+            orientation: [row[4], row[5], row[6], row[7]],
+        };
+        log.push(ToolPose {
+            pose,
+            opening: 1.0,
             time: row[0],
-            position,
-            orientation,
-            opening: None,
         })
         .expect("a valid sample");
     }
@@ -215,7 +218,7 @@ fn bytes_that_are_no_log_are_refused() {
         "opening flag"
     );
     assert_eq!(
-        with(second - 2, 1),
+        with(second - 1, 0),
         Err(MotionBytesError::Mark),
         "an opening that is marked as absent"
     );
@@ -255,7 +258,7 @@ prop_compose! {
     fn any_log()(
         steps in prop::collection::vec(
             (1e-4..0.5f64, prop::array::uniform3(-1.0..1.0f64), prop::array::uniform3(-1.0..1.0f64),
-             prop::option::of(0.0..=1.0f64), any::<bool>()),
+             0.0..=1.0f64, any::<bool>()),
             0..40),
         pending in any::<bool>(),
     ) -> MotionLog {
@@ -266,7 +269,8 @@ prop_compose! {
             if mark {
                 log.mark_gap();
             }
-            log.push(Sample { time, position, orientation: [x, y, z, 1.0], opening }).expect("a valid sample");
+            let pose = Pose { position, orientation: [x, y, z, 1.0] };
+            log.push(ToolPose { pose, opening, time }).expect("a valid sample");
         }
         if pending {
             log.mark_gap();
@@ -301,10 +305,10 @@ proptest! {
         log in any_log(), shift in prop::array::uniform3(-1.0..1.0f64), angle in 0.0..6.3f64,
     ) {
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-        let moved: Vec<Sample> = log.samples().iter().map(|sample| {
-            let [x, y, z] = sample.position;
+        let moved: Vec<ToolPose> = log.samples().iter().map(|sample| {
+            let [x, y, z] = sample.pose.position;
             let position = [cos * x - sin * y + shift[0], sin * x + cos * y + shift[1], z + shift[2]];
-            Sample { position, ..*sample }
+            ToolPose { pose: Pose { position, ..sample.pose }, ..*sample }
         }).collect();
         // Coordinates below 4 m, some ten roundings per step of at most 40.
         let tolerance = 40.0 * 10.0 * 4.0 * f64::EPSILON;
