@@ -34,22 +34,9 @@ impl Script {
     pub fn motion(&self) -> Result<tracking::Script, tracking::ScriptError> {
         let tracks = self.tool.iter().map(|tool| tracking::ScriptTrack {
             device: tool.name.as_str().into(),
-            keyframes: tool.key.iter().map(ScriptKey::keyframe).collect(),
+            keyframes: tool.key.iter().map(|key| key.0).collect(),
         });
         tracking::Script::new(tracks.collect(), self.interpolation)
-    }
-}
-
-impl ScriptKey {
-    fn keyframe(&self) -> tracking::Keyframe {
-        tracking::Keyframe {
-            time_s: self.t,
-            hold_s: 0.0,
-            position: self.position,
-            orientation: self.orientation,
-            opening: self.opening,
-            visible: self.visible,
-        }
     }
 }
 
@@ -63,21 +50,10 @@ table! {
     }
 }
 
-/// Where a tool is at a time.
+/// Where a tool is at a time: a keyframe, as files and configurations can hold it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ScriptKeyFile", into = "ScriptKeyFile")]
-pub struct ScriptKey {
-    /// Since the start \[s\].
-    pub t: f64,
-    /// Of the tip, in the field frame \[m\].
-    pub position: [f64; 3],
-    /// Rotation x, y, z, w: field from tool.
-    pub orientation: [f64; 4],
-    /// From 0 closed to 1 open.
-    pub opening: f64,
-    /// Whether the device sees it.
-    pub visible: bool,
-}
+pub struct ScriptKey(pub tracking::Keyframe);
 
 table! {
     /// A key as the file has it: with a direction or an orientation, which is checked before.
@@ -112,20 +88,20 @@ impl TryFrom<ScriptKeyFile> for ScriptKey {
             (None, Some(orientation)) => orientation,
             _ => return Err("either `direction` or `orientation`"),
         };
-        Ok(ScriptKey {
-            t: file.t,
+        Ok(Self(tracking::Keyframe {
+            time_s: file.t,
             position: file.position,
             orientation,
             opening: file.opening,
             visible: file.visible,
-        })
+        }))
     }
 }
 
 impl From<ScriptKey> for ScriptKeyFile {
-    fn from(key: ScriptKey) -> Self {
+    fn from(ScriptKey(key): ScriptKey) -> Self {
         Self {
-            t: key.t,
+            t: key.time_s,
             position: key.position,
             direction: None,
             orientation: Some(key.orientation),

@@ -158,15 +158,11 @@ fn a_script_gives_orientations() {
     };
     // (0, −1, 1)/√2 is z turned by 45° about x: q = (sin 22.5°, 0, 0, cos 22.5°) = (0.38268…, 0, 0, 0.92387…).
     let expected = [0.3826834323650898, 0.0, 0.0, 0.9238795325112867];
-    for (a, b) in first.orientation.iter().zip(expected) {
-        assert!(
-            (a - b).abs() <= 4.0 * f64::EPSILON,
-            "{:?}",
-            first.orientation
-        );
+    for (a, b) in first.0.orientation.iter().zip(expected) {
+        assert!((a - b).abs() <= 4.0 * f64::EPSILON, "{first:?}");
     }
-    assert_eq!(second.opening, 0.5);
-    assert!(!second.visible);
+    assert_eq!(second.0.opening, 0.5);
+    assert!(!second.0.visible);
 }
 
 #[test]

@@ -22,8 +22,6 @@ use microsim_message::InputSample;
 pub struct Keyframe {
     /// When the pose is reached `[s]`, from 0 for the start of the session.
     pub time_s: f64,
-    /// For how long it is held from then on `[s]`, 0 or more.
-    pub hold_s: f64,
     /// Position in the device frame `[m]`.
     pub position: [f64; 3],
     /// `device_from_body`: unit quaternion x, y, z, w.
@@ -39,7 +37,7 @@ pub struct Keyframe {
 pub struct ScriptTrack {
     /// Name of the device.
     pub device: Arc<str>,
-    /// At least one; each later than the one before and its hold.
+    /// At least one; each later than the one before.
     pub keyframes: Vec<Keyframe>,
 }
 
@@ -70,11 +68,9 @@ pub enum ScriptProblem {
     DuplicateDevice,
     /// The time is not a finite number from 0 on `[s]`.
     Time(f64),
-    /// The hold is not a finite number from 0 on `[s]`.
-    Hold(f64),
-    /// The keyframe does not come after the end of the one before.
+    /// The keyframe does not come after the one before.
     TimeNotIncreasing {
-        /// End of the keyframe before, its hold included `[s]`.
+        /// Time of the keyframe before `[s]`.
         before_s: f64,
         /// Time of this keyframe `[s]`.
         found_s: f64,
@@ -113,7 +109,7 @@ impl Script {
             let mut before_s = None;
             for (index, keyframe) in track.keyframes.iter_mut().enumerate() {
                 check(keyframe, before_s).map_err(|problem| error(Some(index), problem))?;
-                before_s = Some(keyframe.end_s());
+                before_s = Some(keyframe.time_s);
             }
         }
         Ok(Self {
@@ -132,12 +128,12 @@ impl Script {
         self.tracks.iter().map(|track| &track.device)
     }
 
-    /// End of the last keyframe, its hold included `[s]`.
+    /// Time of the last keyframe `[s]`.
     pub fn duration(&self) -> f64 {
         self.tracks
             .iter()
             .filter_map(|track| track.keyframes.last())
-            .map(Keyframe::end_s)
+            .map(|keyframe| keyframe.time_s)
             .fold(0.0, f64::max)
     }
 
@@ -179,8 +175,8 @@ impl Script {
         let from = &track.keyframes[index];
         sample.visible = from.visible;
         match track.keyframes.get(reached) {
-            Some(to) if t > from.end_s() => {
-                let fraction = (t - from.end_s()) / (to.time_s - from.end_s());
+            Some(to) if t > from.time_s => {
+                let fraction = (t - from.time_s) / (to.time_s - from.time_s);
                 let reached = match self.interpolation {
                     Interpolation::MinimumJerk => minimum_jerk(fraction),
                     Interpolation::Linear => fraction,
@@ -200,20 +196,11 @@ impl Script {
     }
 }
 
-impl Keyframe {
-    pub(crate) fn end_s(&self) -> f64 {
-        self.time_s + self.hold_s
-    }
-}
-
-/// Checks one keyframe that follows the end `before_s` of another, and scales its orientation to norm 1.
+/// Checks one keyframe that follows another at `before_s`, and scales its orientation to norm 1.
 fn check(keyframe: &mut Keyframe, before_s: Option<f64>) -> Result<(), ScriptProblem> {
     let is_time = |value: f64| value.is_finite() && value >= 0.0;
     if !is_time(keyframe.time_s) {
         return Err(ScriptProblem::Time(keyframe.time_s));
-    }
-    if !is_time(keyframe.hold_s) {
-        return Err(ScriptProblem::Hold(keyframe.hold_s));
     }
     if let Some(before_s) = before_s
         && keyframe.time_s <= before_s
@@ -267,10 +254,9 @@ impl fmt::Display for ScriptProblem {
             Self::Empty => write!(f, "expected at least one keyframe"),
             Self::DuplicateDevice => write!(f, "it has two tracks, expected one"),
             Self::Time(time) => write!(f, "time is {time} s, expected a finite number from 0 on"),
-            Self::Hold(hold) => write!(f, "hold is {hold} s, expected a finite number from 0 on"),
             Self::TimeNotIncreasing { before_s, found_s } => write!(
                 f,
-                "time {found_s} s does not come after {before_s} s, the end of the keyframe before with its hold"
+                "time {found_s} s does not come after {before_s} s, that of the keyframe before"
             ),
             Self::Position => write!(f, "position is not finite"),
             Self::Orientation(error) => write!(f, "{error}"),

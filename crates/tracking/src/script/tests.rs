@@ -11,7 +11,6 @@ fn about_z(angle: f64) -> [f64; 4] {
 fn keyframe(time_s: f64, x: f64) -> Keyframe {
     Keyframe {
         time_s,
-        hold_s: 0.0,
         position: [x, 0.0, 0.0],
         orientation: IDENTITY,
         opening: 1.0,
@@ -88,13 +87,11 @@ fn linear_has_steady_speed() {
     }
 }
 
+/// A pose is held by a second keyframe.
 #[test]
 fn holds_stay_and_then_leave() {
-    let first = Keyframe {
-        hold_s: 2.0,
-        ..keyframe(1.0, 5.0)
-    };
-    let script = script(vec![first, keyframe(4.0, 7.0)], Interpolation::Linear);
+    let keyframes = vec![keyframe(1.0, 5.0), keyframe(3.0, 5.0), keyframe(4.0, 7.0)];
+    let script = script(keyframes, Interpolation::Linear);
     for (t, x) in [(1.0, 5.0), (2.0, 5.0), (3.0, 5.0), (3.5, 6.0), (4.0, 7.0)] {
         assert_eq!(x_at(&script, t), x, "at {t} s");
     }
@@ -170,11 +167,7 @@ fn samples_cover_the_script_in_order() {
 #[test]
 fn bad_scripts_are_refused_with_the_keyframe() {
     let good = keyframe(1.0, 0.0);
-    let held = Keyframe {
-        hold_s: 0.5,
-        ..good
-    };
-    let cases: [(Vec<Keyframe>, &str); 9] = [
+    let cases: [(Vec<Keyframe>, &str); 8] = [
         (vec![], "device \"forceps\": expected at least one keyframe"),
         (
             vec![keyframe(-1.0, 0.0)],
@@ -185,16 +178,9 @@ fn bad_scripts_are_refused_with_the_keyframe() {
             "device \"forceps\", keyframe 1 (the first is 0): time is NaN s, expected a finite number from 0 on",
         ),
         (
-            vec![Keyframe {
-                hold_s: -0.5,
-                ..good
-            }],
-            "device \"forceps\", keyframe 0 (the first is 0): hold is -0.5 s, expected a finite number from 0 on",
-        ),
-        (
-            vec![held, keyframe(1.5, 0.0)],
-            "device \"forceps\", keyframe 1 (the first is 0): time 1.5 s does not come after 1.5 s, the end of the \
-             keyframe before with its hold",
+            vec![good, good],
+            "device \"forceps\", keyframe 1 (the first is 0): time 1 s does not come after 1 s, that of the keyframe \
+             before",
         ),
         (
             vec![good, keyframe(2.0, f64::INFINITY)],

@@ -170,12 +170,12 @@ impl Course {
 /// The times of keyframes at which no tool moves, ascending.
 fn rests(plan: &Script) -> Vec<f64> {
     let frames = plan.tracks().iter().flat_map(|track| &track.keyframes);
-    let mut times: Vec<f64> = frames.map(Keyframe::end_s).collect();
+    let mut times: Vec<f64> = frames.map(|frame| frame.time_s).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
     let still = |track: &ScriptTrack, time: f64| {
         let frames = &track.keyframes;
-        let next = frames.partition_point(|frame| frame.end_s() <= time);
+        let next = frames.partition_point(|frame| frame.time_s <= time);
         let (Some(from), Some(to)) = (
             next.checked_sub(1).and_then(|at| frames.get(at)),
             frames.get(next),
@@ -186,7 +186,7 @@ fn rests(plan: &Script) -> Vec<f64> {
             && from.orientation == to.orientation
             && from.opening == to.opening;
         // A keyframe is a rest of its own.
-        from.end_s() == time || stays || time >= to.time_s
+        from.time_s == time || stays || time >= to.time_s
     };
     times.retain(|time| plan.tracks().iter().all(|track| still(track, *time)));
     times
@@ -269,7 +269,7 @@ impl Hand {
         let planned = plan.sample(&track.device, u)?;
         let error = match (self.movements.get(from), frames.get(from + 1)) {
             (Some(movement), Some(to)) => {
-                let begin = frames[from].end_s();
+                let begin = frames[from].time_s;
                 let fraction = ((u - begin) / (to.time_s - begin)).max(0.0);
                 movement.at(fraction, self.still, self.actuating)
             }
@@ -286,7 +286,6 @@ impl Hand {
         let tremor = self.tremor.at(t, error.tremor);
         Some(Keyframe {
             time_s: t,
-            hold_s: 0.0,
             position: (Vector3::from(planned.pose.position) + error.shift + tremor).into(),
             orientation: turned_by(planned.pose.orientation, &error.turn),
             opening: (planned.opening? - error.squeeze).max(0.0),

@@ -24,7 +24,6 @@ const PERFECT: Profile = Profile {
 fn frame(time_s: f64, x: f64, opening: f64) -> Keyframe {
     Keyframe {
         time_s,
-        hold_s: 0.0,
         position: [x, 0.001, -0.002],
         orientation: [0.0, 0.0, 0.6, 0.8],
         opening,
