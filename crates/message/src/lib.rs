@@ -1,5 +1,8 @@
 //! The message kinds of the platform: typed on this side, MessagePack with field names on the wire.
 //!
+//! A manifest names a message by its [`Message::KIND`], such as `tool.states` for [`ToolStates`]; `microsim bus` lists all kinds with
+//! who publishes and receives them.
+//!
 //! Here: data, its wire form and the list of kinds. Not here: logic, queues (crate `bus`), a module's own kinds (they
 //! stand in the module and its manifest). Field names on the wire let `microsim bus` show any message, known or not.
 //! Units are SI; frames: *field* is the microscope's field (origin at its centre, z towards the viewer), *device* the

@@ -23,7 +23,7 @@ use std::path::Path;
 /// Reads a file, given by its path from the folder of the settings.
 pub type Load<'a> = dyn FnMut(&Path) -> io::Result<Vec<u8>> + 'a;
 
-/// A scene as a file describes it.
+/// Description of a scene from a file, with remarks about its mesh files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Described {
     /// What it is made of.

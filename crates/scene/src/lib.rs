@@ -1,4 +1,8 @@
-//! Bodies, tools and contact coupled into one step.
+//! Simulates scenes: deformable bodies and rigid tools with clamps, loads, contact and cuts, tick by tick.
+//!
+//! # Where to begin
+//! A scene is described by plain values ([`SceneSpec`]), checked and built ([`Scene::new`]), and advanced in ticks of several solver steps
+//! ([`Scene::tick`]):
 //!
 //! ```
 //! use microsim_mesh::{Block, CellSplit};
@@ -33,12 +37,25 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A cut is in `examples/cut.rs`; whole scenes and levels come from settings by [`scene_spec`] and [`level_spec`], and a [`Runner`] takes
-//! a scene to its end.
+//! | what for | see |
+//! |---|---|
+//! | describe: bodies, clamps, loads, tools, obstacles, contacts, cuts | [`SceneSpec`], and the types of its fields |
+//! | the same from a TOML file (`config/scenes`, levels) | [`scene_spec`], [`level_spec`] |
+//! | advance by a tick, with motions of the tools | [`Scene::tick`], [`ToolMotion`]; number of steps: [`Scene::required_steps`] |
+//! | run a scene file to its end, with probes and expected values | [`Runner`] |
+//! | read positions, forces, energies, pieces | [`Scene::body`], [`BodyView`] |
+//! | forces of contact and what was cut in a tick | [`TickReport`], [`ContactReport`], [`CutReport`] |
+//! | save and restore, to the bit | [`Scene::save`], [`Scene::restore`] |
+//! | cut a body in two | `cargo run --release --example cut -p microsim-scene` |
+//! | materials, laws and methods | crate `tissue` |
+//! | meshes: generators and files | crate `mesh` |
 //!
-//! What is here: the description of a scene and its checks, the tick with its sub-steps, forces in newtons, containment of a
-//! body that diverges, exact saving and restoring. Crate `contact` finds where bodies touch, `tissue` enforces non-penetration; here one is
-//! translated into the other. What is not: the mathematics of both, files, clocks, the bus. Pure: the same scene and motions give the same bits on any executor.
+//! Quantities are in SI units, positions in the world frame unless stated otherwise.
+//!
+//! # What is not here
+//! Crate `contact` finds where bodies touch, `tissue` enforces non-penetration, `cutting` divides meshes; here they are coupled. A body that
+//! diverges is rolled back to the start of the tick ([`Diverged`]). No files, no clocks, no messages: the same scene and motions give the
+//! same bits on any [`Executor`].
 
 #![forbid(unsafe_code)]
 

@@ -20,7 +20,7 @@ pub use probe::ProbeError;
 /// A relative slack for the numbers of samples and steps, far above the rounding of times and far below a step.
 const ROUNDING: f64 = 1e-9;
 
-/// What was sampled: lists of equal length.
+/// Sampled values of a run: lists of equal length, an entry per sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Simulated time \[s\].
@@ -41,7 +41,7 @@ pub struct Series {
     pub probes: Vec<Vec<f64>>,
 }
 
-/// What was sampled of two that touch.
+/// Sampled values of a contact pair.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactSeries {
     /// Force on the body, mean over the sample before \[N\].
@@ -69,7 +69,7 @@ pub enum End {
     Diverged(Diverged),
 }
 
-/// An expectation and what came out.
+/// Result of an `[[expect]]` of a scene's file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// Index of the expectation in the settings.
@@ -82,7 +82,7 @@ pub struct Verdict {
     pub met: bool,
 }
 
-/// A scene that is being run.
+/// Runs a scene of a settings file to its end: samples, probes, expected values.
 ///
 /// ```
 /// use microsim_scene::{End, Runner, Scene, Serial, scene_spec};

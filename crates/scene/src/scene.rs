@@ -16,7 +16,7 @@ use microsim_contact::ObstaclePart;
 use microsim_tissue::Method;
 use nalgebra::Vector3;
 
-/// Bodies and tools in one world.
+/// A scene that is simulated: built from a [`SceneSpec`], advanced by [`tick`](Self::tick), read by [`body`](Self::body).
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub(crate) bodies: Vec<Body>,

@@ -5,7 +5,7 @@ use microsim_geometry::Pose;
 use microsim_mesh::TetMesh;
 use microsim_tissue::{Material, Method};
 
-/// A scene.
+/// Description of a scene. [`SceneSpec::new`] has defaults for all but the bodies and the method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSpec {
     /// The bodies; names differ.
@@ -43,7 +43,7 @@ impl SceneSpec {
     }
 }
 
-/// A deformable body.
+/// Description of a deformable body. [`BodySpec::new`] has defaults for all but name, mesh and material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodySpec {
     /// Its name.
@@ -137,7 +137,7 @@ pub struct MotionSpec {
     pub keys: Vec<MotionKey>,
 }
 
-/// A value of a motion.
+/// Translation and angle of a [`MotionSpec`] at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionKey {
     /// Time \[s\].
@@ -212,7 +212,7 @@ pub struct ToolSpec {
     pub name: String,
     /// Its parts; at least one.
     pub capsules: Vec<CapsuleSpec>,
-    /// From 0, blunt, to 1.
+    /// From 0, blunt, to 1: see [`CutSpec`].
     pub sharpness: f64,
     /// Where it is in a scene that runs by itself, by ascending time; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
@@ -230,7 +230,7 @@ pub struct ToolKeySpec {
     pub opening: f64,
 }
 
-/// A part of a tool.
+/// A capsule of a tool: all points within a radius of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapsuleSpec {
     /// First end of the axis in the tool's frame, tool closed \[m\].
@@ -273,7 +273,7 @@ pub enum Jaw {
     Right,
 }
 
-/// An obstacle.
+/// A rigid shape that does not move and that bodies can touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObstacleSpec {
     /// Its name.
@@ -282,7 +282,7 @@ pub struct ObstacleSpec {
     pub parts: Vec<ObstaclePart>,
 }
 
-/// Two that touch each other.
+/// Contact of a body with a tool, an obstacle, another body or itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactSpec {
     /// Name of a body.
@@ -334,7 +334,7 @@ impl PartnerSpec {
     }
 }
 
-/// The hinge of a part.
+/// The hinge about which a part of a tool turns when it opens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HingeSpec {
     /// A point of the hinge's axis in the tool's frame \[m\].

@@ -9,8 +9,9 @@ use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::{Energies, Forces, Serial, State, TissueModel};
 use nalgebra::Vector3;
 
-/// One body of a scene, to be read. Indices of nodes, elements and triangles hold until the next tick that cuts it; the ids of nodes and
-/// elements are stable.
+/// Read access to one body of a scene.
+///
+/// Indices of nodes, elements and triangles hold until the next tick that cuts it; the ids of nodes and elements are stable.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyView<'a> {
     pub(crate) scene: &'a Scene,

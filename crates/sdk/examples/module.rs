@@ -1,7 +1,7 @@
 //! A whole training module in one file, run in-process: touch a sphere with the tip of the tool and stay in it for half a second.
 //!
 //! `cargo run --example module -p microsim-sdk`. In a folder of its own, with a manifest, levels and
-//! `export_plugin!(Training<TouchOnce>, "../module.toml")`, it is a plugin; `cargo xtask new-module` makes such a folder.
+//! `export_plugin!(Training<TouchOnce>, "../module.toml")`, it is a plugin; `cargo xtask new module NAME` makes such a folder.
 
 use microsim_sdk::message::{LevelControl, LevelEvent, LocalText, Pose, ToolStates, ToolStatus};
 use microsim_sdk::tissue::distance;

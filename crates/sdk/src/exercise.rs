@@ -12,7 +12,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt;
 
-/// What a level of a training module asks for.
+/// What a level of a training module asks for: its targets, and when each is reached.
 ///
 /// ```
 /// use microsim_sdk::message::{LocalText, ToolStates};
@@ -50,12 +50,16 @@ use std::fmt;
 /// # let _ = std::any::type_name::<Module>();
 /// ```
 ///
+/// In a tick [`Training`] lets the run handle controls and tool samples, calls `update`, and publishes the result once all targets are
+/// reached, the time is over or the input ends.
+///
 /// The value itself does not change in a run; what evolves is its state.
 pub trait Exercise: fmt::Debug + Send + Sized + 'static {
-    /// All that evolves besides the run of the level; equal states give equal bytes.
+    /// All that evolves besides the run of the level; `()` if nothing does. It is saved and restored: equal states give equal bytes.
     type State: fmt::Debug + Serialize + DeserializeOwned + Send;
 
-    /// From the set-up of a level, with the ids of its targets.
+    /// From the set-up of a level, with the ids of its targets: the level is passed when all are reached and no reason speaks against it. A
+    /// fault names what is wrong with the level.
     fn new(setup: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault>;
 
     /// The state before the first tick.
@@ -64,7 +68,9 @@ pub trait Exercise: fmt::Debug + Send + Sized + 'static {
     /// What is to be seen from the first tick on, published once, before the first [`Exercise::update`]; nothing by default.
     fn show(&self, _tick: &mut Tick<'_>) {}
 
-    /// One tick, in every phase of the level, up to its end: see [`LevelRun::is_running`].
+    /// One tick: reads messages ([`Tick::latest`], [`Tick::messages`]) and reports to `run` what was reached and measured
+    /// ([`LevelRun::target_done`], [`LevelRun::measure`], [`LevelRun::event`]). Called in every phase up to the end of the level, before
+    /// its start and in pauses too: see [`LevelRun::is_running`].
     fn update(
         &self,
         state: &mut Self::State,
@@ -72,7 +78,7 @@ pub trait Exercise: fmt::Debug + Send + Sized + 'static {
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault>;
 
-    /// Asked once, when the level ends: which reasons speak against a pass that only then are known.
+    /// Called once, when the level ends: adds reasons against a pass that are known only then ([`LevelRun::add_reason`]).
     fn reasons(&self, state: &Self::State, run: &mut LevelRun);
 }
 
@@ -85,7 +91,7 @@ struct Level<E: Exercise> {
     state: E::State,
 }
 
-/// The plugin of an [`Exercise`].
+/// The plugin of an [`Exercise`], for [`export_plugin!`](crate::export_plugin) and [`TestHost`](crate::TestHost).
 #[derive(Debug)]
 pub struct Training<E: Exercise> {
     level: Option<Level<E>>,

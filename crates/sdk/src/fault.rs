@@ -5,8 +5,7 @@ use microsim_message::DecodeError;
 use microsim_training::DwellError;
 use std::fmt;
 
-/// A failed call: one sentence for a person, and whether the plugin as such is fine but something on this machine is
-/// missing.
+/// The error of a plugin: one sentence for a person, and whether it is only that something is missing on this machine.
 ///
 /// ```
 /// use microsim_sdk::Fault;

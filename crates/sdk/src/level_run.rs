@@ -31,7 +31,7 @@ struct State {
     refused: u64,
 }
 
-/// A run of one level.
+/// A run of one level: its phase, targets, limits and metrics up to the result. An [`Exercise`](crate::Exercise) reports to it.
 #[derive(Debug)]
 pub struct LevelRun {
     targets: Vec<String>,

@@ -1,18 +1,37 @@
 //! All that the author of a plugin or training module uses.
 //!
-//! - [`Plugin`]: the safe trait; [`export_plugin!`] makes a dynamic library of it.
-//! - [`Tick`]: typed messages in and out of one `process` call.
-//! - [`message`]: the platform's message kinds; [`message::Message`] for kinds of your own.
-//! - [`RandomStream`]: named, seeded random numbers that can be saved.
-//! - [`Playback`]: samples of a file as an input source.
-//! - [`Parallel`]: a parallel loop with a fixed partition (physics only).
-//! - [`LevelRun`]: phases, targets, limits, metrics and the result of a training module.
-//! - [`Tray`]: the inner space of a tray of the level.
-//! - [`Exercise`]: what a training module asks for; [`Training`] is the frame around it.
-//! - [`tissue`]: marks that follow tissue, grips, cuts assigned to marks, pieces, rings.
-//! - [`TestHost`]: runs a plugin in-process without any file, every crossing through a byte copy.
+//! # Where to begin
+//! A training module implements [`Exercise`]: which targets a level has, and when each is reached. [`Training`] makes a [`Plugin`] of it
+//! (start, pause, limits, metrics, verdict, save and restore), [`export_plugin!`] a dynamic library that the host loads.
 //!
-//! A whole module in one file: `cargo run --example module -p microsim-sdk`; a folder for a new one: `cargo xtask new-module`.
+//! 1. `cargo run --example module -p microsim-sdk` runs a whole module of one file in-process, with manifest and level as text.
+//! 2. `cargo xtask new module NAME` makes the folder of a module that builds, runs, and passes and fails by script: `module.toml` (the
+//!    manifest), `levels/`, `scripts/`, `src/lib.rs`.
+//! 3. `crates/sdk/README.md` explains step by step what to put into it; `microsim schema manifest --markdown` and `microsim schema level
+//!    --markdown` list all keys of its files, `microsim bus` all messages.
+//! 4. [`TestHost`] runs it in tests, `microsim check modules/NAME` checks its files, `microsim run NAME --level 1 --input
+//!    script:level1-pass.toml` runs it.
+//!
+//! A plugin that is no training module (an input source, an observer) implements [`Plugin`] itself.
+//!
+//! | what for | see |
+//! |---|---|
+//! | tasks of a level, called in every tick | [`Exercise`], [`Training`] |
+//! | targets, metrics, reasons to fail, lines of the report | [`LevelRun`] |
+//! | what a level's file gives | [`ModuleConfig`] (tools, objects, limits, the module's own keys), [`Setup`] (seed, tick, files) |
+//! | messages in and out of a tick | [`Tick`] |
+//! | the platform's messages, and kinds of one's own | module [`message`], [`message::Message`] |
+//! | tissue: marks that move with it, grips, cuts, pieces, rings | module [`tissue`] |
+//! | trays, directions, paths | [`Tray`], [`axis`], [`turned_to`], [`shortest_path`] |
+//! | random numbers that can be saved | [`RandomStream`] |
+//! | an error, as one sentence for a person | [`Fault`] |
+//! | samples of a file as an input source | [`Playback`] |
+//! | parallel loops (physics only) | [`Parallel`] |
+//! | arrays of numbers: meshes, pictures | [`BlockBuilder`], [`BlockView`] |
+//! | a plugin in a test | [`TestHost`] |
+//!
+//! Staying at a place for a time, and other parts of scores, are in the crate `training` (`Dwell`). Quantities are in SI units, positions in
+//! the frame of the microscope's field: origin at its centre, z towards the viewer.
 //!
 //! The raw boundary (crate `abi`) is not visible from here; every panic is caught before it reaches it.
 
@@ -43,6 +62,7 @@ pub use exercise::{Exercise, Training};
 pub use fault::Fault;
 pub use level_run::LevelRun;
 pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as name_id};
+#[doc(inline)]
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
 pub use microsim_settings::{ModuleConfig, Object, Shape};

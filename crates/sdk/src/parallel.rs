@@ -5,8 +5,9 @@ use microsim_abi::{ParallelBody, ParallelFor};
 use std::ffi::c_void;
 use std::sync::Mutex;
 
-/// Runs the parts of a loop on the host's threads, or one after the other where the host gives none. What a part
-/// computes must not depend on which thread does it: sums belong to fixed parts and are added in a fixed order.
+/// Runs the parts of a loop on the host's threads, or one after the other where the host gives none.
+///
+/// What a part computes must not depend on which thread does it: sums belong to fixed parts and are added in a fixed order.
 ///
 /// ```
 /// use microsim_sdk::Parallel;

@@ -5,17 +5,19 @@ use crate::parallel::Parallel;
 use crate::tick::Tick;
 use microsim_message::Setup;
 
-/// What the host offers beyond messages. Log and progress are messages ([`Tick::log`]); files of the plugin's own and
-/// the seed stand in its [`Setup`].
+/// What the host offers beyond messages.
+///
+/// Log and progress are messages ([`Tick::log`]); files of the plugin's own and the seed are in its [`Setup`].
 #[derive(Debug)]
 pub struct Services {
     /// Parallel loop; serial where the host gives none (training modules, observers, tests).
     pub parallel: Parallel,
 }
 
-/// A plugin of any kind. What it does is decided by the messages that it receives and publishes; its manifest declares
-/// them. Which thread calls what, and in which state, stands in the crate `abi`: one thread at a time, never
-/// re-entrantly.
+/// A plugin of any kind.
+///
+/// What it does is decided by the messages that it receives and publishes; its manifest declares them. The host calls it from one thread
+/// at a time, never re-entrantly (details: crate `abi`). A training module implements [`Exercise`](crate::Exercise) instead.
 ///
 /// ```
 /// use microsim_sdk::message::{LevelControl, Message, decode_bytes, encode};

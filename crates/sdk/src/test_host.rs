@@ -44,7 +44,7 @@ impl Published {
     }
 }
 
-/// An in-process host for one plugin.
+/// An in-process host for one plugin, for tests: examples at [`Plugin`] and, for a module, in `examples/module.rs`.
 pub struct TestHost<P: Plugin> {
     object: PluginBox,
     router: Router,

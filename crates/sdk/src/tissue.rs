@@ -1,4 +1,4 @@
-//! What training modules find out of tissue: from snapshots of its nodes, contact forces and cuts alone.
+//! What training modules measure of tissue: marks, grips, cuts, pieces, from messages about nodes, contact forces and cuts alone.
 
 mod contacts;
 mod cuts;
@@ -25,7 +25,7 @@ pub fn tissue_of(config: &ModuleConfig) -> Result<String, Fault> {
     body.ok_or_else(|| Fault::new("the level needs a [[body]]: the tissue"))
 }
 
-/// Between two places \[m\].
+/// Distance of two points \[m\].
 pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     length([a[0] - b[0], a[1] - b[1], a[2] - b[2]])
 }

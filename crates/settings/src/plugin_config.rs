@@ -21,14 +21,14 @@ use std::path::PathBuf;
 /// Shapes of tool models, by the names that slots use.
 pub type ToolModels = BTreeMap<String, Tool>;
 
-/// Of the source that plays scripts.
+/// What the source that plays scripts is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScriptConfig {
     /// The script, checked and in SI units.
     pub script: Script,
 }
 
-/// Of the source that plays recordings.
+/// What the source that plays recordings is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "format", rename_all = "kebab-case")]
 pub enum RecordingConfig {
@@ -43,7 +43,7 @@ pub enum RecordingConfig {
     Samples,
 }
 
-/// Of a translator.
+/// What a translator is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TranslatorConfig {
     /// A tool whose last sample is older is stale \[s\].
@@ -103,7 +103,7 @@ impl DeviceMap {
     }
 }
 
-/// Of a physics plugin: the parts of a level that a scene is built of.
+/// What a physics plugin is given: the parts of a level that a scene is built of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PhysicsConfig {
     /// What acts on all bodies.
@@ -146,14 +146,14 @@ impl PhysicsConfig {
     }
 }
 
-/// Of a training module.
+/// What a training module is given of its level, checked and in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModuleConfig {
     /// Tool slots.
     pub tools: Vec<ToolSlot>,
     /// Shapes of the tool models.
     pub models: ToolModels,
-    /// What is demanded.
+    /// Limits of metrics: what the level demands.
     pub limits: Vec<Limit>,
     /// Parameters of the motion metrics.
     pub metrics: MetricParameters,
@@ -199,7 +199,7 @@ impl ModuleConfig {
     }
 }
 
-/// Of the plugin of virtual objects.
+/// What the plugin of virtual objects is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectsConfig {
     /// Objects that a module moves.

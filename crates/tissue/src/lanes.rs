@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Numbers worked on together: as many as fill a register of 256 bits.
 pub const LANES: usize = 4;
 
-/// Four numbers.
+/// Four numbers that are computed with at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Lanes(pub [f64; LANES]);

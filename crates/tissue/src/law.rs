@@ -1,11 +1,12 @@
 //! Material laws of a continuum: energy density, stress, tangent as functions of the deformation gradient.
 //!
-//! A law is a type of its own with constants of its own. All of them fulfil one contract, which is tested: at rest no energy and no
-//! stress, stress = gradient of the energy, tangent = derivative of the stress, no change under rotation, small strains as the
-//! constants' [`Elasticity`] states, and a split of the energy in two parts that can be integrated over different domains. Every law
-//! is finite for every F, inverted or collapsed, so that a solver can come back from there.
+//! A [`Law`] is a type without data; what it computes with are its [`Constants`]. All laws fulfil one contract, which is tested: at rest no
+//! energy and no stress, stress = gradient of the energy, tangent = derivative of the stress, no change under rotation, small strains as
+//! the constants' [`Elasticity`] states, and a [split](Constants::split) of the energy into two parts that can be integrated over
+//! different domains. Every law is finite for every F, inverted or collapsed, so that a solver can recover from there.
+//! [`MaterialLaw`] is a law as data, for models, files and comparisons.
 //!
-//! | law | constants beside E and ν |
+//! | law | parameters beside E and ν |
 //! |---|---|
 //! | [`StVenantKirchhoff`], [`NeoHookean`], [`Corotational`], [`StableNeoHookean`], [`NeoHookeanPolynomial`] | – |
 //! | [`MooneyRivlin`] | [`MooneyRivlinParameters`] |
@@ -17,10 +18,23 @@
 //! elasticity, fibres included; what goes by near-incompressibility (locking) takes ν.
 //!
 //! # A new law
-//! A file beside these with a type that implements [`Law`], its constants ([`Constants`]) and what it is given beside E and ν
-//! ([`Parameters`]); a test that calls the contract; its module and its re-export in this file, and its line in `laws!` in `law/choice.rs`. What a file
-//! calls it and its parameters stands in [`LawName`]; range and meaning of a parameter's key in `settings::Material`. From there on every
-//! discretisation, integrator, file and comparison has it.
+//! A complete law with a parameter is the example of [`Law`](Law#a-law-of-ones-own). In the crate it takes:
+//!
+//! 1. `crates/tissue/src/law/NAME.rs`: a unit struct, documented with Ψ(F), source and limitations, that implements [`Law`], and
+//!    [`IsotropicLaw`] unless it has a direction. A law of μ and λ alone has [`Lame`] for its constants and `()` for its parameters; any
+//!    other has types of its own that implement [`Constants`] and [`Parameters`]. The derivatives of Ψ = a(tr FᵀF) + b(J) are in
+//!    `law/invariants.rs`, a logarithm of J that stays finite in `law/volume.rs`, `nearest_positive` for
+//!    [`positive_tangent`](Law::positive_tangent) in `law/isotropic.rs`. Transcendental functions are those of the `libm` crate, so that
+//!    every machine gives the same bits.
+//! 2. In the same file tests: `contract::check_isotropic::<NAME>()` (`contract::check` with a direction), and closed forms.
+//! 3. `law.rs`: the module and its `pub use`; `law/choice.rs`: a line in the list `laws!`.
+//! 4. `crates/vocabulary/src/mechanics.rs`: a [`LawName`] with the name in files, and in [`LawName::parameters`] the key and unit of each
+//!    parameter.
+//! 5. For each parameter `crates/settings/src/material.rs`: its key with range and meaning, and a line in `Material::parameter`.
+//! 6. `config/chart.toml`: a `[[material]]` with the law, in the sweeps that are to compare it.
+//!
+//! Every discretisation, integrator and scene can then use it. `cargo test -p microsim-vocabulary -p microsim-tissue -p microsim-settings`
+//! checks it.
 
 mod choice;
 mod constants;

@@ -18,7 +18,7 @@ use crate::range::{MaterialError, not_negative, positive};
 use microsim_mesh::TetMesh;
 use std::sync::Arc;
 
-/// A material.
+/// What a region of a body is made of: density, damping, elasticity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Density \[kg/m³\], > 0.

@@ -90,7 +90,7 @@ impl Clone for Box<dyn Solver> {
     }
 }
 
-/// What a step took.
+/// Iterations and residual of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
     /// Iterations; 1 for a method without any.

@@ -39,7 +39,7 @@ use crate::state::{Control, NodeTarget, State};
 use microsim_contact_solver::{Contact, ContactStep, Projection};
 use nalgebra::Vector3;
 
-/// Which rule.
+/// Which explicit integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// Explicit Euler.

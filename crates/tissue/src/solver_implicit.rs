@@ -62,7 +62,7 @@ use nalgebra::Vector3;
 /// γ of SDIRK2, 1 − 1/√2.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-/// Which method.
+/// Which implicit integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImplicitScheme {
     /// Backward Euler.

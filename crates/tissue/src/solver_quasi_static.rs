@@ -23,7 +23,7 @@ use microsim_contact_solver::{Components, ContactStep};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// The constants of the solver.
+/// Options of the quasi-static solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuasiStaticOptions {
     /// The shortest part of a step that is tried; in 1e-3..0.5. A shorter one finds more equilibria, and fails later where there is none.

@@ -1,11 +1,12 @@
-//! What the functions of a law take beside the deformation gradient.
+//! What a law is given, and what its functions take beside the deformation gradient.
 
 use super::elasticity::{Elasticity, Lame};
 use crate::range::MaterialError;
 use nalgebra::Vector3;
 use std::fmt::Debug;
 
-/// The constants of a law as its functions take them: moduli, and the fibre direction where it has one.
+/// The constants of a law as its functions take them: moduli, and the fibre direction where it has one. [`Lame`] is one for laws of μ
+/// and λ.
 pub trait Constants: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Whether the law needs a fibre direction in each element.
     const HAS_DIRECTION: bool = false;
@@ -19,10 +20,14 @@ pub trait Constants: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The elasticity at rest: what bounds of the step, mass floors and viscosity go by.
     fn elasticity(&self) -> Elasticity;
 
-    /// Those of the isochoric and of the volumetric part of the energy, each of which has a lowest value at rest up to a constant
-    /// stress that the other one balances; `None` where the law has no resistance to volume to be split off.
+    /// Constants \[isochoric, volumetric\] of the two parts of the energy, whose sum is the energy. Discretisations against locking
+    /// integrate them over different domains.
     ///
-    /// Discretisations against locking integrate the two over different domains. Fibres belong to the isochoric part.
+    /// The volumetric part is the term with λ or κ: a function U(J) for most laws, λ/2 tr²E for St Venant–Kirchhoff and λ/2 tr²(RᵀF − 1)
+    /// for the corotational law. The isochoric part is all the rest, shear stiffness and fibres. It is evaluated at F itself, not at
+    /// J^(−1/3) F, so it is not the isochoric part of Flory's split, and it may resist a change of volume too. At rest a part may have
+    /// a pressure that the other one balances (no law here has one). Neither has λ < 0 at small strain; `None` where nothing is left
+    /// for the volumetric part.
     fn split(self) -> Option<[Self; 2]>;
 }
 
@@ -32,7 +37,7 @@ impl Constants for Lame {
         Elasticity::isotropic(*self)
     }
 
-    /// The terms of μ and of λ. A part with λ ≤ 0 alone would have no lowest energy.
+    /// The terms with μ and with λ. With λ ≤ 0 the volumetric part would have no minimum.
     fn split(self) -> Option<[Self; 2]> {
         let shear = Self {
             lambda: 0.0,
@@ -43,13 +48,14 @@ impl Constants for Lame {
     }
 }
 
-/// What a law is given beside E and ν; `()` for a law of these two alone.
+/// What a material gives to a law beside E and ν, as a rule ratios of moduli, so that E alone scales all stresses; `()` for a law of these
+/// two alone. The default is what comparisons take.
 pub trait Parameters: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
-    /// Those of these values by their keys in files ([`LawName::parameters`](super::LawName::parameters)), or the error of the first
-    /// that is not there.
+    /// Reads the parameters: `value` gives the number of a key of the file, or an error if it is missing. The keys are those of
+    /// [`LawName::parameters`](super::LawName::parameters), in its order.
     fn read<E>(value: &dyn Fn(&'static str) -> Result<f64, E>) -> Result<Self, E>;
 
-    /// Whether all values are in range, together with Poisson's ratio.
+    /// An error that names the first value out of range; the range may depend on Poisson's ratio.
     fn check(&self, poisson: f64) -> Result<(), MaterialError>;
 }
 

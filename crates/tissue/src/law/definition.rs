@@ -10,31 +10,154 @@ use std::fmt::Debug;
 
 /// A hyperelastic material law.
 ///
+/// A law is used through its constants, which follow from E, ν and its parameters:
+///
 /// ```
 /// use microsim_tissue::law::{Lame, Law, NeoHookean};
 /// use nalgebra::{Matrix3, Vector3};
 ///
 /// let lame = Lame::from_young_poisson(30e3, 0.45);
+/// let constants = NeoHookean::constants(&lame, &());
 /// // 0.1 % of stretch at free sides: E times the strain, up to terms of second order.
 /// let f = Matrix3::from_diagonal(&Vector3::new(1.001, 1.0 - 0.00045, 1.0 - 0.00045));
-/// let stress = NeoHookean::stress(&f, &lame);
+/// let stress = NeoHookean::stress(&f, &constants);
 /// assert!((stress[(0, 0)] / (30e3 * 0.001) - 1.0).abs() < 0.01);
 /// ```
+///
+/// # A law of one's own
+/// A whole law with a parameter: St Venant–Kirchhoff elasticity that stiffens with strain. What else a new law of the crate needs is
+/// listed in [`law`](super#a-new-law).
+///
+/// ```
+/// use microsim_tissue::MaterialError;
+/// use microsim_tissue::law::decomposition::SignedSvd;
+/// use microsim_tissue::law::*;
+/// use nalgebra::Matrix3;
+///
+/// /// Ψ = μ (Q + k/2 Q²) + λ/2 tr²E with Green's strain E = (FᵀF − 1)/2 and Q = E:E.
+/// #[derive(Clone, Copy, Debug, Default)]
+/// struct Stiffening;
+///
+/// /// What a file gives beside E and ν.
+/// #[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// struct StiffeningParameters {
+///     /// k.
+///     stiffening: f64,
+/// }
+///
+/// impl Parameters for StiffeningParameters {
+///     fn read<E>(value: &dyn Fn(&'static str) -> Result<f64, E>) -> Result<Self, E> {
+///         Ok(Self { stiffening: value("stiffening")? })
+///     }
+///
+///     fn check(&self, _poisson: f64) -> Result<(), MaterialError> {
+///         if self.stiffening >= 0.0 {
+///             return Ok(());
+///         }
+///         let (value_name, value) = ("stiffening", self.stiffening);
+///         Err(MaterialError { value_name, value, allowed: ">= 0" })
+///     }
+/// }
+///
+/// /// What energy, stress and tangent take.
+/// #[derive(Clone, Copy, Debug, PartialEq)]
+/// struct StiffeningConstants {
+///     lame: Lame,
+///     stiffening: f64,
+/// }
+///
+/// impl Constants for StiffeningConstants {
+///     fn elasticity(&self) -> Elasticity {
+///         Elasticity::isotropic(self.lame)
+///     }
+///
+///     /// The term of λ is what resists a change of volume.
+///     fn split(self) -> Option<[Self; 2]> {
+///         let [isochoric, volumetric] = self.lame.split()?;
+///         Some([isochoric, volumetric].map(|lame| Self { lame, ..self }))
+///     }
+/// }
+///
+/// impl Law for Stiffening {
+///     type Constants = StiffeningConstants;
+///     type Parameters = StiffeningParameters;
+///     // In the crate a name of its own, `LawName::Stiffening`.
+///     const NAME: LawName = LawName::StVenantKirchhoff;
+///
+///     fn constants(lame: &Lame, parameters: &StiffeningParameters) -> StiffeningConstants {
+///         StiffeningConstants { lame: *lame, stiffening: parameters.stiffening }
+///     }
+///
+///     fn energy(f: &Matrix3<f64>, c: &StiffeningConstants) -> f64 {
+///         let strain = (f.tr_mul(f) - Matrix3::identity()) * 0.5;
+///         let (q, trace) = (strain.norm_squared(), strain.trace());
+///         c.lame.mu * (q + 0.5 * c.stiffening * q * q) + 0.5 * c.lame.lambda * trace * trace
+///     }
+///
+///     /// P = F S with S = ∂Ψ/∂E = 2μ (1 + k Q) E + λ tr E 1.
+///     fn stress(f: &Matrix3<f64>, c: &StiffeningConstants) -> Matrix3<f64> {
+///         let strain = (f.tr_mul(f) - Matrix3::identity()) * 0.5;
+///         let factor = 2.0 * c.lame.mu * (1.0 + c.stiffening * strain.norm_squared());
+///         let pressure = Matrix3::from_diagonal_element(c.lame.lambda * strain.trace());
+///         f * (strain * factor + pressure)
+///     }
+///
+///     /// dP = dF S + F dS, one column for each entry of dF.
+///     fn tangent(f: &Matrix3<f64>, c: &StiffeningConstants) -> Matrix9 {
+///         let strain = (f.tr_mul(f) - Matrix3::identity()) * 0.5;
+///         let factor = 2.0 * c.lame.mu * (1.0 + c.stiffening * strain.norm_squared());
+///         let pressure = Matrix3::from_diagonal_element(c.lame.lambda * strain.trace());
+///         let mut tangent = Matrix9::zeros();
+///         for q in 0..9 {
+///             let mut df = Matrix3::zeros();
+///             df.as_mut_slice()[q] = 1.0;
+///             let d_strain = (df.tr_mul(f) + f.tr_mul(&df)) * 0.5;
+///             let d_factor = 4.0 * c.lame.mu * c.stiffening * strain.dot(&d_strain);
+///             let d_pressure = Matrix3::from_diagonal_element(c.lame.lambda * d_strain.trace());
+///             let column = df * (strain * factor + pressure)
+///                 + f * (d_strain * factor + strain * d_factor + d_pressure);
+///             tangent.column_mut(q).copy_from_slice(column.as_slice());
+///         }
+///         tangent
+///     }
+///
+///     fn positive_tangent(f: &SignedSvd, c: &StiffeningConstants) -> Matrix9 {
+///         Self::principal_tangent(&f.stretches, c).positive().rotated(f)
+///     }
+/// }
+///
+/// impl IsotropicLaw for Stiffening {}
+///
+/// // The stress is the gradient of the energy.
+/// let lame = Lame::from_young_poisson(1.0, 0.3);
+/// let c = Stiffening::constants(&lame, &StiffeningParameters { stiffening: 4.0 });
+/// let f = Matrix3::new(1.2, 0.1, 0.0, -0.2, 0.9, 0.3, 0.0, 0.1, 1.1);
+/// let stress = Stiffening::stress(&f, &c);
+/// for q in 0..9 {
+///     let [above, below] = [1e-5, -1e-5].map(|d| {
+///         let mut moved = f;
+///         moved.as_mut_slice()[q] += d;
+///         Stiffening::energy(&moved, &c)
+///     });
+///     assert!(((above - below) / 2e-5 - stress.as_slice()[q]).abs() < 1e-8);
+/// }
+/// ```
 pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
-    /// What its functions take beside F.
+    /// What energy, stress and tangent take beside F; [`Lame`] for a law of μ and λ alone.
     type Constants: Constants;
 
-    /// What it is given beside E and ν.
+    /// What a material gives beside E and ν; `()` for a law of these two alone.
     type Parameters: Parameters;
 
     /// Its name in files and reports.
     const NAME: LawName;
 
     /// Whether Ψ = μ/2 tr FᵀF + (λ+μ)/2 (det F − 1 − μ/(λ+μ))² up to a constant, so that position-based methods can treat it
-    /// as two constraints with compliance.
+    /// as two constraints with compliance. `false` by default.
     const IS_SUM_OF_SQUARES: bool = false;
 
-    /// The constants of these moduli and parameters, all checked; a fibre direction is given later.
+    /// The constants from the moduli at small strain and the parameters, all in range ([`Parameters::check`]). A fibre direction is
+    /// given later, by [`Constants::along`].
     fn constants(lame: &Lame, parameters: &Self::Parameters) -> Self::Constants;
 
     /// Energy density Ψ(F) \[J/m³\], Ψ(1) = 0.
@@ -43,17 +166,18 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// First Piola–Kirchhoff stress P = ∂Ψ/∂F \[Pa\].
     fn stress(f: &Matrix3<f64>, constants: &Self::Constants) -> Matrix3<f64>;
 
-    /// b' \[Pa\] of four F at once from det F, for a law of the form Ψ = μ/2 tr FᵀF + b(det F) whose forces are to be computed by areas:
-    /// half the arithmetic, other roundings.
+    /// For a law of the form Ψ = μ/2 tr FᵀF + b(J): b'(J) \[Pa\] at four J = det F at once, with which nodal forces are sums over face areas
+    /// (half the arithmetic, other rounding). `None`, the default, for every other law.
     #[inline(always)]
     fn slope_of_four(_j: Lanes, _constants: &Self::Constants) -> Option<Lanes> {
         None
     }
 
-    /// ∂P/∂F \[Pa\].
+    /// Tangent ∂P/∂F \[Pa\], symmetric; entry (i + 3j, k + 3l) is ∂P_ij/∂F_kl.
     fn tangent(f: &Matrix3<f64>, constants: &Self::Constants) -> Matrix9;
 
-    /// A ∂P/∂F without negative eigenvalues \[Pa\] at a decomposed F, not below the exact one: of an isotropic law the nearest, of a
-    /// sum of parts the sum of the nearest ones.
+    /// Tangent without negative eigenvalues \[Pa\] at F = U diag(σ) Vᵀ, nowhere below the exact one (their difference has no negative
+    /// eigenvalue either): what implicit methods take far from equilibrium. Of an [isotropic](super::IsotropicLaw) law the nearest one,
+    /// from [`principal_tangent`](super::IsotropicLaw::principal_tangent) as above; of a sum of parts the sum of the nearest ones.
     fn positive_tangent(f: &SignedSvd, constants: &Self::Constants) -> Matrix9;
 }

@@ -6,9 +6,9 @@ use super::elasticity::Matrix9;
 use super::principal::PrincipalTangent;
 use nalgebra::{Matrix3, Vector3};
 
-/// A law that has no direction of its own.
+/// A law that has no direction of its own: Ψ(F Q) = Ψ(F) for every rotation Q. `impl IsotropicLaw for MyLaw {}` is enough.
 pub trait IsotropicLaw: Law {
-    /// ∂P/∂F \[Pa\] at F = diag(`stretches`).
+    /// Tangent ∂P/∂F \[Pa\] at F = diag(`stretches`), by default from [`Law::tangent`]; a closed form is faster.
     fn principal_tangent(
         stretches: &Vector3<f64>,
         constants: &Self::Constants,
@@ -18,7 +18,7 @@ pub trait IsotropicLaw: Law {
     }
 }
 
-/// The nearest tangent of a law without negative eigenvalues.
+/// The nearest tangent of a law without negative eigenvalues: [`Law::positive_tangent`] of isotropic laws.
 pub(super) fn nearest_positive<L: IsotropicLaw>(
     f: &SignedSvd,
     constants: &L::Constants,

@@ -11,7 +11,7 @@ use nalgebra::Matrix3;
 /// The pairs of axes, in the order of the entries of a shear.
 const PAIRS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
-/// T \[Pa\].
+/// Tangent ∂P/∂F \[Pa\] of an isotropic law at F = diag(σ), without the entries that are zero by isotropy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipalTangent {
     /// ∂P_ii/∂F_jj.

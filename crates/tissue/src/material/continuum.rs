@@ -12,7 +12,7 @@ use microsim_vocabulary::Discretisation;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// Constants of a continuum.
+/// A continuum: law, Young's modulus, Poisson's ratio and discretisation.
 ///
 /// ```
 /// use microsim_tissue::law::{FibreParameters, LawName, MaterialLaw};

@@ -42,7 +42,7 @@ pub struct SpringConstants {
     pub plasticity: Option<Plasticity>,
 }
 
-/// The four forms of the constants.
+/// What constants of springs mean: four forms in which they can be given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpringForm {
     /// k in N/m, N/m³ and N/m⁵, k_d in N·s/m, N·s/m³ and N·s/m⁵ for springs, triangles and volumes.
@@ -60,7 +60,7 @@ pub enum SpringForm {
     },
 }
 
-/// Constants of each kind of element.
+/// Constants for each kind of element: edges, triangles and tetrahedra.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KindConstants {
     /// Of springs.
@@ -80,7 +80,7 @@ pub struct Coefficients {
     pub damping: f64,
 }
 
-/// Moduli that do not depend on the mesh.
+/// Moduli of springs, triangles and volumes that do not depend on the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpringModuli {
     /// E of the springs \[Pa\], ≥ 0.

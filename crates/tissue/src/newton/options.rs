@@ -5,7 +5,7 @@
 
 use microsim_contact_solver::ContactOptions;
 
-/// How far Newton's method goes.
+/// How far Newton's method iterates in a step: number of iterations, tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
     /// Most iterations per equation, at least 1. One is the linearly implicit variant of a method.
@@ -18,7 +18,7 @@ pub struct Newton {
     pub must_converge: bool,
 }
 
-/// The constants of the method.
+/// Options of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
     /// Inexact-solve tolerance: the relative residual of linear systems over the tolerance of the method, relative to the present
@@ -52,7 +52,7 @@ pub struct NewtonOptions {
     pub contact_solvers: ContactOptions,
 }
 
-/// Of the line search.
+/// Options of the line search of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSearchOptions {
     /// Sufficient decrease of the potential, relative to that of the slope (Armijo); in 1e-6..0.1. The usual value (Nocedal & Wright 2006,
@@ -70,7 +70,7 @@ pub struct LineSearchOptions {
     pub shortening: [f64; 3],
 }
 
-/// Of the second-order correction.
+/// Options of the second-order correction of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecondOrderOptions {
     /// The step length at which the curvature of the forces is measured by differences; in 1e-3..0.1. Smaller values lose digits, larger
@@ -85,7 +85,7 @@ pub struct SecondOrderOptions {
     pub linear_tolerance: f64,
 }
 
-/// Of contact in an iteration of Newton's method.
+/// Options for contact within Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonContactOptions {
     /// The multiplier residual that may be left, as a length \[mean edge length\], where the method must converge, and where not; in

@@ -18,7 +18,7 @@ use crate::law::Lame;
 use microsim_mesh::{TetMesh, signed_volume};
 use nalgebra::Vector3;
 
-/// What a fit gives, and what it leaves.
+/// Fitted moduli of springs, and the error of the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Young's modulus E_s of the springs alone \[Pa\].
