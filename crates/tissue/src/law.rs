@@ -33,7 +33,7 @@
 //! 5. For each parameter `crates/settings/src/material.rs`: its key with range and meaning, and a line in `Material::parameter`.
 //! 6. `config/chart.toml`: a `[[material]]` with the law, in the sweeps that are to compare it.
 //!
-//! Every discretisation, integrator and scene can then use it. `cargo test -p microsim-vocabulary -p microsim-tissue -p microsim-settings`
+//! Files and functions without a path are in `crates/tissue/src/law/`. Every discretisation, integrator and scene can then use it. `cargo test -p microsim-vocabulary -p microsim-tissue -p microsim-settings`
 //! checks it.
 
 mod choice;

@@ -136,8 +136,8 @@ fn frame_and_axes<L: Law>(
     }
 }
 
-/// The isochoric and the volumetric part sum up to the whole; all shear stiffness and all fibres belong to the first, and both resist
-/// a change of volume, if at all, with a positive modulus.
+/// The isochoric and the volumetric part sum up to the whole; all shear stiffness and all fibres belong to the first, and neither has
+/// λ < 0 at small strain.
 fn parts<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
     let parts = c.split().expect("λ is positive");
     let energy: f64 = parts.iter().map(|part| L::energy(f, part)).sum();

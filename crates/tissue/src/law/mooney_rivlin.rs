@@ -13,8 +13,8 @@ use nalgebra::Matrix3;
 /// Ψ = c₁₀ (I₁ − 3) + c₀₁ (I₂ − 3) − 2 (c₁₀ + 2c₀₁) ln J + κ/2 (J − 1)² with I₁ = tr FᵀF, I₂ = |cof F|², J = det F (Ciarlet &
 /// Geymonat 1982; Holzapfel 2000, eq. 6.147, there with c = κ/2).
 ///
-/// At small strain it is linear elasticity with μ = 2 (c₁₀ + c₀₁) and λ = κ + 4c₀₁. The volumetric part is κ/2 (J − 1)², the
-/// isochoric part all the rest, with λ = 4c₀₁ of its own. The logarithm goes on below J = 1/5 as in
+/// At small strain it is linear elasticity with μ = 2 (c₁₀ + c₀₁) and λ = κ + 4c₀₁. The volumetric part of its
+/// [split](Constants::split) is κ/2 (J − 1)², the isochoric part all the rest, with λ = 4c₀₁ of its own. The logarithm goes on below J = 1/5 as in
 /// [`NeoHookean`](super::NeoHookean): finite everywhere, and inverted matter is pushed back.
 ///
 /// # Limitations
