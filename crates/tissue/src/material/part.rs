@@ -11,9 +11,9 @@ use std::sync::Arc;
 pub(crate) enum EnergyPart {
     /// All of it.
     Whole,
-    /// What resists a change of shape.
+    /// All that is not volumetric: shear stiffness, fibres.
     Isochoric,
-    /// What resists a change of volume.
+    /// The term with λ or κ.
     Volumetric,
 }
 
