@@ -18,7 +18,7 @@ mod capsule;
 mod closest_tests;
 mod crossing;
 mod first_contact;
-mod hinge;
+mod joint;
 mod orientation;
 mod pose;
 mod segment;
@@ -37,7 +37,7 @@ pub use first_contact::{
     CONTACT_TOLERANCE, FirstContact, Motion, first_contact_edges, first_contact_point_triangle,
     first_contact_segment_triangle,
 };
-pub use hinge::Hinge;
+pub use joint::{Hinge, Joint, JointBounds};
 pub use orientation::orientation;
 pub use pose::Pose;
 pub use segment::{SegmentPoint, SegmentsClosest, closest_on_segment, closest_segments};

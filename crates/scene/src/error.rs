@@ -82,7 +82,7 @@ pub enum SceneError {
         /// The method.
         method: &'static str,
     },
-    /// A tool has no part, or a part with numbers that are not finite, no radius, or a hinge without direction.
+    /// A tool has no part, or a part with numbers that are not finite, no radius, or an edge without direction.
     Tool {
         /// The tool.
         tool: String,
@@ -195,7 +195,7 @@ impl std::fmt::Display for SceneError {
                 part: Some(part),
             } => write!(
                 f,
-                "capsule {part} of tool '{tool}' needs finite ends, a radius above 0 m, a hinge axis and an edge that are not zero, and a line of no return a length"
+                "capsule {part} of tool '{tool}' needs finite ends and a finite joint, a radius above 0 m, an edge that is not zero, and a line of no return a length"
             ),
             Self::ToolMotion { tool, key } => write!(
                 f,

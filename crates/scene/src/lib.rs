@@ -101,7 +101,7 @@ pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
 };
 pub use microsim_contact::{ObstaclePart, ObstacleShape};
-pub use microsim_geometry::Pose;
+pub use microsim_geometry::{Hinge, Joint, Pose};
 pub use microsim_mesh::{Surface, TetMesh};
 pub use microsim_tissue::{
     Behaviour, BuildError, Energies, Executor, Material, Method, Serial, State, TissueModel,
@@ -114,9 +114,9 @@ pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{
-    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, HingeSpec, Jaw,
-    LoadKind, LoadSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec, SceneSpec, Selection,
-    StartSpec, ToolKeySpec, ToolSpec,
+    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, Jaw, LoadKind,
+    LoadSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec, SceneSpec, Selection, StartSpec,
+    ToolKeySpec, ToolSpec,
 };
 pub use stress::von_mises;
 pub use tool::ToolMotion;

@@ -1,7 +1,7 @@
 //! What a scene is made of, as plain values. They are checked when the scene is built.
 
 use microsim_contact::ObstaclePart;
-use microsim_geometry::Pose;
+use microsim_geometry::{Joint, Pose};
 use microsim_mesh::TetMesh;
 use microsim_tissue::{Material, Method};
 
@@ -205,7 +205,7 @@ pub struct BoxSpec {
     pub max: [f64; 3],
 }
 
-/// A rigid tool, or one whose parts turn about hinges.
+/// A tool, rigid or with joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolSpec {
     /// Its name.
@@ -226,7 +226,7 @@ pub struct ToolKeySpec {
     pub time: f64,
     /// `world_from_tool`.
     pub pose: Pose,
-    /// Opening in units of the hinges (0 is closed).
+    /// Opening in units of the joints (0 is closed).
     pub opening: f64,
 }
 
@@ -239,8 +239,8 @@ pub struct CapsuleSpec {
     pub b: [f64; 3],
     /// Radius \[m\], > 0.
     pub radius: f64,
-    /// How the part moves when the tool opens; `None` for a rigid part.
-    pub hinge: Option<HingeSpec>,
+    /// How the part moves as the tool opens.
+    pub joint: Joint,
     /// Which jaw it belongs to.
     pub jaw: Option<Jaw>,
     /// Whether its axis is a line of no return.
@@ -250,13 +250,13 @@ pub struct CapsuleSpec {
 }
 
 impl CapsuleSpec {
-    /// A rigid part that does not cut: axis from `a` to `b` and radius \[m\].
+    /// A part of the shaft that does not cut: axis from `a` to `b` and radius \[m\].
     pub fn new(a: [f64; 3], b: [f64; 3], radius: f64) -> Self {
         Self {
             a,
             b,
             radius,
-            hinge: None,
+            joint: Joint::Fixed,
             jaw: None,
             lonor: false,
             edge: None,
@@ -332,15 +332,4 @@ impl PartnerSpec {
             Self::Itself => "itself",
         }
     }
-}
-
-/// The hinge about which a part of a tool turns when it opens.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HingeSpec {
-    /// A point of the hinge's axis in the tool's frame \[m\].
-    pub pivot: [f64; 3],
-    /// Direction of the axis in the tool's frame; not zero.
-    pub axis: [f64; 3],
-    /// Right-handed angle about the axis per unit of opening \[rad\].
-    pub angle: f64,
 }

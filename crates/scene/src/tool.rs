@@ -3,7 +3,7 @@
 use crate::error::SceneError;
 use crate::spec::{Jaw, ToolKeySpec, ToolSpec};
 use microsim_contact::CapsuleMotion;
-use microsim_geometry::{Aabb, Capsule, Hinge, Pose};
+use microsim_geometry::{Aabb, Capsule, Joint, JointBounds, Pose};
 use nalgebra::{Unit, Vector3};
 
 /// The motion of one tool during a tick.
@@ -15,7 +15,7 @@ pub struct ToolMotion {
     pub from: Pose,
     /// `world_from_tool` at the end of the tick.
     pub to: Pose,
-    /// Opening at the start, in units of the tool's hinges (0 is closed).
+    /// Opening at the start, in units of the tool's joints (0 is closed).
     pub opening_from: f64,
     /// Opening at the end.
     pub opening_to: f64,
@@ -45,7 +45,7 @@ pub(crate) struct Tool {
 #[derive(Clone, Debug)]
 struct Part {
     capsule: Capsule,
-    hinge: Option<Hinge>,
+    joint: Joint,
     jaw: Option<Jaw>,
     lonor: bool,
     edge: Option<Vector3<f64>>,
@@ -80,25 +80,13 @@ impl Tool {
                 b: part.b.into(),
                 radius: part.radius,
             };
+            let joint = part.joint;
             let ends_finite = capsule.a.iter().chain(&capsule.b).all(|c| c.is_finite());
             let no_line = part.lonor && capsule.a == capsule.b;
-            if !ends_finite || !capsule.radius.is_finite() || capsule.radius <= 0.0 || no_line {
+            let finite = ends_finite && capsule.radius.is_finite() && joint.is_finite();
+            if !finite || capsule.radius <= 0.0 || no_line {
                 return Err(wrong(Some(index)));
             }
-            let hinge = match &part.hinge {
-                None => None,
-                Some(hinge) => {
-                    let pivot = Vector3::from(hinge.pivot);
-                    let axis = Unit::try_new(Vector3::from(hinge.axis), 0.0);
-                    let axis = axis.filter(|axis| axis.iter().chain(&pivot).all(|c| c.is_finite()));
-                    let axis = axis.filter(|_| hinge.angle.is_finite());
-                    Some(Hinge {
-                        pivot,
-                        axis: axis.ok_or_else(|| wrong(Some(index)))?,
-                        angle: hinge.angle,
-                    })
-                }
-            };
             let edge = match part.edge {
                 None => None,
                 Some(edge) => {
@@ -109,7 +97,7 @@ impl Tool {
             };
             Ok(Part {
                 capsule,
-                hinge,
+                joint,
                 jaw: part.jaw,
                 lonor: part.lonor,
                 edge,
@@ -174,11 +162,9 @@ impl Tool {
         let cutting = self.parts.iter().enumerate().filter(|(_, part)| part.lonor);
         let lines = cutting.map(|(index, part)| {
             let Capsule { a, b, radius } = part.at(opening).posed(&world_from_tool);
-            let edge = part.edge.map(|edge| {
-                let hinge = part.hinge.as_ref();
-                let turned = hinge.map_or(edge, |hinge| hinge.rotation(opening) * edge);
-                world_from_tool.orientation * turned
-            });
+            let edge = part
+                .edge
+                .map(|edge| world_from_tool.orientation * part.joint.direction_at(edge, opening));
             Lonor {
                 capsule: index as u32,
                 a,
@@ -201,23 +187,15 @@ impl Tool {
     }
 
     /// An upper bound of the path length of any axis point during a motion \[m\]: translation, rotation about the tool's origin,
-    /// and hinges.
+    /// and joints.
     pub fn travel(&self, motion: &ToolMotion) -> f64 {
         let translation = (motion.to.position - motion.from.position).norm();
         let angle = motion.from.angle_to(&motion.to);
         let mut travel = 0.0f64;
         for part in &self.parts {
-            let mut path = translation;
-            let reach = match &part.hinge {
-                None => part.reach(&Vector3::zeros()),
-                Some(hinge) => {
-                    let arm = part.reach(&hinge.pivot);
-                    path += arm * (hinge.angle * (motion.opening_to - motion.opening_from)).abs();
-                    hinge.pivot.norm() + arm
-                }
-            };
-            path += reach * angle;
-            travel = travel.max(path);
+            let openings = [motion.opening_from, motion.opening_to];
+            let JointBounds { path, reach } = part.joint.bounds(&part.capsule, openings);
+            travel = travel.max(translation + path + reach * angle);
         }
         travel
     }
@@ -244,32 +222,25 @@ impl Tool {
 impl Part {
     /// The part in the tool's frame at an opening.
     fn at(&self, opening: f64) -> Capsule {
-        let hinge = self.hinge.as_ref();
-        hinge.map_or(self.capsule, |hinge| hinge.turned(&self.capsule, opening))
-    }
-
-    /// Distance of the further end of the axis from `point` \[m\].
-    fn reach(&self, point: &Vector3<f64>) -> f64 {
-        (self.capsule.a - point)
-            .norm()
-            .max((self.capsule.b - point).norm())
+        self.joint.capsule_at(&self.capsule, opening)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::{CapsuleSpec, HingeSpec};
+    use crate::spec::CapsuleSpec;
+    use microsim_geometry::Hinge;
     use nalgebra::UnitQuaternion;
 
     fn jaw() -> Tool {
-        let hinge = HingeSpec {
-            pivot: [0.0, 0.0, 0.01],
-            axis: [0.0, 2.0, 0.0],
+        let joint = Joint::Hinge(Hinge {
+            pivot: Vector3::new(0.0, 0.0, 0.01),
+            axis: Vector3::y_axis(),
             angle: 0.2,
-        };
+        });
         let capsule = CapsuleSpec {
-            hinge: Some(hinge),
+            joint,
             ..CapsuleSpec::new([0.0; 3], [0.0, 0.0, 0.01], 1e-4)
         };
         Tool::new(&ToolSpec {

@@ -11,7 +11,9 @@ use crate::files::schema_of;
 use crate::kinds::{direction, identifier, quantity, ratio, vector3};
 use crate::schema::Kind;
 use crate::table::{choices, table};
+use microsim_geometry::{Capsule, Hinge, Joint};
 use microsim_vocabulary::{Finish, LocalText, Unit, terms};
+use nalgebra::Vector3;
 use std::path::Path;
 
 table! {
@@ -72,19 +74,44 @@ terms! {
     }
 }
 
-impl Jaw {
-    /// The turn of a part about +y through the hinge \[rad\] when the jaws are open by `opening` \[rad\], half of which
-    /// each of them takes; `None` for a part of the shaft. Below the hinge a right-handed turn about +y moves towards −x.
-    pub fn angle(self, opening: f64) -> Option<f64> {
-        match self {
-            Self::Fixed => None,
-            Self::Left => Some(-(opening / 2.0)),
-            Self::Right => Some(opening / 2.0),
-        }
+choices!(Jaw);
+
+impl Tool {
+    /// Its parts in its frame at an opening, from 0, closed, to 1.
+    pub fn capsules_at(&self, opening: f64) -> impl Iterator<Item = Capsule> {
+        self.capsule.iter().map(move |part| {
+            let joint = part.joint(self.hinge, self.opening_angle);
+            joint.capsule_at(&part.closed(), opening)
+        })
     }
 }
 
-choices!(Jaw);
+impl ToolCapsule {
+    /// The part in the frame of the tool, tool closed.
+    pub fn closed(&self) -> Capsule {
+        Capsule {
+            a: self.a.into(),
+            b: self.b.into(),
+            radius: self.radius,
+        }
+    }
+
+    /// How it moves as a tool with this hinge \[m\] and angle between fully open jaws \[rad\] opens from 0 to 1. Each jaw takes half of
+    /// the angle; below the hinge a right-handed turn about +y moves towards −x.
+    pub fn joint(&self, hinge: Option<[f64; 3]>, opening_angle: Option<f64>) -> Joint {
+        let opening = opening_angle.unwrap_or_default();
+        let angle = match self.jaw {
+            Jaw::Fixed => return Joint::Fixed,
+            Jaw::Left => -(opening / 2.0),
+            Jaw::Right => opening / 2.0,
+        };
+        Joint::Hinge(Hinge {
+            pivot: hinge.unwrap_or_default().into(),
+            axis: Vector3::y_axis(),
+            angle,
+        })
+    }
+}
 
 /// A point of a tool \[m\].
 pub(crate) fn tool_point() -> Kind {

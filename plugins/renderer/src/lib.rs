@@ -5,7 +5,7 @@
 
 #![forbid(unsafe_code)]
 
-use microsim_geometry::{Capsule, Hinge, Pose as Place};
+use microsim_geometry::{Capsule, Pose as Place};
 use microsim_gpu::Gpu;
 use microsim_render::{DRAPE, Item, Picture, Renderer, Shape, View};
 use microsim_sdk::message::{
@@ -14,7 +14,6 @@ use microsim_sdk::message::{
 };
 use microsim_sdk::{BlockView, Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{self as settings, BodyLook, RendererConfig};
-use nalgebra::Vector3;
 use std::path::Path;
 
 /// Opacity of a tool whose pose is not up to date.
@@ -58,25 +57,11 @@ fn object(object: &ObjectState, field: f64) -> Item {
     }
 }
 
-/// A tool as its capsules, jaws turned about the hinge.
+/// A tool as its capsules.
 fn tool(state: &ToolState, model: &settings::Tool) -> Vec<Item> {
     let world = Place::from_arrays(state.pose.position, state.pose.orientation);
-    let open = model.opening_angle.unwrap_or_default();
-    let items = model.capsule.iter().map(|part| {
-        let closed = Capsule {
-            a: part.a.into(),
-            b: part.b.into(),
-            radius: part.radius,
-        };
-        let turned = part.jaw.angle(open).map(|angle| {
-            let hinge = Hinge {
-                pivot: model.hinge.unwrap_or_default().into(),
-                axis: Vector3::y_axis(),
-                angle,
-            };
-            hinge.turned(&closed, state.opening)
-        });
-        let Capsule { a, b, radius } = turned.unwrap_or(closed).posed(&world);
+    let items = model.capsules_at(state.opening).map(|capsule| {
+        let Capsule { a, b, radius } = capsule.posed(&world);
         let shape = Shape::Capsule {
             a: a.into(),
             b: b.into(),

@@ -3,8 +3,7 @@
 use super::Load;
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use crate::spec::{
-    CapsuleSpec, ContactSpec, CutSpec, HingeSpec, Jaw, ObstacleSpec, PartnerSpec, ToolKeySpec,
-    ToolSpec,
+    CapsuleSpec, ContactSpec, CutSpec, Jaw, ObstacleSpec, PartnerSpec, ToolKeySpec, ToolSpec,
 };
 use microsim_contact::{ObstaclePart, ObstacleShape};
 use microsim_geometry::Pose;
@@ -13,14 +12,12 @@ use nalgebra::Vector3;
 use settings::KeyPath;
 use std::path::Path;
 
-/// Capsules as files have them, to those of a tool. The left jaw opens towards +x, about an axis along y through the hinge, each
-/// jaw by half of the opening angle.
+/// Capsules as files have them, to those of a tool.
 pub(super) fn capsules(
     parts: &[settings::ToolCapsule],
     hinge: Option<[f64; 3]>,
     opening_angle: Option<f64>,
 ) -> Vec<CapsuleSpec> {
-    let opening = opening_angle.unwrap_or_default();
     let touching = parts.iter().filter(|part| part.touches);
     let capsules = touching.map(|part| {
         let jaw = match part.jaw {
@@ -28,17 +25,11 @@ pub(super) fn capsules(
             settings::Jaw::Left => Some(Jaw::Left),
             settings::Jaw::Right => Some(Jaw::Right),
         };
-        let about = |(pivot, angle)| HingeSpec {
-            pivot,
-            axis: [0.0, 1.0, 0.0],
-            angle,
-        };
-        let hinge = hinge.zip(part.jaw.angle(opening)).map(about);
         CapsuleSpec {
             a: part.a,
             b: part.b,
             radius: part.radius,
-            hinge,
+            joint: part.joint(hinge, opening_angle),
             jaw,
             lonor: part.lonor,
             edge: part.edge,

@@ -62,9 +62,9 @@ fn jaw(end: f64, side: f64, jaw: Jaw) -> CapsuleSpec {
     CapsuleSpec {
         a: [0.0, -2e-3, 1.2e-4 * side],
         b: [0.0, end, 1.2e-4 * side],
-        hinge: Some(HingeSpec {
-            pivot: [0.0, 8e-3, 0.0],
-            axis: [1.0, 0.0, 0.0],
+        joint: Joint::Hinge(Hinge {
+            pivot: Vector3::new(0.0, 8e-3, 0.0),
+            axis: Vector3::x_axis(),
             angle: -0.15 * side,
         }),
         jaw: Some(jaw),

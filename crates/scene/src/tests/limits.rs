@@ -213,10 +213,10 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
         ),
         (
             |s| {
-                s.tools[0].capsules[0].hinge = Some(HingeSpec {
-                    pivot: [0.0; 3],
-                    axis: [0.0; 3],
-                    angle: 1.0,
+                s.tools[0].capsules[0].joint = Joint::Hinge(Hinge {
+                    pivot: Vector3::zeros(),
+                    axis: Vector3::y_axis(),
+                    angle: f64::NAN,
                 });
             },
             "capsule 0 of tool 'probe'",
