@@ -128,9 +128,9 @@ pub fn limits(substance: Substance, variations: &[Variation]) -> Vec<Limit> {
         .filter(|variation| variation.concerns(substance))
     {
         if let Ok(subject) = Subject::new(substance, variation) {
-            let methods = limits::METHODS.into_iter();
             found.extend(
-                methods.filter_map(|method| Limit::find(method, substance, variation, &subject)),
+                limits::methods()
+                    .filter_map(|method| Limit::find(method, substance, variation, &subject)),
             );
         }
     }

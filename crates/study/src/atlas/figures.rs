@@ -2,7 +2,7 @@
 
 use super::heat_map::{Field, HeatMap, ratio_field};
 use super::large_steps::{LargeStep, Start};
-use super::limits::{Limit, METHODS};
+use super::limits::{Limit, methods};
 use super::subject::Variation;
 use super::{Atlas, method_name};
 use microsim_drawing::{percent, significant, time};
@@ -25,11 +25,11 @@ impl Atlas {
 
     /// Measured over exactly predicted limit, one map per method.
     pub fn limit_figures(&self) -> Vec<HeatMap> {
-        let each = METHODS.iter().map(|method| {
+        let each = methods().map(|method| {
             let limits: Vec<&Limit> = self
                 .limits
                 .iter()
-                .filter(|limit| limit.method == *method)
+                .filter(|limit| limit.method == method)
                 .collect();
             self.limit_map(
                 &format!("limits-{}", method.name()),

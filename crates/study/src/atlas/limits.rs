@@ -9,16 +9,15 @@
 use super::subject::{CELL, Subject, Substance, Variation, disturbed};
 use microsim_tissue::elements::{ElementMatrix, EnergyKind, Tangent};
 use microsim_tissue::stability::{self, Part};
-use microsim_tissue::{Control, Method, Serial, State, TissueModel};
+use microsim_tissue::{Control, Method, MethodName, Newton, Serial, State, TissueModel};
 
-/// The methods with a limit.
-pub const METHODS: [Method; 5] = [
-    Method::ExplicitEuler,
-    Method::SymplecticEuler,
-    Method::StoermerVerlet,
-    Method::VelocityVerlet,
-    Method::VelocityVerletLagged,
-];
+/// The methods with a limit: all that are explicit.
+pub fn methods() -> impl Iterator<Item = Method> {
+    // No explicit method has parameters.
+    let all = MethodName::ALL.into_iter();
+    all.map(|name| Method::named(name, Newton::default(), 1, 1))
+        .filter(Method::is_explicit)
+}
 
 /// Size of the disturbance of a linear body, as a fraction of a cell.
 const TINY: f64 = 1e-9;

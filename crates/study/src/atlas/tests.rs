@@ -7,7 +7,9 @@ use super::subject::{CELL, body, disturbed};
 use super::*;
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::{SAFETY, mass_floor, stable_step, stiffness_cap};
-use microsim_tissue::{Control, Discretisation, Newton, Serial, State, StepFailure, TissueModel};
+use microsim_tissue::{
+    Control, Discretisation, MethodName, Newton, Serial, State, StepFailure, TissueModel,
+};
 use nalgebra::Vector3;
 use std::f64::consts::SQRT_2;
 
@@ -268,18 +270,8 @@ fn inverted_elements_break_the_logarithmic_law_at_an_explicit_step_and_not_the_c
 fn a_number_that_is_none_stops_the_step_and_nothing_else() {
     let polynomial = Substance::Continuum(LawName::NeoHookeanPolynomial, TETRAHEDRA);
     let body = subject(polynomial, Variation::Plain);
-    let methods = limits::METHODS.into_iter().chain([
-        Method::ImplicitEuler(newton(5)),
-        Method::ImplicitMidpoint(newton(5)),
-        Method::GuardedMidpoint(newton(5)),
-        Method::Sdirk2(newton(5)),
-        Method::QuasiStatic(newton(5)),
-        Method::Xpbd {
-            substeps: 2,
-            iterations: 1,
-        },
-    ]);
-    for method in methods {
+    for name in MethodName::ALL {
+        let method = Method::named(name, newton(5), 2, 1);
         let mut state = disturbed(&body.model, 1e-3 * CELL);
         let before = state.clone();
         let mut solver = method.solver(&body.model).unwrap();
