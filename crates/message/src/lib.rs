@@ -11,7 +11,6 @@
 #![forbid(unsafe_code)]
 
 mod input;
-mod kinds;
 mod level;
 mod object;
 mod pose;
@@ -22,7 +21,6 @@ mod tool;
 mod wire;
 
 pub use input::{InputEnd, InputSample};
-pub use kinds::{TISSUE_SNAPSHOT, core_kinds};
 pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,
@@ -38,3 +36,39 @@ pub use tool::{
     ToolState, ToolStates,
 };
 pub use wire::{DecodeError, Message, decode, decode_bytes, encode, push, to_json};
+
+use microsim_bus::KindInfo;
+use microsim_vocabulary::Overflow;
+
+/// Kind of the blocks that carry the nodes and surface of a body: arrays `node_id` (u32), `position` (f64, 3 per node,
+/// field frame, m), `piece` (u32, one per node: which piece of the body it is of, 0 before any came off), `triangle` (u32, 3 rows of
+/// `node_id`'s array per triangle, outward), `inner` (u32, one per triangle: 1 of a surface that a cut has opened, else 0).
+pub const TISSUE_SNAPSHOT: &str = "tissue.snapshot";
+
+/// Every kind that the platform itself brings.
+pub fn core_kinds() -> Vec<KindInfo> {
+    vec![
+        wire::info::<InputSample>(),
+        wire::info::<InputEnd>(),
+        wire::info::<ToolSample>(),
+        wire::info::<ToolStates>(),
+        wire::info::<ContactForces>(),
+        wire::info::<TissueRecovery>(),
+        wire::info::<TissueCut>(),
+        KindInfo {
+            name: TISSUE_SNAPSHOT.into(),
+            version: 1,
+            overflow: Overflow::DropOldest,
+        },
+        wire::info::<ObjectSet>(),
+        wire::info::<ObjectScene>(),
+        wire::info::<LevelControl>(),
+        wire::info::<LevelState>(),
+        wire::info::<LevelEvent>(),
+        wire::info::<TrainingResult>(),
+        wire::info::<Log>(),
+        wire::info::<Progress>(),
+        wire::info::<PictureRequest>(),
+        wire::info::<SessionRecord>(),
+    ]
+}

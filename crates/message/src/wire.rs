@@ -1,6 +1,6 @@
 //! A message and its wire form.
 
-use microsim_bus::{Frame, kind_id};
+use microsim_bus::{Frame, KindInfo, kind_id};
 use microsim_vocabulary::Overflow;
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt;
@@ -15,6 +15,15 @@ pub trait Message: Serialize + DeserializeOwned {
     const OLDEST_VERSION: u16 = Self::VERSION;
     /// Rule for a full queue.
     const OVERFLOW: Overflow = Overflow::Refuse;
+}
+
+/// What the bus has to know of a kind.
+pub(crate) fn info<M: Message>() -> KindInfo {
+    KindInfo {
+        name: M::KIND.into(),
+        version: M::VERSION,
+        overflow: M::OVERFLOW,
+    }
 }
 
 /// A payload that is not what its header states.
