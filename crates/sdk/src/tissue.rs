@@ -18,6 +18,7 @@ pub use ring::Ring;
 
 use crate::fault::Fault;
 use microsim_settings::ModuleConfig;
+use nalgebra::Vector3;
 
 /// The name of the tissue of a level: its first body. A fault where it has none.
 pub fn tissue_of(config: &ModuleConfig) -> Result<String, Fault> {
@@ -27,15 +28,7 @@ pub fn tissue_of(config: &ModuleConfig) -> Result<String, Fault> {
 
 /// Distance of two points \[m\].
 pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    length([a[0] - b[0], a[1] - b[1], a[2] - b[2]])
-}
-
-pub(crate) fn length([x, y, z]: [f64; 3]) -> f64 {
-    (x * x + y * y + z * z).sqrt()
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    (Vector3::from(a) - Vector3::from(b)).norm()
 }
 
 /// Row of the node with an id in the arrays of a snapshot. Ids are stable, but not in order: a cut may move nodes to other rows.

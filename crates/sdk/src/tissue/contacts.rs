@@ -1,10 +1,11 @@
 //! What tools do to a body: whether they hold it, how hard, for how long too hard; and how often it was let go.
 
-use super::{MarkLine, Probes, distance, dot, length, place_of};
+use super::{MarkLine, Probes, distance, place_of};
 use crate::fault::Fault;
 use crate::tick::Tick;
 use microsim_bus::BlockView;
 use microsim_message::{ContactForce, ContactForces, GRIP_MIN};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Time without a grip after which tissue has been let go \[s\]. A grip that trembles for a tick has not let go.
@@ -83,7 +84,7 @@ impl Contacts {
         if counts {
             self.excess += excess;
             for contact in contacts {
-                self.peak_force = self.peak_force.max(length(contact.force));
+                self.peak_force = self.peak_force.max(Vector3::from(contact.force).norm());
                 if holders.contains(&contact.partner) {
                     self.peak_grip = self.peak_grip.max(contact.grip_force);
                 }
@@ -166,8 +167,8 @@ impl Grasp {
             let place = place_of(positions, row);
             let passed = marks.iter().filter(|mark| {
                 let [there, here] = [place, first].map(|p| {
-                    let offset = [0, 1, 2].map(|k| p[k] - mark.middle[k]);
-                    dot(offset, mark.across)
+                    let offset = Vector3::from(p) - Vector3::from(mark.middle);
+                    offset.dot(&Vector3::from(mark.across))
                 });
                 there * here < 0.0
             });

@@ -1,11 +1,11 @@
 //! Cuts assigned to the marks that they belong to: how far from a mark and how askew tissue was cut, and what was cut or tore
 //! elsewhere. Everything is measured in the tissue at rest, so that stretching it does not make a cut better.
 
-use super::{dot, length};
 use crate::axis;
 use crate::fault::Fault;
 use microsim_message::TissueCut;
 use microsim_settings::Object;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Sine of the angle to the surface below which a plane does not cut tissue through but peels a layer off: 30°. Small bites at edges lie
@@ -28,7 +28,7 @@ impl MarkLine {
     pub fn new(mark: &Object) -> Result<Self, Fault> {
         let along = axis(mark.orientation);
         let across = [along[1], -along[0], 0.0];
-        let size = length(across);
+        let size = Vector3::from(across).norm();
         if size <= f64::EPSILON {
             return Err(Fault::new(format!(
                 "[[object]] \"{}\": its `orientation` lets the mark stand upright on the tissue; it has to lie on it",
@@ -45,16 +45,17 @@ impl MarkLine {
     /// Whether a plane with this normal is a cut of the mark, rather than a slit that runs away from its line or a layer that is peeled
     /// off.
     fn is_cut_by(&self, normal: [f64; 3]) -> bool {
-        let [across, along] = [self.across, self.along].map(|axis| dot(normal, axis).abs());
-        let [x, y, _] = normal;
-        across > along && length([x, y, 0.0]) > PEELED
+        let normal = Vector3::from(normal);
+        let [across, along] =
+            [self.across, self.along].map(|axis| normal.dot(&Vector3::from(axis)).abs());
+        across > along && normal.xy().norm() > PEELED
     }
 
     /// How far a place is from the line \[m\].
     fn away(&self, place: [f64; 3]) -> f64 {
-        let offset = [0, 1, 2].map(|k| place[k] - self.middle[k]);
-        let along = dot(offset, self.along);
-        length([0, 1, 2].map(|k| offset[k] - along * self.along[k]))
+        let along = Vector3::from(self.along);
+        let offset = Vector3::from(place) - Vector3::from(self.middle);
+        (offset - offset.dot(&along) * along).norm()
     }
 }
 
@@ -76,7 +77,12 @@ struct Cut {
 impl Cut {
     /// Distance of its plane from the mark's middle \[m\].
     fn distance(&self) -> f64 {
-        dot(self.place, self.normal).abs()
+        self.along(self.normal).abs()
+    }
+
+    /// Offset of its centroid from the mark's middle along `normal` \[m\].
+    fn along(&self, normal: [f64; 3]) -> f64 {
+        Vector3::from(self.place).dot(&Vector3::from(normal))
     }
 }
 
@@ -154,15 +160,16 @@ impl CutLog {
             self.elsewhere += cut.area;
             return Assignment::Stray;
         };
-        let cosine = dot(cut.rest_normal, mark.across);
+        let across = Vector3::from(mark.across);
+        let cosine = Vector3::from(cut.rest_normal).dot(&across);
         let normal = cut.rest_normal.map(|c| if cosine < 0.0 { -c } else { c });
-        let offset = [0, 1, 2].map(|k| cut.rest_centroid[k] - mark.middle[k]);
+        let offset = Vector3::from(cut.rest_centroid) - Vector3::from(mark.middle);
         let first = self.marks[index].is_empty();
         self.marks[index].push(Cut {
             area: cut.area,
-            place: offset,
+            place: offset.into(),
             normal,
-            beside: dot(offset, mark.across).abs(),
+            beside: offset.dot(&across).abs(),
             sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
         });
         Assignment::Mark { index, first }
@@ -181,7 +188,7 @@ impl CutLog {
             let normal = mean_normal(cuts);
             let middle = median(cuts, normal, all);
             let is_near = |cut: &&Cut| {
-                let away = (dot(cut.place, normal) - middle).abs();
+                let away = (cut.along(normal) - middle).abs();
                 away.min(cut.beside) <= width
             };
             let (own, far): (Vec<&Cut>, Vec<&Cut>) = cuts.iter().partition(is_near);
@@ -208,16 +215,13 @@ impl CutLog {
 
 /// The mean over the area, of length 1. None of the normals points away from that of the mark, so that it does not vanish.
 fn mean_normal(cuts: &[Cut]) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for cut in cuts {
-        sum = [0, 1, 2].map(|k| sum[k] + cut.area * cut.normal[k]);
-    }
-    sum.map(|c| c / length(sum))
+    let normals = cuts.iter().map(|cut| cut.area * Vector3::from(cut.normal));
+    normals.sum::<Vector3<f64>>().normalize().into()
 }
 
 /// The offset along `normal` on both sides of which half of the area lies; `all` is the whole of it.
 fn median(cuts: &[Cut], normal: [f64; 3], all: f64) -> f64 {
-    let offsets = cuts.iter().map(|cut| (dot(cut.place, normal), cut.area));
+    let offsets = cuts.iter().map(|cut| (cut.along(normal), cut.area));
     let mut sorted: Vec<(f64, f64)> = offsets.collect();
     sorted.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let mut sum = 0.0;
