@@ -154,7 +154,7 @@ fn rows(session: &Session, args: &BusArgs, skip: usize) -> Vec<Value> {
     let senders: Vec<&str> = plan
         .plugins
         .iter()
-        .filter(|p| !p.is_observer())
+        .filter(|p| !p.kind.is_observer())
         .map(|p| p.name.as_str())
         .collect();
     let mut rows = Vec::new();

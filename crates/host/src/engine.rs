@@ -130,7 +130,7 @@ pub fn plan_digest(plan: &RunPlan) -> Hash {
             plan.queue_bytes,
         )),
     ];
-    for plugin in plan.plugins.iter().filter(|p| !p.is_observer()) {
+    for plugin in plan.plugins.iter().filter(|p| !p.kind.is_observer()) {
         parts.push(encode(&(
             &plugin.name,
             plugin.kind,
@@ -163,7 +163,7 @@ impl Engine {
         };
         let mut router = Router::new(limits, kinds).map_err(|e| bus("host", e))?;
         let mut plugins = Vec::new();
-        for planned in plan.plugins.iter().filter(|p| !p.is_observer()) {
+        for planned in plan.plugins.iter().filter(|p| !p.kind.is_observer()) {
             let mut publishes = planned.publishes.clone();
             publishes.extend(SERVICE_KINDS.map(String::from));
             let endpoint = router
@@ -192,7 +192,7 @@ impl Engine {
     }
 
     fn initialise(&mut self, plan: &RunPlan) -> Result<(), Failure> {
-        let planned = plan.plugins.iter().filter(|p| !p.is_observer());
+        let planned = plan.plugins.iter().filter(|p| !p.kind.is_observer());
         for (plugin, planned) in self.plugins.iter_mut().zip(planned) {
             // No callback crosses to a training module: it may run in a process of its own.
             let parallel = match (&self.parallel, planned.kind) {

@@ -61,13 +61,6 @@ pub struct PlannedPlugin {
     pub setup: Setup,
 }
 
-impl PlannedPlugin {
-    /// Whether it only observes: nothing in the run depends on it, and it has no state and no place on the bus.
-    pub fn is_observer(&self) -> bool {
-        matches!(self.kind, PluginKind::Renderer | PluginKind::Recorder)
-    }
-}
-
 /// A line of `--explain` that is not a plugin: a body, an object, a contact pair, a method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannedPart {

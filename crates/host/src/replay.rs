@@ -62,7 +62,7 @@ pub fn replay(
     // The input is in the ticks, and nothing is recorded again.
     for plugin in &mut plan.plugins {
         let drawn = plugin.kind == PluginKind::Renderer && options.pictures.is_some();
-        if plugin.kind == PluginKind::Source || (plugin.is_observer() && !drawn) {
+        if plugin.kind == PluginKind::Source || (plugin.kind.is_observer() && !drawn) {
             continue;
         }
         let located = locate(plugin)?;
@@ -176,7 +176,7 @@ fn refail(
     let failure = session.failures.first()?;
     let plan = &session.header.plan;
     let plugin = plan.plugins.iter().find(|p| p.name == failure.plugin)?;
-    if plugin.kind == PluginKind::Source || plugin.is_observer() {
+    if plugin.kind == PluginKind::Source || plugin.kind.is_observer() {
         return None;
     }
     let what = match engine.tick(Feed::Recorded { log: &recorded.log }) {
