@@ -20,7 +20,6 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     adapter_name: String,
-    software: bool,
 }
 
 impl Gpu {
@@ -63,18 +62,12 @@ impl Gpu {
             device,
             queue,
             adapter_name: info.name,
-            software: info.device_type == wgpu::DeviceType::Cpu,
         })
     }
 
     /// The adapter's name as its driver gives it, e.g. "llvmpipe (LLVM 19.1.7, 256 bits)".
     pub fn adapter_name(&self) -> &str {
         &self.adapter_name
-    }
-
-    /// True for a driver that draws on the CPU.
-    pub fn is_software(&self) -> bool {
-        self.software
     }
 
     /// The largest width and height of a picture \[pixels\].

@@ -216,16 +216,6 @@ impl<P: Plugin> TestHost<P> {
         Ok(published)
     }
 
-    /// Ticks until a message of kind `M` comes, at most `ticks` times.
-    pub fn tick_until<M: Message>(&mut self, ticks: u64) -> Result<Option<M>, Fault> {
-        for _ in 0..ticks {
-            if let Some(message) = self.tick()?.last() {
-                return Ok(Some(message));
-            }
-        }
-        Ok(None)
-    }
-
     /// The input ends: the verdict of a training module.
     pub fn end(&mut self) -> TrainingResult {
         self.send(&LevelControl::InputEnded);

@@ -31,13 +31,6 @@ pub struct Reading<'a> {
     pub ending: Ending,
 }
 
-impl Reading<'_> {
-    /// The tick of the last complete frame.
-    pub fn last_tick(&self) -> Option<u64> {
-        self.frames.last().map(|frame| frame.tick)
-    }
-}
-
 /// How a session file ends. `after_tick` is the tick of the last frame before the place, `None` if there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
@@ -324,7 +317,7 @@ mod tests {
         let reading = read(&bytes).unwrap();
         assert_first_frames(&reading.frames, FRAMES.len(), &boundaries, "whole file");
         assert_eq!(reading.ending, Ending::Clean);
-        assert_eq!(reading.last_tick(), Some(251));
+        assert_eq!(reading.frames.last().map(|frame| frame.tick), Some(251));
     }
 
     /// Every cut: all frames that were complete before it are recovered, and the ending names what it was.

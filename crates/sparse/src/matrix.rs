@@ -98,7 +98,8 @@ impl BlockMatrix {
     ///
     /// # Panics
     /// When `fixed` does not have one entry per node.
-    pub fn constrain(&mut self, fixed: &[bool]) {
+    #[cfg(test)]
+    pub(crate) fn constrain(&mut self, fixed: &[bool]) {
         assert_eq!(fixed.len(), self.pattern.nodes(), "one mark per node");
         for i in 0..fixed.len() {
             for (k, &j) in self.pattern.row(i).iter().enumerate() {

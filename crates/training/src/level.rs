@@ -38,13 +38,6 @@ pub enum LevelPhase {
     },
 }
 
-impl LevelPhase {
-    /// Whether the level is over.
-    pub fn is_final(&self) -> bool {
-        matches!(self, LevelPhase::Passed | LevelPhase::Failed { .. })
-    }
-}
-
 /// Something to be achieved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Target {

@@ -51,6 +51,13 @@ fn library_without_the_symbol() {
     assert_library_refused("microsim-fixture-not-a-plugin", reason);
 }
 
+/// Its version is right, and there is nothing behind it.
+#[test]
+fn library_without_the_header() {
+    let reason = "exports no plugin (the root symbol `_1as_0lib_1header_0root_bmodule_bloader` is missing): does it call `export_plugin!`?";
+    assert_library_refused("microsim-fixture-no-header", reason);
+}
+
 #[test]
 fn library_that_is_none() {
     let installed = Installed::awkward(TRANSLATOR);

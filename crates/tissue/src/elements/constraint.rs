@@ -85,14 +85,6 @@ impl<M: Measure<N>, const N: usize> ConstraintSet<M, N> {
         &self.stiffness
     }
 
-    /// The same set with stiffness and damping of each element times its factor: the stiffness cap of NUMERICS 3.5 d.
-    pub fn with_factors(mut self, factors: &[f64]) -> Self {
-        for (element, factor) in factors.iter().enumerate() {
-            self.scale(element, *factor);
-        }
-        self
-    }
-
     /// Rest value, stiffness and damping of an element now. Damping grows with the stiffness.
     #[inline]
     fn constants(&self, element: usize, internal: &[f64]) -> (f64, f64, f64) {

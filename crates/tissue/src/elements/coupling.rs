@@ -133,16 +133,6 @@ impl Coupling {
         }
     }
 
-    /// Breaks every tie to a point that `element` of the mesh owns, in the internal variables of this set: the element was
-    /// removed.
-    pub fn break_element(&self, element: u32, internal: &mut [f64]) {
-        for (owner, broken) in self.elements.iter().zip(internal) {
-            if *owner == element {
-                *broken = 1.0;
-            }
-        }
-    }
-
     /// Number of whole ties.
     pub fn whole(internal: &[f64]) -> usize {
         internal.iter().filter(|&&broken| broken == 0.0).count()

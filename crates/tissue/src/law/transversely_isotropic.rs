@@ -22,6 +22,17 @@ use nalgebra::{Matrix3, Vector3};
 /// One family of fibres. Compressed along them the law loses ellipticity, at the latest at I₄ = 1 − 2μ/m = 1 − 1/((1+ν)(n−1)): there the
 /// second derivative along b⊗a₀ with b ⊥ F a₀, which is μ + ½m(I₄−1), is zero (n = 5 and ν = 0.45: a stretch of 0.91). Fibres that buckle do
 /// the same.
+///
+/// Stiff fibres that do not lie along edges lock linear elements: they all but prescribe a stretch in each. Of a beam of half its length in
+/// height with fibres at 0.5 rad to its axis, two cells over the height sag by this fraction of what eight do (`tests/stiff_fibres.rs`):
+///
+/// | n | 1 | 10 | 100 | 1000 |
+/// |---|---|---|---|---|
+/// | selective | 0.92 | 0.93 | 0.73 | 0.55 |
+/// | tetrahedra | 0.62 | 0.69 | 0.58 | – |
+///
+/// At n = 1000 tetrahedra are locked on both meshes. Fibres belong to the isochoric part, which no discretisation integrates over more than
+/// what is around an edge; up to n ≈ 10 an edge-smoothed mesh is as good as without fibres, beyond compare two meshes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TransverselyIsotropic;
 

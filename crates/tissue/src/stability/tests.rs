@@ -202,10 +202,9 @@ fn sliver(close: f64, factors: Option<Vec<Vec<f64>>>) -> TissueModel {
         });
     let (mut springs, mut volumes) = (Springs::new(springs), Volumes::new(volumes));
     if let Some(factors) = factors {
-        (springs, volumes) = (
-            springs.with_factors(&factors[0]),
-            volumes.with_factors(&factors[1]),
-        );
+        let of = |set: usize| factors[set].iter().copied().enumerate();
+        of(0).for_each(|(element, factor)| springs.scale(element, factor));
+        of(1).for_each(|(element, factor)| volumes.scale(element, factor));
     }
     let sets: Vec<Arc<dyn Elements>> = vec![Arc::new(springs), Arc::new(volumes)];
     TissueModel::new(&mesh, &density, &clamped, sets, 0.0).unwrap()
