@@ -1,5 +1,6 @@
 //! What the host gives each kind of plugin: types of host and plugin alike, made of a level, its module's manifest and
-//! the files of the installation. On the wire they are the value `config` of a set-up.
+//! the files of the installation. On the wire they are the value `config` of a set-up. What is wrong in a file is refused before, with file
+//! and line; a plugin that was built for other keys refuses the value itself.
 
 use crate::body::Body;
 use crate::colour::Colour;
@@ -23,6 +24,7 @@ pub type ToolModels = BTreeMap<String, Tool>;
 
 /// What the source that plays scripts is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ScriptConfig {
     /// The script, checked and in SI units.
     pub script: Script,
@@ -30,7 +32,7 @@ pub struct ScriptConfig {
 
 /// What the source that plays recordings is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "format", rename_all = "kebab-case")]
+#[serde(tag = "format", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RecordingConfig {
     /// A CSV file with its column map.
     Csv {
@@ -45,6 +47,7 @@ pub enum RecordingConfig {
 
 /// What a translator is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TranslatorConfig {
     /// A tool whose last sample is older is stale \[s\].
     pub stale_after: f64,
@@ -105,6 +108,7 @@ impl DeviceMap {
 
 /// What a physics plugin is given: the parts of a level that a scene is built of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PhysicsConfig {
     /// What acts on all bodies.
     pub physics: Physics,
@@ -148,6 +152,7 @@ impl PhysicsConfig {
 
 /// What a training module is given of its level, checked and in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ModuleConfig {
     /// Tool slots.
     pub tools: Vec<ToolSlot>,
@@ -201,6 +206,7 @@ impl ModuleConfig {
 
 /// What the plugin of virtual objects is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ObjectsConfig {
     /// Objects that a module moves.
     pub objects: Vec<Object>,
@@ -220,6 +226,7 @@ impl ObjectsConfig {
 
 /// How a body is drawn.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct BodyLook {
     /// Name of the body.
     pub name: String,
@@ -231,6 +238,7 @@ pub struct BodyLook {
 
 /// Of a renderer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RendererConfig {
     /// What is seen.
     pub view: View,
@@ -264,6 +272,7 @@ impl RendererConfig {
 
 /// Of a recorder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RecorderConfig {
     /// The session file to write; it must not exist.
     pub path: PathBuf,

@@ -3,6 +3,7 @@
 use crate::{KNOWN_METRICS, example, manifest};
 use microsim_settings::*;
 use serde::{Serialize, de::DeserializeOwned};
+use serde_json::{Value, json};
 use std::fmt::Debug;
 
 /// As the value of a set-up, and back.
@@ -11,8 +12,41 @@ fn crossed<T: Serialize + DeserializeOwned>(config: &T) -> T {
     serde_json::from_value(value).expect("the same type")
 }
 
+/// Nothing is lost, and a key that the other side does not know, a key that is missing and a value of another type are refused by name.
 fn assert_crosses<T: Serialize + DeserializeOwned + PartialEq + Debug>(config: &T) {
     assert_eq!(crossed(config), *config);
+    let value = serde_json::to_value(config).expect("plain data");
+    let refused = |key: &str, changed: Option<Value>| {
+        let mut value = value.clone();
+        let table = value.as_object_mut().expect("a table");
+        match changed {
+            Some(changed) => table.insert(key.to_owned(), changed),
+            None => table.remove(key),
+        };
+        let read = serde_json::from_value::<T>(value);
+        read.map(drop).map_err(|error| error.to_string())
+    };
+    let message = refused("zzz", Some(json!(1))).expect_err("an unknown key");
+    assert!(message.contains("unknown field `zzz`"), "{message}");
+    for (key, value) in value.as_object().expect("a table") {
+        // What a module's own keys may hold, its manifest decides.
+        if key == "module" {
+            continue;
+        }
+        let other = if value.is_boolean() {
+            json!("yes")
+        } else {
+            json!(true)
+        };
+        let message = refused(key, Some(other)).expect_err(key);
+        assert!(message.contains("expected"), "{key}: {message}");
+        if let Err(message) = refused(key, None) {
+            assert!(
+                message.contains(&format!("missing field `{key}`")),
+                "{message}"
+            );
+        }
+    }
 }
 
 /// The examples write every key of their schemas.
@@ -39,7 +73,7 @@ fn configurations_cross_unchanged() {
         name: "motion.csv".into(),
         map: Box::new(map.settings),
     });
-    assert_crosses(&RecordingConfig::Samples);
+    assert_eq!(crossed(&RecordingConfig::Samples), RecordingConfig::Samples);
     let translator = read_translator(example("translator"), "translator.toml");
     let translator = translator.expect("the example is right").settings;
     assert_crosses(&TranslatorConfig::new(&translator, None, &level.tool));
