@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 pub mod alter;
+pub mod changed_levels;
 pub mod comb;
 pub mod counts;
 pub mod detected;

@@ -1,5 +1,6 @@
 //! The built tree with one more plugin: the fixture `timer-source`, whose samples come when they like.
 
+use crate::changed_levels::link_all;
 use crate::{Finished, command, finish, fixture_library, repository, scratch, tree};
 use serde_json::Value;
 use std::fs;
@@ -23,17 +24,6 @@ pub struct NewLevel<'a> {
     pub module: &'a str,
     /// The level file.
     pub text: &'a str,
-}
-
-/// A link in a folder for each entry of another, but for one.
-fn link_all(from: &Path, to: &Path, but: &str) {
-    fs::create_dir(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("a folder of the tree") {
-        let entry = entry.expect("an entry");
-        if entry.file_name() != but {
-            symlink(entry.path(), to.join(entry.file_name())).expect("a link");
-        }
-    }
 }
 
 impl LiveTree {

@@ -184,7 +184,12 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held_nor_cut() {
         {
             let done_without = |what: &str| {
                 let (printed, _) = level.play(folder.path(), what, &script, &["--without", what]);
-                assert_eq!(printed["verdict"], "failed", "{printed}");
+                // Jaws that press where nothing answers may leave forces that mean nothing.
+                let verdict = printed["verdict"].as_str();
+                assert!(
+                    matches!(verdict, Some("failed" | "not-judged")),
+                    "{printed}"
+                );
                 assert_eq!(printed["counts"], false, "{printed}");
                 printed["targets_done"].as_u64().expect("a number")
             };
@@ -227,8 +232,9 @@ fn coordination_is_not_passed_without_what_its_levels_use() {
                 let name = format!("{script}-without-{what}");
                 let (printed, _) = level.play(folder.path(), &name, &passing, &["--without", what]);
                 let script = passing.display().to_string();
-                assert_eq!(
-                    printed["verdict"], "failed",
+                let verdict = printed["verdict"].as_str();
+                assert!(
+                    matches!(verdict, Some("failed" | "not-judged")),
                     "{script} without {what}: {printed}"
                 );
                 assert_eq!(printed["counts"], false, "{printed}");
@@ -502,6 +508,7 @@ fn the_json_of_a_run_has_its_fields() {
         "score",
         "seed",
         "session",
+        "solver",
         "state_hash",
         "synthetic",
         "targets",

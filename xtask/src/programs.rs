@@ -88,6 +88,12 @@ pub const SOAKS: &[Program] = &[
         shows: "physics digest of every shipped script and scene, against the recorded ones",
     },
     Program {
+        name: "convergence",
+        package: TESTS,
+        example: "soak_convergence",
+        shows: "how far the solver comes in every script, as shipped and crippled, and what becomes of the verdict",
+    },
+    Program {
         name: "cuts",
         package: "microsim-cutting",
         example: "soak_cuts",

@@ -84,6 +84,7 @@ pub fn verdict_word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Passed => "passed",
         Verdict::Failed => "failed",
+        Verdict::NotJudged => "not-judged",
         Verdict::Aborted => "aborted",
         Verdict::Incomplete => "incomplete",
     }
@@ -109,6 +110,10 @@ pub fn summary(report: &Report) -> String {
     }
     for (id, text) in report.failed.iter().zip(&report.reasons) {
         lines.push(format!("    {id}: {}", text.en));
+    }
+    if report.verdict == Verdict::NotJudged {
+        let reasons = report.reasons.iter();
+        lines.extend(reasons.map(|why| format!("    {}", why.en)));
     }
     for failure in &s.failures {
         lines.push(format!("    {failure}"));

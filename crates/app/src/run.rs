@@ -326,6 +326,7 @@ fn tell_json(
         "targets_done": report.targets_done,
         "targets": report.targets,
         "ticks": outcome.ticks,
+        "solver": report.solver,
         "late_ticks": outcome.late_ticks,
         "state_hash": outcome.state_hash,
         "physics_digest": outcome.physics_digest,

@@ -95,7 +95,9 @@ impl ContactSolver<SystemResponse<'_>> for InteriorPoint {
             ..
         } = response;
         let direction = motion;
-        let (contacts, rows, edge) = contacts.parts();
+        let set = contacts;
+        let (contacts, rows, edge) = set.parts();
+        let mut failed = false;
         self.left.copy_from_slice(forces);
         if direction.iter().any(|d| *d != Vector3::zeros()) {
             system.multiply(direction, &mut self.inner);
@@ -117,7 +119,7 @@ impl ContactSolver<SystemResponse<'_>> for InteriorPoint {
             }
             let known = system.set_delassus(&self.directions, &mut self.delassus);
             debug_assert!(known, "there is an f64 Cholesky factor");
-            self.balance(contacts, rows, direction);
+            failed |= !self.balance(contacts, rows, direction);
             self.inner.fill(Vector3::zeros());
             for member in &self.members {
                 let force = member.vector(&self.forces);
@@ -142,6 +144,7 @@ impl ContactSolver<SystemResponse<'_>> for InteriorPoint {
             row.friction_bound = cone.bound;
             *row = row.with_force(contact, &contact.interpolate(direction), force);
         }
+        set.failures += u32::from(failed);
         Ok(())
     }
 }
@@ -233,8 +236,9 @@ impl InteriorPoint {
         }
     }
 
-    /// Sets the forces, with the friction bounds of the rows or, where these are not fixed, of the forces themselves.
-    fn balance(&mut self, contacts: &[Contact], rows: &[Row], direction: &[Vector3<f64>]) {
+    /// Sets the forces, with the friction bounds of the rows or, where these are not fixed, of the forces themselves. Returns whether
+    /// they were found; if not, they remain those of before.
+    fn balance(&mut self, contacts: &[Contact], rows: &[Row], direction: &[Vector3<f64>]) -> bool {
         self.motions.clear();
         self.cones.clear();
         for member in &self.members {
@@ -266,7 +270,10 @@ impl InteriorPoint {
                 &mut self.forces,
             );
             let last = update + 1 == self.options.bound_updates;
-            if !found || last || self.has_consistent_bounds(contacts, rows) {
+            if !found {
+                return false;
+            }
+            if last || self.has_consistent_bounds(contacts, rows) {
                 break;
             }
             for (member, cone) in self.members.iter().zip(&mut self.cones) {
@@ -275,6 +282,7 @@ impl InteriorPoint {
                 }
             }
         }
+        true
     }
 
     /// Whether no friction bound is far from that of its normal force.

@@ -26,6 +26,8 @@ pub struct ContactSet {
     pub may_terminate_early: bool,
     /// Whether contacts retain multipliers, bounds and penalties when they are linearised again.
     pub retains_multipliers: bool,
+    /// Solutions whose forces were not found and remained those of before, since the caller last set it to 0.
+    pub failures: u32,
     options: AugmentedLagrangianOptions,
     rows: Vec<Row>,
     /// The contacts that were found before in this step, as they were published.
@@ -46,6 +48,7 @@ impl ContactSet {
             contacts: Vec::new(),
             may_terminate_early: false,
             retains_multipliers: false,
+            failures: 0,
             options,
             rows: Vec::new(),
             published: Vec::new(),

@@ -39,6 +39,8 @@ pub enum LevelPhase {
     Passed,
     /// Ended, failed.
     Failed,
+    /// Ended without a verdict.
+    NotJudged,
 }
 
 /// State of the level; published whenever it changes.
@@ -140,6 +142,9 @@ pub struct TrainingResult {
     pub passed: bool,
     /// Ended by the operator.
     pub aborted: bool,
+    /// Why there is no verdict; empty where there is one. Then it is not passed, no reason is named, and nothing has points.
+    #[serde(default)]
+    pub not_judged: Vec<LocalText>,
     /// Ids of the reasons why it failed, exactly those.
     pub failed: Vec<String>,
     /// The reasons in words, in the same order.

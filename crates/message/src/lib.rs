@@ -15,6 +15,7 @@ mod level;
 mod object;
 mod pose;
 mod setup;
+mod solver;
 #[cfg(test)]
 mod tests;
 mod tool;
@@ -31,6 +32,7 @@ pub use pose::Pose;
 pub use setup::{
     Log, LogLevel, PictureRequest, Progress, SessionRecord, Setup, SetupFile, config_value,
 };
+pub use solver::SolverTick;
 pub use tool::{
     ContactForce, ContactForces, GRIP_MIN, TissueCut, TissueRecovery, ToolPose, ToolSample,
     ToolState, ToolStates,
@@ -55,6 +57,7 @@ pub fn core_kinds() -> Vec<KindInfo> {
         wire::info::<ContactForces>(),
         wire::info::<TissueRecovery>(),
         wire::info::<TissueCut>(),
+        wire::info::<SolverTick>(),
         KindInfo {
             name: TISSUE_SNAPSHOT.into(),
             version: 1,

@@ -160,6 +160,7 @@ fn result(passed: bool) -> TrainingResult {
     TrainingResult {
         passed,
         aborted: false,
+        not_judged: vec![],
         failed: if passed {
             vec![]
         } else {

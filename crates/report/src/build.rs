@@ -6,10 +6,11 @@ use crate::input::ReportInput;
 use crate::moment::MomentCollector;
 use crate::motion::{MotionCollector, PresenceCollector};
 use crate::report::{EventRecord, MetricEntry, RecoveryRecord, Report, Verdict, Warning};
+use crate::solver::SolverCollector;
 use microsim_bus::{Frame, Frames};
 use microsim_message::{
     ContactForces, DecodeError, InputSample, LevelEvent, LevelState, Log, LogLevel, Message,
-    TissueCut, TissueRecovery, ToolSample, ToolStates, TrainingResult, decode,
+    SolverTick, TissueCut, TissueRecovery, ToolSample, ToolStates, TrainingResult, decode,
 };
 use std::collections::BTreeMap;
 
@@ -51,6 +52,7 @@ struct Reading<'a> {
     motion: MotionCollector,
     presence: PresenceCollector,
     forces: ForceCollector,
+    solver: SolverCollector,
     moments: MomentCollector<'a>,
     state: LevelState,
     result: Option<TrainingResult>,
@@ -68,6 +70,7 @@ impl<'a> Reading<'a> {
             motion: MotionCollector::default(),
             presence: PresenceCollector::default(),
             forces: ForceCollector::default(),
+            solver: SolverCollector::default(),
             moments: MomentCollector::new(input),
             state: LevelState::default(),
             result: None,
@@ -88,6 +91,8 @@ impl<'a> Reading<'a> {
         } else if let Some(forces) = read::<ContactForces>(frame)? {
             self.moments.add_forces(tick, now, &forces);
             self.forces.add(tick, now, forces);
+        } else if let Some(tick) = read::<SolverTick>(frame)? {
+            self.solver.add(&tick);
         } else if let Some(cut) = read::<TissueCut>(frame)? {
             self.moments.add_cut(tick, now, &cut);
         } else if let Some(state) = read::<LevelState>(frame)? {
@@ -136,6 +141,7 @@ impl<'a> Reading<'a> {
         let verdict = match &self.result {
             None => Verdict::Incomplete,
             Some(result) if result.aborted => Verdict::Aborted,
+            Some(result) if !result.not_judged.is_empty() => Verdict::NotJudged,
             Some(result) if result.passed => Verdict::Passed,
             Some(_) => Verdict::Failed,
         };
@@ -159,6 +165,7 @@ impl<'a> Reading<'a> {
             presence: self.presence.finish(ticks_end, input.tick_s),
             series: self.motion.finish(),
             forces: self.forces.finish(),
+            solver: self.solver.finish(),
             events: self.events,
             moments: self
                 .moments
@@ -168,11 +175,14 @@ impl<'a> Reading<'a> {
         };
         if let Some(result) = self.result {
             report.failed = result.failed;
-            report.reasons = result.reasons;
+            report.reasons = match verdict {
+                Verdict::NotJudged => result.not_judged,
+                _ => result.reasons,
+            };
             report.duration = result.duration;
             report.targets_done = result.targets_done;
             report.targets = result.targets;
-            report.score = Some(result.score);
+            report.score = (verdict != Verdict::NotJudged).then_some(result.score);
             report.categories = result.categories;
             report.metrics = result.metrics.into_iter().map(MetricEntry::from).collect();
         }

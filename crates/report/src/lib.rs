@@ -6,6 +6,7 @@
 //!
 //! - [`Report`]: what a session holds; its JSON form has the field names of the struct.
 //! - `device`, `motion`, `force`: what is read from the raw input, the tools and the contacts.
+//! - `solver`: how far the solver of the tissue came.
 //! - `moment`: what happened when.
 //! - `input`: what is known besides the messages.
 //! - `table`: CSV. `html`: the page. `text`: its texts in both languages. `plot`: its drawings. `number`: how numbers are shown.
@@ -27,6 +28,7 @@ mod motion;
 mod number;
 mod plot;
 mod report;
+mod solver;
 mod table;
 #[cfg(test)]
 mod testing;
@@ -40,3 +42,4 @@ pub use microsim_vocabulary::Language;
 pub use moment::{Moment, MomentKind};
 pub use motion::{ToolPresence, ToolSeries};
 pub use report::{EventRecord, MetricEntry, RecoveryRecord, Report, Verdict, Warning};
+pub use solver::{Quantiles, SolverRecord};

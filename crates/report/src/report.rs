@@ -1,6 +1,7 @@
 //! The report as data.
 
 use crate::input::ReportInput;
+use crate::solver::SolverRecord;
 use crate::{DeviceRecord, ForceSeries, Moment, ToolPresence, ToolSeries};
 use microsim_message::{CategoryScore, LevelPhase, LocalText, LogLevel, MetricRecord};
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,8 @@ pub enum Verdict {
     Passed,
     /// By the verdict of the module, with reasons.
     Failed,
+    /// Without a verdict: what was computed or measured is no ground for one.
+    NotJudged,
     /// Ended by the operator.
     Aborted,
     /// The module gave no result: the run was killed or a plugin failed.
@@ -32,7 +35,7 @@ pub struct Report {
     pub counts: bool,
     /// Ids of the reasons why it failed, exactly those of the module's result.
     pub failed: Vec<String>,
-    /// The reasons in words, in the order of `failed`.
+    /// The reasons in words, in the order of `failed`; of a run that was not judged, why.
     pub reasons: Vec<LocalText>,
     /// Running time of the level, pauses not counted \[s\]; without a result as far as is known.
     pub duration: f64,
@@ -62,6 +65,9 @@ pub struct Report {
     pub events: Vec<EventRecord>,
     /// What happened, in the order of time: the module's events, and what the messages of tissue and contact show.
     pub moments: Vec<Moment>,
+    /// How far the solver of the tissue came; `None` where it published nothing.
+    #[serde(default)]
+    pub solver: Option<SolverRecord>,
     /// Bodies that diverged and were computed again.
     pub recoveries: Vec<RecoveryRecord>,
     /// Warnings and errors of the plugins, and messages that could not be read.

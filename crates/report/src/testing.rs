@@ -90,6 +90,7 @@ pub fn failed_result(failed: &[&str]) -> TrainingResult {
     TrainingResult {
         passed: false,
         aborted: false,
+        not_judged: vec![],
         failed: failed.iter().map(|id| id.to_string()).collect(),
         reasons: failed
             .iter()

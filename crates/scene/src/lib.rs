@@ -108,7 +108,8 @@ pub use microsim_tissue::{
 };
 pub use overlap::Overlap;
 pub use report::{
-    ContactPartner, ContactReport, CutReport, MANY_SUBSTEPS, Recovery, RejectedCut, TickReport,
+    ContactPartner, ContactReport, CutReport, MANY_SUBSTEPS, Recovery, RejectedCut, SolverBounds,
+    SolverReport, TickReport,
 };
 pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;

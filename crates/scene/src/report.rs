@@ -1,6 +1,7 @@
 //! The report of a tick.
 
 use crate::divergence::Divergence;
+use microsim_tissue::StepReport;
 
 /// The report of one tick.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,8 +23,74 @@ pub struct TickReport {
     pub stiffened: bool,
     /// Ticks that had to be repeated with more sub-steps.
     pub recoveries: Vec<Recovery>,
+    /// How far the solver came.
+    pub solver: SolverReport,
     /// Indices of motions that were left out: unknown tool, a second motion of one tool, or a number that is not finite.
     pub invalid_motions: Vec<usize>,
+}
+
+/// How far the solver came in the steps of a tick, of all bodies; of the attempt that the tick ended with. Bodies that may touch are
+/// solved together, and a step of each of these groups counts as one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolverReport {
+    /// Steps.
+    pub steps: u32,
+    /// Steps that ended above the tolerance of the method.
+    pub unconverged: u32,
+    /// Iterations of all steps.
+    pub iterations: u32,
+    /// Largest residual of a step, relative to the forces in it.
+    pub residual: f64,
+    /// Largest residual itself, a norm over all free nodes \[N\].
+    pub force_residual: f64,
+    /// Largest multiplier residual of a step's contacts, relative to the mean edge length.
+    pub contact_residual: f64,
+    /// Halvings of iterations after which surfaces had turned too far.
+    pub backtracks: u32,
+    /// Iterations in which contact forces could not be found and remained those of before.
+    pub contact_failures: u32,
+}
+
+/// Up to where the forces of a tick mean something. The bounds were set before any run was judged by them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverBounds {
+    /// Residual relative to the forces. By default a tenth.
+    pub residual: f64,
+    /// The residual itself \[N\]. By default 1 mN, from which on jaws count as gripping.
+    pub force_residual: f64,
+    /// Multiplier residual of contacts, relative to the mean edge length. By default a tenth.
+    pub contact_residual: f64,
+}
+
+impl Default for SolverBounds {
+    fn default() -> Self {
+        Self {
+            residual: 0.1,
+            force_residual: 1e-3,
+            contact_residual: 0.1,
+        }
+    }
+}
+
+impl SolverReport {
+    /// Whether the forces mean something: either residual is within its bound, and no contact is deeper below its floor than its own. Where
+    /// all forces are small the residual relative to them means little, where they are large the residual itself does.
+    pub fn is_within(&self, bounds: &SolverBounds) -> bool {
+        (self.residual <= bounds.residual || self.force_residual <= bounds.force_residual)
+            && self.contact_residual <= bounds.contact_residual
+    }
+
+    /// Adds a step.
+    pub(crate) fn add(&mut self, step: &StepReport) {
+        self.steps += 1;
+        self.unconverged += u32::from(!step.converged);
+        self.iterations += step.iterations;
+        self.residual = self.residual.max(step.residual);
+        self.force_residual = self.force_residual.max(step.force_residual);
+        self.contact_residual = self.contact_residual.max(step.contact_residual);
+        self.backtracks += step.backtracks;
+        self.contact_failures += step.contact_failures;
+    }
 }
 
 /// Sub-steps from which on a tick reports them as many (NUMERICS 6).
@@ -123,4 +190,27 @@ pub struct Recovery {
     pub what: Divergence,
     /// By how much the steps were divided in the next try: 2, 4 or 8.
     pub factor: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Large forces are judged by the relative residual, small ones by the residual itself, and what is not finite by neither.
+    #[test]
+    fn forces_mean_something_within_the_bounds() {
+        let bounds = SolverBounds::default();
+        let within = |residual: f64, force_residual: f64, contact_residual: f64| {
+            let report = SolverReport {
+                residual,
+                force_residual,
+                contact_residual,
+                ..SolverReport::default()
+            };
+            report.is_within(&bounds)
+        };
+        assert!(within(0.05, 0.1, 0.0) && within(0.9, 1e-4, 0.0));
+        assert!(!within(0.2, 2e-3, 0.0) && !within(0.05, 1e-4, 0.2));
+        assert!(!within(f64::NAN, f64::NAN, 0.0) && !within(0.0, 0.0, f64::NAN));
+    }
 }

@@ -7,13 +7,13 @@ use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::lonor::EdgeLoads;
 use crate::pairs::{Pair, PairPartner};
-use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, TickReport};
+use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
 use crate::scene::Scene;
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
 use microsim_contact::CapsuleMotion;
 use microsim_geometry::Aabb;
-use microsim_tissue::{ContactStep, Executor, State, StepFailure, flow};
+use microsim_tissue::{ContactStep, Executor, State, StepFailure, StepReport, flow};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
@@ -29,6 +29,9 @@ const MAX_SUBSTEPS: u32 = 256;
 const TRIES: [u32; 4] = [1, 2, 4, 8];
 
 impl Scene {
+    /// How often a tick is computed again at most, each time with steps of half the length.
+    pub const REPETITIONS: u32 = TRIES.len() as u32 - 1;
+
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
@@ -101,7 +104,7 @@ impl Scene {
         for (index, &factor) in tries.iter().enumerate() {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             match self.attempt(&motions, tick_s, count, exec) {
-                Ok((contacts, loads)) => {
+                Ok((contacts, loads, solver)) => {
                     let (cuts, rejected) =
                         self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
                     self.state.time = start.time + tick_s;
@@ -114,6 +117,7 @@ impl Scene {
                         jumped,
                         stiffened,
                         recoveries,
+                        solver,
                         invalid_motions,
                     });
                 }
@@ -222,10 +226,11 @@ impl Scene {
         tick_s: f64,
         count: u32,
         exec: &dyn Executor,
-    ) -> Result<(Vec<ContactReport>, EdgeLoads), Failure> {
+    ) -> Result<(Vec<ContactReport>, EdgeLoads, SolverReport), Failure> {
         let start = self.state.bodies.clone();
         let edges = self.edges(motions);
         let mut loads = EdgeLoads::default();
+        let mut solver = SolverReport::default();
         self.exempt_blades(motions);
         // Without containment nobody asks what was there at the start: energies of all elements are not free.
         let watched = match self.containment {
@@ -264,7 +269,8 @@ impl Scene {
                     exec,
                 );
                 let (body, what) = match stepped {
-                    Ok(grown) if state.is_finite() => {
+                    Ok((report, grown)) if state.is_finite() => {
+                        solver.add(&report);
                         stiffer[index] |= grown;
                         let mut works = vec![Work::default(); group.members.len()];
                         sum_up(
@@ -322,11 +328,15 @@ impl Scene {
                 self.update_stable_step(self.groups[group].members[member].body);
             }
         }
-        Ok((self.contact_reports(&tallies, motions, tick_s), loads))
+        Ok((
+            self.contact_reports(&tallies, motions, tick_s),
+            loads,
+            solver,
+        ))
     }
 }
 
-/// One step of a group: solver with contact, plastic flow. Returns whether a body has become stiffer.
+/// One step of a group: solver with contact, plastic flow. Returns also whether a body has become stiffer.
 #[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
 fn step_group(
     group: &mut Group,
@@ -338,7 +348,7 @@ fn step_group(
     end: f64,
     h: f64,
     exec: &dyn Executor,
-) -> Result<bool, StepFailure> {
+) -> Result<(StepReport, bool), StepFailure> {
     let _span = tracing::debug_span!("solve").entered();
     let control = group.control(bodies, gravity, end);
     let targets = group.targets(bodies, end);
@@ -374,5 +384,6 @@ fn step_group(
         }
     }?;
     group.iterations += u64::from(report.iterations);
-    Ok(flow(group.model(bodies), state, h))
+    let grown = flow(group.model(bodies), state, h);
+    Ok((report, grown))
 }

@@ -203,6 +203,43 @@ impl LevelRules {
         records.collect()
     }
 
+    /// In words that a limited metric has no value.
+    pub fn unmeasured_text(&self, metric: &str) -> LocalText {
+        let definition = self.definitions.iter().find(|d| d.id == metric);
+        let (de, en) = match definition.map(|d| &d.title) {
+            Some(title) => (&*title.de, &*title.en),
+            None => (metric, metric),
+        };
+        LocalText::new(
+            format!("{de}: begrenzt, aber in diesem Lauf nicht gemessen."),
+            format!("{en}: limited, but not measured in this run."),
+        )
+    }
+
+    /// Refuses ids that neither the platform nor the manifest has.
+    pub fn check_metric(&self, metric: &str) -> Result<(), Fault> {
+        match self.definitions.iter().any(|d| d.id == metric) {
+            true => Ok(()),
+            false => Err(Fault::new(format!(
+                "the manifest has no metric \"{metric}\""
+            ))),
+        }
+    }
+
+    /// Refuses reasons that neither the platform nor the manifest has, nor a limit names.
+    pub fn check_reason(&self, reason: &str) -> Result<(), Fault> {
+        let of_limit = |l: &training::Limit| l.reason.as_deref().unwrap_or(&l.metric) == reason;
+        let known = [training::REASON_ABORTED, training::REASON_TARGETS_MISSED].contains(&reason)
+            || self.reason_texts.contains_key(reason)
+            || self.limits.iter().any(of_limit);
+        match known {
+            true => Ok(()),
+            false => Err(Fault::new(format!(
+                "the manifest has no reason \"{reason}\""
+            ))),
+        }
+    }
+
     /// A reason in words.
     pub fn reason_text(&self, reason: &str) -> LocalText {
         if let Some(text) = self.reason_texts.get(reason) {

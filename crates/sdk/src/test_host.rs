@@ -12,6 +12,7 @@ use microsim_message::{
     LevelControl, Message, Pose, Setup, ToolState, ToolStates, ToolStatus, TrainingResult,
     core_kinds, decode, encode, push,
 };
+use microsim_settings::Manifest;
 
 /// The test's own place on the bus.
 const TESTER: &str = "tester";
@@ -63,18 +64,39 @@ fn open<T>(result: RResult<T, AbiFault>) -> Result<T, Fault> {
     })
 }
 
+/// Adds the reasons and metrics of the manifest that the configuration leaves out, as the host does.
+fn declare(manifest: &Manifest, config: &mut serde_json::Value) {
+    let declared = [
+        ("reasons", serde_json::json!(manifest.reason)),
+        ("own_metrics", serde_json::json!(manifest.metric)),
+    ];
+    for (key, declared) in declared {
+        let (Some(own), serde_json::Value::Array(declared)) =
+            (config[key].as_array_mut(), declared)
+        else {
+            continue;
+        };
+        for item in declared {
+            if !own.iter().any(|other| other["id"] == item["id"]) {
+                own.push(item);
+            }
+        }
+    }
+}
+
 impl<P: Plugin> TestHost<P> {
     /// Creates and initialises a module by its manifest (the text of `module.toml`), at a level with this configuration, in ticks
-    /// of 8 ms.
+    /// of 8 ms. Reasons and metrics that the configuration leaves out are those of the manifest.
     pub fn of_module(
         manifest: &str,
         seed: u64,
         level: u32,
-        config: serde_json::Value,
+        mut config: serde_json::Value,
     ) -> Result<Self, Fault> {
         let manifest = microsim_settings::read_manifest(manifest, "module.toml")
             .map_err(|e| Fault::new(e.to_string()))?
             .settings;
+        declare(&manifest, &mut config);
         let setup = Setup {
             name: manifest.name,
             seed,

@@ -90,13 +90,50 @@ impl Clone for Box<dyn Solver> {
     }
 }
 
-/// Iterations and residual of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What a step took, and how far it is from the solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {
     /// Iterations; 1 for a method without any.
     pub iterations: u32,
     /// Residual of the equation that the method solves, relative to the forces in it; 0 for a method without any.
     pub residual: f64,
+    /// The residual itself, a norm over all free nodes \[N\].
+    pub force_residual: f64,
+    /// Multiplier residual of the contacts, relative to the mean edge length: gaps below their floors, and forces across open ones; 0
+    /// for a method without multipliers.
+    pub contact_residual: f64,
+    /// Whether residual and contact residual met the tolerances of the method; true for a method without any.
+    pub converged: bool,
+    /// Halvings of an iteration after which surfaces had turned too far.
+    pub backtracks: u32,
+    /// Iterations in which contact forces could not be found and remained those of before.
+    pub contact_failures: u32,
+}
+
+impl StepReport {
+    /// The report of a method that solves no equation, or only estimates its solution, in so many iterations.
+    pub fn without_residual(iterations: u32) -> Self {
+        Self {
+            iterations,
+            residual: 0.0,
+            force_residual: 0.0,
+            contact_residual: 0.0,
+            converged: true,
+            backtracks: 0,
+            contact_failures: 0,
+        }
+    }
+
+    /// Joins the report of a further equation of the same step.
+    pub fn join(&mut self, other: &Self) {
+        self.iterations += other.iterations;
+        self.residual = self.residual.max(other.residual);
+        self.force_residual = self.force_residual.max(other.force_residual);
+        self.contact_residual = self.contact_residual.max(other.contact_residual);
+        self.converged &= other.converged;
+        self.backtracks += other.backtracks;
+        self.contact_failures += other.contact_failures;
+    }
 }
 
 /// Why a step was not made.

@@ -431,10 +431,7 @@ impl Solver for SolverExplicit {
             }
         }
         state.step = h;
-        Ok(StepReport {
-            iterations: 1,
-            residual: 0.0,
-        })
+        Ok(StepReport::without_residual(1))
     }
 
     fn follow(&mut self, model: &TissueModel) {

@@ -385,8 +385,7 @@ impl SolverImplicit {
                 .copy_from_slice(&self.solver.trial.positions);
             let second =
                 self.second_stage(model, state, control, contact.as_deref_mut(), h, exec)?;
-            report.iterations += second.iterations;
-            report.residual = report.residual.max(second.residual);
+            report.join(&second);
         }
         // The stage of implicit midpoint is a step of backward Euler over half the time: where the other half would be nonsense,
         // it is made in the same manner.
@@ -400,8 +399,7 @@ impl SolverImplicit {
             let result = self.stage(model, control, 0.5 * h, 1.0, &half, &half, None, exec);
             self.first_positions = half;
             let second = result?;
-            report.iterations += second.iterations;
-            report.residual = report.residual.max(second.residual);
+            report.join(&second);
         }
         if let Some(contact) = contact {
             let (equation, fixed) = (&self.equation, &self.prescribed.fixed);

@@ -200,9 +200,9 @@ impl Solver for SolverQuasiStatic {
         self.regularise_loose_components(state, contact.as_deref_mut())?;
         self.solver.begin(state, false);
         self.solved.copy_from_slice(&state.positions);
-        let mut iterations = 0;
+        let mut total = StepReport::without_residual(0);
         let (mut done, mut part) = (0.0, 1.0f64);
-        let report = loop {
+        loop {
             let s = (done + part).min(1.0);
             self.set_fraction(&state.positions, s);
             let result = self.solver.solve(
@@ -222,17 +222,23 @@ impl Solver for SolverQuasiStatic {
             );
             match result {
                 Ok(report) => {
-                    iterations += report.iterations;
+                    // Only the last part is what the step ends with.
+                    total = StepReport {
+                        iterations: total.iterations + report.iterations,
+                        backtracks: total.backtracks + report.backtracks,
+                        contact_failures: total.contact_failures + report.contact_failures,
+                        ..report
+                    };
                     self.solved.copy_from_slice(&self.solver.trial.positions);
                     if s == 1.0 {
-                        break report;
+                        break;
                     }
                     done = s;
                     part *= 2.0;
                 }
                 Err(failure) => {
                     if let StepFailure::NotConverged { iterations: n, .. } = failure {
-                        iterations += n;
+                        total.iterations += n;
                     }
                     if done == 0.0 && part == 1.0 {
                         let forces =
@@ -246,7 +252,7 @@ impl Solver for SolverQuasiStatic {
                         return Err(match failure {
                             StepFailure::NotConverged { residual, .. } => {
                                 StepFailure::NotConverged {
-                                    iterations,
+                                    iterations: total.iterations,
                                     residual,
                                 }
                             }
@@ -255,7 +261,7 @@ impl Solver for SolverQuasiStatic {
                     }
                 }
             }
-        };
+        }
         if !self.solver.trial.is_finite() {
             return Err(StepFailure::NotFinite);
         }
@@ -266,10 +272,7 @@ impl Solver for SolverQuasiStatic {
         state.velocities.fill(Vector3::zeros());
         state.accelerations.clear();
         state.step = h;
-        Ok(StepReport {
-            iterations,
-            ..report
-        })
+        Ok(total)
     }
 
     fn follow(&mut self, model: &TissueModel) {

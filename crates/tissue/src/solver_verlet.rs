@@ -240,10 +240,7 @@ impl Solver for SolverVerlet {
             None => self.finish(model, state, targets),
             Some(contact) => self.enforce_contact(model, state, targets, contact)?,
         }
-        Ok(StepReport {
-            iterations: 1,
-            residual: 0.0,
-        })
+        Ok(StepReport::without_residual(1))
     }
 
     fn follow(&mut self, model: &TissueModel) {

@@ -273,10 +273,9 @@ impl Solver for SolverXpbd {
         state.velocities.copy_from_slice(&self.velocities);
         state.accelerations.clear();
         state.step = h;
-        Ok(StepReport {
-            iterations: self.substeps * self.iterations,
-            residual: 0.0,
-        })
+        Ok(StepReport::without_residual(
+            self.substeps * self.iterations,
+        ))
     }
 
     fn follow(&mut self, model: &TissueModel) {

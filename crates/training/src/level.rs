@@ -36,6 +36,8 @@ pub enum LevelPhase {
         /// Ids of the reasons, sorted, each once, never none.
         reasons: Vec<String>,
     },
+    /// Ended without a verdict: what was computed or measured is no ground for one.
+    NotJudged,
 }
 
 /// Something to be achieved.
@@ -250,7 +252,7 @@ impl LevelMachine {
         reasons: impl IntoIterator<Item = S>,
     ) -> Result<&LevelPhase, LevelError> {
         self.admit(LevelEvent::Finish, now)?;
-        let reasons = settle_reasons(
+        let reasons = sorted_reasons(
             reasons.into_iter().map(Into::into).collect(),
             self.all_targets_done(),
         );
@@ -261,6 +263,13 @@ impl LevelMachine {
         };
         self.rest(now, phase);
         Ok(&self.state.phase)
+    }
+
+    /// The level ends without a verdict.
+    pub fn end_without_verdict(&mut self, now: f64) -> Result<(), LevelError> {
+        self.admit(LevelEvent::Finish, now)?;
+        self.rest(now, LevelPhase::NotJudged);
+        Ok(())
     }
 
     /// The level is broken off: failed with [`REASON_ABORTED`] alone.
@@ -285,7 +294,7 @@ impl LevelMachine {
                 Event::Pause | Event::TargetDone | Event::Finish | Event::Abort
             ),
             Phase::Paused => matches!(event, Event::Resume | Event::Abort),
-            Phase::Passed | Phase::Failed { .. } => false,
+            Phase::Passed | Phase::Failed { .. } | Phase::NotJudged => false,
         };
         if !legal {
             return Err(LevelError::Illegal {
@@ -318,7 +327,7 @@ impl LevelMachine {
 
 /// The reasons in the form in which they are reported: sorted, each once; targets missed without any other reason become one.
 /// With another reason the missed targets are its consequence and not listed: a report names causes.
-pub(crate) fn settle_reasons(mut reasons: Vec<String>, all_targets_done: bool) -> Vec<String> {
+pub(crate) fn sorted_reasons(mut reasons: Vec<String>, all_targets_done: bool) -> Vec<String> {
     if reasons.is_empty() && !all_targets_done {
         reasons.push(REASON_TARGETS_MISSED.to_string());
     }

@@ -18,7 +18,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::level::settle_reasons;
+use crate::level::sorted_reasons;
 use crate::measure::Measurement;
 use crate::metric::{MetricDefinition, MetricValue, NotApplicable};
 use microsim_vocabulary::{Category, Direction};
@@ -127,9 +127,9 @@ pub struct ScoreRecord {
     pub category: Category,
     /// What was measured.
     pub value: MetricValue,
-    /// Whether the limit was met; `None` if the metric is not applicable.
+    /// Whether the limit was met; `None` if the metric has no value, or one that is not finite.
     pub within: Option<bool>,
-    /// 0..100; `None` if the metric is not applicable.
+    /// 0..100; `None` if the metric has no value, or one that is not finite.
     pub points: Option<f64>,
 }
 
@@ -145,8 +145,11 @@ pub struct CategoryScore {
 /// Verdict and score of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Assessment {
-    /// The verdict: true exactly if `failed` is empty.
+    /// The verdict: true exactly if `failed` and `unmeasured` are empty.
     pub passed: bool,
+    /// Ids of the limited metrics without a finite value, in the order of the limits. Without any other reason against a pass there is no
+    /// verdict then: a limit that nobody measured is not met.
+    pub unmeasured: Vec<String>,
     /// Ids of all reasons against a pass, sorted, each once.
     pub failed: Vec<String>,
     /// Targets achieved.
@@ -201,14 +204,14 @@ impl Rules {
     }
 
     /// Judges a run by its targets, its measurements (those of the run as a whole) and the reasons that the module itself
-    /// saw against a pass. A limited metric that nobody measured is not applicable.
+    /// saw against a pass. A limited metric that nobody measured is neither met nor broken.
     pub fn assess<S: Into<String>>(
         &self,
         targets: TargetCount,
         measurements: &[Measurement],
         reasons: impl IntoIterator<Item = S>,
     ) -> Assessment {
-        let mut failed = settle_reasons(
+        let mut failed = sorted_reasons(
             reasons.into_iter().map(Into::into).collect(),
             targets.all_done(),
         );
@@ -228,6 +231,8 @@ impl Rules {
         }
         failed.sort_unstable();
         failed.dedup();
+        let without = records.iter().filter(|record| record.within.is_none());
+        let unmeasured: Vec<String> = without.map(|r| r.limit.metric.clone()).collect();
 
         let categories: Vec<CategoryScore> = Category::ALL
             .into_iter()
@@ -250,7 +255,8 @@ impl Rules {
             .collect();
         let scores: Vec<f64> = categories.iter().map(|category| category.score).collect();
         Assessment {
-            passed: failed.is_empty(),
+            passed: failed.is_empty() && unmeasured.is_empty(),
+            unmeasured,
             failed,
             targets,
             records,
@@ -276,7 +282,7 @@ fn record(
         MetricValue::NotApplicable(NotApplicable::NotMeasured),
         |measurement| measurement.value.clone(),
     );
-    let number = value.number();
+    let number = value.number().filter(|value| value.is_finite());
     ScoreRecord {
         limit: limit.clone(),
         unit: definition.unit.to_string(),
@@ -288,24 +294,18 @@ fn record(
     }
 }
 
-/// Whether a value keeps a limit; NaN keeps none.
+/// Whether a finite value keeps a limit.
 fn within(limit: &Limit, value: f64) -> bool {
-    !value.is_nan()
-        && limit.min.is_none_or(|min| value >= min)
-        && limit.max.is_none_or(|max| value <= max)
+    limit.min.is_none_or(|min| value >= min) && limit.max.is_none_or(|max| value <= max)
 }
 
-/// Points of a value, 0..100; NaN has none.
+/// Points of a finite value, 0..100.
 fn points(limit: &Limit, direction: Direction, value: f64) -> f64 {
     let fraction = match direction {
         Direction::Range => 1.0 - (value - limit.full).abs() / (limit.zero - limit.full).abs(),
         _ => (value - limit.zero) / (limit.full - limit.zero),
     };
-    if fraction.is_nan() {
-        0.0
-    } else {
-        100.0 * fraction.clamp(0.0, 1.0)
-    }
+    100.0 * fraction.clamp(0.0, 1.0)
 }
 
 fn check(limit: &Limit, direction: Direction) -> Result<(), LimitError> {

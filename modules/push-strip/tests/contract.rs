@@ -3,7 +3,7 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, SolverTick, TISSUE_SNAPSHOT, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
@@ -66,9 +66,24 @@ fn snapshot(depth: f64) -> Vec<u64> {
 
 /// Holds a depth for so many ticks under a force.
 fn hold(host: &mut TestHost<Module>, depth: f64, force: f64, ticks: u64) -> Option<TrainingResult> {
+    hold_computed(host, depth, force, ticks, true)
+}
+
+/// The same, with whether the computed forces mean anything.
+fn hold_computed(
+    host: &mut TestHost<Module>,
+    depth: f64,
+    force: f64,
+    ticks: u64,
+    valid: bool,
+) -> Option<TrainingResult> {
     for _ in 0..ticks {
         host.send_block(&snapshot(depth));
         host.send_tools(&[("right", Pose::default())]);
+        host.send(&SolverTick {
+            valid,
+            ..SolverTick::default()
+        });
         host.send(&ContactForces {
             contacts: vec![ContactForce {
                 partner: "right".into(),
@@ -154,4 +169,33 @@ fn without_tissue_nothing_is_reached() {
         (result.targets_done, result.score, result.passed),
         (0, 0.0, false)
     );
+}
+
+/// A force that means nothing decides nothing; a run with more than one such tick in fifty is neither passed nor failed.
+#[test]
+fn forces_that_mean_nothing_are_no_ground_for_a_verdict() {
+    let mut few = started();
+    hold_computed(&mut few, DEPTH / 2.0, 0.011, 1, false);
+    let result = hold(&mut few, DEPTH, 0.005, STAY).expect("the verdict");
+    assert!(result.passed, "{:?}", result.failed);
+    let peak = result.metrics.iter().find(|m| m.id == "peak-force");
+    assert!(peak.and_then(|m| m.value).expect("measured") < 0.006);
+
+    for force in [0.005, 0.011] {
+        let mut many = started();
+        hold_computed(&mut many, DEPTH, force, STAY / 4, false);
+        let result = hold(&mut many, DEPTH, force, STAY).expect("the end");
+        assert!(!result.passed && result.failed.is_empty() && result.reasons.is_empty());
+        assert_eq!(result.not_judged.len(), 1);
+    }
+}
+
+/// Forces are taken only with the report that they mean something.
+#[test]
+fn forces_without_the_report_of_the_solver_are_refused() {
+    let mut host = started();
+    host.send_block(&snapshot(DEPTH));
+    host.send(&ContactForces::default());
+    let fault = host.tick().expect_err("refused");
+    assert!(fault.to_string().contains("tissue.solver"), "{fault}");
 }

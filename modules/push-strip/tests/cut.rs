@@ -2,7 +2,8 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, SolverTick, TISSUE_SNAPSHOT, TissueCut,
+    TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, TestHost};
 use serde_json::json;
@@ -124,6 +125,10 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
         ..ContactForce::default()
     };
     let grip = held.then(|| force("left", 0.01));
+    host.send(&SolverTick {
+        valid: true,
+        ..SolverTick::default()
+    });
     host.send(&ContactForces {
         contacts: grip.into_iter().collect(),
         between: vec![force("tray", 0.0)],

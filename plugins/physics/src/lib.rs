@@ -4,11 +4,12 @@
 #![forbid(unsafe_code)]
 
 use microsim_scene::{
-    ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, ToolMotion, level_spec,
+    ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, SolverBounds, SolverReport,
+    ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    self, ContactForce, ContactForces, TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolState,
-    ToolStates, ToolStatus, decode_bytes, encode,
+    self, ContactForce, ContactForces, SolverTick, TISSUE_SNAPSHOT, TissueCut, TissueRecovery,
+    ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -150,6 +151,22 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
     }
 }
 
+/// The solver's report as a message.
+fn solver_tick(report: &SolverReport, repetitions: u32, valid: bool) -> SolverTick {
+    SolverTick {
+        steps: report.steps,
+        unconverged: report.unconverged,
+        iterations: report.iterations,
+        residual: report.residual,
+        force_residual: report.force_residual,
+        contact_residual: report.contact_residual,
+        backtracks: report.backtracks,
+        contact_failures: report.contact_failures,
+        repetitions,
+        valid,
+    }
+}
+
 impl Plugin for Physics {
     fn new() -> Self {
         Self::default()
@@ -221,9 +238,19 @@ impl Plugin for Physics {
                     ),
                     substeps: 0,
                 });
+                tick.publish(&solver_tick(
+                    &SolverReport::default(),
+                    Scene::REPETITIONS,
+                    false,
+                ));
                 return self.publish_bodies(tick);
             }
         };
+        tick.publish(&solver_tick(
+            &report.solver,
+            report.recoveries.len() as u32,
+            report.solver.is_within(&SolverBounds::default()),
+        ));
         let mut invalid = Vec::new();
         let mut forces = ContactForces::default();
         for contact in &report.contacts {

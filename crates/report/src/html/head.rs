@@ -147,6 +147,7 @@ fn phase(phase: LevelPhase) -> microsim_message::LocalText {
         LevelPhase::Paused => in_both("Pause", "paused"),
         LevelPhase::Passed => in_both("bestanden", "passed"),
         LevelPhase::Failed => in_both("nicht bestanden", "failed"),
+        LevelPhase::NotJudged => in_both("nicht gewertet", "not judged"),
     }
 }
 
@@ -154,6 +155,7 @@ fn verdict(out: &mut String, report: &Report) {
     let (class, symbol, word) = match report.verdict {
         Verdict::Passed => ("passed", "✓", in_both("Bestanden", "Passed")),
         Verdict::Failed => ("failed", "✗", in_both("Nicht bestanden", "Not passed")),
+        Verdict::NotJudged => ("open", "–", in_both("Nicht gewertet", "Not judged")),
         Verdict::Aborted => ("open", "■", in_both("Abgebrochen", "Aborted")),
         Verdict::Incomplete => ("open", "?", in_both("Kein Ergebnis", "No result")),
     };
@@ -185,10 +187,21 @@ fn verdict(out: &mut String, report: &Report) {
             "Der Lauf wurde von Hand abgebrochen; er erlaubt keine Aussage über den Trainee.",
             "The run was stopped by hand; it allows no conclusion about the trainee.",
         ),
+        Verdict::NotJudged => bilingual(
+            "Berechnung oder Messung reichen für ein Urteil nicht aus; der Lauf erlaubt keine Aussage über den Trainee.",
+            "Computation or measurement is no ground for a verdict; the run allows no conclusion about the trainee.",
+        ),
         Verdict::Failed | Verdict::Incomplete => String::new(),
     };
     if !sentence.is_empty() {
         let _ = writeln!(out, "<p>{sentence}</p>");
+    }
+    if report.verdict == Verdict::NotJudged {
+        out.push_str("<ul class=\"reasons\">");
+        for why in &report.reasons {
+            let _ = write!(out, "<li>{}</li>", spans(why));
+        }
+        out.push_str("</ul>\n");
     }
     if !report.failed.is_empty() {
         out.push_str("<ul class=\"reasons\">");

@@ -126,8 +126,50 @@ fn presence(out: &mut String, report: &Report) {
     out.push_str("</div>\n");
 }
 
-/// Recoveries of tissue, warnings and errors.
+/// How far the solver of the tissue came.
+fn computation(out: &mut String, report: &Report) {
+    let Some(solver) = &report.solver else {
+        return;
+    };
+    section(out, "Berechnung", "Computation");
+    let [usual, largest] =
+        [solver.force_residual.p99, solver.force_residual.max].map(|n| shown(n * 1e3, "mN"));
+    let of = solver.ticks;
+    let sentences = [
+        (solver.residual.max > 0.0).then(|| {
+            bilingual(
+                &format!(
+                    "Am Ende eines Schrittes blieb höchstens {} an Kraft übrig, in 99 von 100 Schritten höchstens {}.",
+                    largest.de, usual.de
+                ),
+                &format!(
+                    "At the end of a tick at most {} of force was left, in 99 of 100 ticks at most {}.",
+                    largest.en, usual.en
+                ),
+            )
+        }),
+        Some(bilingual(
+            &format!(
+                "{} von {of} Schritten endeten über der Toleranz des Verfahrens; in {} bedeuten die Kräfte nichts, \
+                 und kein Messwert hat eine übernommen.",
+                solver.unconverged, solver.invalid
+            ),
+            &format!(
+                "{} of {of} ticks ended above the tolerance of the method; in {} the forces mean nothing, \
+                 and no metric took one.",
+                solver.unconverged, solver.invalid
+            ),
+        )),
+    ];
+    for sentence in sentences.into_iter().flatten() {
+        let _ = writeln!(out, "<p>{sentence}</p>");
+    }
+    out.push_str("</section>\n");
+}
+
+/// How far the solver came, recoveries of tissue, warnings and errors.
 pub fn incidents(out: &mut String, report: &Report) {
+    computation(out, report);
     if !report.recoveries.is_empty() {
         section(out, "Neu berechnetes Gewebe", "Tissue computed again");
         let _ = write!(

@@ -4,7 +4,7 @@ use super::{MarkLine, Probes, distance, place_of};
 use crate::fault::Fault;
 use crate::tick::Tick;
 use microsim_bus::BlockView;
-use microsim_message::{ContactForce, ContactForces, GRIP_MIN};
+use microsim_message::{ContactForce, ContactForces, GRIP_MIN, SolverTick};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,7 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Takes over the contacts of a tick. `holders` are the tools that hold it; while `counts` is false, nothing is added up.
+    /// Takes over the contacts of a tick, unless its forces mean nothing. `holders` are the tools that hold it; while `counts` is false, nothing is added up.
     pub fn update(
         &mut self,
         tick: &Tick<'_>,
@@ -55,6 +55,16 @@ impl Contacts {
         counts: bool,
     ) -> Result<(), Fault> {
         let forces = tick.messages::<ContactForces>()?;
+        let solver = tick.messages::<SolverTick>()?;
+        if !forces.is_empty() && solver.is_empty() {
+            return Err(Fault::new(
+                "contact.forces without tissue.solver, which tells whether they mean anything: the manifest has to subscribe to both",
+            ));
+        }
+        if solver.iter().any(|solver| !solver.valid) {
+            // All stays as it was in the last tick that means something.
+            return Ok(());
+        }
         let of_it = |contact: &&ContactForce| contact.body == body;
         let contacts: Vec<&ContactForce> = forces
             .iter()

@@ -79,6 +79,7 @@ impl NewtonSolver {
                 break;
             }
             length *= 0.5;
+            self.backtracks += 1;
             self.advance(problem, length);
             self.contacts.restore();
             self.searches = self.searches.saturating_sub(1);

@@ -38,6 +38,8 @@ impl NewtonSolver {
         let options = self.options;
         self.start(&problem, guesses);
         self.searches = 0;
+        self.backtracks = 0;
+        self.contacts.failures = 0;
         self.contacts.may_terminate_early = equation.rate > 0.0 && !newton.must_converge;
         self.find(&problem, contact.as_mut());
         let tolerances = Tolerances {
@@ -49,8 +51,8 @@ impl NewtonSolver {
             multipliers: options.contact.multiplier_tolerances[usize::from(!newton.must_converge)],
         };
         let mut report = StepReport {
-            iterations: 0,
             residual: self.evaluate(&problem, 0.0),
+            ..StepReport::without_residual(0)
         };
         // In statics a body that has come to rest takes no work; a step of time always has its iteration.
         let moved = |node: usize| ends[node] != self.trial.positions[node];
@@ -63,6 +65,7 @@ impl NewtonSolver {
             return Ok(report);
         }
         self.retains_matrix = false;
+        report.converged = false;
         let mut tangent = Tangent::Exact;
         let (mut least, mut stagnated) = (f64::INFINITY, 0);
         while report.iterations < newton.iterations || self.needs_more(newton, report.iterations) {
@@ -87,10 +90,15 @@ impl NewtonSolver {
                 }
             }
             report.residual = self.evaluate(&problem, self.noise(fixed));
+            report.force_residual = self.force_residual;
+            report.contact_residual = self.contacts.multiplier_residual();
+            report.backtracks = self.backtracks;
+            report.contact_failures = self.contacts.failures;
             if report.residual <= newton.tolerance
                 && report.residual.is_finite()
-                && self.contacts.multiplier_residual() <= tolerances.multipliers
+                && report.contact_residual <= tolerances.multipliers
             {
+                report.converged = true;
                 self.publish(&problem);
                 return Ok(report);
             }

@@ -102,6 +102,7 @@ impl NewtonSolver {
             }
         }
         let left = left.sqrt();
+        self.force_residual = left;
         if left <= noise {
             0.0
         } else {

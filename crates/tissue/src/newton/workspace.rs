@@ -24,6 +24,8 @@ pub(crate) struct NewtonSolver {
     pub trial: State,
     /// Sum of all forces at `trial` minus the left side \[N\].
     pub(super) residual: Vec<Vector3<f64>>,
+    /// Its norm where it was evaluated last \[N\].
+    pub(super) force_residual: f64,
     pub(super) direction: Vec<Vector3<f64>>,
     /// c of the path x + α d + α² c \[m\].
     pub(super) second_order: Vec<Vector3<f64>>,
@@ -40,6 +42,8 @@ pub(crate) struct NewtonSolver {
     pub(super) balanced: bool,
     /// How often contacts were found for this equation.
     pub(super) searches: u32,
+    /// How often iterations of this equation were halved because surfaces had turned too far.
+    pub(super) backtracks: u32,
     /// Bound of the highest frequency \[1/s\].
     pub(super) frequency: f64,
     /// Mean edge length \[m\].
@@ -81,6 +85,7 @@ impl NewtonSolver {
             components: rigid_components(model, solvers.rigid_components),
             balanced: false,
             searches: 0,
+            backtracks: 0,
             frequency: model.rate_bound().sqrt(),
             edge,
             system,
@@ -93,6 +98,7 @@ impl NewtonSolver {
             viscous: model.sets().iter().any(|set| set.is_viscous()),
             trial: State::at_rest(model),
             residual: zeros.clone(),
+            force_residual: 0.0,
             direction: zeros.clone(),
             second_order: zeros.clone(),
             from: zeros.clone(),

@@ -42,7 +42,7 @@ fn run(
     steps: usize,
 ) -> StepReport {
     let mut solver = SolverImplicit::new(model, scheme, newton);
-    let mut last = StepReport::default();
+    let mut last = StepReport::without_residual(0);
     for _ in 0..steps {
         last = solver.step(model, state, control, &[], h, &Serial).unwrap();
     }

@@ -168,7 +168,7 @@ fn doing_nothing_scores_nothing() {
 }
 
 #[test]
-fn what_is_not_applicable_is_stated_and_does_not_fail() {
+fn what_is_not_applicable_is_stated_and_neither_fails_nor_passes() {
     let slow = NotApplicable::SampleRateTooLow;
     let of_one_tool = Measurement {
         tool: Some("forceps".into()),
@@ -184,7 +184,8 @@ fn what_is_not_applicable_is_stated_and_does_not_fail() {
         &[measured(id::TIME, 30.0), of_one_tool, tremor],
         NONE,
     );
-    assert!(assessment.passed);
+    assert!(!assessment.passed && assessment.failed.is_empty());
+    assert_eq!(assessment.unmeasured, [id::PATH_LENGTH, id::TREMOR]);
     let values: Vec<_> = assessment
         .records
         .iter()
@@ -239,7 +240,6 @@ fn points_run_linearly_and_stop_at_the_ends() {
         (2.0, 100.0, 100.0),
         (3.0, 50.0, 50.0),
         (9.0, 0.0, 0.0),
-        (f64::NAN, 0.0, 0.0),
     ] {
         assert_eq!(points(&limit, Direction::Lower, value), lower, "{value}");
         assert_eq!(points(&limit, Direction::Range, value), range, "{value}");
@@ -249,15 +249,28 @@ fn points_run_linearly_and_stop_at_the_ends() {
         max: Some(3.0),
         ..limit
     };
-    for (value, expected) in [
-        (0.9, false),
-        (1.0, true),
-        (3.0, true),
-        (3.1, false),
-        (f64::NAN, false),
-    ] {
+    for (value, expected) in [(0.9, false), (1.0, true), (3.0, true), (3.1, false)] {
         assert_eq!(within(&both, value), expected, "{value}");
     }
+}
+
+/// A limit without a finite value is neither met nor broken: no pass, and no failure that it alone would be the reason of.
+#[test]
+fn a_limit_that_nobody_measured_is_no_pass() {
+    let run = |tremor: Option<f64>| {
+        let mut run = vec![measured(id::TIME, 20.0), measured(id::PATH_LENGTH, 0.2)];
+        run.extend(tremor.map(|value| measured(id::TREMOR, value)));
+        run
+    };
+    for tremor in [None, Some(f64::NAN), Some(f64::INFINITY)] {
+        let assessment = rules().assess(ALL_DONE, &run(tremor), NONE);
+        assert!(!assessment.passed && assessment.failed.is_empty());
+        assert_eq!(assessment.unmeasured, ["tremor"], "{tremor:?}");
+        let record = &assessment.records[2];
+        assert_eq!((record.within, record.points), (None, None));
+    }
+    let assessment = rules().assess(ALL_DONE, &run(Some(50e-6)), NONE);
+    assert!(assessment.passed && assessment.unmeasured.is_empty());
 }
 
 #[test]

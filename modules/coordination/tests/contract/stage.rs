@@ -2,8 +2,8 @@
 
 use microsim_module_coordination::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, TISSUE_SNAPSHOT, TissueCut, ToolState,
-    ToolStates, ToolStatus, TrainingResult,
+    ContactForce, ContactForces, LevelControl, Pose, SolverTick, TISSUE_SNAPSHOT, TissueCut,
+    ToolState, ToolStates, ToolStatus, TrainingResult,
 };
 use microsim_sdk::{BlockBuilder, Fault, Published, TestHost};
 use serde_json::{Value, json};
@@ -200,6 +200,10 @@ pub fn tick_with(
         Touch::Hook => contact("left", 1, 0.0, 1.0),
         Touch::Slide => contact("left", 1, 0.01, 0.1),
     };
+    host.send(&SolverTick {
+        valid: true,
+        ..SolverTick::default()
+    });
     host.send(&ContactForces {
         contacts: if scene.held {
             vec![forceps]
