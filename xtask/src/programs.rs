@@ -91,7 +91,7 @@ pub const SOAKS: &[Program] = &[
         name: "convergence",
         package: TESTS,
         example: "soak_convergence",
-        shows: "how far the solver comes in every script, as shipped and crippled, and what becomes of the verdict",
+        shows: "how far the solver comes in every script, shipped and crippled",
     },
     Program {
         name: "cuts",
@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, digests, cuts, followers, stability, trainees"
+                "there is no \"kill\"; there are: kills, digests, convergence, cuts, followers, stability, trainees"
                     .into()
             )
         );
