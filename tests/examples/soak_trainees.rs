@@ -37,6 +37,8 @@ struct Run {
     /// Profile and number.
     name: String,
     passed: bool,
+    /// Whether it ended without a verdict, and so without scores.
+    not_judged: bool,
     /// Whether all targets were reached.
     finished: bool,
     reasons: Vec<String>,
@@ -100,12 +102,13 @@ impl Run {
         let mut all = trainees::scores(report, &[]);
         let total = all.pop().map_or(f64::NAN, |(_, total)| total);
         let printed = report["score"].as_f64().unwrap_or(f64::NAN);
+        let not_judged = report["verdict"] == "not-judged";
         // Sums of a dozen numbers up to 100.
         assert!(
-            (total - printed).abs() < 1e-9,
+            not_judged || (total - printed).abs() < 1e-9,
             "{name}: the score is {printed}, formed again {total}"
         );
-        for (title, score) in all {
+        for (title, score) in all.into_iter().filter(|_| !not_judged) {
             let shown = format!("*{title}*");
             scored(Row::Category(title), &shown, score);
         }
@@ -117,12 +120,14 @@ impl Run {
             .filter_map(|m| m["score"].as_f64())
             .collect();
         let time = time.iter().sum::<f64>() / time.len() as f64;
-        for (at, score) in [total, without, time, total].into_iter().enumerate() {
+        let totals = [total, without, time, total].into_iter().enumerate();
+        for (at, score) in totals.filter(|_| !not_judged) {
             scored(Row::Total(at), TOTALS[at], score);
         }
         Self {
             name,
             passed: report["verdict"] == "passed",
+            not_judged,
             finished: report["targets_done"] == report["targets"],
             reasons: report["failed"]
                 .as_array()
@@ -154,10 +159,11 @@ impl Results {
         }
         let reasons: Vec<String> = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect();
         format!(
-            "- {name}: {} of {} finished (all targets reached), {} passed; reasons against: {}; {} with forces that jump up for one tick",
+            "- {name}: {} of {} finished (all targets reached), {} passed, {} not judged; reasons against: {}; {} with forces that jump up for one tick",
             count(|run| run.finished),
             self.runs.len(),
             count(|run| run.passed),
+            count(|run| run.not_judged),
             match reasons.is_empty() {
                 true => "none".to_owned(),
                 false => reasons.join(", "),

@@ -111,6 +111,7 @@ impl LevelRun {
         self.shortest_path = self.given_shortest_path;
         self.refused = 0;
         self.solver_ticks = SolverTicks::default();
+        self.undeclared = None;
         Ok(())
     }
 
