@@ -204,7 +204,9 @@ fn carry_out(
 
 fn read_checkpoint(path: &Path) -> Result<Checkpoint, Problem> {
     let bytes = std::fs::read(path).map_err(|e| format!("checkpoint {}: {e}", path.display()))?;
-    Ok(decode_bytes(&bytes).map_err(|e| format!("checkpoint {}: {e}", path.display()))?)
+    let payload = microsim_session::read_checkpoint(&bytes)
+        .map_err(|e| format!("checkpoint {}: {e}", path.display()))?;
+    Ok(decode_bytes(payload).map_err(|e| format!("checkpoint {}: {e}", path.display()))?)
 }
 
 fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
@@ -258,7 +260,10 @@ fn finish(
         .into());
     }
     if let (Some(checkpoint), Some(path)) = (&outcome.checkpoint, &args.checkpoint) {
-        write_new(path, &encode(checkpoint))?;
+        write_new(
+            path,
+            &microsim_session::write_checkpoint(&encode(checkpoint)),
+        )?;
     } else if let (Some(path), None) = (&args.checkpoint, &outcome.failure) {
         let path = path.display();
         eprintln!("microsim: the level ended before --stop-at; {path} was not written");

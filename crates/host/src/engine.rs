@@ -10,8 +10,8 @@ use crate::plan::{PluginKind, RunPlan};
 use crate::span;
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault, Output, PluginBox};
-use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router};
-use microsim_message::{core_kinds, encode};
+use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router, kind_id};
+use microsim_message::{LevelControl, Message, core_kinds, encode};
 use microsim_session::{Chain, digest};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -77,6 +77,9 @@ pub struct Checkpoint {
     pub bus: Vec<u8>,
     /// Saved states in the order of the plan.
     pub states: Vec<serde_bytes::ByteBuf>,
+    /// The running hash behind the digests of `states`: the state hash with which the session that stopped here ended.
+    #[serde(with = "serde_bytes")]
+    pub state_hash: Vec<u8>,
     /// What the host itself remembers.
     pub host: HostState,
 }
@@ -325,6 +328,12 @@ impl Engine {
         for frame in Frames::new(log) {
             let frame = frame.map_err(|e| bad(e.to_string()))?;
             if self.is_external(frame.header.sender) {
+                // What the host itself publishes is the operator's control of the level, and nothing that is computed.
+                if frame.header.sender == HOST && frame.header.kind != kind_id(LevelControl::KIND) {
+                    return Err(bad(
+                        "a message of the host that it never publishes".to_owned()
+                    ));
+                }
                 let mut bytes = Vec::new();
                 microsim_bus::frame::push_stamped(&mut bytes, &frame.header, frame.payload);
                 self.router
@@ -381,19 +390,56 @@ impl Engine {
     /// Everything that evolves, between two ticks.
     pub fn checkpoint(&mut self) -> Result<Checkpoint, Failure> {
         let tick = self.tick;
-        let mut states = Vec::new();
-        for plugin in &mut self.plugins {
-            let state = plugin.call("save", tick, |p| p.save())?;
-            states.push(state.map(|s| s.to_vec()).unwrap_or_default().into());
-        }
+        let states = self.saved()?;
         Ok(Checkpoint {
             plan: self.plan.to_vec(),
             tick,
             chain: self.chain.value().to_vec(),
             bus: self.router.save(),
+            state_hash: self.hash_with(&states).to_vec(),
             states,
             host: HostState::default(),
         })
+    }
+
+    /// The saved states in the order of the plan; empty where a plugin does not run.
+    fn saved(&mut self) -> Result<Vec<serde_bytes::ByteBuf>, Failure> {
+        let tick = self.tick;
+        let save = |plugin: &mut Running| {
+            let state = plugin.call("save", tick, |p| p.save())?;
+            Ok(state.map(|s| s.to_vec()).unwrap_or_default().into())
+        };
+        self.plugins.iter_mut().map(save).collect()
+    }
+
+    /// The running hash with the digests of these states behind it.
+    fn hash_with(&self, states: &[serde_bytes::ByteBuf]) -> Hash {
+        let digests: Vec<Hash> = states.iter().map(|s| digest([s.as_slice()])).collect();
+        let mut chain = self.chain;
+        chain.add(self.tick, digests.iter().map(Hash::as_slice));
+        chain.value()
+    }
+
+    /// Goes on from a checkpoint as [`Engine::restore`] does, and refuses it unless the states that plugins have then are those whose hash
+    /// was recorded. Of a source that a replay does not run, the state in the checkpoint counts.
+    pub fn resume(&mut self, checkpoint: &Checkpoint) -> Result<(), Failure> {
+        self.restore(checkpoint)?;
+        let mut states = self.saved()?;
+        for (plugin, (state, recorded)) in self
+            .plugins
+            .iter()
+            .zip(states.iter_mut().zip(&checkpoint.states))
+        {
+            if plugin.object.is_none() {
+                state.clone_from(recorded);
+            }
+        }
+        if self.hash_with(&states).as_slice() != checkpoint.state_hash {
+            let text =
+                "the restored state does not have the state hash that was recorded at this tick";
+            return Err(Failure::found("host", "restore", checkpoint.tick, text));
+        }
+        Ok(())
     }
 
     /// Goes on from a checkpoint of the same plan, in this or another process.

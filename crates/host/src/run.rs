@@ -113,7 +113,7 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
         load(p).map(Some).map_err(RunError::from)
     })?;
     if let Some(checkpoint) = &options.resume {
-        engine.restore(checkpoint)?;
+        engine.resume(checkpoint)?;
     }
     let mut pictures = start_pictures(plan, options.pictures.clone(), options.realtime.is_none())?;
     let recorder = plan.plugins.iter().find(|p| p.kind == PluginKind::Recorder);

@@ -33,11 +33,15 @@
 
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 mod digest;
 mod layout;
 mod reader;
 mod writer;
 
+pub use checkpoint::{
+    CHECKPOINT_MAGIC, CHECKPOINT_VERSION, NotACheckpoint, read_checkpoint, write_checkpoint,
+};
 pub use digest::{Chain, digest};
 pub use layout::{FORMAT_VERSION, KIND_END, MAGIC, MAX_PAYLOAD};
 pub use reader::{Damage, Ending, Frame, NotASession, Reading, read};

@@ -2,8 +2,11 @@
 
 use crate::{PUSH_STRIP, TOUCH_SPHERES, pushed_strip};
 use microsim_bus::Frames;
+use microsim_host::Checkpoint;
 use microsim_host::record::{Session, TickRecord};
-use microsim_message::{ContactForces, decode};
+use microsim_message::{ContactForces, decode, decode_bytes, encode};
+use microsim_random::SplitMix64;
+use microsim_session::{read_checkpoint, write_checkpoint};
 use microsim_tests::{assert_verified, command, finish, run, scratch};
 use std::path::Path;
 
@@ -106,4 +109,56 @@ fn the_last_ticks_go_on_as_well() {
         .collect();
     let seconds: Vec<&str> = seconds.iter().map(String::as_str).collect();
     goes_on("touch-spheres", &args, &seconds);
+}
+
+/// A run from these bytes: refused before anything runs, so that no session is there. Returns the complaint.
+#[track_caller]
+fn refused(folder: &Path, bytes: &[u8]) -> String {
+    let checkpoint = folder.join("wrong.checkpoint");
+    std::fs::write(&checkpoint, bytes).expect("a file");
+    let session = folder.join("wrong.session");
+    let mut command = command(["run", "push-strip", "--resume", path(&checkpoint)]);
+    let printed = finish(command.arg("--session").arg(&session).args(PUSH_STRIP)).expect(2);
+    assert!(!session.exists() && printed.out.is_empty(), "{printed:?}");
+    printed.err
+}
+
+/// Of 14 single flipped bits ten once ran to a pass, nine of them with a wrong hash.
+#[test]
+fn a_checkpoint_with_a_flipped_bit_is_refused() {
+    let folder = scratch();
+    let checkpoint = folder.path().join("there.checkpoint");
+    let stop = ["--stop-at", "2.48", "--checkpoint", path(&checkpoint)];
+    let first = folder.path().join("first.session");
+    let stopped = run("push-strip", &first, &[&PUSH_STRIP[..], &stop].concat());
+    let bytes = std::fs::read(&checkpoint).expect("a checkpoint");
+    let mut random = SplitMix64(7);
+    for _ in 0..40 {
+        let bit = random.below(8 * bytes.len() as u64) as usize;
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        let complaint = refused(folder.path(), &flipped);
+        assert!(
+            complaint.contains("wrong.checkpoint: "),
+            "bit {bit}: {complaint}"
+        );
+    }
+    // As checkpoints were before they had a digest.
+    let payload = read_checkpoint(&bytes).expect("a checkpoint");
+    let complaint = refused(folder.path(), payload);
+    assert!(
+        complaint.contains("not a checkpoint of this version"),
+        "{complaint}"
+    );
+
+    // With the digest computed again, but another hash: the state must be that of the session that stopped there.
+    let mut saved: Checkpoint = decode_bytes(payload).expect("a checkpoint");
+    let hash = microsim_host::record::hex(&saved.state_hash);
+    assert_eq!(stopped["state_hash"], hash.as_str());
+    saved.state_hash[5] ^= 1;
+    let complaint = refused(folder.path(), &write_checkpoint(&encode(&saved)));
+    assert!(
+        complaint.contains("state hash that was recorded"),
+        "{complaint}"
+    );
 }

@@ -58,6 +58,13 @@ fn flip(plan: &RunPlan, original: &Checkpoint, index: usize) -> Flips {
             run = engine(plan);
             continue;
         };
+        // A run goes on from it only if it is the state whose hash was recorded.
+        let resumed = run.resume(&altered);
+        assert_eq!(
+            resumed.is_ok(),
+            saved.states == original.states,
+            "bit {bit}"
+        );
         if saved.states == original.states {
             flips.notation += 1;
             assert_eq!((now, now_chain), (digests.clone(), chain));
