@@ -2,7 +2,7 @@
 
 use microsim_bus::Frames;
 use microsim_bus::frame::push_stamped;
-use microsim_host::record::{EndRecord, Session, TickRecord, kind};
+use microsim_host::record::{EndRecord, Header, Session, TickRecord, kind};
 use microsim_message::{InputSample, Message, decode, decode_bytes, encode};
 use microsim_session::{KIND_END, Writer, read};
 
@@ -46,6 +46,57 @@ pub fn change_end(session: &[u8], change: impl Fn(&mut EndRecord)) -> Vec<u8> {
         change(&mut record);
         Some(encode(&record))
     })
+}
+
+/// The session with its header changed.
+pub fn change_header(session: &[u8], change: impl Fn(&mut Header)) -> Vec<u8> {
+    rewrite(session, |record_kind, _, payload| {
+        if record_kind != kind::HEADER {
+            return Some(payload.to_vec());
+        }
+        let mut header: Header = decode_bytes(payload).expect("a header");
+        change(&mut header);
+        Some(encode(&header))
+    })
+}
+
+/// The session with every tick passed through `tick`, and its end through `end` with what the last tick gave.
+pub fn change_records<T: Default>(
+    session: &[u8],
+    mut tick: impl FnMut(u64, &mut TickRecord) -> T,
+    end: impl Fn(u64, &mut EndRecord, T),
+) -> Vec<u8> {
+    let mut last = T::default();
+    rewrite(session, |record_kind, record_tick, payload| {
+        Some(match record_kind {
+            kind::TICK => {
+                let mut record: TickRecord = decode_bytes(payload).expect("a tick");
+                last = tick(record_tick, &mut record);
+                encode(&record)
+            }
+            KIND_END => {
+                let mut record: EndRecord = decode_bytes(payload).expect("an end");
+                end(record_tick, &mut record, std::mem::take(&mut last));
+                encode(&record)
+            }
+            _ => payload.to_vec(),
+        })
+    })
+}
+
+/// The session with one more record before its end.
+pub fn insert_before_end(session: &[u8], kind: u8, payload: &[u8]) -> Vec<u8> {
+    let reading = read(session).expect("a session");
+    let mut writer = Writer::create(Vec::new()).expect("memory");
+    for frame in &reading.frames {
+        if frame.kind == KIND_END {
+            writer.append(kind, frame.tick, payload).expect("memory");
+        }
+        writer
+            .append(frame.kind, frame.tick, frame.payload)
+            .expect("memory");
+    }
+    writer.into_inner()
 }
 
 /// Changes the first message of its kind in the log of a tick.

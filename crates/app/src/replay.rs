@@ -4,7 +4,7 @@ use crate::cli::{Place, ReplayArgs};
 use crate::output::{Exit, Problem, print, print_json};
 use crate::run::{picture_plan, refuse_old_pictures};
 use crate::session_file::{installation, read};
-use microsim_host::assemble::locate;
+use microsim_host::assemble::{differences, locate};
 use microsim_host::replay::{ReplayOptions, replay as recompute};
 use microsim_host::run::RunError;
 use serde_json::json;
@@ -42,13 +42,18 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
         tracing::warn!("plugin \"{name}\" is not the build that made this recording");
     }
     // What is missing at the end of a killed session was never promised; wrong bytes, or nothing at all, prove nothing.
-    let recomputed = outcome.ticks > 0 && !session.damaged;
-    let verified = outcome.difference.is_none() && recomputed;
+    let recomputed = outcome.ticks > 0 && !session.damaged && outcome.difference.is_none();
+    // A verdict of other limits or other tissue is none of this level, however exactly it is computed again.
+    let other_settings = differences(&installation, &session.header.plan)
+        .unwrap_or_else(|error| vec![error.to_string()]);
+    let verified = recomputed && other_settings.is_empty();
     if args.json {
         print_json(&json!({
             "session": args.session,
             "ticks": outcome.ticks,
             "verified": verified,
+            "recomputed": recomputed,
+            "other_settings": other_settings,
             "first_difference": outcome.difference.as_ref().map(|d| json!({ "tick": d.tick, "what": d.what })),
             "state_hash": outcome.state_hash,
             "recorded_hash": outcome.recorded_hash,
@@ -78,6 +83,12 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
                 (difference.tick + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9,
                 difference.what
             ))?,
+        }
+        if !other_settings.is_empty() {
+            print(format!(
+                "Recorded with other settings than those of this installation, so that the verdict is not that of its level: {}",
+                other_settings.join(", ")
+            ))?;
         }
         if let Some(pictures) = &outcome.pictures {
             print(crate::run::picture_line(pictures, args.frames.as_deref()))?;

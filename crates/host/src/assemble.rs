@@ -42,6 +42,97 @@ pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPla
     planner.plan()
 }
 
+/// In what a recorded plan differs from the one that this installation would make for the same level: one line each, none if a verdict of
+/// that plan is a verdict of the installed level. The input, and its devices, are the recorded ones.
+pub fn differences(
+    installation: &Installation,
+    recorded: &RunPlan,
+) -> Result<Vec<String>, AssembleError> {
+    let given = |kind| recorded.plugins.iter().find(|p| p.kind == kind);
+    let Some(source) = given(PluginKind::Source) else {
+        return Ok(vec!["no source was recorded".into()]);
+    };
+    let translator = given(PluginKind::Translator);
+    let devices = translator.and_then(|t| t.setup.configuration::<TranslatorConfig>().ok());
+    let devices = devices.map(|config| config.devices.into_iter().map(|d| d.name).collect());
+    let request = Request {
+        module: recorded.module.clone(),
+        level: recorded.level,
+        input: Input::Plugin(source.name.clone()),
+        seed: recorded.seed,
+        without: recorded.without.clone(),
+        pictures: false,
+        session: std::path::PathBuf::new(),
+    };
+    let level = installation.level(&request.module, request.level)?;
+    let planner = Planner {
+        installation,
+        request: &request,
+        module: installation.module(&request.module)?,
+        models: tool_models(installation, &level.settings)?,
+        level,
+        source: SourceSetup {
+            plugin: source.name.clone(),
+            why: String::new(),
+            config: source.setup.config.clone(),
+            files: Vec::new(),
+            devices,
+            note: None,
+            synthetic: None,
+        },
+    };
+    Ok(compare(recorded, &planner.plan()?))
+}
+
+fn compare(recorded: &RunPlan, installed: &RunPlan) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut note = |same: bool, what: &str| {
+        if !same {
+            found.push(what.to_owned());
+        }
+    };
+    note(
+        recorded.tick_ns == installed.tick_ns,
+        "the length of a tick",
+    );
+    note(recorded.steps == installed.steps, "the steps in a tick");
+    note(
+        recorded.module_title == installed.module_title,
+        "the title of the module",
+    );
+    note(
+        recorded.level_title == installed.level_title,
+        "the title of the level",
+    );
+    note(
+        recorded.level_summary == installed.level_summary,
+        "what the level asks for",
+    );
+    note(
+        recorded.model_error == installed.model_error,
+        "the stated model error",
+    );
+    let computed = |plan: &RunPlan| -> Vec<PlannedPlugin> {
+        let plugins = plan.plugins.iter().filter(|p| !p.kind.is_observer());
+        plugins.cloned().collect()
+    };
+    let (recorded, installed) = (computed(recorded), computed(installed));
+    let names = |plugins: &[PlannedPlugin]| -> Vec<String> {
+        plugins.iter().map(|p| p.name.clone()).collect()
+    };
+    note(
+        names(&recorded) == names(&installed),
+        "which plugins compute",
+    );
+    for plugin in installed.iter().filter(|p| p.kind != PluginKind::Source) {
+        if let Some(other) = recorded.iter().find(|p| p.name == plugin.name) {
+            let what = format!("the settings of {}", plugin.name);
+            note(other.setup == plugin.setup, &what);
+        }
+    }
+    found
+}
+
 /// The shapes of the tools of a level.
 fn tool_models(installation: &Installation, level: &Level) -> Result<ToolModels, AssembleError> {
     let mut models = ToolModels::new();

@@ -2,7 +2,7 @@
 
 use crate::installation::Installation;
 use crate::loader::file_hash;
-use crate::plan::{OwnKind, PlannedPlugin, PluginKind};
+use crate::plan::{OwnKind, PlannedPlugin};
 use crate::request::{AssembleError, refuse};
 use abi_stable::std_types::{ROption, RSlice};
 use microsim_message::{Setup, SetupFile, encode};
@@ -77,18 +77,13 @@ pub(crate) fn planned(
         });
     }
     files.extend(more);
-    let own_kind = |kind: &settings::MessageKind| OwnKind {
-        name: kind.name.clone(),
-        version: kind.version as u16,
-        drop_oldest: kind.overflow == settings::Overflow::DropOldest,
-    };
     Ok(PlannedPlugin {
         name: m.name.clone(),
         kind: m.kind,
         version: m.version.clone(),
         publishes: m.publishes.clone(),
         subscribes: m.subscribes.clone(),
-        own_kinds: m.message.iter().map(own_kind).collect(),
+        own_kinds: own_kinds(m),
         library,
         manifest: manifest.document.text().to_owned(),
         library_hash,
@@ -105,15 +100,22 @@ pub(crate) fn planned(
     })
 }
 
-/// The installed plugin for a recorded one, for a replay.
+/// The installed plugin for a recorded one, for a replay: what is installed decides of what kind it is, what it may publish and what it
+/// subscribes to; only what it was given comes from the recording.
 pub fn locate(
     installation: &Installation,
     recorded: &PlannedPlugin,
 ) -> Result<PlannedPlugin, AssembleError> {
-    let manifest = match recorded.kind {
-        PluginKind::Module => &installation.module(&recorded.name)?.manifest,
-        _ => installation.plugin(&recorded.name)?,
-    };
+    let manifest = manifest(installation, recorded)?;
+    let m = &manifest.settings;
+    if m.kind != recorded.kind {
+        return refuse(format!(
+            "plugin \"{}\" is recorded as a {}; what is installed is a {}, so that the recording is not what it seems",
+            m.name,
+            recorded.kind.name(),
+            m.kind.name()
+        ));
+    }
     let library = library(manifest);
     let library_hash = file_hash(&library)
         .map_err(|e| AssembleError(format!("library {}: {e}", library.display())))?;
@@ -121,8 +123,35 @@ pub fn locate(
         library,
         library_hash,
         manifest: manifest.document.text().to_owned(),
+        publishes: m.publishes.clone(),
+        subscribes: m.subscribes.clone(),
+        own_kinds: own_kinds(m),
         ..recorded.clone()
     })
+}
+
+/// The manifest of this name, whatever kind the recording states.
+fn manifest<'a>(
+    installation: &'a Installation,
+    recorded: &PlannedPlugin,
+) -> Result<&'a Loaded<Manifest>, AssembleError> {
+    let name = &recorded.name;
+    let modules = &installation.tree.modules;
+    let is_module = modules.iter().any(|m| m.manifest.settings.name == *name);
+    match is_module {
+        true => Ok(&installation.module(name)?.manifest),
+        false => installation.plugin(name),
+    }
+}
+
+/// The message kinds that a plugin brings.
+fn own_kinds(manifest: &Manifest) -> Vec<OwnKind> {
+    let own_kind = |kind: &settings::MessageKind| OwnKind {
+        name: kind.name.clone(),
+        version: kind.version as u16,
+        drop_oldest: kind.overflow == settings::Overflow::DropOldest,
+    };
+    manifest.message.iter().map(own_kind).collect()
 }
 
 /// Loads and initialises one plugin, and nothing more.

@@ -5,6 +5,7 @@ use crate::fault::Failure;
 use crate::plan::RunPlan;
 use microsim_message::{DecodeError, decode_bytes, encode};
 use microsim_session::{Ending, Frame, KIND_END, NotASession, read};
+use microsim_settings::Clock;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -22,6 +23,9 @@ pub mod kind {
 
 /// Version of the records that this host writes and recomputes.
 pub const RECORD_FORMAT: u32 = 2;
+
+/// Longest simulated time of a run that is computed again \[ns\]: a year.
+const LONGEST_NS: u64 = 365 * 86_400 * 1_000_000_000;
 
 /// The oldest version of the records that this host reads: their results can be shown, not recomputed.
 pub const OLDEST_FORMAT: u32 = 1;
@@ -146,13 +150,54 @@ impl Session {
             format, version, ..
         } = &self.header;
         if *format == RECORD_FORMAT {
-            return Ok(());
+            return self.check_bounds();
         }
         Err(SessionError(format!(
             "recorded with MicroSim {version} (record format {format}), which recomputes it; this is MicroSim {} (record format \
              {RECORD_FORMAT}); `microsim report` shows its result",
             env!("CARGO_PKG_VERSION")
         )))
+    }
+
+    /// Refuses numbers that no run can have had, and that would keep a replay busy for ever.
+    fn check_bounds(&self) -> Result<(), SessionError> {
+        let plan = &self.header.plan;
+        let refuse = |what: String| {
+            Err(SessionError(format!(
+                "no run has {what}; nothing is computed"
+            )))
+        };
+        let [shortest, longest] = Clock::TICK.map(|tick| (tick * 1e9) as u64);
+        let [fewest, most] = Clock::STEPS;
+        if !(shortest..=longest).contains(&plan.tick_ns) {
+            return refuse(format!(
+                "ticks of {} ns ({shortest} to {longest})",
+                plan.tick_ns
+            ));
+        }
+        if !(fewest..=most).contains(&plan.steps) {
+            return refuse(format!(
+                "{} steps in a tick ({fewest} to {most})",
+                plan.steps
+            ));
+        }
+        let of_plan = (plan.seed, plan.tick_ns, plan.steps, plan.level);
+        let other = plan.plugins.iter().find(|plugin| {
+            let setup = &plugin.setup;
+            (setup.seed, setup.tick_ns, setup.steps, setup.level) != of_plan
+        });
+        if let Some(plugin) = other {
+            let name = &plugin.name;
+            return refuse(format!(
+                "another seed, level, tick or number of steps for \"{name}\""
+            ));
+        }
+        match &self.resumed {
+            Some(checkpoint) if checkpoint.tick > LONGEST_NS / plan.tick_ns => {
+                refuse(format!("a checkpoint at tick {}", checkpoint.tick))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Reads all that is complete; what is wrong with the rest stands in `complaint`.

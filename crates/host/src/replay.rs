@@ -62,15 +62,15 @@ pub fn replay(
     // The input is in the ticks, and nothing is recorded again.
     for plugin in &mut plan.plugins {
         let drawn = plugin.kind == PluginKind::Renderer && options.pictures.is_some();
-        if plugin.kind == PluginKind::Source || (plugin.kind.is_observer() && !drawn) {
+        if plugin.kind.is_observer() && !drawn {
             continue;
         }
+        // Sources too: what is installed decides which plugins are sources, and what a source may publish.
         let located = locate(plugin)?;
-        if located.library_hash != plugin.library_hash {
+        if located.library_hash != plugin.library_hash && plugin.kind != PluginKind::Source {
             rebuilt.push(plugin.name.clone());
         }
-        plugin.library = located.library;
-        plugin.manifest = located.manifest;
+        *plugin = located;
     }
     let parallel = match options.threads {
         0 | 1 => None,
@@ -83,7 +83,7 @@ pub fn replay(
         load(planned).map(Some).map_err(RunError::from)
     })?;
     if let Some(checkpoint) = &session.resumed {
-        engine.restore(checkpoint)?;
+        engine.resume(checkpoint)?;
     }
     let mut pictures = start_pictures(&plan, options.pictures, true)?;
     let difference = recompute(&mut engine, &plan, session, &mut pictures);
@@ -152,17 +152,26 @@ fn recompute(
         }
     }
     if let Some((tick, recorded)) = &session.failed_tick {
-        return refail(engine, session, *tick, recorded);
-    }
-    let end = session.end.as_ref().filter(|e| e.ended != Ended::Failure)?;
-    let tick = engine.tick_index();
-    match engine.state_digests(&end.states) {
-        Err(failure) => Some(failed(failure)),
-        Ok(_) if engine.chain().as_slice() != end.chain => {
-            differs(tick, "the state hash at the end differs".into())
+        let refailed = refail(engine, session, *tick, recorded);
+        if refailed.is_some() {
+            return refailed;
         }
-        Ok(_) => None,
     }
+    let end = session.end.as_ref()?;
+    let tick = engine.tick_index();
+    // After a failure no states are saved, and the hash is that of the last tick.
+    if (end.ended == Ended::Failure) != !session.failures.is_empty() {
+        return differs(tick, "the end and the recorded failures contradict".into());
+    }
+    if end.ended != Ended::Failure
+        && let Err(failure) = engine.state_digests(&end.states)
+    {
+        return Some(failed(failure));
+    }
+    (engine.chain().as_slice() != end.chain).then(|| Difference {
+        tick,
+        what: "the state hash at the end differs".into(),
+    })
 }
 
 /// The tick in which a plugin failed must fail again, for the same plugin. One that failed outside of what a replay

@@ -65,13 +65,18 @@ table! {
     #[derive(Copy)]
     pub struct Clock {
         /// Time between two ticks, a whole number of microseconds \[s\].
-        tick: f64 = time(0.001, 0.05),
+        tick: f64 = time(Clock::TICK[0], Clock::TICK[1]),
         /// Steps of the solver in a tick.
-        steps: u32 [1, 1000] => 1,
+        steps: u32 [Clock::STEPS[0].into(), Clock::STEPS[1].into()] => 1,
     }
 }
 
 impl Clock {
+    /// Shortest and longest time between two ticks \[s\].
+    pub const TICK: [f64; 2] = [0.001, 0.05];
+    /// Fewest and most steps of the solver in a tick.
+    pub const STEPS: [u32; 2] = [1, 1000];
+
     /// Time between two ticks \[µs\].
     pub fn tick_us(&self) -> u64 {
         (self.tick * 1e6).round() as u64

@@ -209,9 +209,12 @@ fn json_is_one_document_whatever_the_answer() {
     );
     let check = tree.microsim(&["check", "--json"]).expect(1).json();
     assert!(!check["problems"].as_array().expect("a list").is_empty());
-    tree.microsim(&["replay", "y.session", "--verify", "--json"])
-        .expect(0)
-        .json();
+    let replayed = tree.microsim(&["replay", "y.session", "--json"]);
+    assert_eq!(replayed.expect(0).json()["recomputed"], true);
+    // But whether its limits are those of the level cannot be known.
+    let verified = tree.microsim(&["replay", "y.session", "--verify", "--json"]);
+    let settings = verified.expect(1).json()["other_settings"].to_string();
+    assert!(settings.contains("level1.toml"), "{settings}");
 }
 
 /// `microsim ARGS | head -n 1`; the status is the program's.

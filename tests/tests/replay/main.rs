@@ -6,8 +6,11 @@
 mod altered;
 mod bits;
 mod checkpoint;
+mod forged;
 mod live;
 mod state;
+#[path = "../plugins/tree.rs"]
+mod tree;
 mod without;
 
 use microsim_tests::{run, scratch};
