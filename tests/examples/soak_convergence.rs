@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 fn main() {
     let folder = scratch();
     let mut csv = String::from(
-        "levels,script,verdict,failed,ticks,above_tolerance,invalid,contact_failures,residual_p50,residual_p99,residual_max,\
+        "levels,script,verdict,failed,ticks,above_tolerance,repeated,invalid,contact_failures,residual_p50,residual_p99,residual_max,\
          force_residual_p50,force_residual_p99,force_residual_max\n",
     );
     let mut worst = Vec::new();
@@ -32,7 +32,9 @@ fn main() {
                 let level: String = level.chars().take_while(char::is_ascii_digit).collect();
                 let path = repository().join(format!("modules/{module}/scripts/{script}.toml"));
                 let input = format!("script:{}", path.display());
-                let session = folder.path().join(format!("{levels}-{script}.session"));
+                let session = folder
+                    .path()
+                    .join(format!("{levels}-{module}-{script}.session"));
                 let printed = tree.run(&session, &["--level", &level, "--input", &input]);
                 let row = row(levels, &format!("{module}/{script}"), &printed);
                 print!("{row}");
@@ -55,11 +57,12 @@ fn row(levels: &str, script: &str, printed: &Value) -> String {
     let failed = printed["failed"].as_array().map_or(&[][..], Vec::as_slice);
     let failed: Vec<&str> = failed.iter().filter_map(Value::as_str).collect();
     let mut row = format!(
-        "{levels},{script},{},{},{},{},{},{}",
+        "{levels},{script},{},{},{},{},{},{},{}",
         printed["verdict"].as_str().unwrap_or_default(),
         failed.join(" "),
         solver["ticks"],
         solver["unconverged"],
+        solver["repeated"],
         solver["invalid"],
         solver["contact_failures"],
     );

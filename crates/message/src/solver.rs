@@ -22,10 +22,10 @@ pub struct SolverTick {
     pub backtracks: u32,
     /// Iterations in which contact forces could not be found and remained those of before.
     pub contact_failures: u32,
-    /// How often the tick was computed again because a body diverged.
+    /// How often the tick was computed again, because a body diverged or its forces meant nothing.
     pub repetitions: u32,
-    /// Whether the forces of the tick mean anything: the residuals are within their bounds (`microsim_scene::SolverBounds`), and the bodies
-    /// were not held. From any other tick no metric takes a force.
+    /// Whether the forces of the tick mean anything: the residuals are within their bounds (`microsim_scene::SolverBounds`), no force has jumped in a step above the tolerance,
+    /// and the bodies were not held. From any other tick no metric takes a force.
     pub valid: bool,
 }
 

@@ -108,9 +108,16 @@ pub struct ContactForce {
     pub depth: f64,
     /// Largest displacement of a touched node from its rest position along the force \[m\].
     pub indentation: f64,
-    /// Time within the tick with a force above the level's limit for this pair \[s\].
+    /// Time within the tick in which [`sustained_force`](Self::sustained_force) was above the level's limit for this pair \[s\].
     #[serde(default, alias = "over_limit")]
     pub time_over_limit: f64,
+    /// Size of the mean force over the last 50 ms \[N\], the time scale of a hand: what metrics take the peak of. Ticks whose forces mean nothing
+    /// ([`SolverTick::valid`](crate::SolverTick::valid)) are left out; 0 in sessions of before version 3.
+    #[serde(default)]
+    pub sustained_force: f64,
+    /// Mean of [`grip_force`](Self::grip_force) over the same time \[N\].
+    #[serde(default)]
+    pub sustained_grip: f64,
     /// Fraction of the normal force that acts where nothing slides, from 0 to 1.
     #[serde(default, alias = "stick")]
     pub sticking_fraction: f64,
@@ -121,6 +128,24 @@ pub struct ContactForce {
     /// The pieces of the body that are touched, by their numbers in the snapshots, ascending.
     #[serde(default)]
     pub pieces: Vec<u32>,
+    /// The parts of the tool that touch, in the order of its file: forces of opposing jaws cancel in [`force`](Self::force), and not here.
+    #[serde(default)]
+    pub parts: Vec<PartForce>,
+}
+
+/// Force of one part of a tool on one body, mean over a tick.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartForce {
+    /// Name of the capsule in the file of the tool, for example `left-tip` or `shaft`.
+    pub part: String,
+    /// Force on the tissue in the field \[N\].
+    pub force: [f64; 3],
+    /// Sum of the sizes of its normal forces \[N\]: how strongly it presses, also where it is pressed from all sides.
+    pub normal_force: f64,
+    /// Point of application in the field \[m\].
+    pub point: [f64; 3],
+    /// How many nodes of the body it touches.
+    pub nodes: u32,
 }
 
 /// Jaws that squeeze tissue less than this touch it and do not grip it \[N\]: a few times what lifts a freed piece of a few
@@ -139,8 +164,8 @@ pub struct ContactForces {
 
 impl Message for ContactForces {
     const KIND: &'static str = "contact.forces";
-    const VERSION: u16 = 2;
-    // Version 1 had other names of fields.
+    const VERSION: u16 = 3;
+    // Version 1 had other names of fields, version 2 neither sustained forces nor parts.
     const OLDEST_VERSION: u16 = 1;
 }
 

@@ -18,12 +18,21 @@ pub struct ForceSeries {
     pub force: Vec<f64>,
     /// Largest magnitude within the tick \[N\].
     pub peak: Vec<f64>,
+    /// Size of the mean force over the last 50 ms, which metrics take \[N\]; zeros in sessions of before.
+    pub sustained: Vec<f64>,
     /// The grip: force with which both jaws squeeze the tissue between them, mean over the tick \[N\].
     pub grip: Vec<f64>,
     /// Deepest penetration that was left after a step \[m\].
     pub depth: Vec<f64>,
     /// Largest displacement of a touched node from its rest position along the force \[m\].
     pub indentation: Vec<f64>,
+}
+
+impl ForceSeries {
+    /// Whether the session has forces on the time scale of a hand.
+    pub fn has_sustained(&self) -> bool {
+        self.sustained.iter().any(|force| *force > 0.0)
+    }
 }
 
 /// Gathers the contacts of each pair, pairs in the order of their first contact.
@@ -60,6 +69,7 @@ impl ForceCollector {
             series.force.push((x * x + y * y + z * z).sqrt());
             series.peak.push(contact.peak_force);
             series.grip.push(contact.grip_force);
+            series.sustained.push(contact.sustained_force);
             series.depth.push(contact.depth);
             series.indentation.push(contact.indentation);
             *last = tick;

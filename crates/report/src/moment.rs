@@ -143,8 +143,13 @@ impl<'a> MomentCollector<'a> {
             if contact.time_over_limit > 0.0 {
                 self.happens(MomentKind::ExcessForce, tick, now, tool, body);
             }
-            if contact.peak_force > self.largest.as_ref().map_or(0.0, |largest| largest.0) {
-                self.largest = Some((contact.peak_force, tick, now, tool.clone(), body.clone()));
+            // Sessions of before have no sustained forces.
+            let force = match contact.sustained_force > 0.0 {
+                true => contact.sustained_force,
+                false => contact.peak_force,
+            };
+            if force > self.largest.as_ref().map_or(0.0, |largest| largest.0) {
+                self.largest = Some((force, tick, now, tool.clone(), body.clone()));
             }
         }
     }

@@ -14,7 +14,7 @@ pub struct SolverRecord {
     pub invalid: u32,
     /// Ticks in which the bodies were held at their last good state.
     pub held: u32,
-    /// Ticks that were computed again because a body diverged.
+    /// Ticks that were computed again, because a body diverged or their forces meant nothing.
     pub repeated: u32,
     /// Iterations of all steps.
     pub iterations: u64,

@@ -67,7 +67,7 @@ impl Report {
     }
 
     /// All series in full, one row for each sample. `series` is `motion` (tool, position, speed; `part` is the segment) or
-    /// `force` (tool, body, force, peak, depth, indentation; `part` is the contact); columns of the other one are empty.
+    /// `force` (tool, body, force, peak, depth, indentation, sustained force; `part` is the contact); columns of the other one are empty.
     pub fn series_csv(&self) -> String {
         let mut table = Table::new(&[
             "series",
@@ -83,6 +83,7 @@ impl Report {
             "peak_n",
             "depth_m",
             "indentation_m",
+            "sustained_n",
             "synthetic",
         ]);
         let empty = String::new;
@@ -98,6 +99,7 @@ impl Report {
                     y.to_string(),
                     z.to_string(),
                     cell(motion.speed[k]),
+                    empty(),
                     empty(),
                     empty(),
                     empty(),
@@ -122,6 +124,7 @@ impl Report {
                     force.peak[k].to_string(),
                     force.depth[k].to_string(),
                     force.indentation[k].to_string(),
+                    force.sustained[k].to_string(),
                     cell(self.session.synthetic.as_ref()),
                 ]);
             }

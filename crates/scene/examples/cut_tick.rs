@@ -141,6 +141,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
         }],
         gravity: [0.0; 3],
         method: Method::StoermerVerlet,
+        repeat_invalid: true,
         containment: false,
     };
     let runs: Vec<Vec<Tick>> = (0..RUNS)

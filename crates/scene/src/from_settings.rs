@@ -74,6 +74,7 @@ pub fn scene_spec(
         gravity: scene.run.gravity,
         method: method::method(&scene.method),
         containment: scene.run.containment,
+        repeat_invalid: scene.method.repeat_invalid.unwrap_or(true),
     };
     Ok(Described { spec, notes })
 }
@@ -165,6 +166,7 @@ pub fn level_spec(
         gravity: level.physics.gravity,
         method: method::method(level.method),
         containment: true,
+        repeat_invalid: level.method.repeat_invalid.unwrap_or(true),
     };
     Ok(Described { spec, notes })
 }

@@ -70,6 +70,7 @@ mod drive;
 mod edits;
 mod error;
 mod exemption;
+mod force_window;
 mod from_settings;
 mod group;
 mod group_contact;
@@ -92,11 +93,13 @@ mod tally;
 mod tear;
 mod tick;
 mod tool;
+mod validity;
 mod view;
 
 pub use body::CutTally;
 pub use divergence::{Diverged, Divergence};
 pub use error::SceneError;
+pub use force_window::FORCE_WINDOW;
 pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
 };
@@ -108,7 +111,7 @@ pub use microsim_tissue::{
 };
 pub use overlap::Overlap;
 pub use report::{
-    ContactPartner, ContactReport, CutReport, MANY_SUBSTEPS, Recovery, RejectedCut, SolverBounds,
+    ContactPartner, ContactReport, CutReport, MANY_SUBSTEPS, PartReport, Recovery, RejectedCut,
     SolverReport, TickReport,
 };
 pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
@@ -121,6 +124,7 @@ pub use spec::{
 };
 pub use stress::von_mises;
 pub use tool::ToolMotion;
+pub use validity::SolverBounds;
 pub use view::BodyView;
 
 #[cfg(test)]

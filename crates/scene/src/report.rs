@@ -21,10 +21,14 @@ pub struct TickReport {
     pub jumped: Vec<usize>,
     /// Whether plastic flow has made a body so stiff that it needs more steps than were asked for.
     pub stiffened: bool,
-    /// Ticks that had to be repeated with more sub-steps.
+    /// Repetitions with more sub-steps because a body diverged.
     pub recoveries: Vec<Recovery>,
+    /// All repetitions: those, and the one of a tick whose forces meant nothing.
+    pub repetitions: u32,
     /// How far the solver came.
     pub solver: SolverReport,
+    /// Whether the forces mean anything.
+    pub valid: bool,
     /// Indices of motions that were left out: unknown tool, a second motion of one tool, or a number that is not finite.
     pub invalid_motions: Vec<usize>,
 }
@@ -51,35 +55,7 @@ pub struct SolverReport {
     pub contact_failures: u32,
 }
 
-/// Up to where the forces of a tick mean something. The bounds were set before any run was judged by them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolverBounds {
-    /// Residual relative to the forces. By default a tenth.
-    pub residual: f64,
-    /// The residual itself \[N\]. By default 1 mN, from which on jaws count as gripping.
-    pub force_residual: f64,
-    /// Multiplier residual of contacts, relative to the mean edge length. By default a tenth.
-    pub contact_residual: f64,
-}
-
-impl Default for SolverBounds {
-    fn default() -> Self {
-        Self {
-            residual: 0.1,
-            force_residual: 1e-3,
-            contact_residual: 0.1,
-        }
-    }
-}
-
 impl SolverReport {
-    /// Whether the forces mean something: either residual is within its bound, and no contact is deeper below its floor than its own. Where
-    /// all forces are small the residual relative to them means little, where they are large the residual itself does.
-    pub fn is_within(&self, bounds: &SolverBounds) -> bool {
-        (self.residual <= bounds.residual || self.force_residual <= bounds.force_residual)
-            && self.contact_residual <= bounds.contact_residual
-    }
-
     /// Adds a step.
     pub(crate) fn add(&mut self, step: &StepReport) {
         self.steps += 1;
@@ -133,15 +109,36 @@ pub struct ContactReport {
     pub nodes: usize,
     /// The pieces of the body that were touched, by their numbers, ascending.
     pub pieces: Vec<u32>,
-    /// How long the force was above the limit of the pair \[s\].
+    /// Size of the mean force over the last [`FORCE_WINDOW`](crate::FORCE_WINDOW) \[N\], of ticks that are valid.
+    pub sustained_force_n: f64,
+    /// Mean of the grip over that time \[N\].
+    pub sustained_grip_n: f64,
+    /// How long the sustained force was above the limit of the pair \[s\]: the tick or nothing.
     pub over_limit_s: f64,
     /// Fraction of the normal force that acted where nothing slid, 0 (all slides, or there is no friction) to 1 (all sticks).
     pub stick_fraction: f64,
     /// Force with which both jaws of a tool squeezed the body between them, mean over the tick \[N\]: the smaller of what each pushed
     /// it towards the other one, without friction; 0 where they pushed to the same side.
     pub grip_n: f64,
+    /// The parts of a tool that touched, by their capsules, ascending.
+    pub parts: Vec<PartReport>,
     /// Larger mean pressure of the two jaws over the surface that each touched \[Pa\], by the areas at rest; 0 of a tool without jaws.
     pub jaw_pressure_pa: f64,
+}
+
+/// What one part of a tool did to a body in a tick. Forces of opposing jaws cancel in that of their tool, and not here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartReport {
+    /// Its index among the capsules of the tool.
+    pub capsule: u32,
+    /// Mean force on the tissue \[N\].
+    pub force_on_tissue: [f64; 3],
+    /// Mean of the sum of the sizes of its normal forces \[N\].
+    pub normal_force_n: f64,
+    /// Mean of the touched points, weighted by their forces \[m\].
+    pub point: [f64; 3],
+    /// How many nodes were touched.
+    pub nodes: usize,
 }
 
 /// What a tool cut in a tick, or what tore.
@@ -190,27 +187,4 @@ pub struct Recovery {
     pub what: Divergence,
     /// By how much the steps were divided in the next try: 2, 4 or 8.
     pub factor: u32,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Large forces are judged by the relative residual, small ones by the residual itself, and what is not finite by neither.
-    #[test]
-    fn forces_mean_something_within_the_bounds() {
-        let bounds = SolverBounds::default();
-        let within = |residual: f64, force_residual: f64, contact_residual: f64| {
-            let report = SolverReport {
-                residual,
-                force_residual,
-                contact_residual,
-                ..SolverReport::default()
-            };
-            report.is_within(&bounds)
-        };
-        assert!(within(0.05, 0.1, 0.0) && within(0.9, 1e-4, 0.0));
-        assert!(!within(0.2, 2e-3, 0.0) && !within(0.05, 1e-4, 0.2));
-        assert!(!within(f64::NAN, f64::NAN, 0.0) && !within(0.0, 0.0, f64::NAN));
-    }
 }

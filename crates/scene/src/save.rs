@@ -1,6 +1,6 @@
 //! Exact bytes of all that evolves.
 //!
-//! Little-endian, in this order: magic, version u32, time f64, number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
+//! Little-endian, in this order: magic, version u32, time f64, whether the last tick was not valid u32, number of contact pairs u32, per pair the number of ticks in its window u32 and these (length, force, grip), number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
 //! step f64, longest stable step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
 //! f64 and f64 each); number of groups of bodies that touch one another u32; per group the number of last normals u32 and per
 //! normal partner, node u32, 3 × f64; the number of contact forces u32 and per force body u32, partner, five nodes u32, force along
@@ -11,6 +11,7 @@ mod edits;
 
 use crate::body::Body;
 use crate::edits::Edit;
+use crate::force_window::{ForceWindow, WindowTick};
 use crate::group::Group;
 use crate::group_contact::{ContactForce, ContactState};
 use crate::member::Member;
@@ -21,7 +22,7 @@ use microsim_tissue::State;
 use nalgebra::Vector3;
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +94,16 @@ impl Scene {
         bytes.extend_from_slice(MAGIC);
         put_u32(&mut bytes, VERSION);
         put_f64(&mut bytes, self.state.time);
+        put_u32(&mut bytes, u32::from(self.state.doubtful));
+        put_u32(&mut bytes, self.state.windows.len() as u32);
+        for window in &self.state.windows {
+            put_u32(&mut bytes, window.ticks.len() as u32);
+            for tick in &window.ticks {
+                put_f64(&mut bytes, tick.length);
+                put_vector(&mut bytes, &tick.force);
+                put_f64(&mut bytes, tick.grip);
+            }
+        }
         put_u32(&mut bytes, self.edits.len() as u32);
         self.edits
             .iter()
@@ -153,6 +164,14 @@ impl Scene {
             return Err(RestoreError::Version { found });
         }
         let time = reader.f64()?;
+        let doubtful = match reader.u32()? {
+            0 => false,
+            1 => true,
+            _ => return Err(RestoreError::OtherScene),
+        };
+        reader.expect(self.pairs.len())?;
+        let windows = self.pairs.iter().map(|_| reader.window());
+        let windows = windows.collect::<Result<_, _>>()?;
         let edits = reader.list(edits::edit)?;
         let mut cut = self.cut_by(&edits)?;
         reader.expect(self.cuts.len())?;
@@ -244,6 +263,8 @@ impl Scene {
             contacts,
             stable_steps,
             blades,
+            windows,
+            doubtful,
             time,
         };
         Ok(())
@@ -347,6 +368,19 @@ impl<'a> Reader<'a> {
             (1, 0) => Partner::Obstacle { part: index },
             (2, 0) => Partner::Body { body: index },
             _ => return Err(RestoreError::OtherScene),
+        })
+    }
+
+    fn window(&mut self) -> Result<ForceWindow, RestoreError> {
+        let ticks = (0..self.u32()?).map(|_| {
+            Ok(WindowTick {
+                length: self.f64()?,
+                force: self.vector()?,
+                grip: self.f64()?,
+            })
+        });
+        Ok(ForceWindow {
+            ticks: ticks.collect::<Result<_, RestoreError>>()?,
         })
     }
 

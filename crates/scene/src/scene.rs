@@ -4,6 +4,7 @@ use crate::body::Body;
 use crate::cut_pairs::{CutPair, find_cuts};
 use crate::edits::Edit;
 use crate::error::SceneError;
+use crate::force_window::ForceWindow;
 use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::lonor::BladeState;
@@ -33,6 +34,7 @@ pub struct Scene {
     pub(crate) gravity: Vector3<f64>,
     pub(crate) method: Method,
     pub(crate) containment: bool,
+    pub(crate) repeat_invalid: bool,
     pub(crate) state: SceneState,
 }
 
@@ -93,6 +95,8 @@ impl Scene {
             contacts: vec![ContactState::default(); groups.len()],
             stable_steps: bodies.iter().map(|body| body.stable_step).collect(),
             blades: vec![BladeState::default(); cuts.len()],
+            windows: vec![ForceWindow::default(); pairs.len()],
+            doubtful: false,
             time: 0.0,
         };
         let is_cut = bodies.iter().any(|body| body.topology.is_some());
@@ -111,6 +115,7 @@ impl Scene {
             gravity,
             method: spec.method,
             containment: spec.containment,
+            repeat_invalid: spec.repeat_invalid,
             state,
             bodies,
         })
@@ -127,6 +132,9 @@ impl Scene {
             .iter_mut()
             .for_each(|contact| *contact = ContactState::default());
         self.state.stable_steps = self.bodies.iter().map(|body| body.stable_step).collect();
+        let windows = self.state.windows.iter_mut();
+        windows.for_each(|window| window.ticks.clear());
+        self.state.doubtful = false;
         self.state.time = 0.0;
     }
 
@@ -270,6 +278,14 @@ impl Scene {
             ContactPartner::Body(body) => &self.bodies[body].name,
             ContactPartner::Itself => "itself",
         }
+    }
+
+    /// The name of a part of a tool, by the index of its capsule; empty if it has none.
+    ///
+    /// # Panics
+    /// If there is no such tool.
+    pub fn part_name(&self, tool: usize, capsule: u32) -> &str {
+        self.tools[tool].part_name(capsule)
     }
 
     /// Whether anything can be cut or tear.

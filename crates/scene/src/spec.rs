@@ -25,6 +25,8 @@ pub struct SceneSpec {
     /// Whether a body that diverges is rolled back and computed again with shorter steps. Without it the first divergence
     /// ends the run: measurements of methods need that.
     pub containment: bool,
+    /// Whether a tick whose forces mean nothing is computed again with steps of half the length; only with containment.
+    pub repeat_invalid: bool,
 }
 
 impl SceneSpec {
@@ -39,6 +41,7 @@ impl SceneSpec {
             gravity: [0.0, 0.0, -9.81],
             method,
             containment: true,
+            repeat_invalid: true,
         }
     }
 }
@@ -231,8 +234,10 @@ pub struct ToolKeySpec {
 }
 
 /// A capsule of a tool: all points within a radius of a segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CapsuleSpec {
+    /// Its name in reports of forces; may be empty.
+    pub name: String,
     /// First end of the axis in the tool's frame, tool closed \[m\].
     pub a: [f64; 3],
     /// Second end of the axis in the tool's frame, tool closed \[m\].
@@ -253,6 +258,7 @@ impl CapsuleSpec {
     /// A part of the shaft that does not cut: axis from `a` to `b` and radius \[m\].
     pub fn new(a: [f64; 3], b: [f64; 3], radius: f64) -> Self {
         Self {
+            name: String::new(),
             a,
             b,
             radius,

@@ -1,5 +1,6 @@
 //! What evolves in a scene.
 
+use crate::force_window::ForceWindow;
 use crate::group_contact::ContactState;
 use crate::lonor::BladeState;
 use microsim_tissue::State;
@@ -15,6 +16,10 @@ pub(crate) struct SceneState {
     pub stable_steps: Vec<f64>,
     /// One per cut.
     pub blades: Vec<BladeState>,
+    /// One per contact pair.
+    pub windows: Vec<ForceWindow>,
+    /// Whether the last tick was not valid.
+    pub doubtful: bool,
     /// Simulated time \[s\].
     pub time: f64,
 }

@@ -3,12 +3,12 @@
 use crate::body::Body;
 use crate::group::Group;
 use crate::pairs::{Pair, PairPartner};
-use crate::report::{ContactPartner, ContactReport};
+use crate::report::{ContactPartner, ContactReport, PartReport};
 use crate::scene::Scene;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::Partner;
 use nalgebra::Vector3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// An overlap from before the step counts as one from this fraction of the mean edge length on: less is what iterations leave.
 const OLD_OVERLAP: f64 = 1e-2;
@@ -27,17 +27,47 @@ pub(crate) struct Tally {
     last_point: Vector3<f64>,
     max_depth: f64,
     nodes: BTreeSet<u32>,
-    /// Time with a force above the limit \[s\].
-    over_limit: f64,
     /// Σ λ h over all contacts, and over those that stick \[N·s\].
     normal_impulse: f64,
     stick_impulse: f64,
     jaws: [JawTally; 2],
+    /// By the capsules of the tool.
+    parts: BTreeMap<u32, PartTally>,
     /// Of the step that is being summed up, and of a body on itself the sum of sizes.
     step: Vector3<f64>,
     step_size: f64,
     /// Touched nodes of the step, with the jaw and how much of the node is touched.
     areas: Vec<(usize, u32, f64)>,
+}
+
+/// What one capsule of a tool sums up over a tick.
+#[derive(Clone, Debug, Default)]
+struct PartTally {
+    /// Σ F h \[N·s\].
+    impulse: Vector3<f64>,
+    /// Σ λ h \[N·s\].
+    normal_impulse: f64,
+    /// Σ |F| h p and Σ |F| h.
+    weighted_point: Vector3<f64>,
+    weight: f64,
+    last_point: Vector3<f64>,
+    nodes: BTreeSet<u32>,
+}
+
+impl PartTally {
+    fn report(&self, capsule: u32, tick_s: f64) -> PartReport {
+        let point = match self.weight > 0.0 {
+            true => self.weighted_point / self.weight,
+            false => self.last_point,
+        };
+        PartReport {
+            capsule,
+            force_on_tissue: (self.impulse / tick_s).into(),
+            normal_force_n: self.normal_impulse / tick_s,
+            point: point.into(),
+            nodes: self.nodes.len(),
+        }
+    }
 }
 
 /// What one jaw sums up over a tick.
@@ -123,9 +153,17 @@ pub(crate) fn sum_up(
         if !contact.is_sliding {
             tally.stick_impulse += contact.normal_force * h;
         }
-        let jaw = match point.key.partner {
-            Partner::Tool { tool, capsule } => tools[tool as usize].jaw(capsule),
-            _ => None,
+        let (jaw, mut part) = match point.key.partner {
+            Partner::Tool { tool, capsule } => {
+                let part = tally.parts.entry(capsule).or_default();
+                part.impulse += force * h;
+                part.normal_impulse += contact.normal_force * h;
+                part.weighted_point += place * (size * h);
+                part.weight += size * h;
+                part.last_point = place;
+                (tools[tool as usize].jaw(capsule), Some(part))
+            }
+            _ => (None, None),
         };
         // The nodes of the pair's body: of the first side, or of the other one.
         for k in 0..4 {
@@ -137,6 +175,9 @@ pub(crate) fn sum_up(
             let member = group.members[group.member_of(node)];
             let local = node - member.first_node as u32;
             tally.nodes.insert(local);
+            if let Some(part) = &mut part {
+                part.nodes.insert(local);
+            }
             if let Some(jaw) = jaw.filter(|_| contact.normal_force > 0.0) {
                 tally.areas.push((jaw as usize, local, weight.abs()));
             }
@@ -169,19 +210,16 @@ pub(crate) fn sum_up(
         }
     }
     for (tally, pair) in tallies.iter_mut().zip(pairs) {
-        tally.finish_step(&bodies[pair.body], pair.force_limit, h);
+        tally.finish_step(&bodies[pair.body], h);
     }
 }
 
 impl Tally {
-    fn finish_step(&mut self, body: &Body, limit: f64, h: f64) {
+    fn finish_step(&mut self, body: &Body, h: f64) {
         let size = self.step.norm() + self.step_size;
         self.impulse += self.step * h;
         self.impulse_size += size * h;
         self.peak = self.peak.max(size);
-        if size > limit {
-            self.over_limit += h;
-        }
         self.step = Vector3::zeros();
         self.step_size = 0.0;
         // A node that is touched in several places counts once, by the largest part of it.
@@ -230,6 +268,8 @@ impl Tally {
             let pushes = self.jaws.map(|sum| sum.push);
             squeeze(pushes, motion.to.orientation * Vector3::x())
         });
+        let parts = self.parts.iter();
+        let parts = parts.map(|(&capsule, part)| part.report(capsule, tick_s));
         let of_nodes = scene.body(body).pieces();
         let pieces: BTreeSet<u32> = self.nodes.iter().map(|&n| of_nodes[n as usize]).collect();
         Some(ContactReport {
@@ -243,12 +283,15 @@ impl Tally {
             indentation_m: indentation,
             nodes: self.nodes.len(),
             pieces: pieces.into_iter().collect(),
-            over_limit_s: self.over_limit,
+            sustained_force_n: 0.0,
+            sustained_grip_n: 0.0,
+            over_limit_s: 0.0,
             stick_fraction: match self.normal_impulse > 0.0 {
                 true => self.stick_impulse / self.normal_impulse,
                 false => 0.0,
             },
             grip_n: squeezed / tick_s,
+            parts: parts.collect(),
             jaw_pressure_pa: jaws.map(|sum| sum.impulse / sum.area).fold(0.0, f64::max),
         })
     }

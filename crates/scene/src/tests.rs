@@ -7,6 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 mod boundary;
 mod cutting;
+mod forces;
 mod hard;
 mod limits;
 

@@ -25,7 +25,8 @@ const TRAVEL_IMPLICIT: f64 = 1.0;
 /// A tool that needs more sub-steps than this has jumped.
 const MAX_SUBSTEPS: u32 = 256;
 
-/// By how much the steps of a tick are divided when a body diverged: first try, then the repetitions.
+/// By how much the steps of a tick are divided when a body diverged: first try, then the repetitions. A tick whose forces mean nothing is
+/// repeated once.
 const TRIES: [u32; 4] = [1, 2, 4, 8];
 
 impl Scene {
@@ -36,7 +37,9 @@ impl Scene {
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
     /// diverges the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
-    /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there.
+    /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there. A tick whose forces
+    /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated once with steps of half the length, and not [`valid`](TickReport::valid) if
+    /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
     ///
     /// ```
     /// # use microsim_mesh::{Block, CellSplit};
@@ -96,6 +99,8 @@ impl Scene {
         self.forget(&jumped);
         let mut recoveries = Vec::new();
         let mut failure = None;
+        let mut repetitions = 0;
+        let mut doubted = start.doubtful || !self.repeat_invalid;
         let tries = if self.containment {
             &TRIES[..]
         } else {
@@ -104,7 +109,17 @@ impl Scene {
         for (index, &factor) in tries.iter().enumerate() {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             match self.attempt(&motions, tick_s, count, exec) {
-                Ok((contacts, loads, solver)) => {
+                Ok((mut contacts, loads, solver)) => {
+                    let valid = self.is_meaningful(&solver, &contacts);
+                    if !(valid || doubted || index + 1 == tries.len()) {
+                        doubted = true;
+                        repetitions += 1;
+                        self.state.clone_from(&start);
+                        self.forget(&jumped);
+                        continue;
+                    }
+                    self.state.doubtful = !valid;
+                    self.update_windows(&mut contacts, tick_s, valid);
                     let (cuts, rejected) =
                         self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
                     self.state.time = start.time + tick_s;
@@ -117,7 +132,9 @@ impl Scene {
                         jumped,
                         stiffened,
                         recoveries,
+                        repetitions,
                         solver,
+                        valid,
                         invalid_motions,
                     });
                 }
@@ -126,6 +143,7 @@ impl Scene {
                     self.forget(&jumped);
                     failure = Some((found, tick_s / f64::from(count)));
                     if let Some(&next) = tries.get(index + 1) {
+                        repetitions += 1;
                         recoveries.push(Recovery {
                             body: found.body,
                             what: found.what,

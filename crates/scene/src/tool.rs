@@ -44,6 +44,7 @@ pub(crate) struct Tool {
 
 #[derive(Clone, Debug)]
 struct Part {
+    name: String,
     capsule: Capsule,
     joint: Joint,
     jaw: Option<Jaw>,
@@ -96,6 +97,7 @@ impl Tool {
                 }
             };
             Ok(Part {
+                name: part.name.clone(),
                 capsule,
                 joint,
                 jaw: part.jaw,
@@ -120,6 +122,12 @@ impl Tool {
             parts,
             motion: spec.motion.clone(),
         })
+    }
+
+    /// The name of a capsule.
+    pub fn part_name(&self, capsule: u32) -> &str {
+        let part = self.parts.get(capsule as usize);
+        part.map_or("", |part| &part.name)
     }
 
     /// The jaw that a capsule belongs to.

@@ -21,6 +21,9 @@ table! {
         tolerance: Option<f64> = quantity(Unit::Ratio, 1e-15, 1.0),
         /// Of implicit methods: whether a step that ends above the tolerance fails; it does if left out.
         must_converge: Option<bool>,
+        /// Of implicit methods, in levels and in scenes with containment: whether a tick whose forces mean nothing is computed again with steps
+        /// of half the length; it is if left out.
+        repeat_invalid: Option<bool>,
         /// Of xpbd: sub-steps in a step; 10 if left out.
         substeps: Option<u32> [1, 10_000],
     }
@@ -77,7 +80,13 @@ pub(crate) fn check_method(reading: &mut Reading, key: &KeyPath) {
         .and_then(|name| MethodName::from_name(name.as_str()?));
     let Some(method) = name else { return };
     let own = method.parameters();
-    for parameter in ["iterations", "tolerance", "must_converge", "substeps"] {
+    for parameter in [
+        "iterations",
+        "tolerance",
+        "must_converge",
+        "repeat_invalid",
+        "substeps",
+    ] {
         let key = key.key(parameter);
         if reading.is_written(&key) && !own.contains(&parameter) {
             let expected = format!("no `{parameter}`, which {} does not have", method.name());

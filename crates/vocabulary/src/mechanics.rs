@@ -130,7 +130,7 @@ impl MethodName {
             | Self::ImplicitMidpoint
             | Self::GuardedMidpoint
             | Self::Sdirk2
-            | Self::QuasiStatic => &["iterations", "tolerance", "must_converge"],
+            | Self::QuasiStatic => &["iterations", "tolerance", "must_converge", "repeat_invalid"],
             Self::Xpbd => &["iterations", "substeps"],
             Self::StoermerVerlet
             | Self::ExplicitEuler

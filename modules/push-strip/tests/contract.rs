@@ -27,7 +27,7 @@ fn host() -> TestHost<Module> {
         },
         "own_metrics": [{
             "id": "peak-force", "unit": "N", "display_unit": "mN", "direction": "lower",
-            "category": "tissue", "formula": "peak-force/1", "source": "this test",
+            "category": "tissue", "formula": "peak-force/2", "source": "this test",
             "title": { "de": "Kraft", "en": "Force" }, "advice": { "de": "-", "en": "-" },
         }],
         "reasons": [],
@@ -90,6 +90,7 @@ fn hold_computed(
                 body: "strip".into(),
                 force: [0.0, 0.6 * force, -0.8 * force],
                 peak_force: force,
+                sustained_force: force,
                 impulse: 0.0,
                 point: [0.0; 3],
                 depth: 0.0,

@@ -4,12 +4,12 @@
 #![forbid(unsafe_code)]
 
 use microsim_scene::{
-    ContactPartner, ContactReport, Executor, LevelParts, Pose, Scene, SolverBounds, SolverReport,
+    ContactPartner, ContactReport, Executor, LevelParts, PartReport, Pose, Scene, SolverReport,
     ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    self, ContactForce, ContactForces, SolverTick, TISSUE_SNAPSHOT, TissueCut, TissueRecovery,
-    ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    self, ContactForce, ContactForces, PartForce, SolverTick, TISSUE_SNAPSHOT, TissueCut,
+    TissueRecovery, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -147,7 +147,29 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
         time_over_limit: contact.over_limit_s,
         sticking_fraction: contact.stick_fraction,
         grip_force: contact.grip_n,
+        sustained_force: contact.sustained_force_n,
+        sustained_grip: contact.sustained_grip_n,
+        parts: contact
+            .parts
+            .iter()
+            .map(|part| part_force(scene, contact.with, part))
+            .collect(),
         pieces: contact.pieces.clone(),
+    }
+}
+
+/// What a part of a tool does, as a message.
+fn part_force(scene: &Scene, with: ContactPartner, part: &PartReport) -> PartForce {
+    let name = match with {
+        ContactPartner::Tool(tool) => scene.part_name(tool, part.capsule),
+        _ => "",
+    };
+    PartForce {
+        part: name.into(),
+        force: part.force_on_tissue,
+        normal_force: part.normal_force_n,
+        point: part.point,
+        nodes: part.nodes as u32,
     }
 }
 
@@ -248,8 +270,8 @@ impl Plugin for Physics {
         };
         tick.publish(&solver_tick(
             &report.solver,
-            report.recoveries.len() as u32,
-            report.solver.is_within(&SolverBounds::default()),
+            report.repetitions,
+            report.valid,
         ));
         let mut invalid = Vec::new();
         let mut forces = ContactForces::default();

@@ -7,6 +7,7 @@ mod metrics;
 mod record;
 
 use crate::Report;
+use crate::force::ForceSeries;
 use crate::plot::{colour_class, force_plot, path_plots, speed_plot};
 use crate::text::{bilingual, spans};
 use microsim_drawing::PageHead;
@@ -131,12 +132,26 @@ fn plots(out: &mut String, report: &Report) {
     }
     if !report.forces.is_empty() {
         section(out, "Kontaktkraft", "Contact force");
+        let mean = || bilingual("Mittel je Takt", "mean over a tick");
+        let [bold, pale] = match report.forces.iter().any(ForceSeries::has_sustained) {
+            true => [
+                bilingual(
+                    "Mittel über 50 ms, nach dem bewertet wird",
+                    "mean over 50 ms, by which the level is judged",
+                ),
+                mean(),
+            ],
+            false => [
+                mean(),
+                bilingual("größter Wert im Takt", "largest within a tick"),
+            ],
+        };
         let _ = write!(
             out,
             "<p class=\"legend\"><span class=\"key line-key\"></span>{}\
              <span class=\"key line-key pale-key\"></span>{}<span class=\"key grip-key\"></span>{}",
-            bilingual("Mittel je Takt", "mean over a tick"),
-            bilingual("größter Wert im Takt", "largest within a tick"),
+            bold,
+            pale,
             bilingual(
                 "Griff: Kraft, mit der beide Backen gegeneinander drücken",
                 "grip: force with which both jaws press against each other"

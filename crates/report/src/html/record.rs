@@ -160,6 +160,18 @@ fn computation(out: &mut String, report: &Report) {
                 solver.unconverged, solver.invalid
             ),
         )),
+        (solver.repeated > 0).then(|| {
+            bilingual(
+                &format!(
+                    "{} Schritte wurden mit kleineren Teilschritten noch einmal berechnet.",
+                    solver.repeated
+                ),
+                &format!(
+                    "{} ticks were computed again with smaller sub-steps.",
+                    solver.repeated
+                ),
+            )
+        }),
     ];
     for sentence in sentences.into_iter().flatten() {
         let _ = writeln!(out, "<p>{sentence}</p>");

@@ -61,7 +61,10 @@ fn strip(
     };
     let y = ValueAxis::from_zero(largest * factor, (bottom, top));
     grid(out, x, &y, (70.0, 26.0));
-    let lines = [("peak", &series.peak), ("curve", &series.force)];
+    let lines = match series.has_sustained() {
+        true => [("peak", &series.force), ("curve", &series.sustained)],
+        false => [("peak", &series.peak), ("curve", &series.force)],
+    };
     let grip = grip.map(|grip| ("grip", grip));
     for (class, values) in lines.into_iter().chain(grip) {
         let drawn = thin::extremes(values, MAX_POINTS).into_iter().map(|i| {

@@ -26,6 +26,7 @@ pub(super) fn capsules(
             settings::Jaw::Right => Some(Jaw::Right),
         };
         CapsuleSpec {
+            name: part.name.clone(),
             a: part.a,
             b: part.b,
             radius: part.radius,

@@ -83,6 +83,7 @@ fn bars() -> SceneSpec {
         gravity: [0.0, 0.0, -9.81],
         method: Method::StoermerVerlet,
         containment: true,
+        repeat_invalid: true,
     }
 }
 

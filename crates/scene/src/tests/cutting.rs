@@ -105,6 +105,7 @@ fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneS
         gravity: [0.0; 3],
         method,
         containment: true,
+        repeat_invalid: true,
     }
 }
 

@@ -35,11 +35,11 @@ pub struct Contacts {
     pub held: Vec<Vec<Grip>>,
     /// Rigid obstacles and bodies that it touched in the last tick, each with the pieces of it that did.
     pub on: Vec<(String, Vec<u32>)>,
-    /// Largest force of a tool on it, mean over a tick \[N\].
+    /// Largest sustained force of a tool on it \[N\]: see [`ContactForce::sustained_force`].
     pub peak_force: f64,
-    /// Largest force with which the jaws of a tool that holds squeezed it, mean over a tick \[N\].
+    /// Largest sustained force with which the jaws of a tool that holds squeezed it \[N\].
     pub peak_grip: f64,
-    /// Time in which a tool's force was above the limit of its pair \[s\], and whether it was in the last tick.
+    /// Time in which a tool's sustained force was above the limit of its pair \[s\], and whether it was in the last tick.
     pub excess: f64,
     /// See [`Contacts::excess`].
     pub too_hard: bool,
@@ -94,9 +94,9 @@ impl Contacts {
         if counts {
             self.excess += excess;
             for contact in contacts {
-                self.peak_force = self.peak_force.max(Vector3::from(contact.force).norm());
+                self.peak_force = self.peak_force.max(contact.sustained_force);
                 if holders.contains(&contact.partner) {
-                    self.peak_grip = self.peak_grip.max(contact.grip_force);
+                    self.peak_grip = self.peak_grip.max(contact.sustained_grip);
                 }
             }
         }

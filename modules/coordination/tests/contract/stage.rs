@@ -187,9 +187,11 @@ pub fn tick_with(
         // At the clamps, or in the middle between the marks.
         point: place(&NODES[3 * part]),
         force: [0.0, 0.0, scene.force],
+        sustained_force: scene.force,
         time_over_limit: if scene.force > 0.02 { 0.008 } else { 0.0 },
         sticking_fraction,
         grip_force,
+        sustained_grip: grip_force,
         pieces: vec![scene.pieces[part]],
         ..ContactForce::default()
     };

@@ -1,0 +1,161 @@
+//! Whether the forces of a tick mean anything.
+
+use crate::force_window::WindowTick;
+use crate::report::{ContactPartner, ContactReport, SolverReport};
+use crate::scene::Scene;
+use nalgebra::Vector3;
+
+/// Up to where the forces of a tick mean something. The bounds of residuals were set before any run was judged by them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverBounds {
+    /// Residual relative to the forces. By default a tenth.
+    pub residual: f64,
+    /// The residual itself \[N\]. By default 1 mN, from which on jaws count as gripping.
+    pub force_residual: f64,
+    /// Multiplier residual of contacts, relative to the mean edge length. By default a tenth.
+    pub contact_residual: f64,
+    /// A force or grip of a tool that is at least this \[N\] and [`jump_ratio`](Self::jump_ratio) times that of the tick before has jumped. By default
+    /// 30 mN, which levels count as excess.
+    pub jump_force: f64,
+    /// By default three: no hand is so fast within the 8 ms of a tick.
+    pub jump_ratio: f64,
+}
+
+impl Default for SolverBounds {
+    fn default() -> Self {
+        Self {
+            residual: 0.1,
+            force_residual: 1e-3,
+            contact_residual: 0.1,
+            jump_force: 0.03,
+            jump_ratio: 3.0,
+        }
+    }
+}
+
+impl SolverReport {
+    /// Whether the forces mean something: either residual is within its bound, and no contact is deeper below its floor than its own. Where
+    /// all forces are small the residual relative to them means little, where they are large the residual itself does.
+    pub fn is_within(&self, bounds: &SolverBounds) -> bool {
+        (self.residual <= bounds.residual || self.force_residual <= bounds.force_residual)
+            && self.contact_residual <= bounds.contact_residual
+    }
+}
+
+/// Whether a force or grip \[N\] has jumped up from the last tick to this one.
+fn has_jumped(last: Option<&WindowTick>, force: f64, grip: f64, bounds: &SolverBounds) -> bool {
+    let jumps =
+        |now: f64, before: f64| now >= bounds.jump_force && now >= bounds.jump_ratio * before;
+    jumps(force, last.map_or(0.0, |last| last.force.norm()))
+        || jumps(grip, last.map_or(0.0, |last| last.grip))
+}
+
+impl Scene {
+    /// Whether what an attempt of a tick found means anything: its residuals are within the bounds, and no force of a tool has jumped where a step ended
+    /// above its tolerance. A jump that is solved to the tolerance is what the equations have as their solution.
+    pub(crate) fn is_meaningful(&self, solver: &SolverReport, contacts: &[ContactReport]) -> bool {
+        let bounds = SolverBounds::default();
+        let jumps = || {
+            let tools = self.pair_reports(contacts);
+            let mut tools =
+                tools.filter(|(_, found)| matches!(found.with, ContactPartner::Tool(_)));
+            tools.any(|(pair, found)| {
+                let force = Vector3::from(found.force_on_tissue).norm();
+                has_jumped(
+                    self.state.windows[pair].ticks.last(),
+                    force,
+                    found.grip_n,
+                    &bounds,
+                )
+            })
+        };
+        solver.is_within(&bounds) && (solver.unconverged == 0 || !jumps())
+    }
+
+    /// Adds the forces of a tick of `length` \[s\] to the windows of their pairs, unless they mean nothing, and writes the means over these windows
+    /// into the reports.
+    pub(crate) fn update_windows(
+        &mut self,
+        contacts: &mut [ContactReport],
+        length: f64,
+        valid: bool,
+    ) {
+        let mut windows = std::mem::take(&mut self.state.windows);
+        if valid {
+            let mut forces = vec![(Vector3::zeros(), 0.0); windows.len()];
+            for (pair, found) in self.pair_reports(contacts) {
+                forces[pair] = match found.with {
+                    // Forces of a body on itself have no direction.
+                    ContactPartner::Itself => (Vector3::x() * (found.impulse_ns / length), 0.0),
+                    _ => (Vector3::from(found.force_on_tissue), found.grip_n),
+                };
+            }
+            for (window, (force, grip)) in windows.iter_mut().zip(forces) {
+                window.push(WindowTick {
+                    length,
+                    force,
+                    grip,
+                });
+            }
+        }
+        let pairs: Vec<usize> = self.pair_reports(contacts).map(|(pair, _)| pair).collect();
+        for (found, pair) in contacts.iter_mut().zip(pairs) {
+            (found.sustained_force_n, found.sustained_grip_n) = windows[pair].mean();
+            let over = found.sustained_force_n > self.pairs[pair].force_limit;
+            found.over_limit_s = if over && valid { length } else { 0.0 };
+        }
+        self.state.windows = windows;
+    }
+
+    /// Reports, which come in the order of the pairs, with the indices of these.
+    fn pair_reports<'a>(
+        &'a self,
+        contacts: &'a [ContactReport],
+    ) -> impl Iterator<Item = (usize, &'a ContactReport)> {
+        let mut pairs = 0..self.pairs.len();
+        contacts.iter().filter_map(move |found| {
+            let pair = pairs.find(|pair| self.pair(*pair) == (found.body, found.with))?;
+            Some((pair, found))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Large forces are judged by the relative residual, small ones by the residual itself, and what is not finite by neither.
+    #[test]
+    fn forces_mean_something_within_the_bounds() {
+        let bounds = SolverBounds::default();
+        let within = |residual: f64, force_residual: f64, contact_residual: f64| {
+            let report = SolverReport {
+                residual,
+                force_residual,
+                contact_residual,
+                ..SolverReport::default()
+            };
+            report.is_within(&bounds)
+        };
+        assert!(within(0.05, 0.1, 0.0) && within(0.9, 1e-4, 0.0));
+        assert!(!within(0.2, 2e-3, 0.0) && !within(0.05, 1e-4, 0.2));
+        assert!(!within(f64::NAN, f64::NAN, 0.0) && !within(0.0, 0.0, f64::NAN));
+    }
+
+    /// Three times the tick before and 30 mN: both, for force and grip alike.
+    #[test]
+    fn jumps_are_large_and_sudden() {
+        let bounds = SolverBounds::default();
+        let jumps = |last: Option<&WindowTick>, force: f64, grip: f64| {
+            has_jumped(last, force, grip, &bounds)
+        };
+        assert!(jumps(None, 0.03, 0.0) && !jumps(None, 0.029, 0.0));
+        let last = WindowTick {
+            length: 0.008,
+            force: Vector3::z() * 0.012,
+            grip: 0.024,
+        };
+        assert!(!jumps(Some(&last), 0.035, 0.07));
+        assert!(jumps(Some(&last), 0.037, 0.0) && jumps(Some(&last), 0.0, 0.073));
+    }
+}
