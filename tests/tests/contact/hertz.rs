@@ -118,6 +118,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             must_converge: false,
         }),
         containment: false,
+        repeat_invalid: true,
     }
 }
 

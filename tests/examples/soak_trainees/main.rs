@@ -2,8 +2,13 @@
 //! category and the score mean and standard deviation of both groups, the effect size, and whether it has the intended sign. Writes
 //! `tests/results/trainees.md`, where each level has a section, unless a run shows a force that cannot be.
 //!
+//! `-- MODULE LEVEL N FIRST_SEED --sensitivity`: the same of each trainee at twice the iterations, half the tick and one step finer mesh
+//! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it.
+//!
 //! The groups differ by the numbers in `config/trainees.toml`. That a metric separates them shows that it measures what it should in
 //! these motions; that people differ so, it does not show.
+
+mod sensitivity;
 
 use microsim_tests::statistics::{Group, effect_error, effect_size};
 use microsim_tests::trainees::{self, ABSURD_FORCE, TIME_METRICS};
@@ -16,7 +21,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What stands above the sections.
-const HEAD: &str = include_str!("soak_trainees.md");
+const HEAD: &str = include_str!("page.md");
+const SENSITIVITY_HEAD: &str = include_str!("sensitivity.md");
 
 /// An effect below this is none (Cohen 1988: 0.2 is small).
 const SMALL: f64 = 0.2;
@@ -277,8 +283,11 @@ fn section(
 }
 
 /// The page with the section of a level in place of the one that was there.
-fn with_section(page: &str, section: &str) -> String {
-    let title = |section: &str| section.split(':').next().unwrap_or_default().to_owned();
+fn with_section(head: &str, page: &str, section: &str) -> String {
+    let title = |section: &str| {
+        let first = section.lines().next().unwrap_or_default();
+        first.split(':').next().unwrap_or_default().to_owned()
+    };
     let old = page
         .split("\n## ")
         .skip(1)
@@ -286,11 +295,16 @@ fn with_section(page: &str, section: &str) -> String {
     let mut sections: Vec<String> = old.filter(|old| title(old) != title(section)).collect();
     sections.push(section.trim_end().to_owned());
     sections.sort();
-    format!("{HEAD}\n{}\n", sections.join("\n\n"))
+    format!("{head}\n{}\n", sections.join("\n\n"))
 }
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
+    if let Some((last, rest)) = args.split_last()
+        && last == "--sensitivity"
+    {
+        return study_sensitivity(rest);
+    }
     let (module, level, count) = match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [] => ("coordination", Some(4), Some(20)),
         [module, level, count] => (module, level.parse().ok(), count.parse().ok()),
@@ -317,9 +331,36 @@ fn main() -> ExitCode {
         );
         return ExitCode::FAILURE;
     }
-    let path = repository().join("tests/results/trainees.md");
+    write_section(HEAD, "trainees.md", &section)
+}
+
+/// `MODULE LEVEL N FIRST_SEED`.
+fn study_sensitivity(args: &[String]) -> ExitCode {
+    let numbers: Vec<Option<u64>> = args.iter().skip(1).map(|n| n.parse().ok()).collect();
+    let (Some(module), [Some(level), Some(count @ 2..), Some(first_seed)]) =
+        (args.first(), &numbers[..])
+    else {
+        eprintln!("expected MODULE LEVEL N FIRST_SEED --sensitivity, with N at least 2");
+        return ExitCode::from(2);
+    };
+    eprintln!("in {}", tree().display());
+    let csv = format!("tests/results/sensitivity/{module}-{level}.csv");
+    let section = sensitivity::study(
+        module,
+        *level as u32,
+        *count as usize,
+        *first_seed,
+        &repository().join(csv),
+    );
+    println!("{section}");
+    write_section(SENSITIVITY_HEAD, "sensitivity.md", &section)
+}
+
+/// Puts the section of a level into its page.
+fn write_section(head: &str, page: &str, section: &str) -> ExitCode {
+    let path = repository().join("tests/results").join(page);
     let page = std::fs::read_to_string(&path).unwrap_or_default();
-    match std::fs::write(&path, with_section(&page, &section)) {
+    match std::fs::write(&path, with_section(head, &page, section)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{}: {error}", path.display());

@@ -1,0 +1,313 @@
+//! How much verdicts and metrics depend on the computation: the same motions at twice the iterations, half the tick, and one step finer mesh.
+
+use super::{KINDS, WORKERS};
+use microsim_tests::changed_levels::ChangedLevels;
+use microsim_tests::statistics::Group;
+use microsim_tests::trainees;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Metrics whose numerical spread is above this fraction of the difference of the groups measure the solver as much as the hand.
+const MOST_SPREAD: f64 = 0.5;
+
+/// How a level is changed; the first is the level as it is.
+type Change = (&'static str, fn(&str) -> String);
+const CHANGES: [Change; 4] = [
+    ("as shipped", str::to_owned),
+    ("twice the iterations", |level| {
+        scaled(level, "iterations", 2.0)
+    }),
+    ("half the tick", |level| scaled(level, "tick", 0.5)),
+    ("finer mesh", finer),
+];
+
+/// By how much the finer mesh has more cells along each axis: two where there were one or two, half as many again where there were more.
+fn finer_cells(cells: u32) -> u32 {
+    match cells {
+        0..=2 => cells + 1,
+        more => more + more.div_ceil(2),
+    }
+}
+
+/// The level with the number in the lines of a key multiplied; its unit stays.
+fn scaled(level: &str, key: &str, factor: f64) -> String {
+    changed(level, key, |value| {
+        let number: String = value
+            .chars()
+            .filter(|c| "0123456789.".contains(*c))
+            .collect();
+        let scaled = number.parse::<f64>().expect("a number") * factor;
+        value.replacen(&number, &scaled.to_string(), 1)
+    })
+}
+
+/// The level with more cells in each direction.
+fn finer(level: &str) -> String {
+    changed(level, "cells", |value| {
+        let list = value.trim().trim_start_matches('[').trim_end_matches(']');
+        let cells = list
+            .split(',')
+            .map(|n| n.trim().parse().expect("a number of cells"));
+        let finer: Vec<String> = cells.map(|n| finer_cells(n).to_string()).collect();
+        format!("[{}]", finer.join(", "))
+    })
+}
+
+/// The level with the value of each line `key = value` changed.
+fn changed(level: &str, key: &str, change: impl Fn(&str) -> String) -> String {
+    let mut out = String::new();
+    let mut found = false;
+    for line in level.lines() {
+        match line.split_once(" = ").filter(|(name, _)| *name == key) {
+            Some((name, value)) => {
+                found = true;
+                let _ = writeln!(out, "{name} = {}", change(value));
+            }
+            None => {
+                let _ = writeln!(out, "{line}");
+            }
+        }
+    }
+    assert!(found, "no line `{key} = …` in the level");
+    out
+}
+
+/// What came of one motion with one change of the level.
+struct Outcome {
+    verdict: String,
+    failed: String,
+    /// By the ids of metrics, in display units.
+    values: BTreeMap<String, f64>,
+}
+
+/// What is known of a metric.
+struct Metric {
+    title: String,
+    limited: bool,
+}
+
+/// Plays `count` trainees of each kind, from `first_seed` on, at every change; writes one row per run into `csv` and gives the section of the page.
+pub fn study(module: &str, level: u32, count: usize, first_seed: u64, csv: &Path) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let trees = CHANGES.map(|(_, change)| {
+        ChangedLevels::new(module, |text| match text.contains("\niterations = ") {
+            true => change(text),
+            // Levels without tissue, or without iterations, are not studied.
+            false => text.to_owned(),
+        })
+    });
+    let trainees: Vec<(usize, u64)> = (0..KINDS.len() * count)
+        .map(|index| (index / count, first_seed + (index % count) as u64))
+        .collect();
+    let scripts: Vec<PathBuf> = trainees
+        .iter()
+        .map(|&(kind, seed)| trainees::make(module, level, KINDS[kind].0, seed, folder.path()))
+        .collect();
+    let metrics: Mutex<BTreeMap<String, Metric>> = Mutex::default();
+    let outcomes: Mutex<BTreeMap<(usize, usize), Outcome>> = Mutex::default();
+    let next = AtomicUsize::new(0);
+    let work = || loop {
+        let job = next.fetch_add(1, Ordering::Relaxed);
+        if job >= trainees.len() * CHANGES.len() {
+            return;
+        }
+        let (trainee, change) = (job / CHANGES.len(), job % CHANGES.len());
+        let session = folder.path().join(format!("{trainee}-{change}.session"));
+        let input = format!("script:{}", scripts[trainee].display());
+        trees[change].run(
+            &session,
+            &["--level", &level.to_string(), "--input", &input],
+        );
+        let report = std::fs::read_to_string(session.with_extension("json")).expect("a report");
+        let report: Value = serde_json::from_str(&report).expect("JSON");
+        // The report is all that is needed, and sessions are large.
+        std::fs::remove_file(session).expect("the session that was written");
+        let outcome = outcome(&report, &mut metrics.lock().expect("no panic"));
+        let (kind, seed) = trainees[trainee];
+        eprintln!(
+            "  {} {seed}, {}: {} {}",
+            KINDS[kind].0, CHANGES[change].0, outcome.verdict, outcome.failed
+        );
+        let mut outcomes = outcomes.lock().expect("no panic");
+        outcomes.insert((trainee, change), outcome);
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..WORKERS {
+            scope.spawn(work);
+        }
+    });
+    let metrics = metrics.into_inner().expect("no panic");
+    let outcomes = outcomes.into_inner().expect("no panic");
+    let name = |trainee: usize| {
+        let (kind, seed) = trainees[trainee];
+        format!("{},{seed}", KINDS[kind].0)
+    };
+    let rows = table(&outcomes, &metrics, name);
+    std::fs::create_dir_all(csv.parent().expect("a folder")).expect("a folder");
+    std::fs::write(csv, rows).unwrap_or_else(|error| panic!("{}: {error}", csv.display()));
+    section(module, level, count, first_seed, &outcomes, &metrics)
+}
+
+fn outcome(report: &Value, metrics: &mut BTreeMap<String, Metric>) -> Outcome {
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let mut values = BTreeMap::new();
+    for metric in report["metrics"].as_array().into_iter().flatten() {
+        let id = text(&metric["id"]);
+        metrics.entry(id.clone()).or_insert_with(|| Metric {
+            title: format!(
+                "{} [{}]",
+                text(&metric["title"]["en"]),
+                text(&metric["display_unit"])
+            ),
+            limited: !metric["limit"].is_null(),
+        });
+        if let Some(value) = metric["display_value"].as_f64() {
+            values.insert(id, value);
+        }
+    }
+    let failed = report["failed"].as_array().into_iter().flatten();
+    Outcome {
+        verdict: text(&report["verdict"]),
+        failed: failed.map(text).collect::<Vec<_>>().join(" "),
+        values,
+    }
+}
+
+/// All runs as CSV.
+fn table(
+    outcomes: &BTreeMap<(usize, usize), Outcome>,
+    metrics: &BTreeMap<String, Metric>,
+    name: impl Fn(usize) -> String,
+) -> String {
+    let mut csv = String::from("kind,seed,level,verdict,failed");
+    metrics.keys().for_each(|id| csv.extend([",", id]));
+    csv.push('\n');
+    for ((trainee, change), outcome) in outcomes {
+        let Outcome {
+            verdict,
+            failed,
+            values,
+        } = outcome;
+        let _ = write!(
+            csv,
+            "{},{},{verdict},{failed}",
+            name(*trainee),
+            CHANGES[*change].0
+        );
+        for id in metrics.keys() {
+            let value = values
+                .get(id)
+                .map_or_else(String::new, |value| format!("{value:.5}"));
+            let _ = write!(csv, ",{value}");
+        }
+        csv.push('\n');
+    }
+    csv
+}
+
+/// The section of a level: verdicts that change, and the spread of each metric beside the difference of the groups.
+fn section(
+    module: &str,
+    level: u32,
+    count: usize,
+    first_seed: u64,
+    outcomes: &BTreeMap<(usize, usize), Outcome>,
+    metrics: &BTreeMap<String, Metric>,
+) -> String {
+    let trainees = KINDS.len() * count;
+    let last = first_seed + count as u64 - 1;
+    let mut out = format!(
+        "## {module}, level {level}\n\n{count} experts and {count} novices, seeds {first_seed} to {last}; every run is counted.\n\n\
+         | level | passed | failed | not judged | other verdict than as shipped | other reasons |\n|---|---|---|---|---|---|\n"
+    );
+    for (change, (title, _)) in CHANGES.iter().enumerate() {
+        let of = |trainee: usize| &outcomes[&(trainee, change)];
+        let with = |verdict: &str| (0..trainees).filter(|t| of(*t).verdict == verdict).count();
+        let base = |trainee: usize| &outcomes[&(trainee, 0)];
+        let verdicts = (0..trainees)
+            .filter(|t| of(*t).verdict != base(*t).verdict)
+            .count();
+        let reasons = (0..trainees)
+            .filter(|t| of(*t).failed != base(*t).failed)
+            .count();
+        let _ = writeln!(
+            out,
+            "| {title} | {} | {} | {} | {verdicts} of {trainees} ({:.0} %) | {reasons} |",
+            with("passed"),
+            with("failed"),
+            with("not-judged"),
+            100.0 * verdicts as f64 / trainees as f64,
+        );
+    }
+    out.push_str("\n| metric | limited | experts | novices | difference |");
+    CHANGES[1..].iter().for_each(|(title, _)| {
+        let _ = write!(out, " spread: {title} |");
+    });
+    out.push_str(" largest spread over difference |\n|---|---|---|---|---|---|---|---|---|\n");
+    for (id, metric) in metrics {
+        let value =
+            |trainee: usize, change: usize| outcomes[&(trainee, change)].values.get(id).copied();
+        let group = |kind: usize| {
+            let values = (kind * count..(kind + 1) * count).filter_map(|t| value(t, 0));
+            Group::of(&values.collect::<Vec<_>>()).map(|group| group.mean)
+        };
+        let (Some(experts), Some(novices)) = (group(0), group(1)) else {
+            let _ = writeln!(out, "| {} | | – | – | – | – | – | – | – |", metric.title);
+            continue;
+        };
+        let difference = (novices - experts).abs();
+        let spreads = [1, 2, 3].map(|change| {
+            let pairs = (0..trainees).filter_map(|t| Some(value(t, change)? - value(t, 0)?));
+            spread(&pairs.collect::<Vec<_>>())
+        });
+        let largest = spreads.iter().flatten().fold(0.0f64, |a, b| a.max(*b));
+        let ratio = largest / difference;
+        let shown = |spread: &Option<f64>| spread.map_or("–".into(), |s| format!("{s:.4}"));
+        let _ = writeln!(
+            out,
+            "| {} | {} | {experts:.4} | {novices:.4} | {difference:.4} | {} | {} | {} | {} |",
+            metric.title,
+            if metric.limited { "yes" } else { "" },
+            shown(&spreads[0]),
+            shown(&spreads[1]),
+            shown(&spreads[2]),
+            match (metric.limited, ratio > MOST_SPREAD) {
+                (true, true) => format!("**{ratio:.2}**"),
+                _ => format!("{ratio:.2}"),
+            }
+        );
+    }
+    out
+}
+
+/// Root mean square of differences; `None` without any.
+fn spread(differences: &[f64]) -> Option<f64> {
+    let squares: f64 = differences.iter().map(|d| d * d).sum();
+    (!differences.is_empty()).then(|| (squares / differences.len() as f64).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand.
+    #[test]
+    fn levels_are_changed_line_by_line() {
+        let level = "tick = \"8 ms\"\nsteps = 1\ncells = [20, 2, 1]\niterations = 10\n";
+        assert_eq!(
+            scaled(level, "tick", 0.5),
+            "tick = \"4 ms\"\nsteps = 1\ncells = [20, 2, 1]\niterations = 10\n"
+        );
+        assert_eq!(
+            scaled("iterations = 10\n", "iterations", 2.0),
+            "iterations = 20\n"
+        );
+        assert_eq!(finer("cells = [20, 2, 1]\n"), "cells = [30, 3, 2]\n");
+        assert_eq!(spread(&[3.0, -4.0]), Some(12.5f64.sqrt()));
+        assert_eq!(spread(&[]), None);
+    }
+}
