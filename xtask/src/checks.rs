@@ -3,6 +3,7 @@
 use crate::dependencies;
 use crate::failure::Failure;
 use crate::outcome::{Outcome, outcome};
+use crate::results;
 use crate::setup::{self, Mode};
 use crate::tree;
 use crate::workspace::Workspace;
@@ -22,6 +23,7 @@ pub fn check(workspace: &Workspace, short: bool, harness: &[OsString]) -> Result
     phases.run("documentation", || documentation(workspace))?;
     phases.run("licences", || dependencies::licences(workspace))?;
     phases.run("advisories", || dependencies::advisories(workspace))?;
+    phases.run("results", || results::check(workspace))?;
     phases.run("tests", || tests(workspace, short, harness))?;
     phases.report();
     let failed = phases.failed();

@@ -32,6 +32,8 @@ pub enum Command {
         /// Folder that its own folder is made in, if not `modules`.
         folder: Option<PathBuf>,
     },
+    /// The pages of results: which are older than their code.
+    Results(Make),
     /// Measurements or long checks.
     Programs {
         /// Which.
@@ -39,6 +41,17 @@ pub enum Command {
         /// For each of them.
         arguments: Vec<OsString>,
     },
+}
+
+/// What to do with pages of results that are older than their code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Make {
+    /// Name them.
+    Nothing,
+    /// Make those again that are light.
+    Light,
+    /// Make every page again that a command makes.
+    All,
 }
 
 /// The help, with the tables of programs.
@@ -67,6 +80,9 @@ cargo xtask COMMAND: builds, runs and checks MicroSim
                      measures; without NAME everything:{}
   soak [NAME] [-- ARGS]
                      long checks; without NAME all of them:{}
+  results [--list|--all]
+                     names the pages of tests/results that are older than the code they measure, and makes
+                     the light ones of them again; --list only names them, --all makes every page (hours)
   help               this text
 
 Exit code: 0 done, 1 a check failed, 2 could not run; `run` ends with the code of `microsim run`.
@@ -104,6 +120,16 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Command, Strin
         "new" => new_module(&mut rest)?,
         "bench" => programs(BENCHES, &mut rest)?,
         "soak" => programs(SOAKS, &mut rest)?,
+        "results" => Command::Results(
+            match (flag(&mut rest, "--list"), flag(&mut rest, "--all")) {
+                (true, false) => Make::Nothing,
+                (false, false) => Make::Light,
+                (false, true) => Make::All,
+                (true, true) => {
+                    return Err("`results` takes `--list` or `--all`, not both".into());
+                }
+            },
+        ),
         _ => return Err(format!("there is no command \"{command}\"")),
     };
     match rest.first() {
@@ -220,6 +246,9 @@ mod tests {
                 "soak kills -- --runs 8",
                 r#"["soak_kills"] ["--runs", "8"]"#,
             ),
+            ("results", "Results(Light)"),
+            ("results --list", "Results(Nothing)"),
+            ("results --all", "Results(All)"),
             ("help", "Help"),
             ("--help", "Help"),
             ("test -h", "Help"),
@@ -237,6 +266,10 @@ mod tests {
             ("build all", "`build` does not take \"all\""),
             ("test quick", "`test` does not take \"quick\""),
             ("setup --quick", "`setup` does not take \"--quick\""),
+            (
+                "results --all --list",
+                "`results` takes `--list` or `--all`, not both",
+            ),
             ("new", "`new` makes a module: cargo xtask new module NAME"),
             (
                 "new plugin demo",
@@ -266,6 +299,7 @@ mod tests {
             "new module ",
             "bench ",
             "soak ",
+            "results ",
             "help ",
         ] {
             assert!(help.contains(&format!("\n  {name}")), "{name}");

@@ -12,6 +12,7 @@ mod failure;
 mod new_module;
 mod outcome;
 mod programs;
+mod results;
 mod setup;
 mod tree;
 mod workspace;
@@ -58,6 +59,7 @@ fn act(command: Command) -> Result<(), Failure> {
             }
         }
         Command::Build => tree::build(&workspace),
+        Command::Results(make) => results::results(&workspace, make),
         Command::Test { short, harness } => checks::check(&workspace, short, &harness),
         Command::Setup { check: true } => setup::setup(Mode::Report),
         Command::Setup { check: false } => setup::setup(Mode::InstallAloud),
@@ -68,9 +70,11 @@ fn act(command: Command) -> Result<(), Failure> {
         } => {
             setup::setup(Mode::Install)?;
             tree::build(&workspace)?;
-            programs
-                .iter()
-                .try_for_each(|p| programs::run(&workspace, p, &arguments))
+            results::stamped(&workspace, || {
+                programs
+                    .iter()
+                    .try_for_each(|p| programs::run(&workspace, p, &arguments))
+            })
         }
     }
 }

@@ -1,0 +1,202 @@
+//! `cargo xtask results`: which pages of results are older than the code that they measure, and how they are made again.
+//!
+//! A page is older if what it measures has other code now than at the page's commit: the packages that its head names, all of the
+//! workspace that these depend on, and the paths that it names. Versions of crates from elsewhere are not compared.
+
+mod age;
+mod code;
+mod page;
+
+use crate::child;
+use crate::command::{self, Make};
+use crate::failure::Failure;
+use crate::outcome::Outcome;
+use crate::programs;
+use crate::workspace::Workspace;
+use age::{Age, History};
+use page::{Again, Head, Page};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const FOLDER: &str = "tests/results";
+
+/// Lists the pages and makes some of them again.
+pub fn results(workspace: &Workspace, make: Make) -> Result<(), Failure> {
+    let (pages, ages) = listed(workspace)?;
+    let mut commands: Vec<String> = Vec::new();
+    for (page, age) in pages.iter().zip(&ages) {
+        let Ok(head) = &page.head else { continue };
+        let wanted = match (make, head.again) {
+            (Make::Nothing, _) | (_, Again::ByHand) => false,
+            (Make::Light, again) => again == Again::Light && *age != Age::Same,
+            (Make::All, _) => true,
+        };
+        for command in head.commands.iter().filter(|_| wanted) {
+            if !commands.contains(command) {
+                commands.push(command.clone());
+            }
+        }
+    }
+    if commands.is_empty() {
+        return settled(&ages);
+    }
+    crate::setup::setup(crate::setup::Mode::Install)?;
+    crate::tree::build(workspace)?;
+    for line in &commands {
+        stamped(workspace, || start(workspace, line))?;
+    }
+    let (_, ages) = listed(workspace)?;
+    settled(&ages)
+}
+
+/// The phase of `cargo xtask test`: a head that cannot be read fails it, a page that is older is named.
+pub fn check(workspace: &Workspace) -> Result<Outcome, Failure> {
+    let (_, ages) = listed(workspace)?;
+    Ok(match ages.iter().filter(|age| **age != Age::Same).count() {
+        0 => Outcome::Passed,
+        _ if ages.iter().any(|age| matches!(age, Age::NoHead(_))) => Outcome::Failed,
+        older => Outcome::Warned(format!(
+            "{older} pages are older than their code or of unknown age"
+        )),
+    })
+}
+
+/// Runs something that may write pages. Those that it wrote get their heads back, with this commit and this machine.
+pub fn stamped(
+    workspace: &Workspace,
+    work: impl FnOnce() -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let before = pages(workspace)?;
+    let done = work();
+    for old in before {
+        let new = Page::read(&old.path).map_err(Failure::Cannot)?;
+        let Ok(head) = old.head else { continue };
+        if new.text == old.text {
+            continue;
+        }
+        let commit = History::of(&workspace.root).head()?;
+        let head = Head {
+            commit,
+            machine: machine(),
+            ..head
+        };
+        std::fs::write(&old.path, head.put(&new.text))
+            .map_err(|e| Failure::Cannot(format!("{}: {e}", old.path.display())))?;
+    }
+    done
+}
+
+/// Prints a line for each page.
+fn listed(workspace: &Workspace) -> Result<(Vec<Page>, Vec<Age>), Failure> {
+    let pages = pages(workspace)?;
+    let mut history = History::of(&workspace.root);
+    let mut ages = Vec::new();
+    for page in &pages {
+        let age = match &page.head {
+            Ok(head) => history.age(head, &mut |package| packages(workspace, package))?,
+            Err(error) => Age::NoHead(error.clone()),
+        };
+        let path = page.path.strip_prefix(&workspace.root);
+        let path = path.unwrap_or(&page.path).display();
+        println!("{path}: {age}");
+        if let (Ok(head), Age::Older(_)) = (&page.head, &age) {
+            println!("    {:?}: {}", head.again, head.commands.join(" and "));
+        }
+        ages.push(age);
+    }
+    Ok((pages, ages))
+}
+
+fn settled(ages: &[Age]) -> Result<(), Failure> {
+    match ages.iter().filter(|age| **age != Age::Same).count() {
+        0 => Ok(()),
+        count => Err(Failure::Check(format!(
+            "{count} of {} pages are older than their code, or of unknown age",
+            ages.len()
+        ))),
+    }
+}
+
+fn pages(workspace: &Workspace) -> Result<Vec<Page>, Failure> {
+    let mut paths = Vec::new();
+    collect(&workspace.root.join(FOLDER), &mut paths)
+        .map_err(|e| Failure::Cannot(format!("{FOLDER}: {e}")))?;
+    paths.sort();
+    let read = paths.iter().map(|path| Page::read(path));
+    read.collect::<Result<_, _>>().map_err(Failure::Cannot)
+}
+
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            collect(&path, found)?;
+        } else if path.extension().is_some_and(|ending| ending == "md") {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Folders of a package and of all of the workspace that it depends on.
+fn packages(workspace: &Workspace, package: &str) -> Result<Vec<String>, Failure> {
+    let mut cargo = workspace.cargo();
+    cargo.args(["tree", "--locked", "-p", package, "-e", "normal,build"]);
+    cargo.args(["--prefix", "none", "--format", "{p}"]);
+    let output = cargo
+        .output()
+        .map_err(|e| Failure::Cannot(format!("cargo cannot be started: {e}")))?;
+    if !output.status.success() {
+        let error = String::from_utf8_lossy(&output.stderr);
+        return Err(Failure::Cannot(format!(
+            "`cargo tree` knows no package \"{package}\": {error}"
+        )));
+    }
+    let root = format!("({}/", workspace.root.display());
+    let text = String::from_utf8_lossy(&output.stdout);
+    let mut folders: Vec<_> = text
+        .lines()
+        .filter_map(|line| Some(line.split_once(&root)?.1.split_once(')')?.0.to_owned()))
+        .collect();
+    folders.sort();
+    folders.dedup();
+    Ok(folders)
+}
+
+/// Starts a command of a head: one of this program's, or the simulator.
+fn start(workspace: &Workspace, line: &str) -> Result<(), Failure> {
+    let mut words = line.split_whitespace();
+    let rest = |words: std::str::SplitWhitespace| words.map(OsString::from).collect::<Vec<_>>();
+    match (words.next(), words.clone().next()) {
+        (Some("microsim"), _) => {
+            let mut program = Command::new(workspace.program());
+            child::must(program.args(words).current_dir(&workspace.root))
+        }
+        (Some("cargo"), Some("xtask")) => {
+            words.next();
+            match command::parse(rest(words)) {
+                Ok(command::Command::Programs {
+                    programs,
+                    arguments,
+                }) => programs
+                    .iter()
+                    .try_for_each(|program| programs::run(workspace, program, &arguments)),
+                _ => Err(Failure::Cannot(format!("`{line}` measures nothing"))),
+            }
+        }
+        _ => Err(Failure::Cannot(format!("`{line}` is no command of a page"))),
+    }
+}
+
+/// This machine, in words.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = text.lines().find_map(|line| {
+        let (key, value) = line.split_once(':')?;
+        (key.trim() == "model name").then(|| value.trim().to_owned())
+    });
+    let model = model.unwrap_or_else(|| std::env::consts::ARCH.into());
+    format!("{}, {cores} processor cores, {model}", std::env::consts::OS).replace('|', "/")
+}

@@ -1,0 +1,259 @@
+//! Whether code is the same as at a commit, as git knows it.
+
+use super::code::{code, counts};
+use super::page::Head;
+use crate::failure::Failure;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A page beside its code.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Age {
+    /// The code is what was measured.
+    Same,
+    /// These files have other code now.
+    Older(Vec<String>),
+    /// It cannot be told, and why.
+    Unknown(String),
+    /// The page does not say what it measures.
+    NoHead(String),
+}
+
+impl fmt::Display for Age {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Same => f.write_str("as its code"),
+            Self::Older(files) => {
+                let first: Vec<_> = files.iter().take(3).map(String::as_str).collect();
+                write!(f, "OLDER than its code: {}", first.join(", "))?;
+                match files.len() {
+                    0..=3 => Ok(()),
+                    count => write!(f, " and {} more", count - 3),
+                }
+            }
+            Self::Unknown(why) => write!(f, "UNKNOWN age: {why}"),
+            Self::NoHead(error) => write!(f, "NO HEAD: {error}"),
+        }
+    }
+}
+
+/// The history of a repository.
+#[derive(Debug)]
+pub struct History {
+    root: PathBuf,
+    folders: BTreeMap<String, Vec<String>>,
+}
+
+impl History {
+    /// Of the repository in a folder.
+    pub fn of(root: &Path) -> Self {
+        Self {
+            root: root.to_path_buf(),
+            folders: BTreeMap::new(),
+        }
+    }
+
+    /// The commit of the working tree.
+    pub fn head(&self) -> Result<String, Failure> {
+        match self.git(&["rev-parse", "--short=10", "HEAD"]) {
+            Some(commit) => Ok(commit.trim().to_owned()),
+            None => Err(Failure::Cannot(format!(
+                "{} has no git history: a page of results names its commit",
+                self.root.display()
+            ))),
+        }
+    }
+
+    /// The age of a page; `packages` gives the folders that a package consists of.
+    pub fn age(
+        &mut self,
+        head: &Head,
+        packages: &mut dyn FnMut(&str) -> Result<Vec<String>, Failure>,
+    ) -> Result<Age, Failure> {
+        let commit = &head.commit;
+        if self.git(&["rev-parse", "HEAD"]).is_none() {
+            return Ok(Age::Unknown("git knows no history here".into()));
+        }
+        if self
+            .git(&["cat-file", "-e", &format!("{commit}^{{commit}}")])
+            .is_none()
+        {
+            let shallow = self.git(&["rev-parse", "--is-shallow-repository"]);
+            let advice = match shallow.as_deref().map(str::trim) {
+                Some("true") => "this clone is shallow; `git fetch --unshallow` brings the rest",
+                _ => "it was made in another repository, or its branch is gone",
+            };
+            return Ok(Age::Unknown(format!(
+                "commit {commit} is not in the history: {advice}"
+            )));
+        }
+        let mut changed = Vec::new();
+        for measured in &head.measures {
+            let named = self.root.join(measured).exists();
+            let paths = match (named, self.folders.get(measured)) {
+                (true, _) => vec![measured.clone()],
+                (false, Some(known)) => known.clone(),
+                (false, None) => {
+                    let folders = packages(measured)?;
+                    self.folders.insert(measured.clone(), folders.clone());
+                    folders
+                }
+            };
+            for path in self.changed(commit, &paths)? {
+                if counts(&path, named) && !changed.contains(&path) && self.differs(commit, &path) {
+                    changed.push(path);
+                }
+            }
+        }
+        changed.sort();
+        Ok(if changed.is_empty() {
+            Age::Same
+        } else {
+            Age::Older(changed)
+        })
+    }
+
+    /// Files that are not byte for byte what they were: changed, new, gone.
+    fn changed(&self, commit: &str, paths: &[String]) -> Result<Vec<String>, Failure> {
+        let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+        let mut files = Vec::new();
+        for before in [
+            &["diff", "--name-only", "-z", "--no-renames", commit, "--"][..],
+            &["ls-files", "--others", "--exclude-standard", "-z", "--"],
+        ] {
+            let listed = self
+                .git(&[before, &paths].concat())
+                .ok_or_else(|| Failure::Cannot(format!("`git {}` failed", before.join(" "))))?;
+            files.extend(
+                listed
+                    .split('\0')
+                    .filter(|file| !file.is_empty())
+                    .map(str::to_owned),
+            );
+        }
+        Ok(files)
+    }
+
+    fn differs(&self, commit: &str, path: &str) -> bool {
+        let now = std::fs::read(self.root.join(path)).ok();
+        let now = now.map(|bytes| code(path, &String::from_utf8_lossy(&bytes)));
+        let then = self.git(&["show", &format!("{commit}:{path}")]);
+        now != then.map(|text| code(path, &text))
+    }
+
+    /// What git prints; nothing if it fails.
+    fn git(&self, arguments: &[&str]) -> Option<String> {
+        let mut git = Command::new("git");
+        let output = git.current_dir(&self.root).args(arguments).output().ok()?;
+        output
+            .status
+            .success()
+            .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::page::Again;
+    use super::*;
+
+    fn repository() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path();
+        std::fs::create_dir_all(root.join("crates/a/src")).expect("folders");
+        write(root, "crates/a/src/lib.rs", "// One.\nfn f() -> u8 { 1 }\n");
+        write(root, "crates/b.rs", "fn g() {}\n");
+        git(root, &["init", "-q"]);
+        commit(root);
+        folder
+    }
+
+    fn write(root: &Path, path: &str, text: &str) {
+        std::fs::write(root.join(path), text).expect(path);
+    }
+
+    fn git(root: &Path, arguments: &[&str]) {
+        let mut git = Command::new("git");
+        git.current_dir(root)
+            .args(["-c", "user.name=t", "-c", "user.email=t@t"]);
+        let done = git.args(arguments).output().expect("git");
+        assert!(done.status.success(), "{arguments:?} {done:?}");
+    }
+
+    fn commit(root: &Path) {
+        git(root, &["add", "-A"]);
+        git(root, &["commit", "-q", "-m", "x"]);
+    }
+
+    fn age(root: &Path, commit: &str, measures: &str) -> Age {
+        let head = Head {
+            commands: vec!["microsim atlas".into()],
+            commit: commit.into(),
+            machine: "m".into(),
+            measures: vec![measures.into()],
+            again: Again::Light,
+        };
+        let mut packages = |_: &str| Ok(vec!["crates/a".to_owned()]);
+        History::of(root)
+            .age(&head, &mut packages)
+            .expect("an answer")
+    }
+
+    #[test]
+    fn a_page_made_older_on_purpose_is_found() {
+        let folder = repository();
+        let root = folder.path();
+        let made = History::of(root).head().expect("a commit");
+        assert_eq!(age(root, &made, "microsim-a"), Age::Same);
+        // Other comments and other packages leave it what it is; committed or not.
+        write(
+            root,
+            "crates/a/src/lib.rs",
+            "// Two.\nfn f() -> u8 {\n    1\n}\n",
+        );
+        write(root, "crates/b.rs", "fn h() {}\n");
+        assert_eq!(age(root, &made, "microsim-a"), Age::Same);
+        assert_eq!(
+            age(root, &made, "crates/b.rs"),
+            Age::Older(vec!["crates/b.rs".into()])
+        );
+        commit(root);
+        assert_eq!(age(root, &made, "microsim-a"), Age::Same);
+        write(root, "crates/a/src/lib.rs", "fn f() -> u8 { 2 }\n");
+        let older = Age::Older(vec!["crates/a/src/lib.rs".into()]);
+        assert_eq!(age(root, &made, "microsim-a"), older);
+        commit(root);
+        assert_eq!(age(root, &made, "microsim-a"), older);
+        // A new file that is not committed counts, one that is gone too.
+        let now = History::of(root).head().expect("a commit");
+        write(root, "crates/a/src/new.rs", "fn n() {}\n");
+        assert_eq!(
+            age(root, &now, "microsim-a"),
+            Age::Older(vec!["crates/a/src/new.rs".into()])
+        );
+        std::fs::remove_file(root.join("crates/a/src/new.rs")).expect("gone");
+        std::fs::remove_file(root.join("crates/a/src/lib.rs")).expect("gone");
+        assert_eq!(age(root, &now, "microsim-a"), older);
+    }
+
+    #[test]
+    fn without_its_commit_no_page_is_called_as_its_code() {
+        let folder = repository();
+        let unknown = age(folder.path(), "0123456789", "microsim-a");
+        assert!(matches!(&unknown, Age::Unknown(why) if why.contains("not in the history")));
+        // A clone of the last commit alone.
+        let first = History::of(folder.path()).head().expect("a commit");
+        write(folder.path(), "crates/b.rs", "fn h() {}\n");
+        commit(folder.path());
+        let shallow = tempfile::tempdir().expect("a folder");
+        let from = format!("file://{}", folder.path().display());
+        git(shallow.path(), &["clone", "-q", "--depth", "1", &from, "c"]);
+        let unknown = age(&shallow.path().join("c"), &first, "microsim-a");
+        assert!(matches!(&unknown, Age::Unknown(why) if why.contains("--unshallow")));
+        let bare = tempfile::tempdir().expect("a folder");
+        let nothing = age(bare.path(), &first, "microsim-a");
+        assert!(matches!(&nothing, Age::Unknown(why) if why.contains("no history")));
+    }
+}
