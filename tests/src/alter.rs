@@ -4,7 +4,7 @@ use microsim_bus::Frames;
 use microsim_bus::frame::push_stamped;
 use microsim_host::record::{EndRecord, Header, Session, TickRecord, kind};
 use microsim_message::{InputSample, Message, decode, decode_bytes, encode};
-use microsim_session::{KIND_END, Writer, read};
+use microsim_session::{History, KIND_END, StationKey, Writer, read};
 
 /// The session with the payload of every record passed through `change` (kind, tick, payload); `None` leaves a record
 /// out.
@@ -36,10 +36,10 @@ pub fn change_tick(session: &[u8], tick: u64, change: impl Fn(&mut TickRecord)) 
     })
 }
 
-/// The session with its last record changed.
+/// The session with the record changed that states how the run ended.
 pub fn change_end(session: &[u8], change: impl Fn(&mut EndRecord)) -> Vec<u8> {
     rewrite(session, |record_kind, _, payload| {
-        if record_kind != KIND_END {
+        if record_kind != kind::CLOSE {
             return Some(payload.to_vec());
         }
         let mut record: EndRecord = decode_bytes(payload).expect("an end");
@@ -74,7 +74,7 @@ pub fn change_records<T: Default>(
                 last = tick(record_tick, &mut record);
                 encode(&record)
             }
-            KIND_END => {
+            kind::CLOSE => {
                 let mut record: EndRecord = decode_bytes(payload).expect("an end");
                 end(record_tick, &mut record, std::mem::take(&mut last));
                 encode(&record)
@@ -84,12 +84,33 @@ pub fn change_records<T: Default>(
     })
 }
 
+/// The session with the signatures of another key, or of none.
+pub fn signed_again(session: &[u8], key: Option<&StationKey>) -> Vec<u8> {
+    let mut history = History::new();
+    let mut writer = Writer::create(Vec::new()).expect("memory");
+    for frame in &read(session).expect("a session").frames {
+        let payload = match (frame.kind, key) {
+            (kind::SIGNATURE, None) => continue,
+            (KIND_END, None) => Vec::new(),
+            (kind::SIGNATURE | KIND_END, Some(key)) => {
+                key.sign(&history, frame.kind, frame.tick).to_vec()
+            }
+            _ => frame.payload.to_vec(),
+        };
+        history.add(frame.kind, frame.tick, &payload);
+        writer
+            .append(frame.kind, frame.tick, &payload)
+            .expect("memory");
+    }
+    writer.into_inner()
+}
+
 /// The session with one more record before its end.
 pub fn insert_before_end(session: &[u8], kind: u8, payload: &[u8]) -> Vec<u8> {
     let reading = read(session).expect("a session");
     let mut writer = Writer::create(Vec::new()).expect("memory");
     for frame in &reading.frames {
-        if frame.kind == KIND_END {
+        if frame.kind == kind::CLOSE {
             writer.append(kind, frame.tick, payload).expect("memory");
         }
         writer

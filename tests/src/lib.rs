@@ -138,7 +138,13 @@ where
 {
     let mut command = Command::new(program());
     command.args(args).current_dir(repository());
+    command.env("MICROSIM_STATION_KEY", station_key());
     command
+}
+
+/// The key that sessions of the tests are signed with: beside the built tree, not in the data folder of whoever runs them.
+pub fn station_key() -> PathBuf {
+    tree().with_extension("station.key")
 }
 
 /// Runs a command to its end.

@@ -20,14 +20,14 @@ fn unpacked(folder: &tempfile::TempDir, name: &str) -> PathBuf {
 }
 
 /// The report of a session that must not be replayed.
-fn report(name: &str) -> Value {
+fn report(name: &str, version: &str) -> Value {
     let folder = scratch();
     let session = unpacked(&folder, name);
     let path = session.to_str().expect("UTF-8");
     let refused = microsim(["replay", "--verify", path]).expect(2);
     let sentence =
-        "recorded with MicroSim 0.1.0 (record format 1), which recomputes it; this is MicroSim";
-    assert!(refused.err.contains(sentence), "{}", refused.err);
+        format!("recorded with MicroSim {version}, which recomputes it; this is MicroSim");
+    assert!(refused.err.contains(&sentence), "{}", refused.err);
     let said = microsim(["report", path]).expect(0);
     assert!(said.out.contains("score"), "{}", said.out);
     microsim(["report", "--json", path]).expect(0).json()
@@ -42,7 +42,7 @@ fn metric(report: &Value, id: &str) -> Option<f64> {
 /// The values that version 0.1.0 printed for the same files.
 #[test]
 fn a_run_without_tissue() {
-    let report = report("format1-touch-spheres-level1");
+    let report = report("format1-touch-spheres-level1", "0.1.0 (record format 1)");
     assert_eq!(report["verdict"], "failed");
     assert_eq!(report["score"], 0.0);
     assert_eq!(report["failed"], serde_json::json!(["targets-missed"]));
@@ -51,10 +51,24 @@ fn a_run_without_tissue() {
     assert_eq!(metric(&report, "angle-error"), None);
 }
 
+/// From before sessions were signed.
+#[test]
+fn a_run_of_the_version_before_signatures() {
+    let report = report("format2-touch-spheres-level1", "0.2.0 (record format 2)");
+    assert_eq!(report["verdict"], "failed");
+    assert_eq!(report["failed"], serde_json::json!(["targets-missed"]));
+    assert_eq!(metric(&report, "time"), Some(3.008));
+    assert_eq!(
+        report["session"]["state_hash"],
+        "78431548232a4c33b52548df797186db71e8abb9494b3668369b111946a7d632"
+    );
+    assert_eq!(report["session"]["complaint"], Value::Null);
+}
+
 /// With forces, whose fields have other names since.
 #[test]
 fn a_run_with_tissue() {
-    let report = report("format1-push-strip-level1");
+    let report = report("format1-push-strip-level1", "0.1.0 (record format 1)");
     assert_eq!(report["failed"], serde_json::json!(["not-deep-enough"]));
     assert_eq!(metric(&report, "peak-force"), Some(0.0023174940540785123));
     let force = &report["forces"][0];

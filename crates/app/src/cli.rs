@@ -252,9 +252,13 @@ pub struct ReplayArgs {
     /// Session file
     #[arg(value_parser = utf8_path)]
     pub session: PathBuf,
-    /// Exit with status 1 unless every tick is recomputed to the bit
+    /// Exit with status 1 unless every tick is recomputed to the bit, with the settings of this installation, and no signature is broken
     #[arg(long)]
     pub verify: bool,
+    /// Trust this station as this one's own key is trusted (fingerprint, as `doctor` shows it there); with `--verify` the session must be
+    /// signed by one of those that are trusted
+    #[arg(long, value_name = "FINGERPRINT")]
+    pub station: Vec<String>,
     /// Draw pictures into this folder, which must hold none yet
     #[arg(long, value_name = "DIR", value_parser = utf8_path)]
     pub frames: Option<PathBuf>,

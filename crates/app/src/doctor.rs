@@ -4,6 +4,7 @@ use crate::cli::Place;
 use crate::output::{Exit, Problem, print};
 use crate::processor;
 use crate::session_file::installation;
+use crate::station;
 use microsim_host::assemble::probe_renderer;
 
 /// Prints what this machine has and lacks. Only what keeps runs from working makes the answer negative.
@@ -44,6 +45,17 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
                 "sessions       {} cannot be written: {error}",
                 folder.display()
             ))?;
+        }
+    }
+    match station::path().and_then(|path| Ok((station::this()?, path))) {
+        Ok((Some(this), path)) => print(format!("station        {this} ({})", path.display()))?,
+        Ok((None, path)) => print(format!(
+            "station        no key yet; the first run makes {}",
+            path.display()
+        ))?,
+        Err(why) => {
+            healthy = false;
+            print(format!("station        sessions are not signed: {why}"))?;
         }
     }
     match probe_renderer(&installation) {

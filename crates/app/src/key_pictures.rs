@@ -1,9 +1,9 @@
 //! Pictures of the key moments of a session: the session is computed again, and drawn at their ticks.
 
+use crate::output::Problem;
+use crate::session_file::open;
 use microsim_host::assemble::{Installation, locate, probe_renderer, renderer_for};
 use microsim_host::picture::{PicturePlan, PictureTimes};
-use microsim_host::plan::PluginKind;
-use microsim_host::record::Session;
 use microsim_host::replay::{ReplayOptions, replay};
 use microsim_host::run::RunError;
 use microsim_message::LocalText;
@@ -25,7 +25,7 @@ pub fn not_asked() -> Pictures {
 /// The pictures of the key moments, or why there are none.
 pub fn key_pictures(
     installation: &Installation,
-    session: &Session,
+    session: &Path,
     report: &Report,
     threads: usize,
 ) -> Pictures {
@@ -59,16 +59,17 @@ impl Drop for Scratch {
 
 fn draw(
     installation: &Installation,
-    session: &Session,
+    session: &Path,
     report: &Report,
     threads: usize,
 ) -> Result<Pictures, String> {
     probe_renderer(installation)?;
-    let mut session = session.clone();
-    let plan = &mut session.header.plan;
+    let mut session = open(session).map_err(|problem| match problem {
+        Problem::Text(text) => text,
+        Problem::BrokenPipe => "a closed pipe".to_owned(),
+    })?;
+    let plan = &session.session().header.plan;
     let renderer = renderer_for(installation, plan, Some(SIZE)).map_err(|e| e.to_string())?;
-    plan.plugins.retain(|p| p.kind != PluginKind::Renderer);
-    plan.plugins.push(renderer);
     let scratch = Scratch::new()?;
     let wanted = PicturePlan {
         folder: scratch.0.clone(),
@@ -77,8 +78,9 @@ fn draw(
     let options = ReplayOptions {
         threads,
         pictures: Some(wanted.clone()),
+        renderer: Some(renderer),
     };
-    let outcome = replay(&session, options, |planned| {
+    let outcome = replay(&mut session, options, |planned| {
         locate(installation, planned).map_err(|e| RunError::Host(e.to_string()))
     });
     let outcome = outcome.map_err(|e| e.to_string())?;

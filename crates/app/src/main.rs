@@ -30,6 +30,7 @@ mod scene_file;
 mod schema;
 mod session_file;
 mod simulate;
+mod station;
 mod trainee;
 mod tune;
 

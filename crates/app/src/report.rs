@@ -3,7 +3,7 @@
 use crate::cli::{Place, ReportArgs};
 use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, print, print_json};
-use crate::session_file::{installation, read, report_of};
+use crate::session_file::{installation, read_around, report_of};
 use microsim_report::{Language, Page, Report, Verdict};
 use std::path::{Path, PathBuf};
 
@@ -14,8 +14,8 @@ fn write(path: &Path, content: &str) -> Result<(), Problem> {
 
 /// Shows the result of a session.
 pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
-    let session = read(&args.session)?;
-    let report = report_of(&session, &args.session);
+    let session = read_around(&args.session)?;
+    let report = report_of(&session, &args.session)?;
     let same = |path: &PathBuf| path.canonicalize().ok() == args.session.canonicalize().ok();
     if [&args.html, &args.csv, &args.series]
         .into_iter()
@@ -33,7 +33,7 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
                 None => installation.host.report.language,
             },
             pictures: match args.pictures {
-                true => key_pictures(&installation, &session, &report, 1),
+                true => key_pictures(&installation, &args.session, &report, 1),
                 false => not_asked(),
             },
         };

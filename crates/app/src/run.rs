@@ -5,7 +5,8 @@ use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, print, print_json};
 use crate::progress;
 use crate::report::{files_beside, summary, verdict_word, write_beside};
-use crate::session_file::{installation, is_session, read, report_of};
+use crate::session_file::{installation, is_session, read_around, report_of};
+use crate::station;
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
 use microsim_host::picture::{PicturePlan, PictureReport, PictureTimes};
@@ -188,6 +189,9 @@ fn carry_out(
             .map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64),
         stop: &stop,
         trainee: args.trainee.clone(),
+        key: station::key()
+            .inspect_err(|why| eprintln!("microsim: this session is not signed: {why}"))
+            .ok(),
         progress: &mut |time, reported| match reported {
             Some(reported) => bar.set_message(format!(
                 "{} {:.0} %",
@@ -227,17 +231,17 @@ fn finish(
         eprintln!("microsim: {complaint}");
     }
     // The report is made from the file, so that it shows what was really recorded.
-    let recorded = match (read(session), &outcome.failure) {
+    let recorded = match (read_around(session), &outcome.failure) {
         (Ok(recorded), _) => recorded,
         // Nothing readable was written, and this is why.
         (Err(_), Some(failure)) => return Err(failure.to_string().into()),
         (Err(problem), None) => return Err(problem),
     };
-    let report = report_of(&recorded, session);
+    let report = report_of(&recorded, session)?;
     let pictures = if args.json || args.no_pictures || !installation.host.report.pictures {
         not_asked()
     } else {
-        key_pictures(installation, &recorded, &report, args.threads.into())
+        key_pictures(installation, session, &report, args.threads.into())
     };
     let page = Page {
         language: installation.host.report.language,

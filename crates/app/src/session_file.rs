@@ -4,13 +4,14 @@ use crate::cli::Place;
 use crate::output::Problem;
 use microsim_host::assemble::Installation;
 use microsim_host::plan::{PluginKind, RunPlan};
-use microsim_host::record::Session;
+use microsim_host::record::{Session, SessionReader, Signatures, TickRecord};
 use microsim_message::LocalText;
-use microsim_report::{Report, ReportInput};
+use microsim_report::{Report, ReportBuilder, ReportInput};
 use microsim_settings::ToolSlot;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
+use std::fs::File;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// The installation that a command works with.
@@ -48,14 +49,37 @@ pub fn is_session(path: &Path) -> bool {
     read.is_ok() && start == *microsim_session::MAGIC
 }
 
-/// Reads a session file.
+/// A session file that is read tick by tick.
+pub type OpenSession = SessionReader<BufReader<File>>;
+
+/// Begins to read a session file.
+pub fn open(path: &Path) -> Result<OpenSession, Problem> {
+    let named = |e: &dyn std::fmt::Display| format!("session {}: {e}", path.display());
+    let file = File::open(path).map_err(|e| named(&e))?;
+    let file = BufReader::with_capacity(1 << 18, file);
+    Ok(SessionReader::open(file).map_err(|e| named(&e))?)
+}
+
+/// Reads a session file with all its ticks.
 pub fn read(path: &Path) -> Result<Session, Problem> {
     let bytes = std::fs::read(path).map_err(|e| format!("session {}: {e}", path.display()))?;
     Ok(Session::read(&bytes).map_err(|e| format!("session {}: {e}", path.display()))?)
 }
 
-/// The report of a session.
-pub fn report_of(session: &Session, path: &Path) -> Report {
+/// Reads a session file to its end, and keeps all but its ticks.
+pub fn read_around(path: &Path) -> Result<Session, Problem> {
+    let mut reader = open(path)?;
+    while next_tick(&mut reader, path)?.is_some() {}
+    Ok(reader.session().clone())
+}
+
+fn next_tick(reader: &mut OpenSession, path: &Path) -> Result<Option<(u64, TickRecord)>, Problem> {
+    let tick = reader.next_tick();
+    Ok(tick.map_err(|e| format!("session {}: {e}", path.display()))?)
+}
+
+/// The report of a session, whose ticks are read from its file.
+pub fn report_of(session: &Session, path: &Path) -> Result<Report, Problem> {
     let plan = &session.header.plan;
     let tools = ToolsOfRun::new(plan);
     let input = ReportInput {
@@ -88,17 +112,31 @@ pub fn report_of(session: &Session, path: &Path) -> Report {
             .end
             .as_ref()
             .map(|end| microsim_host::record::hex(&end.chain)),
-        complaint: session.complaint.clone(),
+        complaint: complaint(session),
         failures: session.failures.iter().map(ToString::to_string).collect(),
         late_ticks: session.end.as_ref().map_or(0, |end| end.late_ticks),
         session_file: path.display().to_string(),
         replay_command: format!("microsim replay {} --verify", shell_word(path)),
     };
-    let ticks = session
-        .ticks
-        .iter()
-        .map(|(tick, record)| (*tick, record.log.as_slice()));
-    Report::build(&input, ticks)
+    let mut builder = ReportBuilder::new(&input);
+    let mut reader = open(path)?;
+    while let Some((tick, record)) = next_tick(&mut reader, path)? {
+        builder.add(tick, &record.log);
+    }
+    Ok(builder.finish())
+}
+
+/// What is wrong with a session.
+fn complaint(session: &Session) -> Option<String> {
+    let altered = (session.signatures == Signatures::Broken)
+        .then(|| "it was changed after it was signed".to_owned());
+    let parts: Vec<String> = session
+        .complaint
+        .clone()
+        .into_iter()
+        .chain(altered)
+        .collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
 }
 
 /// A path as a word of a command line.

@@ -4,10 +4,11 @@ use crate::engine::{Checkpoint, StateDigest};
 use crate::fault::Failure;
 use crate::plan::RunPlan;
 use microsim_message::{DecodeError, decode_bytes, encode};
-use microsim_session::{Ending, Frame, KIND_END, NotASession, read};
+use microsim_session::{Ending, Frame, History, KIND_END, NotASession, Reader, Station};
 use microsim_settings::Clock;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::io::Read;
 
 /// Kinds of records in a session file.
 pub mod kind {
@@ -19,10 +20,18 @@ pub mod kind {
     pub const CHECKPOINT: u8 = 3;
     /// [`super::Failure`]: a plugin failed.
     pub const FAILURE: u8 = 4;
+    /// A [`Seal`](microsim_session::Seal) over all records before it: the session may yet be killed.
+    pub const SIGNATURE: u8 = 5;
+    /// [`super::EndRecord`]: how the run ended. Behind it comes only the record that closes the file: a seal over everything, or nothing
+    /// where there was no key.
+    pub const CLOSE: u8 = 6;
 }
 
 /// Version of the records that this host writes and recomputes.
-pub const RECORD_FORMAT: u32 = 2;
+pub const RECORD_FORMAT: u32 = 3;
+
+/// The first version with signatures.
+const SIGNED_FORMAT: u32 = 3;
 
 /// Longest simulated time of a run that is computed again \[ns\]: a year.
 const LONGEST_NS: u64 = 365 * 86_400 * 1_000_000_000;
@@ -76,7 +85,36 @@ pub enum Ended {
     Checkpoint,
 }
 
-/// The last record.
+/// What the signatures of a session show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signatures {
+    /// There is none.
+    Missing,
+    /// Every byte is as this station signed it.
+    Whole(Station),
+    /// All up to this tick is as this station signed it; what is behind has no signature: the session was cut off.
+    Until(Station, u64),
+    /// A signature does not fit what stands before it: something was changed after it was signed.
+    Broken,
+}
+
+impl Signatures {
+    /// With one more seal behind these records.
+    fn and(self, history: &History, frame: &Frame<'_>) -> Self {
+        let closes = frame.kind == KIND_END;
+        let signed = history.signed_by(frame.kind, frame.tick, frame.payload);
+        match (self, signed) {
+            // Closed without a key, as it was written all along.
+            (Self::Missing, None) if closes && frame.payload.is_empty() => Self::Missing,
+            (Self::Until(before, _), Some(station)) if before != station => Self::Broken,
+            (Self::Missing | Self::Until(..), Some(station)) if closes => Self::Whole(station),
+            (Self::Missing | Self::Until(..), Some(station)) => Self::Until(station, frame.tick),
+            _ => Self::Broken,
+        }
+    }
+}
+
+/// How the run ended: the last record but the one that closes the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EndRecord {
     /// How it ended.
@@ -123,6 +161,8 @@ pub struct Session {
     pub damaged: bool,
     /// What the end of the file looks like, if it is not a clean one.
     pub complaint: Option<String>,
+    /// What its signatures show.
+    pub signatures: Signatures,
 }
 
 /// A file that cannot be used at all.
@@ -202,60 +242,146 @@ impl Session {
 
     /// Reads all that is complete; what is wrong with the rest stands in `complaint`.
     pub fn read(bytes: &[u8]) -> Result<Self, SessionError> {
-        let reading = read(bytes)?;
-        let mut frames = reading.frames.iter();
-        let header = match frames.next() {
+        let mut reader = SessionReader::open(bytes)?;
+        let mut ticks = Vec::new();
+        while let Some(tick) = reader.next_tick()? {
+            ticks.push(tick);
+        }
+        Ok(Self {
+            ticks,
+            ..reader.session
+        })
+    }
+}
+
+/// Reads a session tick by tick: what is in memory is one of them, however long the session is.
+#[derive(Debug)]
+pub struct SessionReader<R> {
+    frames: Reader<R>,
+    /// All but the ticks, as far as the file has been read.
+    session: Session,
+    history: History,
+    /// The first tick: the record before it had to be read first.
+    pending: Option<(u64, TickRecord)>,
+    closing: Option<EndRecord>,
+}
+
+impl<R: Read> SessionReader<R> {
+    /// Reads the header, and from where the run went on, if it did.
+    pub fn open(source: R) -> Result<Self, SessionError> {
+        let mut frames = Reader::open(source)?;
+        let mut history = History::new();
+        let header = match frames.next_frame().map_err(unreadable)? {
             Some(frame) if frame.kind == kind::HEADER => {
-                check_format(frame)?;
-                parse::<Header>(frame).map_err(|e| SessionError(e.to_string()))?
+                check_format(&frame)?;
+                history.add(frame.kind, frame.tick, frame.payload);
+                parse::<Header>(&frame).map_err(|e| SessionError(e.to_string()))?
             }
             _ => {
+                let ending = frames.ending().map(|ending| format!(": {ending}"));
                 return Err(SessionError(format!(
-                    "it has no complete header, so that nothing can be read: {}",
-                    reading.ending
+                    "it has no complete header, so that nothing can be read{}",
+                    ending.unwrap_or_default()
                 )));
             }
         };
-        let mut session = Self {
-            header,
-            resumed: None,
-            ticks: Vec::new(),
-            failed_tick: None,
-            damaged: matches!(reading.ending, Ending::Damaged { .. }),
-            failures: Vec::new(),
-            end: None,
-            complaint: match &reading.ending {
-                Ending::Clean => None,
-                other => Some(other.to_string()),
+        let mut reader = Self {
+            frames,
+            session: Session {
+                header,
+                resumed: None,
+                ticks: Vec::new(),
+                failed_tick: None,
+                failures: Vec::new(),
+                end: None,
+                damaged: false,
+                complaint: None,
+                signatures: Signatures::Missing,
             },
+            history,
+            pending: None,
+            closing: None,
         };
-        for frame in frames {
-            if let Err(error) = session.take(frame) {
-                session.damaged = true;
-                session.complaint = Some(format!(
-                    "record at byte {} (tick {}): {error}",
-                    frame.offset, frame.tick
-                ));
-                break;
-            }
-        }
-        Ok(session)
+        reader.pending = reader.next_tick()?;
+        Ok(reader)
     }
 
-    fn take(&mut self, frame: &Frame<'_>) -> Result<(), DecodeError> {
-        match frame.kind {
-            kind::TICK => match parse::<TickRecord>(frame)? {
-                record if record.failed => self.failed_tick = Some((frame.tick, record)),
-                record => self.ticks.push((frame.tick, record)),
-            },
-            kind::CHECKPOINT => self.resumed = Some(parse(frame)?),
-            kind::FAILURE => self.failures.push(parse(frame)?),
-            KIND_END => self.end = Some(parse(frame)?),
-            // Records of a later version: skipped.
-            _ => {}
-        }
-        Ok(())
+    /// All but the ticks. What stands behind them is known when [`SessionReader::next_tick`] has come to the end.
+    pub fn session(&self) -> &Session {
+        &self.session
     }
+
+    /// The next tick that was computed to its end; `None` when there is no more that can be read.
+    pub fn next_tick(&mut self) -> Result<Option<(u64, TickRecord)>, SessionError> {
+        if let Some(tick) = self.pending.take() {
+            return Ok(Some(tick));
+        }
+        if self.session.damaged {
+            return Ok(None);
+        }
+        loop {
+            let Some(frame) = self.frames.next_frame().map_err(unreadable)? else {
+                break;
+            };
+            let taken = take(&mut self.session, &mut self.closing, &self.history, &frame);
+            self.history.add(frame.kind, frame.tick, frame.payload);
+            match taken {
+                Ok(None) => {}
+                Ok(Some(record)) => return Ok(Some((frame.tick, record))),
+                Err(error) => {
+                    self.session.damaged = true;
+                    self.session.complaint = Some(format!(
+                        "record at byte {} (tick {}): {error}",
+                        frame.offset, frame.tick
+                    ));
+                    return Ok(None);
+                }
+            }
+        }
+        let ending = self.frames.ending();
+        let ending = ending.filter(|ending| *ending != Ending::Clean);
+        self.session.damaged = matches!(ending, Some(Ending::Damaged { .. }));
+        self.session.complaint = ending.map(|ending| ending.to_string());
+        Ok(None)
+    }
+}
+
+fn unreadable(error: std::io::Error) -> SessionError {
+    SessionError(error.to_string())
+}
+
+/// Takes one record; a tick that was computed to its end comes back.
+fn take(
+    session: &mut Session,
+    closing: &mut Option<EndRecord>,
+    history: &History,
+    frame: &Frame<'_>,
+) -> Result<Option<TickRecord>, DecodeError> {
+    let signed = session.header.format >= SIGNED_FORMAT;
+    if closing.is_some() && frame.kind != KIND_END {
+        return Err(DecodeError("nothing may follow how the run ended".into()));
+    }
+    match frame.kind {
+        kind::TICK => match parse::<TickRecord>(frame)? {
+            record if record.failed => session.failed_tick = Some((frame.tick, record)),
+            record => return Ok(Some(record)),
+        },
+        kind::CHECKPOINT => session.resumed = Some(parse(frame)?),
+        kind::FAILURE => session.failures.push(parse(frame)?),
+        kind::SIGNATURE if signed => session.signatures = session.signatures.and(history, frame),
+        kind::CLOSE if signed => *closing = Some(parse(frame)?),
+        KIND_END if signed => {
+            let end = closing.take();
+            session.end = Some(end.ok_or_else(|| {
+                DecodeError("the file is closed and does not state how the run ended".into())
+            })?);
+            session.signatures = session.signatures.and(history, frame);
+        }
+        KIND_END => session.end = Some(parse(frame)?),
+        // Records of a later version: skipped.
+        _ => {}
+    }
+    Ok(None)
 }
 
 /// The format stands in the header itself, and is looked at before the rest, which another format may spell otherwise.

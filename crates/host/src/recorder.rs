@@ -8,21 +8,28 @@ use crate::span;
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Call, Fault, PluginBox};
 use microsim_message::{SessionRecord, encode, push};
+use microsim_session::{History, KIND_END, StationKey};
 
 /// The recorder, called once per tick.
 pub(crate) struct Recorder {
     name: String,
     object: PluginBox,
     tick_ns: u64,
+    /// All that has been written.
+    history: History,
+    /// What it is signed with.
+    key: Option<StationKey>,
 }
 
 impl Recorder {
     /// Loads and initialises it: the session file is there from then on.
-    pub fn start(planned: &PlannedPlugin) -> Result<Self, RunError> {
+    pub fn start(planned: &PlannedPlugin, key: Option<StationKey>) -> Result<Self, RunError> {
         let mut recorder = Self {
             name: planned.name.clone(),
             object: load(planned)?,
             tick_ns: planned.setup.tick_ns,
+            history: History::new(),
+            key,
         };
         let setup = encode(&planned.setup);
         recorder.call("initialise", 0, |object| {
@@ -48,8 +55,23 @@ impl Recorder {
             messages: RSlice::from_slice(&messages),
             blocks: RSlice::from_slice(&[]),
         };
-        self.call("process", record.tick, |object| object.process(call))
-            .map(drop)
+        self.call("process", record.tick, |object| object.process(call))?;
+        self.history.add(record.kind, record.tick, &record.bytes);
+        Ok(())
+    }
+
+    /// Signs all that has been written, in a record of this kind: one that closes the file is written without a key as well, and is empty
+    /// then.
+    pub fn sign(&mut self, kind: u8, tick: u64) -> Result<(), Failure> {
+        let seal = self
+            .key
+            .as_ref()
+            .map(|key| key.sign(&self.history, kind, tick));
+        if seal.is_none() && kind != KIND_END {
+            return Ok(());
+        }
+        let bytes = seal.map(Vec::from).unwrap_or_default();
+        self.write(&SessionRecord { kind, tick, bytes })
     }
 
     /// Closes the session.

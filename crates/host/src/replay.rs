@@ -8,10 +8,11 @@ use crate::loader::load;
 use crate::parallel::Parallel;
 use crate::picture::{PicturePlan, PictureReport, Pictures, start_pictures};
 use crate::plan::{PlannedPlugin, PluginKind, RunPlan};
-use crate::record::{Ended, Session, TickRecord, hex};
+use crate::record::{Ended, Session, SessionError, SessionReader, TickRecord, hex};
 use crate::span;
 
 use microsim_bus::Frames;
+use std::io::Read;
 
 /// How to replay.
 #[derive(Clone, Debug)]
@@ -20,6 +21,8 @@ pub struct ReplayOptions {
     pub threads: usize,
     /// Pictures, if wanted.
     pub pictures: Option<PicturePlan>,
+    /// What draws them, where the recording has none.
+    pub renderer: Option<PlannedPlugin>,
 }
 
 /// The first place where the replay is not what was recorded.
@@ -49,15 +52,18 @@ pub struct ReplayOutcome {
 }
 
 /// Replays a session. `locate` gives the installed plugin for a recorded one: library, manifest text and digest.
-pub fn replay(
-    session: &Session,
+pub fn replay<R: Read>(
+    reader: &mut SessionReader<R>,
     options: ReplayOptions,
     mut locate: impl FnMut(&PlannedPlugin) -> Result<PlannedPlugin, RunError>,
 ) -> Result<ReplayOutcome, RunError> {
-    session
-        .check_recomputable()
-        .map_err(|e| RunError::Host(e.to_string()))?;
-    let mut plan = session.header.plan.clone();
+    let host = |e: SessionError| RunError::Host(e.to_string());
+    reader.session().check_recomputable().map_err(host)?;
+    let mut plan = reader.session().header.plan.clone();
+    if let Some(renderer) = options.renderer {
+        plan.plugins.retain(|p| p.kind != PluginKind::Renderer);
+        plan.plugins.push(renderer);
+    }
     let mut rebuilt = Vec::new();
     // The input is in the ticks, and nothing is recorded again.
     for plugin in &mut plan.plugins {
@@ -82,16 +88,17 @@ pub fn replay(
         }
         load(planned).map(Some).map_err(RunError::from)
     })?;
-    if let Some(checkpoint) = &session.resumed {
+    if let Some(checkpoint) = &reader.session().resumed {
         engine.resume(checkpoint)?;
     }
     let mut pictures = start_pictures(&plan, options.pictures, true)?;
-    let difference = recompute(&mut engine, &plan, session, &mut pictures);
+    let difference = recompute(&mut engine, &plan, reader, &mut pictures).map_err(host)?;
+    let end = &reader.session().end;
     let outcome = ReplayOutcome {
         ticks: engine.tick_index(),
         difference,
         state_hash: hex(&engine.chain()),
-        recorded_hash: session.end.as_ref().map(|e| hex(&e.chain)),
+        recorded_hash: end.as_ref().map(|e| hex(&e.chain)),
         rebuilt,
         pictures: None,
     };
@@ -102,55 +109,72 @@ pub fn replay(
     })
 }
 
-fn recompute(
+fn recompute<R: Read>(
     engine: &mut Engine,
     plan: &RunPlan,
-    session: &Session,
+    reader: &mut SessionReader<R>,
     pictures: &mut Option<Pictures>,
-) -> Option<Difference> {
-    let differs = |tick, what: String| Some(Difference { tick, what });
-    let failed = |failure: Failure| Difference {
-        tick: failure.tick,
-        what: failure.to_string(),
-    };
-    for (tick, recorded) in &session.ticks {
-        if *tick != engine.tick_index() {
-            return differs(
-                *tick,
-                format!(
-                    "the recording goes on at tick {tick}, tick {} is missing",
-                    engine.tick_index()
-                ),
-            );
-        }
-        let _tick = span::of_tick(*tick).entered();
-        let output = match engine.tick(Feed::Recorded { log: &recorded.log }) {
-            Ok(output) => output,
-            Err(failure) => return Some(failed(failure)),
-        };
-        if let Some(pictures) = pictures {
-            pictures.handle(*tick, plan.tick_ns, &output.log, || engine.blocks());
-        }
-        // The hash alone is not enough: whoever changes a recorded message need not touch it.
-        if output.chain.as_slice() != recorded.chain || output.log != recorded.log {
-            return differs(*tick, describe(engine, recorded, &output.log));
-        }
-        if let Some(states) = &recorded.states {
-            match engine.state_digests(states) {
-                Err(failure) => return Some(failed(failure)),
-                Ok(computed) if computed != *states => {
-                    let names: Vec<&str> = computed
-                        .iter()
-                        .zip(states)
-                        .filter(|(a, b)| a != b)
-                        .map(|(a, _)| a.plugin.as_str())
-                        .collect();
-                    return differs(*tick, format!("the state of {} differs", names.join(", ")));
-                }
-                Ok(_) => {}
-            }
+) -> Result<Option<Difference>, SessionError> {
+    while let Some((tick, recorded)) = reader.next_tick()? {
+        let difference = recompute_tick(engine, plan, (tick, &recorded), pictures);
+        if difference.is_some() {
+            // To the end all the same: its signatures stand there.
+            while reader.next_tick()?.is_some() {}
+            return Ok(difference);
         }
     }
+    Ok(recompute_end(engine, reader.session()))
+}
+
+fn differs(tick: u64, what: String) -> Option<Difference> {
+    Some(Difference { tick, what })
+}
+
+fn failed(failure: &Failure) -> Option<Difference> {
+    differs(failure.tick, failure.to_string())
+}
+
+fn recompute_tick(
+    engine: &mut Engine,
+    plan: &RunPlan,
+    (tick, recorded): (u64, &TickRecord),
+    pictures: &mut Option<Pictures>,
+) -> Option<Difference> {
+    if tick != engine.tick_index() {
+        let missing = engine.tick_index();
+        let what = format!("the recording goes on at tick {tick}, tick {missing} is missing");
+        return differs(tick, what);
+    }
+    let _tick = span::of_tick(tick).entered();
+    let output = match engine.tick(Feed::Recorded { log: &recorded.log }) {
+        Ok(output) => output,
+        Err(failure) => return failed(&failure),
+    };
+    if let Some(pictures) = pictures {
+        pictures.handle(tick, plan.tick_ns, &output.log, || engine.blocks());
+    }
+    // The hash alone is not enough: whoever changes a recorded message need not touch it.
+    if output.chain.as_slice() != recorded.chain || output.log != recorded.log {
+        return differs(tick, describe(engine, recorded, &output.log));
+    }
+    let states = recorded.states.as_ref()?;
+    match engine.state_digests(states) {
+        Err(failure) => failed(&failure),
+        Ok(computed) if computed != *states => {
+            let names: Vec<&str> = computed
+                .iter()
+                .zip(states)
+                .filter(|(a, b)| a != b)
+                .map(|(a, _)| a.plugin.as_str())
+                .collect();
+            differs(tick, format!("the state of {} differs", names.join(", ")))
+        }
+        Ok(_) => None,
+    }
+}
+
+/// What stands behind the ticks: one in which a plugin failed, and how the run ended.
+fn recompute_end(engine: &mut Engine, session: &Session) -> Option<Difference> {
     if let Some((tick, recorded)) = &session.failed_tick {
         let refailed = refail(engine, session, *tick, recorded);
         if refailed.is_some() {
@@ -160,18 +184,18 @@ fn recompute(
     let end = session.end.as_ref()?;
     let tick = engine.tick_index();
     // After a failure no states are saved, and the hash is that of the last tick.
-    if (end.ended == Ended::Failure) != !session.failures.is_empty() {
+    if (end.ended == Ended::Failure) == session.failures.is_empty() {
         return differs(tick, "the end and the recorded failures contradict".into());
     }
     if end.ended != Ended::Failure
         && let Err(failure) = engine.state_digests(&end.states)
     {
-        return Some(failed(failure));
+        return failed(&failure);
     }
-    (engine.chain().as_slice() != end.chain).then(|| Difference {
-        tick,
-        what: "the state hash at the end differs".into(),
-    })
+    match engine.chain().as_slice() == end.chain {
+        true => None,
+        false => differs(tick, "the state hash at the end differs".into()),
+    }
 }
 
 /// The tick in which a plugin failed must fail again, for the same plugin. One that failed outside of what a replay

@@ -18,7 +18,7 @@ use crate::recorder::Recorder;
 use crate::span;
 use crate::subscriptions::HostSubscriptions;
 use microsim_message::{LevelControl, Progress, TrainingResult, push};
-use microsim_session::Chain;
+use microsim_session::{Chain, KIND_END, StationKey};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -50,6 +50,8 @@ pub struct RunOptions<'a> {
     pub stop: &'a AtomicBool,
     /// Who trains.
     pub trainee: Option<String>,
+    /// What the session is signed with; without a key it is not.
+    pub key: Option<StationKey>,
     /// Called after every tick with the simulated time \[s\] and the progress that plugins report.
     pub progress: &'a mut dyn FnMut(f64, Option<&Progress>),
 }
@@ -119,7 +121,7 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
     let recorder = plan.plugins.iter().find(|p| p.kind == PluginKind::Recorder);
     let recorder = recorder.ok_or_else(|| RunError::Host("the plan has no recorder".into()))?;
     // Last, so that a run that cannot begin leaves no file.
-    let mut recorder = Recorder::start(recorder)?;
+    let mut recorder = Recorder::start(recorder, options.key.clone())?;
     let started = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .unwrap_or_default();
@@ -348,6 +350,7 @@ impl RunLoop<'_> {
         ))?;
         failed?;
         if (tick + 1).is_multiple_of(plan.hash_every) {
+            self.recorder.sign(kind::SIGNATURE, tick)?;
             self.add_values(None)?;
         }
         if let Some(pictures) = self.pictures {
@@ -387,7 +390,7 @@ impl RunLoop<'_> {
             late_ticks,
         };
         let tick = self.engine.tick_index();
-        self.recorder
-            .write(&record(microsim_session::KIND_END, tick, &end))
+        self.recorder.write(&record(kind::CLOSE, tick, &end))?;
+        self.recorder.sign(KIND_END, tick)
     }
 }

@@ -21,28 +21,58 @@ impl Report {
         input: &ReportInput,
         ticks: impl IntoIterator<Item = (u64, &'a [u8])>,
     ) -> Self {
-        let mut reading = Reading::new(input);
-        let mut ticks_end = 0;
+        let mut builder = ReportBuilder::new(input);
         for (tick, log) in ticks {
-            ticks_end = tick + 1;
-            let now = tick as f64 * input.tick_s;
-            for frame in Frames::new(log) {
-                let read = match frame {
-                    Ok(frame) => reading.take(tick, now, &frame).map_err(|e| e.to_string()),
-                    Err(error) => Err(error.to_string()),
-                };
-                if let Err(text) = read {
-                    reading.warn(now, LogLevel::Error, text);
-                }
-            }
+            builder.add(tick, log);
         }
-        reading.finish(input, ticks_end)
+        builder.finish()
     }
 
     /// The report as one JSON document; field names as in the structs.
     pub fn to_json(&self) -> String {
         // Plain data with string keys cannot fail.
         serde_json::to_string_pretty(self).expect("plain data")
+    }
+}
+
+/// Makes a report tick by tick, as a session is read.
+pub struct ReportBuilder<'a> {
+    input: &'a ReportInput,
+    reading: Reading<'a>,
+    ticks_end: u64,
+}
+
+impl<'a> ReportBuilder<'a> {
+    /// The report of a session of which this is known besides its messages.
+    pub fn new(input: &'a ReportInput) -> Self {
+        Self {
+            input,
+            reading: Reading::new(input),
+            ticks_end: 0,
+        }
+    }
+
+    /// The messages of the next tick: its index and its frames one after another.
+    pub fn add(&mut self, tick: u64, log: &[u8]) {
+        self.ticks_end = tick.saturating_add(1);
+        let now = tick as f64 * self.input.tick_s;
+        for frame in Frames::new(log) {
+            let read = match frame {
+                Ok(frame) => self
+                    .reading
+                    .take(tick, now, &frame)
+                    .map_err(|e| e.to_string()),
+                Err(error) => Err(error.to_string()),
+            };
+            if let Err(text) = read {
+                self.reading.warn(now, LogLevel::Error, text);
+            }
+        }
+    }
+
+    /// The report of all ticks.
+    pub fn finish(self) -> Report {
+        self.reading.finish(self.input, self.ticks_end)
     }
 }
 

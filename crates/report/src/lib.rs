@@ -34,6 +34,7 @@ mod table;
 mod testing;
 mod text;
 
+pub use build::ReportBuilder;
 pub use device::DeviceRecord;
 pub use force::ForceSeries;
 pub use html::{Page, Pictures};

@@ -1,7 +1,8 @@
 //! The recording of a session: an append-only file of checksummed frames, and the digests that go into it.
 //!
 //! Here are the bytes of the file and nothing else: what a frame's payload means belongs to those who write it, and so
-//! does opening files. [`Writer`] works on any `std::io::Write`, [`read`] on a slice of bytes.
+//! does opening files. [`Writer`] works on any `std::io::Write`, [`Reader`] on any `std::io::Read`, [`read`] on a slice of bytes.
+//! [`History`] is what a station signs ([`StationKey`]), [`read_checkpoint`] the file of a checkpoint.
 //!
 //! # Format, version 1
 //! All integers are little-endian. A file is a prelude and then frames, one behind the other, without padding.
@@ -37,6 +38,7 @@ mod checkpoint;
 mod digest;
 mod layout;
 mod reader;
+mod signature;
 mod writer;
 
 pub use checkpoint::{
@@ -44,5 +46,6 @@ pub use checkpoint::{
 };
 pub use digest::{Chain, digest};
 pub use layout::{FORMAT_VERSION, KIND_END, MAGIC, MAX_PAYLOAD};
-pub use reader::{Damage, Ending, Frame, NotASession, Reading, read};
+pub use reader::{Damage, Ending, Frame, NotASession, Reader, Reading, read};
+pub use signature::{History, SEAL_LENGTH, Seal, Station, StationKey};
 pub use writer::Writer;

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::fmt;
+use std::io::{self, Read};
 
 use crate::layout::{
     FORMAT_VERSION, HEADER_CHECKED, HEADER_LENGTH, KIND_END, MAGIC, MAX_PAYLOAD, PRELUDE_LENGTH,
@@ -89,100 +90,187 @@ pub enum NotASession {
     Magic,
     /// The file has this format version, which is not [`FORMAT_VERSION`].
     Version(u32),
+    /// The operating system does not give its bytes, for this reason.
+    Unreadable(String),
 }
 
-/// Reads all complete frames of a session file.
+/// Reads a session file frame by frame: what is in memory is one frame, whatever the length of the file.
 ///
-/// Stops at the first tear or damage and reports where that is; whatever `bytes` are, there is no panic, and memory is
-/// needed for the list of frames only, whose length their checked headers bound.
-///
-/// # Errors
-/// [`NotASession`] if the prelude is missing, so that there is no frame to look for.
-pub fn read(bytes: &[u8]) -> Result<Reading<'_>, NotASession> {
-    let (magic, rest) = bytes.split_at(bytes.len().min(MAGIC.len()));
-    if !MAGIC.starts_with(magic) {
-        return Err(NotASession::Magic);
-    }
-    let Some((version, _)) = rest.split_first_chunk() else {
-        return Err(NotASession::TooShort(bytes.len()));
-    };
-    let version = u32::from_le_bytes(*version);
-    if version != FORMAT_VERSION {
-        return Err(NotASession::Version(version));
-    }
-
-    let mut frames = Vec::new();
-    let ending = read_frames(bytes, &mut frames);
-    Ok(Reading { frames, ending })
+/// Stops at the first tear or damage. Whatever the bytes are, there is no panic, and memory is needed for one frame only, whose length its
+/// checked header gives.
+#[derive(Debug)]
+pub struct Reader<R> {
+    source: R,
+    /// Where the next frame begins.
+    offset: usize,
+    /// The number that the next frame should have.
+    expected: u64,
+    /// Kind and tick of the last frame.
+    last: Option<(u8, u64)>,
+    ending: Option<Ending>,
+    payload: Vec<u8>,
 }
 
-/// Appends all complete frames to `frames` and gives the ending of the file.
-fn read_frames<'a>(bytes: &'a [u8], frames: &mut Vec<Frame<'a>>) -> Ending {
-    let mut offset = PRELUDE_LENGTH;
-    loop {
-        let last = frames.last();
-        let after_tick = last.map(|frame| frame.tick);
-        let bytes_lost = bytes.len() - offset;
-        let torn = Ending::Torn {
-            offset,
-            after_tick,
-            bytes_lost,
+impl<R: Read> Reader<R> {
+    /// Begins to read.
+    ///
+    /// # Errors
+    /// [`NotASession`] if the prelude is missing, so that there is no frame to look for, or if it cannot be read.
+    pub fn open(mut source: R) -> Result<Self, NotASession> {
+        let mut prelude = [0; PRELUDE_LENGTH];
+        let length = read_up_to(&mut source, &mut prelude)
+            .map_err(|error| NotASession::Unreadable(error.to_string()))?;
+        let (magic, rest) = prelude[..length].split_at(length.min(MAGIC.len()));
+        if !MAGIC.starts_with(magic) {
+            return Err(NotASession::Magic);
+        }
+        let Some((version, _)) = rest.split_first_chunk() else {
+            return Err(NotASession::TooShort(length));
         };
-        let damaged = |what| Ending::Damaged {
-            offset,
-            after_tick,
-            bytes_lost,
-            what,
-        };
+        let version = u32::from_le_bytes(*version);
+        if version != FORMAT_VERSION {
+            return Err(NotASession::Version(version));
+        }
+        Ok(Self {
+            source,
+            offset: PRELUDE_LENGTH,
+            expected: 0,
+            last: None,
+            ending: None,
+            payload: Vec::new(),
+        })
+    }
 
-        let is_closed = last.is_some_and(|frame| frame.kind == KIND_END);
-        match (bytes_lost, is_closed) {
-            (0, true) => return Ending::Clean,
-            (0, false) => return Ending::Open,
-            (_, true) => return damaged(Damage::BehindEnd),
-            (_, false) => {}
+    /// How the file ends; `None` until [`Reader::next_frame`] has come there.
+    pub fn ending(&self) -> Option<Ending> {
+        self.ending
+    }
+
+    /// The next complete frame; `None` at the end of the file, or at the first tear or damage.
+    ///
+    /// # Errors
+    /// Those of the source.
+    pub fn next_frame(&mut self) -> io::Result<Option<Frame<'_>>> {
+        if self.ending.is_some() {
+            return Ok(None);
+        }
+        let mut header = [0; HEADER_LENGTH];
+        let found = read_up_to(&mut self.source, &mut header)?;
+        let is_closed = self.last.is_some_and(|(kind, _)| kind == KIND_END);
+        match (found, is_closed) {
+            (0, true) => return Ok(self.end(Ending::Clean)),
+            (0, false) => return Ok(self.end(Ending::Open)),
+            (_, true) => return self.damaged(Damage::BehindEnd, found),
+            (HEADER_LENGTH, false) => {}
+            (_, false) => return Ok(self.torn(found)),
         }
 
         // The header, before anything in it is believed.
-        let Some((header, behind)) = bytes[offset..].split_first_chunk::<HEADER_LENGTH>() else {
-            return torn;
-        };
         if crc32fast::hash(&header[..HEADER_CHECKED])
-            != u32::from_le_bytes(field(header, HEADER_CHECKED))
+            != u32::from_le_bytes(field(&header, HEADER_CHECKED))
         {
-            return damaged(Damage::Header);
+            return self.damaged(Damage::Header, found);
         }
-        let length = u32::from_le_bytes(field(header, 0));
+        let length = u32::from_le_bytes(field(&header, 0));
         let kind = header[4];
-        let sequence = u64::from_le_bytes(field(header, 5));
-        let tick = u64::from_le_bytes(field(header, 13));
-        let payload_checksum = u32::from_le_bytes(field(header, 21));
-        let expected = frames.len() as u64;
-        if sequence != expected {
-            return damaged(Damage::Sequence {
-                expected,
+        let sequence = u64::from_le_bytes(field(&header, 5));
+        let tick = u64::from_le_bytes(field(&header, 13));
+        let payload_checksum = u32::from_le_bytes(field(&header, 21));
+        if sequence != self.expected {
+            let what = Damage::Sequence {
+                expected: self.expected,
                 found: sequence,
-            });
+            };
+            return self.damaged(what, found);
         }
         if length as usize > MAX_PAYLOAD {
-            return damaged(Damage::Length(length));
+            return self.damaged(Damage::Length(length), found);
         }
 
-        let Some(payload) = behind.get(..length as usize) else {
-            return torn;
-        };
-        if crc32fast::hash(payload) != payload_checksum {
-            return damaged(Damage::Payload);
+        self.payload.clear();
+        let mut limited = (&mut self.source).take(length.into());
+        let found = found + limited.read_to_end(&mut self.payload)?;
+        if self.payload.len() < length as usize {
+            return Ok(self.torn(found));
         }
-        frames.push(Frame {
+        if crc32fast::hash(&self.payload) != payload_checksum {
+            return self.damaged(Damage::Payload, found);
+        }
+        let offset = self.offset;
+        self.offset += found;
+        self.expected += 1;
+        self.last = Some((kind, tick));
+        Ok(Some(Frame {
             offset,
             kind,
             sequence,
             tick,
-            payload,
-        });
-        offset += HEADER_LENGTH + payload.len();
+            payload: &self.payload,
+        }))
     }
+
+    fn end<T>(&mut self, ending: Ending) -> Option<T> {
+        self.ending = Some(ending);
+        None
+    }
+
+    /// The file ends inside a frame, of which this many bytes are there.
+    fn torn<T>(&mut self, bytes_lost: usize) -> Option<T> {
+        let (offset, after_tick) = (self.offset, self.last.map(|(_, tick)| tick));
+        self.end(Ending::Torn {
+            offset,
+            after_tick,
+            bytes_lost,
+        })
+    }
+
+    /// A damaged frame, of which this many bytes have been read; the rest of the file is only counted.
+    fn damaged<T>(&mut self, what: Damage, found: usize) -> io::Result<Option<T>> {
+        let behind = io::copy(&mut self.source, &mut io::sink())?;
+        let (offset, after_tick) = (self.offset, self.last.map(|(_, tick)| tick));
+        Ok(self.end(Ending::Damaged {
+            offset,
+            after_tick,
+            bytes_lost: found + behind as usize,
+            what,
+        }))
+    }
+}
+
+/// Fills `buffer` as far as the source has bytes; how many.
+fn read_up_to(source: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match source.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(count) => filled += count,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}
+
+/// Reads all complete frames of a session file that is in memory, as a [`Reader`] does.
+///
+/// # Errors
+/// [`NotASession`] if the prelude is missing, so that there is no frame to look for.
+pub fn read(bytes: &[u8]) -> Result<Reading<'_>, NotASession> {
+    let mut reader = Reader::open(bytes)?;
+    let unreadable = |error: io::Error| NotASession::Unreadable(error.to_string());
+    let mut frames = Vec::new();
+    while let Some(frame) = reader.next_frame().map_err(unreadable)? {
+        let begin = frame.offset + HEADER_LENGTH;
+        frames.push(Frame {
+            offset: frame.offset,
+            kind: frame.kind,
+            sequence: frame.sequence,
+            tick: frame.tick,
+            payload: &bytes[begin..begin + frame.payload.len()],
+        });
+    }
+    let ending = reader.ending().unwrap_or(Ending::Open);
+    Ok(Reading { frames, ending })
 }
 
 /// The `N` bytes of a header from a fixed offset on, which lies inside it for every caller above.
@@ -259,6 +347,7 @@ impl fmt::Display for NotASession {
                 "not a session file: it does not begin with the line \"{}\"",
                 String::from_utf8_lossy(MAGIC).trim_end()
             ),
+            Self::Unreadable(reason) => f.write_str(reason),
             Self::Version(found) => write!(
                 f,
                 "a session file of format version {found}; this program reads version {FORMAT_VERSION}"

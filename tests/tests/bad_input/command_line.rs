@@ -221,6 +221,7 @@ fn json_is_one_document_whatever_the_answer() {
 fn through_head(tree: &Tree, args: &str) -> Finished {
     let mut shell = Command::new("bash");
     shell.current_dir(tree.path(""));
+    shell.env("MICROSIM_STATION_KEY", microsim_tests::station_key());
     shell.arg("-c").arg(format!(
         "set -o pipefail; \"$0\" --root . {args} | head -n 1"
     ));

@@ -50,6 +50,7 @@ impl Tree {
             .arg("--root")
             .arg(self.folder.path())
             .args(args)
+            .env("MICROSIM_STATION_KEY", microsim_tests::station_key())
             .current_dir(self.folder.path());
         command
     }

@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// A run of touch-spheres that failed.
-fn failed() -> &'static [u8] {
+pub fn failed() -> &'static [u8] {
     static SESSION: OnceLock<Vec<u8>> = OnceLock::new();
     let args = ["--input", "script:level1-fail-wrong-angle.toml"];
     SESSION.get_or_init(|| session("touch-spheres", &args))
@@ -24,7 +24,7 @@ fn failed() -> &'static [u8] {
 
 /// The session with every message passed through `change`, the header through `header`, and all hashes computed again. The module and its
 /// objects publish no blocks, so that the chain over messages and states is the state hash.
-fn forged(
+pub fn forged(
     bytes: &[u8],
     header: impl Fn(&mut Header),
     mut change: impl FnMut(&microsim_bus::Frame<'_>, &mut Vec<u8>),
@@ -55,12 +55,12 @@ fn forged(
 }
 
 /// As it is.
-fn unchanged(frame: &microsim_bus::Frame<'_>, log: &mut Vec<u8>) {
+pub fn unchanged(frame: &microsim_bus::Frame<'_>, log: &mut Vec<u8>) {
     push_stamped(log, &frame.header, frame.payload);
 }
 
 /// A result that passed with every point.
-fn passed(frame: &microsim_bus::Frame<'_>, log: &mut Vec<u8>) {
+pub fn passed(frame: &microsim_bus::Frame<'_>, log: &mut Vec<u8>) {
     let Some(result) = decode::<TrainingResult>(frame) else {
         return unchanged(frame, log);
     };
