@@ -145,7 +145,7 @@ pub fn measure(text: &mut String, csv: &mut String) {
         "\n## A vessel\n\n`config/scenes/vessel-pull.toml`: 1 mm, two layers, ν = 0.45, {} tetrahedra; {} pictures of 16 ms, the wall pulled by \
          0.5 mm in {PULL}, held for {HOLD}, let go. Error: the largest distance of a node from the solution of backward Euler with 1/16 of the \
          step to 1e-8, relative to the largest displacement (that solution itself: the same against 1/32). Times of a picture, each the \
-         fastest of {RUNS} runs.\n\n| discretisation | method | iterations | error | in picture | mean [ms] | while pulled [ms] | largest [ms] \
+         fastest of {RUNS} runs: mean and largest are those of these minima, not of a single run.\n\n| discretisation | method | iterations | error | in picture | mean [ms] | while pulled [ms] | largest [ms] \
          |\n|---|---|---|---|---|---|---|---|\n",
         coarse.tets.len(),
         PULL + HOLD + REST,
