@@ -39,7 +39,7 @@ pub fn results(workspace: &Workspace, make: Make) -> Result<(), Failure> {
         }
     }
     if commands.is_empty() {
-        return settled(&ages);
+        return none_older(&ages);
     }
     crate::setup::setup(crate::setup::Mode::Install)?;
     crate::tree::build(workspace)?;
@@ -47,7 +47,7 @@ pub fn results(workspace: &Workspace, make: Make) -> Result<(), Failure> {
         stamped(workspace, || start(workspace, line))?;
     }
     let (_, ages) = listed(workspace)?;
-    settled(&ages)
+    none_older(&ages)
 }
 
 /// The phase of `cargo xtask test`: a head that cannot be read fails it, a page that is older is named.
@@ -108,7 +108,7 @@ fn listed(workspace: &Workspace) -> Result<(Vec<Page>, Vec<Age>), Failure> {
     Ok((pages, ages))
 }
 
-fn settled(ages: &[Age]) -> Result<(), Failure> {
+fn none_older(ages: &[Age]) -> Result<(), Failure> {
     match ages.iter().filter(|age| **age != Age::Same).count() {
         0 => Ok(()),
         count => Err(Failure::Check(format!(

@@ -15,9 +15,9 @@ pub enum Age {
     Same,
     /// These files have other code now.
     Older(Vec<String>),
-    /// It cannot be told, and why.
+    /// Why it is not known.
     Unknown(String),
-    /// The page does not say what it measures.
+    /// What is wrong with the head of the page.
     NoHead(String),
 }
 

@@ -71,7 +71,7 @@ fn block_comment(text: &str) -> usize {
     at
 }
 
-/// Length of a raw string that begins here; `before` tells it from a name that ends in r.
+/// Length of a raw string that begins here; after a letter (`before`) an r belongs to a name.
 fn raw_string(text: &str, before: Option<char>) -> Option<usize> {
     if before.is_some_and(|c| c.is_alphanumeric() && c != 'b' || c == '_') {
         return None;

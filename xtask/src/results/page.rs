@@ -1,4 +1,4 @@
-//! The head of a page of results: one row of a table that says what made the page, where, and of what.
+//! The head of a page of results: one row of a table with what made the page, where, and of which code.
 
 use std::path::{Path, PathBuf};
 
