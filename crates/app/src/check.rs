@@ -1,6 +1,7 @@
 //! `microsim check`.
 
 use crate::cli::{CheckArgs, Place};
+use crate::discretisation::{self, Meshes};
 use crate::listing::files_in;
 use crate::mesh_file;
 use crate::output::{Exit, Problem, print_if_read as print};
@@ -101,7 +102,10 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         );
     }
     for path in files_in(&config.join("scenes"), "toml") {
-        findings.note(path.display().to_string(), check_scene(&path));
+        findings.note(
+            path.display().to_string(),
+            check_scene(&path, Meshes::Stated),
+        );
     }
     let chart = config.join("chart.toml");
     if chart.is_file() {
@@ -139,12 +143,21 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
 }
 
 /// Builds a scene without running it.
-fn check_scene(path: &Path) -> Result<Vec<String>, String> {
+fn check_scene(path: &Path, meshes: Meshes) -> Result<Vec<String>, String> {
     let scene = SceneFile::open(path, &[], &[])?;
-    match scene.step_too_long {
-        None => Ok(scene.warnings),
-        Some(sentence) => Err(sentence),
+    if let Some(sentence) = scene.step_too_long {
+        return Err(sentence);
     }
+    let document = &scene.loaded.document;
+    let mut warnings = scene.warnings;
+    if meshes == Meshes::Estimated {
+        warnings.extend(discretisation::warnings(
+            document,
+            &scene.spec,
+            scene.runner.scene(),
+        ));
+    }
+    Ok(warnings)
 }
 
 /// Reads the plan of the chart, and each of its scenes with the meshes and parameters that it names.
@@ -242,7 +255,7 @@ fn check_level(
             models.insert(slot.model.clone(), model.settings);
         }
     }
-    let warnings = scene_file::check_level(&loaded, &models)?;
+    let warnings = scene_file::check_level(&loaded, &models, Meshes::Stated)?;
     let script = script.ok_or_else(|| {
         format!("module \"{module}\": level {level} has no script scripts/level{level}-pass.toml that passes it")
     })?;
@@ -304,7 +317,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         ("trainees.toml", _, _) => settings::load_trainees(path).map(nothing).map_err(text),
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
-        (_, Some("scenes"), "toml") => check_scene(path),
+        (_, Some("scenes"), "toml") => check_scene(path, Meshes::Estimated),
         (_, Some("scripts"), "toml") => settings::load_script(path).map(nothing).map_err(text),
         (_, Some("levels"), "toml") => {
             let manifest = path
@@ -313,7 +326,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
                 .map(|m| m.join("module.toml"));
             let manifest = settings::load_manifest(&manifest.unwrap_or_default()).map_err(text)?;
             let level = settings::load_level(path, &manifest.settings, &known_metrics());
-            scene_file::check_level(&level.map_err(text)?, &BTreeMap::new())
+            scene_file::check_level(&level.map_err(text)?, &BTreeMap::new(), Meshes::Estimated)
         }
         (_, _, "toml") if path.with_extension("csv").is_file() => {
             settings::load_recording_map(&path.with_extension("csv"))
@@ -328,7 +341,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         (_, _, "toml") => {
             // Scenes, charts and scripts may lie anywhere.
             match settings::guess_kind(&std::fs::read_to_string(path).unwrap_or_default()) {
-                Some("scene") => check_scene(path),
+                Some("scene") => check_scene(path, Meshes::Estimated),
                 Some("chart") => check_chart(path),
                 _ => settings::load_script(path).map(nothing).map_err(text),
             }

@@ -148,8 +148,9 @@ pub struct RunArgs {
 #[derive(Debug, Args)]
 #[command(
     override_usage = "microsim simulate SCENE [OPTIONS]",
-    after_help = "Exit status 1: it diverged, or a scene that ends at rest did not come to rest within its duration; with --require
-also when an expectation was missed. The JSON document has it: status \"ok\", \"not-at-rest\" or \"diverged\".
+    after_help = "Exit status 1: it diverged, gained energy though nothing did work on it, or, of a scene that ends at rest, did not come to
+rest within its duration; with --require also when an expectation was missed. The JSON document has it: status \"ok\",
+\"not-at-rest\", \"gains-energy\" or \"diverged\".
 
 Examples:
   microsim simulate cantilever

@@ -14,6 +14,7 @@ mod bus;
 mod chart;
 mod check;
 mod cli;
+mod discretisation;
 mod doctor;
 mod key_pictures;
 mod list;

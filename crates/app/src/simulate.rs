@@ -137,7 +137,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         }
     }
     let diverged = matches!(scene.runner.end(), Some(End::Diverged(_)));
-    let restless = scene.restless();
+    let restless = scene.restless() || scene.runner.energy_growth().is_some();
     let missed = scene.runner.verdicts().iter().any(|verdict| !verdict.met);
     Ok(match diverged || restless || (args.require && missed) {
         true => Exit::Negative,

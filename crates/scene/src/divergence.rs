@@ -34,6 +34,13 @@ pub struct Diverged {
     pub what: Divergence,
 }
 
+impl Divergence {
+    /// Whether it is only that an implicit step did not converge: what there was is as good as before.
+    pub fn is_unconverged(&self) -> bool {
+        matches!(self, Self::Step(StepFailure::NotConverged { .. }))
+    }
+}
+
 impl std::fmt::Display for Divergence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -114,7 +114,7 @@ pub use report::{
     ContactPartner, ContactReport, CutReport, MANY_SUBSTEPS, PartReport, Recovery, RejectedCut,
     SolverReport, TickReport,
 };
-pub use run::{ContactSeries, End, ProbeError, Remarks, Runner, Series, Verdict};
+pub use run::{ContactSeries, End, EnergyGrowth, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{

@@ -3,6 +3,7 @@
 //! What is here: the loop over samples, probes, features of a series. What is not: CPU time (the caller measures it around
 //! [`Runner::advance`]), files, output. Pure: the same scene gives the same series on any executor.
 
+mod energy_balance;
 mod feature;
 mod probe;
 
@@ -10,11 +11,13 @@ use crate::divergence::Diverged;
 use crate::overlap::Overlap;
 use crate::report::{CutReport, Recovery, RejectedCut, TickReport};
 use crate::scene::Scene;
+use energy_balance::EnergyBalance;
 use microsim_settings as settings;
 use microsim_tissue::Executor;
 use nalgebra::Vector3;
 use probe::Probe;
 
+pub use energy_balance::EnergyGrowth;
 pub use probe::ProbeError;
 
 /// A relative slack for the numbers of samples and steps, far above the rounding of times and far below a step.
@@ -148,6 +151,7 @@ pub struct Runner {
     before: Vec<Vec<Vector3<f64>>>,
     /// What else is to be known of the run.
     remarks: Remarks,
+    energy: EnergyBalance,
     end: Option<End>,
 }
 
@@ -208,6 +212,11 @@ impl Runner {
                 most_substeps: 1,
                 ..Remarks::default()
             },
+            energy: EnergyBalance::new(
+                &scene,
+                last_event(settings),
+                settings.body.iter().any(|body| !body.load.is_empty()),
+            ),
             end: None,
             scene,
         };
@@ -258,6 +267,12 @@ impl Runner {
     /// What else should be known of the run so far.
     pub fn remarks(&self) -> &Remarks {
         &self.remarks
+    }
+
+    /// Whether the bodies have more than twice the energy that they can have, as nothing did work on them: what the run shows is the
+    /// integrator's.
+    pub fn energy_growth(&self) -> Option<EnergyGrowth> {
+        self.energy.growth()
     }
 
     /// Advances to the next sample and takes it; returns whether there is more to come. After a divergence the scene is at the
@@ -411,12 +426,7 @@ impl Runner {
     /// moment at its turning points, and comes back to where it was around them; never both at once.
     fn rests(&self, before: &[Vec<Vector3<f64>>], speed: f64) -> bool {
         // What was cut has other nodes.
-        let cut = self
-            .remarks
-            .cuts
-            .last()
-            .is_some_and(|(time, _)| *time > self.scene.time() - self.sample);
-        if cut {
+        if self.was_cut() {
             return false;
         }
         let distance = speed * self.sample;
@@ -431,7 +441,16 @@ impl Runner {
         })
     }
 
+    /// Whether anything was cut since the last sample.
+    fn was_cut(&self) -> bool {
+        let last = self.remarks.cuts.last();
+        last.is_some_and(|(time, _)| *time > self.scene.time() - self.sample)
+    }
+
     fn take_sample(&mut self) {
+        let recovered = self.recoveries.last();
+        let edited = self.was_cut()
+            || recovered.is_some_and(|(time, _)| *time > self.scene.time() - self.sample);
         self.series.time.push(self.scene.time());
         let (mut kinetic, mut elastic, mut momentum) = (0.0, 0.0, Vector3::zeros());
         for body in 0..self.scene.body_count() {
@@ -443,6 +462,8 @@ impl Runner {
         self.series.kinetic.push(kinetic);
         self.series.elastic.push(elastic);
         self.series.momentum.push(momentum.into());
+        self.energy
+            .add(&self.scene, kinetic + elastic, &self.contacts, edited);
         if self.scene.pair_count() > 0 {
             let bodies = 0..self.scene.body_count();
             let overlaps: Vec<Overlap> =

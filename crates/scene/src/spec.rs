@@ -27,6 +27,9 @@ pub struct SceneSpec {
     pub containment: bool,
     /// Whether a tick whose forces mean nothing is computed again with steps of half the length; only with containment.
     pub repeat_invalid: bool,
+    /// Whether, without containment too, a tick in which an implicit step did not converge is computed again with shorter steps; the
+    /// report of the tick lists it. A tick that converges is not changed by it.
+    pub repeats_unconverged: bool,
 }
 
 impl SceneSpec {
@@ -42,6 +45,7 @@ impl SceneSpec {
             method,
             containment: true,
             repeat_invalid: true,
+            repeats_unconverged: true,
         }
     }
 }

@@ -36,7 +36,7 @@ impl Scene {
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
-    /// diverges the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
+    /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
     /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there. A tick whose forces
     /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated once with steps of half the length, and not [`valid`](TickReport::valid) if
     /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
@@ -100,8 +100,9 @@ impl Scene {
         let mut recoveries = Vec::new();
         let mut failure = None;
         let mut repetitions = 0;
-        let mut doubted = start.doubtful || !self.repeat_invalid;
-        let tries = if self.containment {
+        // Without containment only what did not converge is repeated.
+        let mut doubted = start.doubtful || !self.repeat_invalid || !self.containment;
+        let tries = if self.containment || self.repeats_unconverged {
             &TRIES[..]
         } else {
             &TRIES[..1]
@@ -142,6 +143,9 @@ impl Scene {
                     self.state.clone_from(&start);
                     self.forget(&jumped);
                     failure = Some((found, tick_s / f64::from(count)));
+                    if !self.containment && !found.what.is_unconverged() {
+                        break;
+                    }
                     if let Some(&next) = tries.get(index + 1) {
                         repetitions += 1;
                         recoveries.push(Recovery {

@@ -70,7 +70,7 @@ table! {
         /// Acceleration of free fall \[m/s²\].
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
         /// Whether a body that diverges is rolled back and computed again with shorter steps; without it the run ends
-        /// there.
+        /// there, unless it is only that an implicit step did not converge.
         containment: bool => false,
     }
 }

@@ -244,6 +244,7 @@ pub(crate) fn ready(
         add_energy_probes(&mut loaded.settings);
     }
     loaded.spec.containment = false;
+    loaded.spec.repeats_unconverged = false;
     let scene = Scene::new(&loaded.spec).map_err(|e| e.to_string())?;
     let elements = (0..scene.body_count())
         .map(|b| scene.body(b).element_count())
@@ -366,7 +367,13 @@ fn advance_once(context: &Context<'_>, prepared: &Prepared, budget: f64) -> Outc
             time: diverged.time,
             reason: diverged.what.to_string(),
         },
-        _ => Status::Ok,
+        _ => match runner.energy_growth() {
+            Some(growth) => Status::Diverged {
+                time: growth.since,
+                reason: "gains energy though nothing does work on it".into(),
+            },
+            None => Status::Ok,
+        },
     };
     let values = match status {
         Status::Ok => runner.verdicts().iter().map(|v| v.found).collect(),

@@ -1,13 +1,14 @@
 //! Many runs, one table: speed against accuracy of methods, elements and meshes, and the choice among them.
 //!
 //! What is here: the plan of runs, the loop over them with budgets, exact solutions on the same mesh to compare with, the
-//! Pareto front, the table as CSV, drawings as SVG, one page as HTML, and the choice of the cheapest method for a scene. What is
+//! Pareto front, the table as CSV, drawings as SVG, one page as HTML, the choice of the cheapest method for a scene, and how far a body's mesh and elements are off. What is
 //! not: files (a function that the caller brings loads scenes) and clocks (another one gives CPU time). Nowhere else are
 //! methods compared.
 
 #![forbid(unsafe_code)]
 
 pub mod atlas;
+mod discretisation_error;
 mod drawing;
 mod execute;
 mod front;
@@ -19,6 +20,7 @@ mod row;
 mod testing;
 mod tune;
 
+pub use discretisation_error::{DiscretisationError, MOST_ELEMENTS, discretisation_error};
 pub use execute::{Context, LoadScene, LoadedScene, Step, run_group};
 pub use front::{Point, cheapest, pareto_front};
 pub use page::{PageInfo, panel_svg};

@@ -120,6 +120,11 @@ impl Method {
         }
     }
 
+    /// Whether it computes motion, and not only where it ends.
+    pub fn has_inertia(&self) -> bool {
+        !matches!(self, Self::QuasiStatic(_))
+    }
+
     /// Whether a node can be guided to a target within one step ([`NodeTarget`](crate::NodeTarget)).
     pub fn reaches_node_targets(&self) -> bool {
         match self {

@@ -23,6 +23,18 @@ terms! {
 }
 
 impl LawName {
+    /// Whether explicit methods at their largest step hold it at strains of 25 to 40 %. Others stiffen, become unstable under strong
+    /// compression (St Venant–Kirchhoff), or have no energy for inverted elements (those with a logarithm).
+    pub const fn is_stable_in_large_strain(self) -> bool {
+        match self {
+            Self::StVenantKirchhoff
+            | Self::NeoHookean
+            | Self::MooneyRivlin
+            | Self::TransverselyIsotropic => false,
+            Self::Corotational | Self::StableNeoHookean | Self::NeoHookeanPolynomial => true,
+        }
+    }
+
     /// The keys in files of what the law needs beside E and ν, with their units.
     pub const fn parameters(self) -> &'static [(&'static str, Unit)] {
         match self {
@@ -109,9 +121,10 @@ terms! {
         VelocityVerletLagged = "velocity-verlet-lagged",
         /// Backward Euler.
         ImplicitEuler = "implicit-euler",
-        /// Implicit midpoint.
+        /// Implicit midpoint. Without damping large swings slowly gain energy.
         ImplicitMidpoint = "implicit-midpoint",
-        /// Implicit midpoint that drops speed where a tetrahedron is distorted.
+        /// Implicit midpoint that drops speed where a tetrahedron is distorted. Without damping large swings slowly gain energy: 4.4 times in 28 s
+        /// of a beam that swings by half of its length, at steps of 1 ms.
         GuardedMidpoint = "guarded-midpoint",
         /// Second-order L-stable Runge–Kutta method of two implicit stages.
         Sdirk2 = "sdirk2",

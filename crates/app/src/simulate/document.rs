@@ -40,6 +40,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
                 "what": diverged.what.to_string(),
             }),
         ),
+        _ if runner.energy_growth().is_some() => ("gains-energy", Value::Null),
         _ if file.restless() => ("not-at-rest", Value::Null),
         _ => ("ok", Value::Null),
     };
@@ -47,6 +48,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
     if file.restless() {
         warnings.push(file.restless_sentence());
     }
+    warnings.extend(file.run_sentences());
     let bodies = (0..scene.body_count()).map(|body| of_body(file, body));
     let series = runner.series();
     json!({

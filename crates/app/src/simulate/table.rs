@@ -1,7 +1,7 @@
 //! What `simulate` prints for people.
 
 use crate::scene_file::SceneFile;
-use microsim_scene::{End, Verdict};
+use microsim_scene::{Divergence, End, Runner, Verdict};
 use microsim_settings as settings;
 use serde_json::Value;
 use settings::Unit;
@@ -82,11 +82,12 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
     let time = runner.scene().time();
     let ended = match runner.end() {
         Some(End::Diverged(diverged)) => format!(
-            "Diverged at {:.6} s, after {} steps: body '{}' {}; use a shorter step (--set run.step=...), an implicit method, or containment",
+            "Diverged at {:.6} s, after {} steps: body '{}' {}; {}",
             diverged.time,
             file.step_of(diverged),
             diverged.body_name,
-            diverged.what
+            diverged.what,
+            advice(runner, &diverged.what)
         ),
         Some(End::Rest) => format!("Rests after {}", Unit::Time.describe(round(time))),
         _ if file.restless() => file.restless_sentence(),
@@ -107,6 +108,7 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
             runner.recoveries().len()
         ));
     }
+    lines.extend(file.run_sentences());
     let mut rows = Vec::new();
     for (probe, values) in scene.probe.iter().zip(&runner.series().probes) {
         let watched = !scene.expect.iter().any(|e| e.probe == probe.name);
@@ -139,6 +141,17 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
         ));
     }
     lines.join("\n")
+}
+
+/// What helps against a divergence with the method of a run.
+fn advice(runner: &Runner, what: &Divergence) -> &'static str {
+    if what.is_unconverged() {
+        "use a shorter step (--set run.step=...), or let steps end with what is left (--set method.must_converge=false)"
+    } else if runner.scene().method().is_explicit() {
+        "use a shorter step (--set run.step=...), an implicit method, or containment (--set run.containment=true)"
+    } else {
+        "use a shorter step (--set run.step=...), or containment (--set run.containment=true)"
+    }
 }
 
 fn row(scene: &settings::Scene, verdict: &Verdict) -> Vec<String> {

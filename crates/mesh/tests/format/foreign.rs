@@ -2,7 +2,7 @@
 //! meshio write it.
 
 use crate::samples::{assert_same, import, two_cells};
-use microsim_mesh::TetMesh;
+use microsim_mesh::{TetMesh, defects};
 use microsim_mesh::format::{Import, MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -165,4 +165,30 @@ fn other_programs_write_the_mesh_as_we_read_it() {
         }
         assert_same(&mesh, &expected);
     }
+}
+
+/// Version 2 writes an element of two physical groups twice, under a number each; version 4.1 writes it once. Both give the same mesh.
+#[test]
+fn overlapping_physical_groups_of_version_2_are_no_doubled_elements() {
+    let file = |second: &str| {
+        format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n\
+             $Elements\n3\n1 4 2 7 1 1 2 3 4\n{second}\n3 4 2 7 1 2 3 4 5\n$EndElements\n"
+        )
+    };
+    let import =
+        |text: String| read_tet_mesh(MeshFormat::Gmsh, &[text.as_bytes()]).expect("a mesh");
+    let twice = import(file("2 4 2 8 1 1 2 3 4"));
+    assert_eq!(twice.mesh.tets.len(), 2);
+    assert_eq!(twice.mesh.regions, [7, 7]);
+    assert_eq!(defects(&twice.mesh), []);
+    let note = "1 tetrahedra stand once more in another physical group; the first is their region";
+    assert!(
+        twice.notes.iter().any(|said| said == note),
+        "{:?}",
+        twice.notes
+    );
+    // Twice in one group is a defect, which is not hidden.
+    let doubled = import(file("2 4 2 7 1 1 2 3 4"));
+    assert!(!defects(&doubled.mesh).is_empty());
 }

@@ -4,6 +4,7 @@ use super::Reader;
 use super::elements::TETRAHEDRON;
 use crate::format::error::FormatError;
 use crate::format::scalar::{Encoding, Scalar};
+use std::collections::BTreeMap;
 
 /// Reads all sections.
 pub(super) fn read(reader: &mut Reader<'_>) -> Result<(), FormatError> {
@@ -28,9 +29,14 @@ fn nodes(reader: &mut Reader<'_>) -> Result<(), FormatError> {
     Ok(())
 }
 
+/// Reads the elements. One that belongs to several physical groups is written once for each, under a number of its own: the first counts,
+/// as in version 4.1.
 fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
     let count = reader.decimal_count(reader.least_bytes(4, 8), "elements")?;
     let mut read = 0;
+    // Nodes, ascending, with the first region.
+    let mut seen: BTreeMap<[u32; 4], u32> = BTreeMap::new();
+    let mut again = 0;
     while read < count {
         // ASCII: number, type, number of tags per element. Binary: a header for several elements, then their numbers.
         let ascii = reader.encoding == Encoding::Ascii;
@@ -71,6 +77,13 @@ fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
                 for slot in &mut tet {
                     *slot = reader.node(|reader| reader.int("a node number"))?;
                 }
+                let mut key = tet;
+                key.sort_unstable();
+                // Twice in one group is a defect of the mesh, which shows later.
+                if *seen.entry(key).or_insert(region) != region {
+                    again += 1;
+                    continue;
+                }
                 reader.parts.tets.push(tet);
                 reader.parts.regions.push(region);
                 reader.tet_numbers.push(number);
@@ -84,6 +97,11 @@ fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
             reader.parts.leave_out(name, block);
         }
         read += block;
+    }
+    if again > 0 {
+        reader.parts.notes.push(format!(
+            "{again} tetrahedra stand once more in another physical group; the first is their region"
+        ));
     }
     Ok(())
 }
