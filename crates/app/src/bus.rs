@@ -1,7 +1,7 @@
 //! `microsim bus`.
 
 use crate::cli::{BusArgs, Place};
-use crate::output::{Exit, Problem, print, print_json};
+use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::session_file::{installation, read};
 use microsim_bus::{Frames, HOST, Overflow, kind_id};
 use microsim_host::record::Session;
@@ -131,7 +131,7 @@ fn messages(path: &Path, args: &BusArgs) -> Result<Exit, Problem> {
         let over = session.end.is_some() || session.damaged || quiet >= GIVE_UP;
         if !args.follow || over {
             if let Some(complaint) = &session.complaint {
-                eprintln!("microsim: {complaint}");
+                complain(complaint);
             }
             return Ok(Exit::Done);
         }

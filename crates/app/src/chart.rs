@@ -143,7 +143,9 @@ pub fn load(folder: &Path, file: &str, set: &[String]) -> Result<LoadedScene, St
         .map_err(|e| e.to_string())?
         .settings;
     let beside = path.parent().unwrap_or(Path::new(""));
-    let described = scene_spec(&settings, &mut |file| std::fs::read(beside.join(file)));
+    let described = scene_spec(&settings, &mut |file| {
+        settings::read_regular(&beside.join(file))
+    });
     let spec = described
         .map_err(|e| format!("{}: {e}", path.display()))?
         .spec;

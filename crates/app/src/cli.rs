@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 /// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
 ///
 /// Exit status: 0 done (a failed level is a result, not an error), 1 the verdict that was asked for is negative
-/// (`replay --verify`, `check`, `simulate` that diverged or did not come to rest as it should, `run --require-pass`), 2 could not run.
+/// (`replay --verify`, `check`, `simulate` that diverged or did not come to rest as it should, `run --require-pass`), 2 could not run, 3 `run` is done and recorded but
+/// could not write its report.
 #[derive(Debug, Parser)]
 #[command(name = "microsim", version, arg_required_else_help = true)]
 pub struct Cli {

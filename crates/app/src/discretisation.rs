@@ -39,7 +39,7 @@ pub fn warnings(document: &Document, spec: &SceneSpec, scene: &Scene) -> Vec<Str
     sentences.collect()
 }
 
-/// What to say of an error that is large enough, and what helps.
+/// The sentence about an error that is large enough, with what helps.
 fn sentence(error: &DiscretisationError) -> Option<String> {
     let off = |displacement: f64| (displacement - 1.0).abs();
     if off(error.displacement) <= WARNED {

@@ -9,6 +9,7 @@ use microsim_host::run::RunError;
 use microsim_message::LocalText;
 use microsim_report::{Pictures, Report};
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Width and height \[pixels\].
@@ -19,6 +20,14 @@ pub fn not_asked() -> Pictures {
     Pictures::Missing(LocalText::new(
         "es wurden keine verlangt; microsim report SITZUNG --html DATEI --pictures zeichnet sie.",
         "none were asked for; microsim report SESSION --html FILE --pictures draws them.",
+    ))
+}
+
+/// No pictures yet: they are drawn once the page is on the disk.
+pub fn not_yet() -> Pictures {
+    Pictures::Missing(LocalText::new(
+        "sie werden nach dem Urteil gezeichnet; endet das Programm vorher, zeichnet sie microsim report SITZUNG --html DATEI --pictures.",
+        "they are drawn after the verdict; if the program ends before, microsim report SESSION --html FILE --pictures draws them.",
     ))
 }
 
@@ -40,12 +49,40 @@ pub fn key_pictures(
 /// A folder that is gone with this value.
 struct Scratch(PathBuf);
 
+/// Beginning of its name; the number of the process follows.
+const SCRATCH: &str = "microsim-pictures-";
+
 impl Scratch {
-    fn new() -> Result<Self, String> {
-        let name = format!("microsim-pictures-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        std::fs::create_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-        Ok(Self(folder))
+    fn new(among: &Path) -> Result<Self, String> {
+        remove_abandoned(among);
+        // What an earlier process of the same number has left is not ours.
+        for attempt in 0.. {
+            let folder = among.join(format!("{SCRATCH}{}-{attempt}", std::process::id()));
+            match std::fs::create_dir(&folder) {
+                Ok(()) => return Ok(Self(folder)),
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(format!("{}: {error}", folder.display())),
+            }
+        }
+        Err(format!("{}: no free name", among.display()))
+    }
+}
+
+/// Removes the folders of processes that are no more: they were killed while they drew.
+fn remove_abandoned(among: &Path) {
+    let processes = Path::new("/proc");
+    if !processes.join("self").exists() {
+        return;
+    }
+    for entry in std::fs::read_dir(among).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let process = name
+            .strip_prefix(SCRATCH)
+            .and_then(|rest| rest.split('-').next()?.parse::<u32>().ok());
+        if process.is_some_and(|process| !processes.join(process.to_string()).exists()) {
+            // Those of other users cannot be removed, and do not disturb.
+            let _ = std::fs::remove_dir_all(entry.path());
+        }
     }
 }
 
@@ -70,7 +107,7 @@ fn draw(
     })?;
     let plan = &session.session().header.plan;
     let renderer = renderer_for(installation, plan, Some(SIZE)).map_err(|e| e.to_string())?;
-    let scratch = Scratch::new()?;
+    let scratch = Scratch::new(&std::env::temp_dir())?;
     let wanted = PicturePlan {
         folder: scratch.0.clone(),
         when: PictureTimes::At(report.key_ticks().into_iter().collect()),
@@ -101,4 +138,26 @@ fn draw(
         }
     }
     Ok(Pictures::Drawn(drawn))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SCRATCH, Scratch};
+
+    /// A folder that a process of the same number has left does not block; that of a process that is no more is removed.
+    #[test]
+    fn what_killed_processes_left_blocks_nothing() {
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = |name: String| {
+            let folder = temporary.path().join(name);
+            std::fs::create_dir(&folder).expect("a folder");
+            folder
+        };
+        let same = folder(format!("{SCRATCH}{}-0", std::process::id()));
+        // No system has processes of such numbers.
+        let gone = folder(format!("{SCRATCH}{}", u32::MAX));
+        let scratch = Scratch::new(temporary.path()).expect("a folder");
+        assert!(scratch.0.is_dir() && scratch.0 != same);
+        assert!(same.is_dir() && !gone.exists());
+    }
 }

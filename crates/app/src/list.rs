@@ -2,7 +2,7 @@
 
 use crate::cli::{ListArgs, Place};
 use crate::listing::files_in;
-use crate::output::{Exit, Problem, print, print_json};
+use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::session_file::installation;
 use microsim_host::assemble::known_metrics;
 use microsim_settings as settings;
@@ -22,7 +22,7 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
                     "title": level.settings.title,
                     "summary": level.settings.summary,
                 })),
-                Err(errors) => eprintln!("microsim: {errors}"),
+                Err(errors) => complain(errors),
             }
         }
         modules.push(json!({
@@ -52,11 +52,11 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
                 "title": scene.settings.title,
                 "summary": scene.settings.summary,
             })),
-            Err(errors) => eprintln!("microsim: {errors}"),
+            Err(errors) => complain(errors),
         }
     }
     for complaint in &installation.complaints {
-        eprintln!("microsim: {complaint}");
+        complain(complaint);
     }
     if args.json {
         print_json(&json!({ "modules": modules, "scenes": scenes, "plugins": plugins }))?;

@@ -24,6 +24,8 @@ pub fn start(trace: Option<&Path>) -> Result<Option<FlushGuard>, Problem> {
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false)
         .without_time()
+        // Where nobody reads standard error any more, that is no reason to end.
+        .log_internal_errors(false)
         .with_span_events(FmtSpan::CLOSE)
         .with_filter(filter);
     let registry = tracing_subscriber::registry().with(log);

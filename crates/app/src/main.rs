@@ -1,7 +1,7 @@
 //! The `microsim` binary: command line and wiring, nothing else.
 //!
 //! Parsing only validates; the work is in one file per command. Exit status: 0 done (a failed level is a result, not an
-//! error), 1 the verdict that was asked for is negative, 2 could not run. Results go to standard output, logs and progress
+//! error), 1 the verdict that was asked for is negative, 2 could not run, 3 the report of a run could not be written. Results go to standard output, logs and progress
 //! to standard error.
 
 #![allow(
@@ -24,6 +24,7 @@ mod mesh_file;
 mod output;
 mod processor;
 mod progress;
+mod replace_file;
 mod replay;
 mod report;
 mod run;
@@ -37,12 +38,12 @@ mod tune;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use output::{Exit, Problem};
+use output::{Exit, Problem, complain};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     if let Some(complaint) = processor::complaint() {
-        eprintln!("microsim: {complaint}");
+        complain(complaint);
         return Exit::CouldNotRun.into();
     }
     let cli = match Cli::try_parse() {
@@ -89,7 +90,7 @@ fn ended(result: Result<Exit, Problem>) -> ExitCode {
         Ok(exit) => exit.into(),
         Err(Problem::BrokenPipe) => Exit::Done.into(),
         Err(Problem::Text(text)) => {
-            eprintln!("microsim: {text}");
+            complain(text);
             Exit::CouldNotRun.into()
         }
     }

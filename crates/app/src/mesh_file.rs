@@ -3,6 +3,7 @@
 use crate::scene_file::{mesh_defects, shortened};
 use microsim_mesh::Severity;
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
+use microsim_settings::read_regular;
 use std::path::Path;
 
 /// Whether the name of a file is that of a mesh.
@@ -14,7 +15,7 @@ pub fn is_mesh(path: &Path) -> bool {
 /// What should be known of a mesh; the error is a sentence per line.
 pub fn check(path: &Path) -> Result<Vec<String>, String> {
     let name = path.to_string_lossy().into_owned();
-    let read = |file: &str| std::fs::read(file).map_err(|e| format!("{file}: {e}"));
+    let read = |file: &str| read_regular(Path::new(file)).map_err(|e| format!("{file}: {e}"));
     let (errors, mut warnings, notes) = if let Some(format) = MeshFormat::from_path(&name) {
         let files = format.files(&name);
         let files: Vec<Vec<u8>> = files.iter().map(|f| read(f)).collect::<Result<_, _>>()?;

@@ -38,6 +38,13 @@ impl StatusLine {
         }
     }
 
+    /// One whose first line comes after the time between two: what is soon done prints nothing.
+    pub fn later() -> Self {
+        let line = Self::new();
+        *line.last.lock().unwrap_or_else(|e| e.into_inner()) = Some(Instant::now());
+        line
+    }
+
     /// Shows a line, if it is time for one.
     pub fn show(&self, line: impl FnOnce() -> String) {
         let mut last = self.last.lock().unwrap_or_else(|e| e.into_inner());

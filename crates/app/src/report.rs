@@ -3,14 +3,10 @@
 use crate::cli::{Place, ReportArgs};
 use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, print, print_json};
+use crate::replace_file::replace;
 use crate::session_file::{installation, read_around, report_of};
 use microsim_report::{Language, Page, Report, Verdict};
 use std::path::{Path, PathBuf};
-
-/// Writes a file, naming it when that fails.
-fn write(path: &Path, content: &str) -> Result<(), Problem> {
-    Ok(std::fs::write(path, content).map_err(|e| format!("{}: {e}", path.display()))?)
-}
 
 /// Shows the result of a session.
 pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
@@ -37,13 +33,13 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
                 false => not_asked(),
             },
         };
-        write(path, &report.to_html(&page))?;
+        replace(path, report.to_html(&page).as_bytes())?;
     }
     if let Some(path) = &args.csv {
-        write(path, &report.metrics_csv())?;
+        replace(path, report.metrics_csv().as_bytes())?;
     }
     if let Some(path) = &args.series {
-        write(path, &report.series_csv())?;
+        replace(path, report.series_csv().as_bytes())?;
     }
     if args.json {
         let value: serde_json::Value = serde_json::from_str(&report.to_json())?;
@@ -72,11 +68,17 @@ pub fn files_beside(session: &Path) -> [PathBuf; 4] {
 /// Writes the files beside a session. Returns the page's path.
 pub fn write_beside(report: &Report, content: &Page, session: &Path) -> Result<PathBuf, Problem> {
     let [page, json, metrics, series] = files_beside(session);
-    write(&page, &report.to_html(content))?;
-    write(&json, &report.to_json())?;
-    write(&metrics, &report.metrics_csv())?;
-    write(&series, &report.series_csv())?;
+    replace(&page, report.to_html(content).as_bytes())?;
+    replace(&json, report.to_json().as_bytes())?;
+    replace(&metrics, report.metrics_csv().as_bytes())?;
+    replace(&series, report.series_csv().as_bytes())?;
     Ok(page)
+}
+
+/// Writes the page beside a session again.
+pub fn write_page(report: &Report, content: &Page, session: &Path) -> Result<(), Problem> {
+    let [page, ..] = files_beside(session);
+    replace(&page, report.to_html(content).as_bytes())
 }
 
 /// Name of a verdict for people.

@@ -1,10 +1,10 @@
 //! `microsim run`.
 
 use crate::cli::{Place, RunArgs};
-use crate::key_pictures::{key_pictures, not_asked};
-use crate::output::{Exit, Problem, print, print_json};
+use crate::key_pictures::{key_pictures, not_asked, not_yet};
+use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::progress;
-use crate::report::{files_beside, summary, verdict_word, write_beside};
+use crate::report::{files_beside, summary, verdict_word, write_beside, write_page};
 use crate::session_file::{installation, is_session, read_around, report_of};
 use crate::station;
 use microsim_host::Checkpoint;
@@ -19,6 +19,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime};
+
+/// Signals that end a run; the last one is that of a terminal that was closed.
+const ENDING: [i32; 3] = [
+    signal_hook::consts::SIGINT,
+    signal_hook::consts::SIGTERM,
+    signal_hook::consts::SIGHUP,
+];
 
 /// Which pictures to draw.
 pub fn picture_plan(
@@ -165,7 +172,7 @@ fn carry_out(
     resume: Option<Checkpoint>,
 ) -> Result<RunOutcome, Problem> {
     let stop = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+    for signal in ENDING {
         // The second one ends the process at once; the first closes the session.
         signal_hook::flag::register_conditional_shutdown(signal, 2, Arc::clone(&stop))?;
         signal_hook::flag::register(signal, Arc::clone(&stop))?;
@@ -219,7 +226,7 @@ fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     Ok(written.map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
-/// Writes what a run leaves behind, and prints it.
+/// Writes what a run leaves behind, and prints it: verdict and page first, pictures of key moments after.
 fn finish(
     installation: &Installation,
     plan: &RunPlan,
@@ -228,7 +235,7 @@ fn finish(
     outcome: &RunOutcome,
 ) -> Result<Exit, Problem> {
     for complaint in &outcome.complaints {
-        eprintln!("microsim: {complaint}");
+        complain(complaint);
     }
     // The report is made from the file, so that it shows what was really recorded.
     let recorded = match (read_around(session), &outcome.failure) {
@@ -238,24 +245,48 @@ fn finish(
         (Err(problem), None) => return Err(problem),
     };
     let report = report_of(&recorded, session)?;
-    let pictures = if args.json || args.no_pictures || !installation.host.report.pictures {
-        not_asked()
-    } else {
-        key_pictures(installation, session, &report, args.threads.into())
-    };
-    let page = Page {
+    let draws = !args.json
+        && !args.no_pictures
+        && installation.host.report.pictures
+        && outcome.failure.is_none();
+    let page_with = |pictures| Page {
         language: installation.host.report.language,
         pictures,
     };
-    let page = write_beside(&report, &page, session);
+    let first = page_with(if draws { not_yet() } else { not_asked() });
+    let page = write_beside(&report, &first, session);
     let printed = match (args.json, page.as_deref().ok()) {
         (true, page) => tell_json(plan, session, page, outcome, &report),
         (false, page) => print_outcome(args, session, page, outcome, &report),
     };
+    let is_written = page.is_ok();
+    let ended = conclude(plan, args, session, outcome, page, printed)?;
+    if draws && is_written {
+        // All that counts is on the disk: from here on the first signal ends the program, with the status that it would have had.
+        let drawing = Arc::new(AtomicBool::new(true));
+        for signal in ENDING {
+            let status = ended.status().into();
+            signal_hook::flag::register_conditional_shutdown(signal, status, Arc::clone(&drawing))?;
+        }
+        let pictures = key_pictures(installation, session, &report, args.threads.into());
+        write_page(&report, &page_with(pictures), session)?;
+    }
+    Ok(ended)
+}
+
+/// The end of a run whose report was written or not, and printed or not.
+fn conclude(
+    plan: &RunPlan,
+    args: &RunArgs,
+    session: &Path,
+    outcome: &RunOutcome,
+    page: Result<PathBuf, Problem>,
+    printed: Result<(), Problem>,
+) -> Result<Exit, Problem> {
     // What went wrong with the run comes last and counts most; a full disk, for example, keeps the report from being written, too.
     if let Some(failure) = &outcome.failure {
         if let Err(Problem::Text(problem)) = page {
-            eprintln!("microsim: {problem}");
+            complain(problem);
         }
         return Err(format!(
             "{failure}; the session so far is safe in {}",
@@ -270,9 +301,17 @@ fn finish(
         )?;
     } else if let (Some(path), None) = (&args.checkpoint, &outcome.failure) {
         let path = path.display();
-        eprintln!("microsim: the level ended before --stop-at; {path} was not written");
+        complain(format!(
+            "the level ended before --stop-at; {path} was not written"
+        ));
     }
-    page?;
+    if let Err(Problem::Text(problem)) = page {
+        complain(format!(
+            "{problem}; the session is safe in {}, and `microsim report` shows it",
+            session.display()
+        ));
+        return Ok(Exit::NoReport);
+    }
     match printed {
         Ok(()) | Err(Problem::BrokenPipe) => {}
         Err(problem) => return Err(problem),

@@ -83,7 +83,7 @@ impl SceneFile {
         let document = &loaded.document;
         let folder = path.parent().unwrap_or(Path::new(""));
         let described = scene_spec(&loaded.settings, &mut |file| {
-            std::fs::read(folder.join(file))
+            settings::read_regular(&folder.join(file))
         });
         let mut described = described.map_err(|e| placed(document, e))?;
         let left_out = |what: &str| without.iter().any(|named| named == what);
@@ -211,7 +211,9 @@ pub fn check_level(
     };
     let path = document.path();
     let folder = path.parent().unwrap_or(Path::new(""));
-    let described = level_spec(&parts, &mut |file| std::fs::read(folder.join(file)));
+    let described = level_spec(&parts, &mut |file| {
+        settings::read_regular(&folder.join(file))
+    });
     let described = described.map_err(|e| placed(document, e))?;
     let notes = described.notes.iter();
     let mut warnings: Vec<String> = notes

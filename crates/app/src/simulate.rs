@@ -9,7 +9,8 @@ mod table;
 
 use crate::cli::{Place, SimulateArgs};
 use crate::output::{Exit, Problem, print_if_read as print};
-use crate::progress;
+use crate::progress::{self, StatusLine};
+use crate::run::refuse_old_pictures;
 use crate::scene_file::{SceneFile, find};
 use cpu::cpu_seconds;
 use document::{Result as Outcome, document};
@@ -19,7 +20,7 @@ use microsim_session::Chain;
 use pictures::Pictures;
 use pool::Pool;
 use std::fs::File;
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
@@ -67,13 +68,17 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         None => None,
     };
     let mut pictures = match &args.frames {
-        Some(folder) => Some(Pictures::new(folder, &scene)?),
+        Some(folder) => {
+            refuse_old_pictures(folder)?;
+            Some(Pictures::new(folder, &scene)?)
+        }
         None => None,
     };
     let bar = progress::bar(
         Some(PROGRESS),
         "{wide_bar} {percent} % of the time, {elapsed} passed",
     );
+    let lines = (!std::io::stderr().is_terminal()).then(StatusLine::later);
     let mut cpu = 0.0;
     let (mut values, mut samples) = (Chain::new(), 0);
     loop {
@@ -88,6 +93,16 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         values.add(samples, [scene.runner.scene().digest().as_slice()]);
         samples += 1;
         bar.set_position((scene.runner.progress() * PROGRESS as f64) as u64);
+        if let Some(lines) = &lines {
+            let runner = &scene.runner;
+            lines.show(|| {
+                format!(
+                    "{:.0} % of the time, {:.4} s simulated, {cpu:.0} CPU s",
+                    100.0 * runner.progress(),
+                    runner.scene().time()
+                )
+            });
+        }
         if let Some(frames) = &mut frames {
             frames.after_sample(&scene.runner)?;
         }

@@ -5,7 +5,8 @@ mod level;
 
 use crate::chart::{plan_path, thread_seconds};
 use crate::cli::{Place, TuneArgs};
-use crate::output::{Exit, Problem, print};
+use crate::output::{Exit, Problem, complain, print};
+use crate::replace_file::replace;
 use crate::scene_file::find;
 use crate::session_file::installation;
 use microsim_drawing::{percent, significant};
@@ -105,7 +106,7 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     }
     let tuning = choose(&context, &goal, &candidates, &mut |trial| {
         let verdict = trial.rejected.as_deref().unwrap_or("the best so far");
-        eprintln!("{}: {verdict}", trial.description);
+        complain(format!("{}: {verdict}", trial.description));
     });
     if let Some(reason) = &tuning.no_measure {
         return Err(format!("{file}: nothing to compare with: {reason}").into());
@@ -123,7 +124,9 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
         return Ok(Exit::Done);
     }
     let written = edit::write(&target, &scene, choice, &tuning)?;
-    std::fs::write(&target.path, written).map_err(|e| format!("{file}: {e}"))?;
+    // The file that a link names is the one to be tuned.
+    let path = target.path.canonicalize();
+    replace(path.as_ref().unwrap_or(&target.path), written.as_bytes())?;
     print(format!(
         "Written into {file}; `microsim tune {} --verify` measures it again",
         target.name
@@ -166,7 +169,7 @@ fn load(text: &str, file: &str, folder: &Path, set: &[String]) -> Result<LoadedS
         .collect::<Result<_, _>>()?;
     let loaded = settings::read_scene(text, file, &overrides).map_err(|e| e.to_string())?;
     let described = scene_spec(&loaded.settings, &mut |file| {
-        std::fs::read(folder.join(file))
+        settings::read_regular(&folder.join(file))
     });
     let spec = described.map_err(|e| format!("{file}: {e}"))?.spec;
     Ok(LoadedScene {

@@ -1,4 +1,4 @@
-//! What `simulate` and `check` say of numbers that mean less than they seem to.
+//! What `simulate` and `check` output about numbers that mean less than they seem to.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -217,7 +217,7 @@ fn a_step_that_is_stable_at_rest_alone_is_warned_of() {
     }
 }
 
-/// The inertia that explicit methods need at small elements of a cut has no weight: that is said, by how much and what helps.
+/// The inertia that explicit methods need at small elements of a cut has no weight: that is printed, by how much and what helps.
 #[test]
 fn pieces_that_fall_too_slowly_are_named() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

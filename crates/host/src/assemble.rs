@@ -297,7 +297,7 @@ impl Planner<'_> {
             if files.iter().any(|file| file.name == name) {
                 continue;
             }
-            let bytes = std::fs::read(folder.join(&name)).map_err(|e| {
+            let bytes = settings::read_regular(&folder.join(&name)).map_err(|e| {
                 let found = format!("`{name}`, which cannot be read ({e})");
                 let error = self.level.document.error_at(&key, &found, "a mesh file");
                 AssembleError(error.to_string())

@@ -1,7 +1,7 @@
 //! How the tools moved in the field, and how long they were tracked.
 
 use microsim_message::{ToolSample, ToolStates, ToolStatus};
-use microsim_tracking::RawStatistics;
+use microsim_tracking::{RawStatistics, distance};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +53,10 @@ struct ToolSamples {
 
 impl MotionCollector {
     pub fn add(&mut self, now: f64, sample: ToolSample) {
+        // A sample without a time belongs nowhere.
+        if !sample.time.is_finite() {
+            return;
+        }
         let at = match self.tools.iter().position(|t| t.tool == sample.tool) {
             Some(at) => at,
             None => {
@@ -90,7 +94,7 @@ impl ToolSamples {
         let mut segment = 0;
         let mut lost = false;
         for sample in &self.samples {
-            if !sample.tracked {
+            if !sample.tracked || !sample.pose.position.iter().all(|x| x.is_finite()) {
                 lost = true;
                 continue;
             }
@@ -100,11 +104,10 @@ impl ToolSamples {
                 if lost || interval > threshold {
                     segment += 1;
                 } else if interval > 0.0 {
-                    speed = Some(
-                        (Vector3::from(sample.pose.position) - Vector3::from(before.pose.position))
-                            .norm()
-                            / interval,
-                    );
+                    let [from, to] = [before, sample].map(|s| Vector3::from(s.pose.position));
+                    // A speed that no number states is none.
+                    let stated = distance(&to, &from) / interval;
+                    speed = stated.is_finite().then_some(stated);
                 }
             }
             series.time.push(sample.time + self.offset);

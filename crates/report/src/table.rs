@@ -1,6 +1,7 @@
 //! The report as tables: CSV with a header, a comma between fields, a point in numbers, SI units in the names of columns.
 
 use crate::Report;
+use std::borrow::Cow;
 
 impl Report {
     /// One row for each metric; value and limits in the SI unit of the row, and once more in the unit that people read. In each row
@@ -138,6 +139,15 @@ fn cell(value: Option<impl ToString>) -> String {
     value.map(|value| value.to_string()).unwrap_or_default()
 }
 
+/// A text that a spreadsheet would take for a formula gets an apostrophe before it (OWASP, "CSV injection"); numbers stay numbers.
+fn no_formula(cell: &str) -> Cow<'_, str> {
+    let begins = cell.starts_with(['=', '+', '-', '@', '\t', '\r']);
+    match begins && cell.parse::<f64>().is_err() {
+        true => format!("'{cell}").into(),
+        false => cell.into(),
+    }
+}
+
 /// A CSV document in memory, where writing cannot fail as long as all rows are equally long.
 struct Table(csv::Writer<Vec<u8>>);
 
@@ -149,7 +159,10 @@ impl Table {
     }
 
     fn row(&mut self, cells: &[String]) {
-        self.0.write_record(cells).expect("rows of equal length");
+        let cells = cells.iter().map(|cell| no_formula(cell));
+        let cells: Vec<_> = cells.collect();
+        let bytes = cells.iter().map(|cell| cell.as_bytes());
+        self.0.write_record(bytes).expect("rows of equal length");
     }
 
     fn finish(self) -> String {
@@ -222,6 +235,27 @@ mod tests {
             let metrics = column(&report.metrics_csv(), "synthetic");
             assert_eq!(metrics, [&label[..]; 3]);
             assert_eq!(column(&report.series_csv(), "synthetic"), [&label[..]; 2]);
+        }
+    }
+
+    /// What a script calls itself reaches a spreadsheet as text.
+    #[test]
+    fn no_text_is_a_formula() {
+        for (text, expected) in [
+            ("=HYPERLINK(\"http://x\")", "'=HYPERLINK(\"http://x\")"),
+            ("@SUM(1)", "'@SUM(1)"),
+            ("+cmd|'/c calc'!A0", "'+cmd|'/c calc'!A0"),
+            ("-2+3", "'-2+3"),
+            ("novice", "novice"),
+            ("-2.5e-3", "-2.5e-3"),
+        ] {
+            let session = crate::ReportInput {
+                synthetic: Some(text.into()),
+                ..input()
+            };
+            let log = log(&[&failed_result(&["depth"])]);
+            let report = Report::build(&session, [(0, &log[..])]);
+            assert_eq!(column(&report.metrics_csv(), "synthetic")[0], expected);
         }
     }
 

@@ -210,7 +210,7 @@ pub(crate) fn load_text(path: &Path, expected: &str) -> Result<String, ConfigErr
             expected: expected.to_owned(),
         }])
     };
-    let bytes = std::fs::read(path).map_err(|error| {
+    let bytes = crate::regular_file::read_regular(path).map_err(|error| {
         complain(match error.kind() {
             std::io::ErrorKind::NotFound => "no such file".to_owned(),
             _ => format!("a file that cannot be read ({error})"),

@@ -31,7 +31,7 @@ pub use csv_recording::{
 pub use microsim_vocabulary::{Interpolation, ToolStatus};
 pub use rotation::{NORM_TOLERANCE, QuaternionError};
 pub use script::{Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
-pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics};
+pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics, distance};
 pub use trainee::{Profile, Trainee};
 pub use translator::{
     Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch, TrackedTool, Translator,

@@ -58,7 +58,13 @@ impl RawStatistics {
         let mut before: Option<(f64, Vector3<f64>)> = None;
         let mut lost = false;
         for (time, position) in path {
-            let Some(position) = position.map(Vector3::from) else {
+            // A number that is none says nothing of the others.
+            if !time.is_finite() {
+                lost = true;
+                continue;
+            }
+            let position = position.map(Vector3::from);
+            let Some(position) = position.filter(|x| x.iter().all(|x| x.is_finite())) else {
                 lost = true;
                 continue;
             };
@@ -66,7 +72,7 @@ impl RawStatistics {
                 None => first_time = time,
                 Some((time_before, position_before)) => steps.push(Step {
                     interval_s: time - time_before,
-                    length_m: (position - position_before).norm(),
+                    length_m: distance(&position, &position_before),
                     lost,
                 }),
             }
@@ -105,6 +111,17 @@ impl RawStatistics {
         }
         statistics
     }
+}
+
+/// Distance of two points; finite where it can be stated, although the square of a large one cannot.
+pub fn distance(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    let difference = a - b;
+    let plain = difference.norm();
+    if plain.is_finite() {
+        return plain;
+    }
+    let size = difference.amax();
+    size * (difference / size).norm()
 }
 
 /// From one visible sample to the next.
@@ -219,6 +236,26 @@ mod tests {
         assert_eq!(statistics.path_m, 3.0);
         assert_eq!(statistics.duration_s, 1.25);
         assert_eq!(statistics.longest_gap_s, 0.5);
+    }
+
+    /// One sample without numbers is one that was not seen; a distance whose square overflows is a distance.
+    #[test]
+    fn a_sample_that_is_not_finite_spoils_no_figure() {
+        let samples = samples(&[
+            (0.0, Some(0.0)),
+            (0.25, Some(1.0)),
+            (0.5, Some(f64::NAN)),
+            (0.75, Some(1.0)),
+            (1.0, Some(2.0)),
+            (f64::NAN, Some(3.0)),
+        ]);
+        let statistics = RawStatistics::of(&samples, None);
+        assert_eq!((statistics.samples, statistics.gaps), (4, 1));
+        assert_eq!((statistics.path_m, statistics.tracked_s), (2.0, 0.5));
+        assert_eq!(statistics.rate_hz, Some(4.0));
+        let far = Vector3::new(1e300, 1e300, 0.0);
+        let length = distance(&far, &Vector3::zeros());
+        assert!((length / 1e300 - 2f64.sqrt()).abs() < 1e-12, "{length}");
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub fn gmsh_2(mesh: &TetMesh, order: Order) -> Vec<u8> {
         order.int(&mut out, value);
     }
     for (index, (tet, region)) in mesh.tets.iter().zip(&mesh.regions).enumerate() {
-        for value in [2 + index as u32, *region, 1] {
+        for value in [2 + index as u32, *region, *region] {
             order.int(&mut out, value);
         }
         tet.iter()

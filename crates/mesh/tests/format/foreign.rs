@@ -2,8 +2,8 @@
 //! meshio write it.
 
 use crate::samples::{assert_same, import, two_cells};
-use microsim_mesh::{TetMesh, defects};
 use microsim_mesh::format::{Import, MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
+use microsim_mesh::{TetMesh, defects};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 

@@ -22,7 +22,7 @@ pub struct EnergyGrowth {
 /// The balance so far.
 #[derive(Clone, Debug)]
 pub(super) struct EnergyBalance {
-    /// Whether this can be told of the scene at all.
+    /// Whether the balance of the scene is known at all.
     applies: bool,
     /// The last event that does work \[s\].
     last_event: f64,

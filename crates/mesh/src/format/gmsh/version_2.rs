@@ -34,8 +34,8 @@ fn nodes(reader: &mut Reader<'_>) -> Result<(), FormatError> {
 fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
     let count = reader.decimal_count(reader.least_bytes(4, 8), "elements")?;
     let mut read = 0;
-    // Nodes, ascending, with the first region.
-    let mut seen: BTreeMap<[u32; 4], u32> = BTreeMap::new();
+    // Nodes and geometric entity, with the first region.
+    let mut seen: BTreeMap<([u32; 4], i64), u32> = BTreeMap::new();
     let mut again = 0;
     while read < count {
         // ASCII: number, type, number of tags per element. Binary: a header for several elements, then their numbers.
@@ -64,11 +64,13 @@ fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
             if !ascii {
                 number = reader.int("an element number")?;
             }
-            let mut physical = 0;
+            let (mut physical, mut entity) = (0, None);
             for tag in 0..tags {
                 let value = reader.int("a tag of an element")?;
-                if tag == 0 {
-                    physical = value;
+                match tag {
+                    0 => physical = value,
+                    1 => entity = Some(value),
+                    _ => {}
                 }
             }
             if element_type == TETRAHEDRON {
@@ -77,10 +79,10 @@ fn elements(reader: &mut Reader<'_>) -> Result<(), FormatError> {
                 for slot in &mut tet {
                     *slot = reader.node(|reader| reader.int("a node number"))?;
                 }
-                let mut key = tet;
-                key.sort_unstable();
-                // Twice in one group is a defect of the mesh, which shows later.
-                if *seen.entry(key).or_insert(region) != region {
+                // Twice in one group, or in two entities, is a defect of the mesh, which shows later.
+                if let Some(entity) = entity
+                    && *seen.entry((tet, entity)).or_insert(region) != region
+                {
                     again += 1;
                     continue;
                 }

@@ -1,0 +1,83 @@
+//! Replacing a file: what was there before stays until all of the new one is on the disk.
+
+use crate::output::Problem;
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Puts `content` in the place of what is at `path`. A link is replaced, and what it names stays as it is. After a failure, of a full
+/// disk for example, the old content is still there.
+pub fn replace(path: &Path, content: &[u8]) -> Result<(), Problem> {
+    let named = |e: std::io::Error| format!("{}: {e}", path.display());
+    // A device or pipe that is named on purpose, such as /dev/stdout, is written to.
+    let special = |kind: fs::FileType| !kind.is_file() && !kind.is_dir();
+    if path.starts_with("/dev")
+        || path.starts_with("/proc")
+        || fs::metadata(path).is_ok_and(|m| special(m.file_type()))
+    {
+        return Ok(fs::write(path, content).map_err(named)?);
+    }
+    let (new, mut file) = beside(path).map_err(named)?;
+    let written = file
+        .write_all(content)
+        .and_then(|()| match fs::symlink_metadata(path) {
+            Ok(old) if old.is_file() => file.set_permissions(old.permissions()),
+            _ => Ok(()),
+        })
+        .and_then(|()| file.sync_all())
+        .and_then(|()| fs::rename(&new, path));
+    if written.is_err() {
+        // It is useless, and only that it was not written counts.
+        let _ = fs::remove_file(&new);
+    }
+    Ok(written.map_err(named)?)
+}
+
+/// A new file in the folder of `path`.
+fn beside(path: &Path) -> Result<(PathBuf, fs::File), std::io::Error> {
+    let name = path.file_name().ok_or(ErrorKind::InvalidInput)?;
+    for attempt in 0.. {
+        let mut own = std::ffi::OsString::from(".");
+        own.push(name);
+        own.push(format!(".{}-{attempt}.new", std::process::id()));
+        let new = path.with_file_name(own);
+        match fs::File::create_new(&new) {
+            Ok(file) => return Ok((new, file)),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::replace;
+    use std::fs;
+
+    /// A link in the place of a page does not lead out of the folder, and what was there is whole or new.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_replaced_and_not_followed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (other, page) = (folder.path().join("other"), folder.path().join("page"));
+        fs::write(&other, "of another").expect("a file");
+        std::os::unix::fs::symlink(&other, &page).expect("a link");
+        replace(&page, b"new").unwrap_or_else(|e| panic!("{e:?}"));
+        assert_eq!(fs::read(&other).expect("a file"), b"of another");
+        assert_eq!(fs::read(&page).expect("a file"), b"new");
+        assert!(fs::symlink_metadata(&page).is_ok_and(|m| m.is_file()));
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 2);
+    }
+
+    /// What cannot be finished leaves the old file, and nothing beside it.
+    #[test]
+    fn a_file_that_cannot_be_replaced_stays() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = folder.path().join("page");
+        fs::create_dir(&place).expect("a folder in its place");
+        assert!(replace(&place, b"new").is_err());
+        assert!(place.is_dir());
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+    }
+}
