@@ -319,10 +319,7 @@ impl<R: Read> SessionReader<R> {
         if self.session.damaged {
             return Ok(None);
         }
-        loop {
-            let Some(frame) = self.frames.next_frame().map_err(unreadable)? else {
-                break;
-            };
+        while let Some(frame) = self.frames.next_frame().map_err(unreadable)? {
             let taken = take(&mut self.session, &mut self.closing, &self.history, &frame);
             self.history.add(frame.kind, frame.tick, frame.payload);
             match taken {
