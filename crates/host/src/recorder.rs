@@ -63,6 +63,7 @@ impl Recorder {
     /// Signs all that has been written, in a record of this kind: one that closes the file is written without a key as well, and is empty
     /// then.
     pub fn sign(&mut self, kind: u8, tick: u64) -> Result<(), Failure> {
+        let _span = tracing::debug_span!("sign").entered();
         let seal = self
             .key
             .as_ref()
