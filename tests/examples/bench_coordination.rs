@@ -117,7 +117,7 @@ fn measure(module: &str, level: u32, threads: usize) -> (Vec<String>, Vec<Pictur
     let parallel = (threads > 1).then(|| Parallel::new(threads).expect("threads"));
     let engine = Engine::new(&plan, Limits::default(), parallel, |planned| {
         let stage = names.iter().position(|name| *name == planned.name);
-        let plugin = load(planned).map_err(RunError::from)?;
+        let plugin = load(planned).map_err(RunError::from)?.into_plugin();
         let timed = Timed {
             plugin,
             stage: stage.unwrap_or_default(),

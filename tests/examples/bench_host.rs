@@ -107,7 +107,7 @@ fn silent() -> PluginBox {
 fn recorder(plan: &RunPlan) -> PluginBox {
     let planned = plan.plugins.iter().find(|p| p.kind == PluginKind::Recorder);
     let planned = planned.expect("every plan has a recorder");
-    let mut recorder = load(planned).expect("the recorder loads");
+    let mut recorder = load(planned).expect("the recorder loads").into_plugin();
     let setup = encode(&planned.setup);
     let started = recorder
         .initialise(RSlice::from_slice(&setup), ROption::RNone)

@@ -32,7 +32,7 @@ impl ChangedLevels {
     pub fn new(module: &str, change: impl Fn(&str) -> String) -> Self {
         let folder = scratch();
         let (tree, root) = (tree(), folder.path());
-        for name in ["assets", "config", "plugins"] {
+        for name in ["assets", "config", "plugins", "installed.b3"] {
             symlink(tree.join(name), root.join(name)).expect("a link");
         }
         link_all(&tree.join("modules"), &root.join("modules"), module);

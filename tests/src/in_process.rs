@@ -3,7 +3,7 @@
 use crate::tree;
 use microsim_bus::Limits;
 use microsim_host::Engine;
-use microsim_host::assemble::{Input, Installation, Request, assemble};
+use microsim_host::assemble::{Input, Installation, Isolate, Request, assemble};
 use microsim_host::engine::{Feed, TickOutput};
 use microsim_host::loader::load;
 use microsim_host::plan::RunPlan;
@@ -13,7 +13,19 @@ use std::path::PathBuf;
 
 /// The plan of a run on the built tree. `session` is for the recorder, if somebody starts it.
 pub fn plan(module: &str, level: u32, input: Input, session: PathBuf) -> RunPlan {
-    let installation = Installation::open(&tree(), None).expect("the built tree");
+    plan_hosted(Isolate::Guests, module, level, input, session)
+}
+
+/// The same with other plugins in a process of their own.
+pub fn plan_hosted(
+    which: Isolate,
+    module: &str,
+    level: u32,
+    input: Input,
+    session: PathBuf,
+) -> RunPlan {
+    let mut installation = Installation::open(&tree(), None).expect("the built tree");
+    installation.guests.which = which;
     let request = Request {
         module: module.into(),
         level,

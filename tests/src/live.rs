@@ -45,6 +45,8 @@ impl LiveTree {
         let (tree, modules) = (tree(), root.join("modules"));
         let link = |name: &str| symlink(tree.join(name), root.join(name)).expect("a link");
         link("assets");
+        link("installed.b3");
+        link("microsim");
         match level {
             None => ["config", "modules"].into_iter().for_each(link),
             Some(NewLevel { module, text }) => {

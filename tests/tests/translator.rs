@@ -15,7 +15,9 @@ fn changed(
 ) -> tempfile::TempDir {
     let root = scratch();
     let at = |path: &str| root.path().join(path);
-    symlink(tree().join("plugins"), at("plugins")).expect("a link");
+    for name in ["plugins", "installed.b3"] {
+        symlink(tree().join(name), at(name)).expect("a link");
+    }
     let module = tree().join("modules/touch-spheres");
     fs::create_dir_all(at("modules/touch-spheres/levels")).expect("a folder");
     for entry in fs::read_dir(&module)

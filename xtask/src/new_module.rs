@@ -56,7 +56,7 @@ pub fn create(workspace: &Workspace, name: &str, folder: Option<PathBuf>) -> Res
             return Err(taken_already(name, &taken));
         }
     }
-    let place = folder.unwrap_or(modules).join(name);
+    let place = folder.unwrap_or_else(|| modules.clone()).join(name);
     if place.exists() {
         return Err(taken_already(name, &place));
     }
@@ -64,14 +64,62 @@ pub fn create(workspace: &Workspace, name: &str, folder: Option<PathBuf>) -> Res
     for (file, text) in TEMPLATE {
         write(&place.join(file), &render(text, name))?;
     }
+    let inside = place.parent() == Some(&modules);
+    if !inside {
+        make_standalone(workspace, &place)?;
+    }
     format(&place.join("src/lib.rs"));
     let touched = differences(&before, &files(workspace, &place));
     println!("{}: {} files made", place.display(), TEMPLATE.len());
     println!("files touched outside this folder: {touched}");
-    println!("(at the next build cargo enters the new package into Cargo.lock by itself)");
-    println!();
-    println!("cargo xtask run {name} --level 1 --input script:level1-pass.toml --headless");
+    if inside {
+        println!("(at the next build cargo enters the new package into Cargo.lock by itself)");
+        println!();
+        println!("cargo xtask run {name} --level 1 --input script:level1-pass.toml --headless");
+    } else {
+        let place = place.display();
+        println!();
+        println!("cd {place} && cargo build --release && cd -");
+        println!(
+            "cargo xtask run {name} --modules {place} --level 1 --input script:level1-pass.toml --headless"
+        );
+    }
     Ok(())
+}
+
+/// Makes a package outside this workspace one that can be built: what it takes from the workspace is written out.
+fn make_standalone(workspace: &Workspace, place: &Path) -> Result<(), Failure> {
+    let read = |path: PathBuf| {
+        fs::read_to_string(&path)
+            .map_err(|e| Failure::Cannot(format!("cannot read {}: {e}", path.display())))
+    };
+    let root = fs::canonicalize(&workspace.root).unwrap_or_else(|_| workspace.root.clone());
+    let (own, shared) = (place.join("Cargo.toml"), read(root.join("Cargo.toml"))?);
+    write(&own, &standalone(&read(own.clone())?, &shared, &root))?;
+    // The same versions of the same crates, and the same instructions.
+    for file in ["Cargo.lock", ".cargo/config.toml"] {
+        write(&place.join(file), &read(root.join(file))?)?;
+    }
+    Ok(())
+}
+
+/// A package's manifest without its workspace: each `KEY.workspace = true` has the value that the workspace's manifest gives, paths from its root.
+fn standalone(own: &str, shared: &str, root: &Path) -> String {
+    let crates = format!("path = \"{}/", root.display());
+    let value = |key: &str| {
+        let mut lines = shared.lines().filter_map(|line| line.split_once('='));
+        let (_, value) = lines.find(|(k, _)| k.trim() == key)?;
+        Some(value.trim().replace("path = \"", &crates))
+    };
+    let mut text = String::new();
+    for line in own.replace("[lints]\nworkspace = true\n\n", "").lines() {
+        let key = line.strip_suffix(".workspace = true");
+        match key.and_then(|key| Some((key, value(key)?))) {
+            Some((key, value)) => text += &format!("{key} = {value}\n"),
+            None => text += &format!("{line}\n"),
+        }
+    }
+    text + "\n# A workspace of its own.\n[workspace]\n"
 }
 
 /// The form of names that manifests allow.
@@ -230,6 +278,31 @@ mod tests {
         assert!(logic.contains("export_plugin!(Training<StayCalm>, \"../module.toml\");"));
         // Made once only.
         assert!(create(&workspace, "stay-calm", None).is_err());
+    }
+
+    /// Made elsewhere, it could not be built: it took everything from a workspace that it was not in.
+    #[test]
+    fn a_module_elsewhere_takes_nothing_from_a_workspace() {
+        let folder = tempfile::tempdir().unwrap();
+        let workspace = workspace(folder.path());
+        let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        for file in ["Cargo.toml", "Cargo.lock", ".cargo/config.toml"] {
+            let text = fs::read_to_string(repository.join(file)).unwrap();
+            write(&folder.path().join(file), &text).unwrap();
+        }
+        let elsewhere = tempfile::tempdir().unwrap();
+        create(&workspace, "stay-calm", Some(elsewhere.path().into())).unwrap();
+        let place = elsewhere.path().join("stay-calm");
+        let manifest = fs::read_to_string(place.join("Cargo.toml")).unwrap();
+        assert!(!manifest.contains("workspace = true"), "{manifest}");
+        let root = fs::canonicalize(folder.path()).unwrap();
+        let sdk = format!(
+            "microsim-sdk = {{ path = \"{}/crates/sdk\" }}",
+            root.display()
+        );
+        assert!(manifest.contains(&sdk), "{manifest}");
+        assert!(manifest.contains("edition = \"2024\""), "{manifest}");
+        assert!(place.join("Cargo.lock").is_file());
     }
 
     #[test]

@@ -82,6 +82,12 @@ pub const SOAKS: &[Program] = &[
         shows: "200 runs killed by `kill -9`: what of each session can be read",
     },
     Program {
+        name: "guests",
+        package: TESTS,
+        example: "soak_guests",
+        shows: "guests that end their process, 20 times each; cost of a process of its own",
+    },
+    Program {
         name: "digests",
         package: TESTS,
         example: "soak_digests",
@@ -171,7 +177,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, digests, convergence, cuts, followers, stability, trainees"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, cuts, followers, stability, trainees"
                     .into()
             )
         );

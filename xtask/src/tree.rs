@@ -8,17 +8,19 @@
 //! ```
 //!
 //! Files are written only where their content differs, and by renaming: a running simulator keeps the library that it
-//! has mapped. What no longer belongs to these folders is removed; anything else below the tree, such as `sessions/`,
-//! is left alone.
+//! has mapped. What no longer belongs to these folders is removed; anything else below the tree, such as `sessions/` and
+//! plugins and modules that no build has brought, is left alone. `installed.b3` lists the libraries that the build brings,
+//! with their digests: what is not in it is a guest.
 
 use crate::child;
 use crate::failure::Failure;
 use crate::workspace::Workspace;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Folders of the tree that hold exactly what the repository has.
 const FOLDERS: [&str; 4] = ["plugins", "modules", "config", "assets"];
@@ -48,6 +50,7 @@ pub fn build(workspace: &Workspace) -> Result<(), Failure> {
     let plan = plan(&workspace.root, &workspace.release())?;
     let tree = workspace.tree();
     let (written, removed) = apply(&plan, &tree)?;
+    write_hashes(&plan, &tree)?;
     let (files, tree) = (plan.len(), tree.display());
     eprintln!("{tree}: {files} files, {written} of them written now; {removed} removed");
     Ok(())
@@ -153,9 +156,10 @@ fn names(folder: &Path) -> Result<Vec<String>, Failure> {
 /// Makes the tree hold what the plan lists; returns how many files were written and removed.
 fn apply(plan: &Plan, tree: &Path) -> Result<(usize, usize), Failure> {
     let mut removed = 0;
+    let brought = brought(tree);
     for folder in FOLDERS.map(PathBuf::from) {
         if tree.join(&folder).is_dir() {
-            removed += remove_stale(plan, tree, &folder)?;
+            removed += remove_stale(plan, tree, &folder, &brought)?;
         }
     }
     let mut written = 0;
@@ -165,14 +169,67 @@ fn apply(plan: &Plan, tree: &Path) -> Result<(usize, usize), Failure> {
     Ok((written, removed))
 }
 
-/// Removes files that the plan does not name, and folders that are empty then.
-fn remove_stale(plan: &Plan, tree: &Path, folder: &Path) -> Result<usize, Failure> {
+/// The file with the digests of the libraries that the build brings.
+const HASHES: &str = "installed.b3";
+
+/// Whether a file is a library.
+fn is_library(place: &Path) -> bool {
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with(DLL_PREFIX) && name.ends_with(DLL_SUFFIX)
+}
+
+/// Has the program that was built write the digests of the libraries beside it.
+fn write_hashes(plan: &Plan, tree: &Path) -> Result<(), Failure> {
+    let libraries = plan.keys().filter(|place| is_library(place));
+    let mut program = Command::new(tree.join(format!("microsim{EXE_SUFFIX}")));
+    program
+        .arg("--root")
+        .arg(tree)
+        .arg("digests")
+        .args(libraries);
+    let output = program.output();
+    let output = output.map_err(|e| cannot("run", &tree.join("microsim"), &e))?;
+    if !output.status.success() {
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        return Err(Failure::Cannot(text));
+    }
+    let path = tree.join(HASHES);
+    let temporary = tree.join(format!(".{HASHES}.{}", std::process::id()));
+    fs::write(&temporary, output.stdout)
+        .and_then(|()| fs::rename(&temporary, &path))
+        .map_err(|e| cannot("write", &path, &e))
+}
+
+/// The folders of plugins and modules that an earlier build brought.
+fn brought(tree: &Path) -> BTreeSet<PathBuf> {
+    let text = fs::read_to_string(tree.join(HASHES)).unwrap_or_default();
+    let libraries = text.lines().filter_map(|line| line.split_once("  "));
+    let folders = libraries.filter_map(|(_, library)| Path::new(library).parent());
+    folders.map(Path::to_path_buf).collect()
+}
+
+/// Whether a folder is that of a plugin or module which neither this build nor an earlier one brings: a guest.
+fn is_guest(plan: &Plan, place: &Path, brought: &BTreeSet<PathBuf>) -> bool {
+    let parent = place.parent().unwrap_or(place);
+    let holds_plugins = parent == Path::new("plugins") || parent == Path::new("modules");
+    holds_plugins && !brought.contains(place) && !plan.keys().any(|file| file.starts_with(place))
+}
+
+/// Removes files that the plan does not name, and folders that are empty then; guests stay.
+fn remove_stale(
+    plan: &Plan,
+    tree: &Path,
+    folder: &Path,
+    brought: &BTreeSet<PathBuf>,
+) -> Result<usize, Failure> {
     let mut removed = 0;
     for name in names(&tree.join(folder))? {
         let place = folder.join(name);
         let path = tree.join(&place);
-        if path.is_dir() {
-            removed += remove_stale(plan, tree, &place)?;
+        if path.is_dir() && is_guest(plan, &place, brought) {
+            eprintln!("{}: a guest, left as it is", path.display());
+        } else if path.is_dir() {
+            removed += remove_stale(plan, tree, &place, brought)?;
             if names(&path)?.is_empty() {
                 fs::remove_dir(&path).map_err(|e| cannot("remove", &path, &e))?;
             }

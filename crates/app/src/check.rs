@@ -7,7 +7,9 @@ use crate::mesh_file;
 use crate::output::{Exit, Problem, print_if_read as print};
 use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
-use microsim_host::assemble::{Input, Installation, Request, assemble, known_metrics};
+use microsim_host::assemble::{
+    Input, Installation, Request, assemble, check_library, known_metrics,
+};
 use microsim_host::record::Session;
 use microsim_host::run::RunError;
 use microsim_host::{Engine, loader};
@@ -82,6 +84,7 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
     for complaint in &installation.complaints {
         findings.problems.push(complaint.to_string());
     }
+    check_libraries(installation, findings);
     let config = &installation.config;
     findings.note("config/host.toml".into(), Ok(Vec::new()));
     let translator = settings::load_translator(&config.join("translator.toml"));
@@ -140,6 +143,26 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
             check_recording(installation, &path),
         );
     }
+}
+
+/// Opens the library of every plugin and module that is installed, in a process of its own.
+fn check_libraries(installation: &Installation, findings: &mut Findings) {
+    for (manifest, checked) in libraries(installation) {
+        findings.note(manifest, checked.map(nothing));
+    }
+}
+
+/// Every plugin and module with what is wrong with its library.
+pub fn libraries(installation: &Installation) -> Vec<(String, Result<(), String>)> {
+    let tree = &installation.tree;
+    let modules = tree.modules.iter().map(|folder| &folder.manifest);
+    let manifests = tree.plugins.iter().chain(modules);
+    let checked = manifests.map(|manifest| {
+        let path = manifest.document.path().display().to_string();
+        let checked = check_library(installation, manifest);
+        (path, checked.map_err(|e| e.to_string()))
+    });
+    checked.collect()
 }
 
 /// Builds a scene without running it.

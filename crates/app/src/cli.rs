@@ -1,7 +1,7 @@
 //! The command line: commands, options and their help. Validates, does nothing.
 
 use clap::{Args, Parser, Subcommand};
-use microsim_host::assemble::Input;
+use microsim_host::assemble::{Input, Isolate};
 use microsim_settings::Override;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +28,18 @@ pub struct Place {
     /// Use another folder instead of config/
     #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]
     pub config: Option<PathBuf>,
+    /// More plugins: a folder with a folder for each, or the folder of one; may be given several times
+    #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]
+    pub plugins: Vec<PathBuf>,
+    /// More training modules: a folder with a folder for each, or that of one, built with cargo or not; may be given several times
+    #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]
+    pub modules: Vec<PathBuf>,
+    /// Which modules, sources and translators run in a process of their own: guests (what the installation did not bring), all, or none
+    #[arg(long, global = true, value_name = "WHICH", help_heading = "Guests", default_value = "guests", value_parser = parse_isolate)]
+    pub isolate: Isolate,
+    /// Let guests take as long and as much memory as they like, so that a debugger can be attached; their process ids are printed
+    #[arg(long, global = true, help_heading = "Guests")]
+    pub no_deadline: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -58,6 +70,12 @@ pub enum Command {
     Schema(SchemaArgs),
     /// Show what this machine has and lacks
     Doctor,
+    /// The process of a guest: started by runs alone
+    #[command(hide = true)]
+    Guest,
+    /// The digests of libraries, as an installation lists them
+    #[command(hide = true)]
+    Digests(DigestsArgs),
 }
 
 impl Command {
@@ -355,6 +373,13 @@ pub struct CheckArgs {
 }
 
 #[derive(Debug, Args)]
+pub struct DigestsArgs {
+    /// Files, below --root
+    #[arg(value_parser = utf8_path)]
+    pub files: Vec<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub struct SchemaArgs {
     /// Kind of file (without one: the list); `level:MODULE` includes the keys of that module
     pub kind: Option<String>,
@@ -375,6 +400,15 @@ fn parse_input(text: &str) -> Result<Input, String> {
         )),
         _ if text == "desktop" => Err(format!("mouse and keyboard are not there yet; {known}")),
         _ => Err(format!("unknown source; {known}")),
+    }
+}
+
+fn parse_isolate(text: &str) -> Result<Isolate, String> {
+    match text {
+        "guests" => Ok(Isolate::Guests),
+        "all" => Ok(Isolate::All),
+        "none" => Ok(Isolate::None),
+        _ => Err("expected guests, all or none".into()),
     }
 }
 

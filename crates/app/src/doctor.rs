@@ -1,5 +1,6 @@
 //! `microsim doctor`.
 
+use crate::check::libraries;
 use crate::cli::Place;
 use crate::output::{Exit, Problem, print};
 use crate::processor;
@@ -23,6 +24,17 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
     for complaint in &installation.complaints {
         healthy = false;
         print(format!("  problem      {complaint}"))?;
+    }
+    let problems: Vec<String> = libraries(&installation)
+        .into_iter()
+        .filter_map(|(_, checked)| checked.err())
+        .collect();
+    if problems.is_empty() {
+        print("libraries      all can be opened")?;
+    }
+    for problem in problems {
+        healthy = false;
+        print(format!("  problem      {problem}"))?;
     }
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     print(format!("processors     {cores}"))?;

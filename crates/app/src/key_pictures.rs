@@ -118,7 +118,11 @@ fn draw(
         renderer: Some(renderer),
     };
     let outcome = replay(&mut session, options, |planned| {
-        locate(installation, planned).map_err(|e| RunError::Host(e.to_string()))
+        let mut planned =
+            locate(installation, planned).map_err(|e| RunError::Host(e.to_string()))?;
+        // It has printed what it prints.
+        planned.hosting.silence();
+        Ok(planned)
     });
     let outcome = outcome.map_err(|e| e.to_string())?;
     if let Some(difference) = outcome.difference {

@@ -14,8 +14,10 @@ mod bus;
 mod chart;
 mod check;
 mod cli;
+mod digests;
 mod discretisation;
 mod doctor;
+mod guest;
 mod key_pictures;
 mod list;
 mod listing;
@@ -78,6 +80,8 @@ fn main() -> ExitCode {
         Command::Check(args) => check::check(&cli.place, args),
         Command::Schema(args) => schema::schema(&cli.place, args),
         Command::Doctor => doctor::doctor(&cli.place),
+        Command::Guest => guest::guest(),
+        Command::Digests(args) => digests::digests(&cli.place, args),
     };
     // Writes what is left of it.
     drop(trace);

@@ -132,6 +132,7 @@ impl Finding {
             json!({ "tick": checkpoint.tick, "state_hash": hex(&checkpoint.state_hash) })
         });
         let difference = outcome.difference.as_ref();
+        let ended = session.failures.iter().find(|failure| failure.ended);
         json!({
             "session": args.session,
             "ticks": outcome.ticks,
@@ -146,6 +147,7 @@ impl Finding {
                 "until_tick": until,
             },
             "resumed": resumed,
+            "guest_ended": ended.map(|f| json!({ "plugin": f.plugin, "tick": f.tick })),
             "first_difference": difference.map(|d| json!({ "tick": d.tick, "what": d.what })),
             "state_hash": outcome.state_hash,
             "recorded_hash": outcome.recorded_hash,
@@ -177,6 +179,9 @@ impl Finding {
                 (difference.tick + 1) as f64 * session.header.plan.tick_ns as f64 * 1e-9,
                 difference.what
             ))?,
+        }
+        if let Some(failure) = session.failures.iter().find(|failure| failure.ended) {
+            print(format!("As recorded, not computed: {failure}"))?;
         }
         if let Some(checkpoint) = &session.resumed {
             print(format!(

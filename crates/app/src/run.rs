@@ -21,7 +21,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime};
 
 /// Signals that end a run; the last one is that of a terminal that was closed.
-const ENDING: [i32; 3] = [
+pub const ENDING: [i32; 3] = [
     signal_hook::consts::SIGINT,
     signal_hook::consts::SIGTERM,
     signal_hook::consts::SIGHUP,
@@ -393,7 +393,12 @@ fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
         let plugins: Vec<_> = plan
             .plugins
             .iter()
-            .map(|p| json!({ "name": p.name, "kind": p.kind.name(), "why": p.why, "library": p.library }))
+            .map(|p| {
+                json!({
+                    "name": p.name, "kind": p.kind.name(), "why": p.why, "library": p.library,
+                    "isolated": p.hosting.is_guest(),
+                })
+            })
             .collect();
         let parts: Vec<_> = plan
             .parts
@@ -417,8 +422,12 @@ fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
     ))?;
     print("Loaded, in the order of a tick")?;
     for plugin in &plan.plugins {
+        let own = match plugin.hosting.is_guest() {
+            true => "; in a process of its own",
+            false => "",
+        };
         print(format!(
-            "  {:<10} {:<18} {}",
+            "  {:<10} {:<18} {}{own}",
             plugin.kind.name(),
             plugin.name,
             plugin.why

@@ -2,7 +2,7 @@
 
 use crate::cli::Place;
 use crate::output::Problem;
-use microsim_host::assemble::Installation;
+use microsim_host::assemble::{Installation, Places};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::{Session, SessionReader, Signatures, TickRecord};
 use microsim_message::LocalText;
@@ -33,7 +33,20 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
         )
         .into());
     }
-    Ok(Installation::open(&root, place.config.as_deref())?)
+    let more = Places {
+        plugins: place.plugins.clone(),
+        modules: place.modules.clone(),
+    };
+    let mut installation = Installation::open_with(&root, place.config.as_deref(), &more)?;
+    let guests = &mut installation.guests;
+    guests.which = place.isolate;
+    // Also where another installation is worked on: its libraries are for this host.
+    guests.rules.program =
+        std::env::current_exe().map_err(|e| format!("where this program lies: {e}"))?;
+    if place.no_deadline {
+        (guests.rules.deadline, guests.rules.memory) = (None, None);
+    }
+    Ok(installation)
 }
 
 /// The folder of this program.

@@ -4,8 +4,8 @@
 //! manifest names the other plugins, the level the objects, bodies and contacts. Nothing else is loaded.
 
 pub use crate::input::check_recording;
-pub use crate::installation::{Installation, known_metrics};
-pub use crate::installed::locate;
+pub use crate::installation::{Guests, HASHES, Installation, Isolate, Places, known_metrics};
+pub use crate::installed::{check_library, locate};
 pub use crate::request::{AssembleError, Input, Request};
 
 use crate::input::{SourceSetup, source_setup};
@@ -196,7 +196,7 @@ impl Planner<'_> {
             let Some((config, files)) = self.config(plugin.settings.kind)? else {
                 continue;
             };
-            let planned = planned(plugin, why, run, config, files)?;
+            let planned = planned(self.installation, plugin, why, run, config, files)?;
             if plan.plugins.iter().any(|p| p.name == planned.name) {
                 return refuse(format!("plugin \"{}\" would be loaded twice", planned.name));
             }
@@ -333,7 +333,14 @@ pub fn renderer_for(
     };
     let why = "pictures of the replay are wanted".into();
     let renderer = installation.plugin(RENDERER)?;
-    planned(renderer, why, run, config_value(&config), Vec::new())
+    planned(
+        installation,
+        renderer,
+        why,
+        run,
+        config_value(&config),
+        Vec::new(),
+    )
 }
 
 /// Whether pictures work on this machine; otherwise why not.

@@ -5,13 +5,14 @@
 //! (module `loader`). Everything runs on the thread that calls [`Engine::tick`].
 
 use crate::fault::Failure;
+use crate::loader::Object;
 use crate::parallel::Parallel;
 use crate::plan::{PluginKind, RunPlan};
 use crate::span;
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault, Output, PluginBox};
 use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router, kind_id};
-use microsim_message::{LevelControl, Message, core_kinds, encode};
+use microsim_message::{InputSample, LevelControl, Message, core_kinds, decode, encode};
 use microsim_session::{Chain, digest};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -101,7 +102,7 @@ struct Running {
     kind: PluginKind,
     endpoint: EndpointId,
     /// `None`: fed from a recording instead, or it has failed and is not called any more.
-    object: Option<PluginBox>,
+    object: Option<Object>,
 }
 
 /// One run.
@@ -150,11 +151,11 @@ pub fn plan_digest(plan: &RunPlan) -> Hash {
 impl Engine {
     /// Registers the plugins of `plan` on a bus, in its order. `load` gives the object of each; for a replay it gives
     /// `None` for sources. Observers are not asked for.
-    pub fn new<E: From<Failure>>(
+    pub fn new<E: From<Failure>, O: Into<Object>>(
         plan: &RunPlan,
         limits: Limits,
         parallel: Option<Parallel>,
-        mut load: impl FnMut(&crate::plan::PlannedPlugin) -> Result<Option<PluginBox>, E>,
+        mut load: impl FnMut(&crate::plan::PlannedPlugin) -> Result<Option<O>, E>,
     ) -> Result<Self, E> {
         let own = plan
             .plugins
@@ -176,7 +177,7 @@ impl Engine {
                 name: planned.name.clone(),
                 kind: planned.kind,
                 endpoint,
-                object: load(planned)?,
+                object: load(planned)?.map(Into::into),
             });
         }
         let digest = plan_digest(plan);
@@ -311,6 +312,13 @@ impl Engine {
         if plugin.kind == PluginKind::Source && !output.blocks.is_empty() {
             let text = "a source may publish messages only: a recording could not feed blocks";
             return Err(Failure::found(&plugin.name, "process", tick, text));
+        }
+        if plugin.kind == PluginKind::Source {
+            // Whoever decodes them later is not to be blamed for what is no sample.
+            let frames = Frames::new(&output.messages).filter_map(Result::ok);
+            for sample in frames.filter_map(|frame| decode::<InputSample>(&frame)) {
+                sample.map_err(|e| Failure::found(&plugin.name, "process", tick, e.to_string()))?;
+            }
         }
         let mut result = self.router.publish(endpoint, time_ns, &output.messages);
         for block in &output.blocks {
@@ -516,8 +524,11 @@ impl Running {
         };
         let _span = span::of_call(name, self.kind, &self.name).entered();
         call(object).into_result().map(Some).map_err(|fault| {
-            self.object = None;
-            Failure::from_abi(&self.name, name, tick, fault)
+            let ended = self.object.take().is_some_and(|object| object.has_ended());
+            Failure {
+                ended,
+                ..Failure::from_abi(&self.name, name, tick, fault)
+            }
         })
     }
 }

@@ -17,6 +17,9 @@ pub struct Failure {
     pub panicked: bool,
     /// Whether something that it needs is missing on this machine.
     pub unavailable: bool,
+    /// Whether it ran in a process of its own, which has ended: an input of the run, which a replay reads.
+    #[serde(default)]
+    pub ended: bool,
     /// Why, one sentence.
     pub text: String,
 }
@@ -30,6 +33,7 @@ impl Failure {
             tick,
             panicked: fault.kind == FaultKind::Panic,
             unavailable: fault.kind == FaultKind::Unavailable,
+            ended: false,
             text: fault.text.into_string(),
         }
     }
@@ -42,6 +46,7 @@ impl Failure {
             tick,
             panicked: false,
             unavailable: false,
+            ended: false,
             text: text.into(),
         }
     }
@@ -49,7 +54,11 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let how = if self.panicked { "panicked" } else { "failed" };
+        let how = match (self.ended, self.panicked) {
+            (true, _) => "ended",
+            (false, true) => "panicked",
+            (false, false) => "failed",
+        };
         write!(
             f,
             "plugin \"{}\" {how} in `{}` at tick {}: {}",

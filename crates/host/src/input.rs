@@ -68,11 +68,8 @@ pub(crate) fn source_setup(
             synthetic: None,
         }),
         Input::Script(given) => {
-            let scripts = installation
-                .root
-                .join("modules")
-                .join(&request.module)
-                .join("scripts");
+            let module = installation.module(&request.module)?;
+            let scripts = module.manifest.document.path().with_file_name("scripts");
             let path = installation.find(given, &[scripts]);
             let script = settings::load_script(&path)?;
             Ok(SourceSetup {

@@ -1,11 +1,45 @@
 //! What is installed below one folder: plugins, modules with their levels, and how the host runs sessions.
 
+use crate::guest::GuestRules;
 use crate::request::AssembleError;
 use microsim_settings as settings;
 use settings::{Level, Loaded, Manifest};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// The file below an installation with the digests of the libraries that it brought, as `b3sum --check` reads it.
+pub const HASHES: &str = "installed.b3";
+
+/// Where else plugins and modules lie: folders with one folder for each, or the folder of one.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// Of plugins.
+    pub plugins: Vec<PathBuf>,
+    /// Of modules.
+    pub modules: Vec<PathBuf>,
+}
+
+/// Which plugins run in a process of their own, among modules, sources and translators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Isolate {
+    /// Those that the installation did not bring, and those whose manifest asks for it.
+    Guests,
+    /// All of them.
+    All,
+    /// None.
+    None,
+}
+
+/// Which plugins run in a process of their own, and how.
+#[derive(Clone, Debug)]
+pub struct Guests {
+    /// Which.
+    pub which: Isolate,
+    /// How.
+    pub rules: GuestRules,
+}
 
 /// An installed tree: `plugins/`, `modules/`, `config/`, `assets/` below one folder.
 #[derive(Debug)]
@@ -20,6 +54,10 @@ pub struct Installation {
     pub host: settings::Host,
     /// What is wrong with single plugins or modules; they are hidden.
     pub complaints: Vec<settings::ConfigError>,
+    /// Which plugins run in a process of their own, and how.
+    pub guests: Guests,
+    /// Libraries that the installation brought, by their path, with their digests.
+    hashes: BTreeMap<PathBuf, String>,
     /// Levels that were read already, by their files: each is parsed once in a process.
     levels: Mutex<BTreeMap<PathBuf, Arc<Loaded<Level>>>>,
 }
@@ -27,17 +65,47 @@ pub struct Installation {
 impl Installation {
     /// Opens the tree below `root`; `config` replaces its `config/`.
     pub fn open(root: &Path, config: Option<&Path>) -> Result<Self, AssembleError> {
+        Self::open_with(root, config, &Places::default())
+    }
+
+    /// Opens the tree below `root` and what lies in other places.
+    pub fn open_with(
+        root: &Path,
+        config: Option<&Path>,
+        more: &Places,
+    ) -> Result<Self, AssembleError> {
         let config = config.map_or_else(|| root.join("config"), Path::to_path_buf);
         let host = settings::load_host(&config.join("host.toml"))?.settings;
-        let (tree, complaints) = settings::discover(root);
+        let (tree, complaints) = settings::discover_with(root, &more.plugins, &more.modules);
+        let guests = Guests {
+            which: Isolate::Guests,
+            rules: GuestRules {
+                program: root.join(format!("microsim{}", std::env::consts::EXE_SUFFIX)),
+                deadline: Some(Duration::from_secs_f64(host.guest.deadline)),
+                memory: Some(u64::from(host.guest.memory) << 20),
+                silent: false,
+            },
+        };
         Ok(Self {
             root: root.to_path_buf(),
             config,
             tree,
             host,
             complaints,
+            guests,
+            hashes: hashes(root)?,
             levels: Mutex::default(),
         })
+    }
+
+    /// Whether the installation brought this library, as it is.
+    pub(crate) fn brought(&self, library: &Path, hash: &str) -> bool {
+        self.hash_of(library).is_some_and(|known| known == hash)
+    }
+
+    /// The digest with which the installation brought a library.
+    pub(crate) fn hash_of(&self, library: &Path) -> Option<&String> {
+        self.hashes.get(library)
     }
 
     /// The manifest of a plugin.
@@ -151,6 +219,29 @@ impl Installation {
         let found = candidates.into_iter().find(|p| p.is_file());
         found.unwrap_or_else(|| given.to_path_buf())
     }
+}
+
+/// The digests of the libraries that the installation brought; none where it has no such file.
+fn hashes(root: &Path) -> Result<BTreeMap<PathBuf, String>, AssembleError> {
+    let path = root.join(HASHES);
+    if !path.exists() {
+        return Ok(BTreeMap::new());
+    }
+    let bad = |what: &str| AssembleError(format!("{}: {what}", path.display()));
+    let text = std::fs::read_to_string(&path).map_err(|e| bad(&e.to_string()))?;
+    let line = |(number, line): (usize, &str)| {
+        let parts = line
+            .split_once("  ")
+            .filter(|(hash, _)| hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit()));
+        let (hash, file) = parts.ok_or_else(|| {
+            let number = number + 1;
+            bad(&format!(
+                "line {number}: expected a digest of 64 hexadecimal digits, two spaces, a path"
+            ))
+        })?;
+        Ok((root.join(file), hash.to_owned()))
+    };
+    text.lines().enumerate().map(line).collect()
 }
 
 /// The motion metrics that every level may limit.

@@ -1,8 +1,8 @@
 //! A plugin as it is installed: its library, its files and the set-up that it is given.
 
-use crate::installation::Installation;
+use crate::installation::{HASHES, Installation, Isolate};
 use crate::loader::file_hash;
-use crate::plan::{OwnKind, PlannedPlugin};
+use crate::plan::{Hosting, OwnKind, PlannedPlugin};
 use crate::request::{AssembleError, refuse};
 use abi_stable::std_types::{ROption, RSlice};
 use microsim_message::{Setup, SetupFile, encode};
@@ -25,18 +25,85 @@ fn folder(manifest: &Loaded<Manifest>) -> PathBuf {
     path.parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
-/// Where the library of a manifest lies.
+/// Where the library of a manifest lies: beside it, or, for a project of its own, where cargo builds it.
 pub(crate) fn library(manifest: &Loaded<Manifest>) -> PathBuf {
-    folder(manifest).join(format!(
+    let name = format!(
         "{}{}{}",
         std::env::consts::DLL_PREFIX,
         manifest.settings.library,
         std::env::consts::DLL_SUFFIX
-    ))
+    );
+    let folder = folder(manifest);
+    let beside = folder.join(&name);
+    let built = folder.join("target").join("release").join(name);
+    match !beside.is_file() && built.is_file() {
+        true => built,
+        false => beside,
+    }
+}
+
+/// In which process a plugin runs: in the host's if its library is one that the installation brought, and nobody wants it otherwise.
+fn hosting(
+    installation: &Installation,
+    manifest: &Manifest,
+    library: &Path,
+    hash: &str,
+) -> Hosting {
+    let known = installation.brought(library, hash);
+    let guests = &installation.guests;
+    let rules = || guests.rules.clone();
+    match (manifest.kind.can_be_isolated(), guests.which) {
+        (true, Isolate::All) => Hosting::Guest(rules()),
+        (true, Isolate::Guests) if !known || manifest.isolate => Hosting::Guest(rules()),
+        _ if known => Hosting::Inside,
+        _ => Hosting::TriedFirst(rules()),
+    }
+}
+
+/// What is wrong with the library of an installed plugin: it is not there, is not the one that was installed, cannot be opened, or was built
+/// for another version of the contract.
+pub fn check_library(
+    installation: &Installation,
+    manifest: &Loaded<Manifest>,
+) -> Result<(), AssembleError> {
+    let m = &manifest.settings;
+    let run = RunSetup {
+        seed: 0,
+        tick_ns: 1_000_000,
+        steps: 1,
+        level: 1,
+    };
+    let planned = planned(
+        installation,
+        manifest,
+        String::new(),
+        run,
+        Value::Null,
+        Vec::new(),
+    )?;
+    if let Some(installed) = installation.hash_of(&planned.library)
+        && *installed != planned.library_hash
+    {
+        return refuse(format!(
+            "plugin \"{}\" ({}): the library is not the one that was installed (its hash is not that of {}); install it again",
+            m.name,
+            planned.library.display(),
+            HASHES
+        ));
+    }
+    // In a process of its own, whatever is wrong with it.
+    let rules = installation.guests.rules.clone();
+    let tried = PlannedPlugin {
+        hosting: Hosting::Guest(rules),
+        ..planned
+    };
+    let opened = crate::loader::load(&tried).map(drop);
+    opened.map_err(|e| AssembleError(e.to_string()))
 }
 
 /// A plugin of a run with its configuration, `more` being files that the configuration names.
 pub(crate) fn planned(
+    installation: &Installation,
     manifest: &Loaded<Manifest>,
     why: String,
     run: RunSetup,
@@ -84,6 +151,7 @@ pub(crate) fn planned(
         publishes: m.publishes.clone(),
         subscribes: m.subscribes.clone(),
         own_kinds: own_kinds(m),
+        hosting: hosting(installation, m, &library, &library_hash),
         library,
         manifest: manifest.document.text().to_owned(),
         library_hash,
@@ -120,6 +188,7 @@ pub fn locate(
     let library_hash = file_hash(&library)
         .map_err(|e| AssembleError(format!("library {}: {e}", library.display())))?;
     Ok(PlannedPlugin {
+        hosting: hosting(installation, m, &library, &library_hash),
         library,
         library_hash,
         manifest: manifest.document.text().to_owned(),
@@ -168,8 +237,8 @@ pub(crate) fn probe(
         steps: 1,
         level: 1,
     };
-    let planned =
-        planned(manifest, String::new(), run, config, files).map_err(|e| e.to_string())?;
+    let planned = planned(installation, manifest, String::new(), run, config, files)
+        .map_err(|e| e.to_string())?;
     let mut object = crate::loader::load(&planned).map_err(|e| e.to_string())?;
     let setup = encode(&planned.setup);
     let result = object

@@ -3,7 +3,8 @@
 //! - [`plan`]: what a run loads and computes, and why; decided first.
 //! - [`installation`]: plugins, modules and levels below a folder.
 //! - [`assemble`]: makes a plan from a module, a level and an input (`input`: what its source is given).
-//! - [`loader`]: libraries, checked before their code runs.
+//! - [`loader`]: objects of plugins, from libraries that are checked before their code runs.
+//! - [`guest`]: plugins in a process of their own.
 //! - [`engine`]: the deterministic loop and its running hash.
 //! - [`run`]: a run at the edge: wall clock, controls, recording, pictures.
 //! - [`record`], [`replay`]: what stands in a session, and recomputing it.
@@ -17,9 +18,11 @@ pub mod assemble;
 pub mod engine;
 mod error;
 pub mod fault;
+pub mod guest;
 mod input;
 pub mod installation;
 mod installed;
+mod library;
 pub mod loader;
 pub mod parallel;
 pub mod picture;

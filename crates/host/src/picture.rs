@@ -190,7 +190,7 @@ pub(crate) fn start_pictures(
         return Ok(None);
     };
     let folder = wanted.folder.display().to_string();
-    Pictures::start(renderer, load(renderer)?, wanted, wait)
+    Pictures::start(renderer, load(renderer)?.into_plugin(), wanted, wait)
         .map(Some)
         .map_err(|e| RunError::Host(format!("pictures in {folder}: {e}")))
 }

@@ -2,6 +2,7 @@
 
 pub use microsim_vocabulary::PluginKind;
 
+use crate::guest::GuestRules;
 use microsim_bus::{KindInfo, Limits};
 use microsim_message::{LocalText, Setup};
 use microsim_settings::LevelPart;
@@ -34,6 +35,39 @@ impl OwnKind {
     }
 }
 
+/// In which process a plugin runs; the installation decides it, never a recording.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Hosting {
+    /// In the host's.
+    #[default]
+    Inside,
+    /// In the host's, once a process of its own has opened the library: nobody has vouched for the file.
+    TriedFirst(GuestRules),
+    /// In a process of its own.
+    Guest(GuestRules),
+}
+
+impl Hosting {
+    /// Drops what a guest prints.
+    pub fn silence(&mut self) {
+        if let Self::TriedFirst(rules) | Self::Guest(rules) = self {
+            rules.silent = true;
+        }
+    }
+
+    /// Waits for a guest as long as it takes: whether it was too slow is decided in a run, and recorded.
+    pub fn lift_deadline(&mut self) {
+        if let Self::TriedFirst(rules) | Self::Guest(rules) = self {
+            rules.deadline = None;
+        }
+    }
+
+    /// Whether it has a process of its own.
+    pub fn is_guest(&self) -> bool {
+        matches!(self, Self::Guest(_))
+    }
+}
+
 /// One plugin of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedPlugin {
@@ -59,6 +93,9 @@ pub struct PlannedPlugin {
     pub why: String,
     /// What it is given.
     pub setup: Setup,
+    /// In which process it runs.
+    #[serde(skip)]
+    pub hosting: Hosting,
 }
 
 /// A line of `--explain` that is not a plugin: a body, an object, a contact pair, a method.

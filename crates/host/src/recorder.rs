@@ -2,7 +2,7 @@
 
 use crate::error::RunError;
 use crate::fault::Failure;
-use crate::loader::load;
+use crate::loader::{Object, load};
 use crate::plan::{PlannedPlugin, PluginKind};
 use crate::span;
 use abi_stable::std_types::{ROption, RResult, RSlice};
@@ -13,7 +13,7 @@ use microsim_session::{History, KIND_END, StationKey};
 /// The recorder, called once per tick.
 pub(crate) struct Recorder {
     name: String,
-    object: PluginBox,
+    object: Object,
     tick_ns: u64,
     /// All that has been written.
     history: History,

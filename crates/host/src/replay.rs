@@ -72,7 +72,8 @@ pub fn replay<R: Read>(
             continue;
         }
         // Sources too: what is installed decides which plugins are sources, and what a source may publish.
-        let located = locate(plugin)?;
+        let mut located = locate(plugin)?;
+        located.hosting.lift_deadline();
         if located.library_hash != plugin.library_hash && plugin.kind != PluginKind::Source {
             rebuilt.push(plugin.name.clone());
         }
@@ -210,6 +211,10 @@ fn refail(
     let plan = &session.header.plan;
     let plugin = plan.plugins.iter().find(|p| p.name == failure.plugin)?;
     if plugin.kind == PluginKind::Source || plugin.kind.is_observer() {
+        return None;
+    }
+    // That its process has ended is an input, and not computed again. Only a plugin that may have a process of its own can have lost it.
+    if failure.ended && plugin.kind.can_be_isolated() {
         return None;
     }
     let what = match engine.tick(Feed::Recorded { log: &recorded.log }) {

@@ -16,7 +16,7 @@ use crate::plan::{PluginKind, RunPlan};
 use crate::record::{EndRecord, Ended, Header, RECORD_FORMAT, TickRecord, hex, kind, record};
 use crate::recorder::Recorder;
 use crate::span;
-use crate::subscriptions::HostSubscriptions;
+use crate::subscriptions::{HostSubscriptions, print_log};
 use microsim_message::{LevelControl, Progress, TrainingResult, push};
 use microsim_session::{Chain, KIND_END, StationKey};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -362,6 +362,7 @@ impl RunLoop<'_> {
     /// Records what was published in a tick until a plugin failed: the inputs that it failed on, above all.
     fn record_failed(&mut self, tick: u64, arrival_ns: u64) -> Result<(), Failure> {
         let log = self.engine.take_log();
+        print_log(self.engine, &log);
         let chain = self.engine.chain().to_vec();
         self.recorder.write(&record(
             kind::TICK,

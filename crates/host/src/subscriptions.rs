@@ -33,13 +33,7 @@ impl HostSubscriptions {
                     result.map_err(|e| Failure::found(&from(), "process", tick, e.to_string()))?;
                 self.result = Some(result);
             } else if let Some(Ok(log)) = decode::<Log>(&frame) {
-                let (plugin, text) = (from(), log.text);
-                match log.level {
-                    LogLevel::Error => tracing::error!("{plugin}: {text}"),
-                    LogLevel::Warn => tracing::warn!("{plugin}: {text}"),
-                    LogLevel::Info => tracing::info!("{plugin}: {text}"),
-                    LogLevel::Debug => tracing::debug!("{plugin}: {text}"),
-                }
+                print(&from(), &log);
             } else if let Some(Ok(reported)) = decode::<Progress>(&frame) {
                 progress(&reported);
             }
@@ -50,5 +44,24 @@ impl HostSubscriptions {
             );
         }
         Ok(())
+    }
+}
+
+/// Prints the log of a tick that ended in a failure.
+pub(crate) fn print_log(engine: &Engine, log: &[u8]) {
+    for frame in Frames::new(log).filter_map(Result::ok) {
+        if let Some(Ok(log)) = decode::<Log>(&frame) {
+            print(engine.sender_name(frame.header.sender), &log);
+        }
+    }
+}
+
+fn print(plugin: &str, log: &Log) {
+    let text = &log.text;
+    match log.level {
+        LogLevel::Error => tracing::error!("{plugin}: {text}"),
+        LogLevel::Warn => tracing::warn!("{plugin}: {text}"),
+        LogLevel::Info => tracing::info!("{plugin}: {text}"),
+        LogLevel::Debug => tracing::debug!("{plugin}: {text}"),
     }
 }

@@ -163,6 +163,7 @@ fn planned(name: &str, kind: PluginKind, publishes: &[&str], subscribes: &[&str]
             config: serde_json::Value::Null,
             files: Vec::new(),
         },
+        hosting: Default::default(),
     }
 }
 

@@ -13,8 +13,8 @@ use microsim_abi::{
     BlockOut, Call, Fault as AbiFault, FaultKind, Output, ParallelFor, PluginBox, PluginObject,
     PluginObject_TO,
 };
-use microsim_bus::BlockView;
-use microsim_message::{Setup, decode_bytes};
+use microsim_bus::{BlockView, Frames};
+use microsim_message::{Log, Setup, decode, decode_bytes};
 use std::mem::ManuallyDrop;
 
 fn guarded<T>(call: impl FnOnce() -> Result<T, Fault>) -> RResult<T, AbiFault> {
@@ -81,7 +81,8 @@ impl<P: Plugin> PluginObject for Boundary<P> {
     }
 
     fn process(&mut self, call: Call<'_>) -> RResult<Output, AbiFault> {
-        self.cross(|plugin| {
+        let mut log = Vec::new();
+        let result = self.cross(|plugin| {
             let blocks =
                 call.blocks.as_slice().iter().map(|b| {
                     BlockView::new(b.words.as_slice()).map_err(|e| Fault::new(e.to_string()))
@@ -96,7 +97,15 @@ impl<P: Plugin> PluginObject for Boundary<P> {
                 out: Vec::new(),
                 out_blocks: Vec::new(),
             };
-            plugin.process(&mut tick)?;
+            // What it has said before it failed is not lost with it.
+            let done = caught(|| plugin.process(&mut tick));
+            if !matches!(done, Ok(Ok(()))) {
+                log = logged(&tick.out);
+            }
+            match done {
+                Ok(done) => done?,
+                Err(panic) => panic.resume(),
+            }
             let blocks = tick.out_blocks.into_iter();
             Ok(Output {
                 messages: tick.out.into(),
@@ -107,7 +116,14 @@ impl<P: Plugin> PluginObject for Boundary<P> {
                     })
                     .collect(),
             })
-        })
+        });
+        match result {
+            RResult::RErr(fault) if !log.is_empty() => RResult::RErr(AbiFault {
+                text: format!("{} (logged in this tick: {})", fault.text, log.join("; ")).into(),
+                ..fault
+            }),
+            result => result,
+        }
     }
 
     fn save(&mut self) -> RResult<RVec<u8>, AbiFault> {
@@ -132,6 +148,13 @@ impl<P: Plugin> PluginObject for Boundary<P> {
     fn stop(&mut self) -> RResult<(), AbiFault> {
         self.cross(|plugin| plugin.stop())
     }
+}
+
+/// The lines of the log among published messages.
+fn logged(messages: &[u8]) -> Vec<String> {
+    let frames = Frames::new(messages).filter_map(Result::ok);
+    let lines = frames.filter_map(|frame| decode::<Log>(&frame)?.ok());
+    lines.map(|line| line.text.replace('\n', " ")).collect()
 }
 
 /// Constructs a plugin behind the boundary.

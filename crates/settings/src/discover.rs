@@ -28,9 +28,26 @@ pub struct ModuleFolder {
 
 /// Finds plugins and modules below `root`; what is wrong with one of them is a complaint and hides only that one.
 pub fn discover(root: &Path) -> (Tree, Vec<ConfigError>) {
+    discover_with(root, &[], &[])
+}
+
+/// Finds plugins and modules below `root` and in other folders, each with a folder per plugin or module, or that of one.
+pub fn discover_with(
+    root: &Path,
+    more_plugins: &[PathBuf],
+    more_modules: &[PathBuf],
+) -> (Tree, Vec<ConfigError>) {
     let mut errors = Vec::new();
-    let plugins = manifests(&root.join("plugins"), "plugin.toml", &mut errors);
-    let modules = manifests(&root.join("modules"), "module.toml", &mut errors);
+    let mut plugins = manifests(&root.join("plugins"), "plugin.toml", &mut errors);
+    let mut modules = manifests(&root.join("modules"), "module.toml", &mut errors);
+    for (found, places, file) in [
+        (&mut plugins, more_plugins, "plugin.toml"),
+        (&mut modules, more_modules, "module.toml"),
+    ] {
+        for place in places {
+            found.extend(manifests(place, file, &mut errors));
+        }
+    }
     for loaded in plugins.iter().chain(&modules) {
         check_kind(loaded, &mut errors);
     }
@@ -51,7 +68,13 @@ pub fn discover(root: &Path) -> (Tree, Vec<ConfigError>) {
 /// The manifests `name` in the folders of `folder`.
 fn manifests(folder: &Path, name: &str, errors: &mut Vec<ConfigError>) -> Vec<Loaded<Manifest>> {
     let mut found = Vec::new();
-    for path in entries(folder, errors).iter().filter(|path| path.is_dir()) {
+    // The folder of one alone.
+    let one = folder.join(name);
+    let folders = match one.is_file() {
+        true => vec![folder.to_path_buf()],
+        false => entries(folder, errors),
+    };
+    for path in folders.iter().filter(|path| path.is_dir()) {
         match load_manifest(&path.join(name)) {
             Ok(manifest) => found.push(manifest),
             Err(complaints) => errors.extend(complaints.0),

@@ -21,6 +21,8 @@ table! {
         late: LateSettings => own_defaults(),
         /// The queues of the bus.
         queue: QueueSettings => own_defaults(),
+        /// Plugins in a process of their own.
+        guest: GuestSettings => own_defaults(),
     }
 }
 
@@ -77,6 +79,17 @@ table! {
         messages: u32 [16, 1_000_000] => 4096,
         /// Bytes that the queue of one plugin holds.
         bytes: u32 [65_536, 1 << 30] => 4 << 20,
+    }
+}
+
+table! {
+    /// Plugins in a process of their own.
+    #[derive(Copy)]
+    pub struct GuestSettings {
+        /// A guest that does not answer a call for longer is killed \[s\].
+        deadline: f64 = time(0.01, 60.0) => 0.8,
+        /// Most memory that a guest may map \[MiB\].
+        memory: u32 [64, 1 << 20] => 512,
     }
 }
 

@@ -58,7 +58,7 @@ pub use chart::{
 pub use colour::Colour;
 pub use contact::{ContactPair, CutPair, SceneTool, ToolKey};
 pub use describe::{json_schema, reference};
-pub use discover::{ModuleFolder, Tree, discover};
+pub use discover::{ModuleFolder, Tree, discover, discover_with};
 pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
 pub use explain::{LevelPart, level_parts};

@@ -22,6 +22,9 @@ table! {
         licence: String,
         /// Base name of the dynamic library beside this file, without prefix and extension.
         library: String = symbol(),
+        /// Whether it always runs in a process of its own, also where the installation brought its library; only for sources, translators and
+        /// modules.
+        isolate: bool => false,
         /// Its name for people.
         title: LocalText,
         /// What it is for, in a sentence for people.

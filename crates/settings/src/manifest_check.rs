@@ -9,7 +9,7 @@ use crate::files::schema_of;
 use crate::manifest::KeyType;
 use crate::manifest::Manifest;
 use crate::schema::Kind;
-use microsim_vocabulary::Unit;
+use microsim_vocabulary::{PluginKind, Unit};
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
@@ -57,6 +57,7 @@ fn check(reading: &mut Reading) {
         }
     }
     check_module_only(reading);
+    check_isolated(reading);
     check_own_messages(reading);
     check_display_units(reading);
     let keys: Vec<(usize, Value)> = items(reading.value(), "key")
@@ -84,6 +85,21 @@ fn check_module_only(reading: &mut Reading) {
                 expected,
             );
         }
+    }
+}
+
+fn check_isolated(reading: &mut Reading) {
+    let kind = reading.value()["kind"].as_str().unwrap_or_default();
+    let Some(kind) = PluginKind::from_name(kind).filter(|kind| !kind.can_be_isolated()) else {
+        return;
+    };
+    if reading.value()["isolate"] == true {
+        let kind = kind.name();
+        reading.complain(
+            &KeyPath::root().key("isolate"),
+            &format!("`true` in a plugin of kind `{kind}`"),
+            "`false`, as only sources, translators and modules can run in a process of their own",
+        );
     }
 }
 

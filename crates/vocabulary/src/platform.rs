@@ -27,6 +27,11 @@ impl PluginKind {
     pub const fn is_observer(self) -> bool {
         matches!(self, Self::Renderer | Self::Recorder)
     }
+
+    /// Whether one may run in a process of its own: those that publish little, and compute on one thread.
+    pub const fn can_be_isolated(self) -> bool {
+        matches!(self, Self::Source | Self::Translator | Self::Module)
+    }
 }
 
 terms! {

@@ -194,10 +194,10 @@ fn while_stopping() {
     }
 }
 
-/// What no boundary can hold: the process ends, and what it has written is there, as after `kill -9`.
+/// What no boundary can hold, of a plugin that runs in the host's process: it ends, and what it has written is there, as after `kill -9`.
 #[test]
 fn a_plugin_that_ends_the_process() {
-    let installed = Installed::awkward(TRANSLATOR);
+    let installed = Installed::awkward(PHYSICS);
     let run = installed.run("abort process 20", &[]);
     assert_eq!(run.output.code, None, "{run:?}");
     let session = read(&run.session);

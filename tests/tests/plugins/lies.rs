@@ -57,11 +57,11 @@ fn a_flood_of_states() {
     assert!(session.complaint.is_none() && session.failures.is_empty());
 }
 
-/// A declared kind with other content is found by whoever reads it: the kind is named, and the run ends in order.
+/// A source whose samples are none is blamed itself, and not the translator that reads them; the kind is named, and the run ends in order.
 #[test]
 fn a_kind_with_other_content() {
     let installed = Installed::awkward(SOURCE);
     let run = installed.run("publish content 20", &[]);
-    let sentence = "plugin \"translator\" failed in `process` at tick 20: \"input.sample\": invalid type: integer `7`";
+    let sentence = "plugin \"awkward\" failed in `process` at tick 20: \"input.sample\": invalid type: integer `7`";
     run.assert_preserved(20, sentence);
 }

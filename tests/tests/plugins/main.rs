@@ -2,6 +2,7 @@
 //!
 //! - `refused`: libraries and manifests that are refused before anything of them runs;
 //! - `failing`: panics and faults in each call of the life cycle;
+//! - `isolated`: guests that end their own process, and what is found before;
 //! - `lies`: publications that a manifest does not declare, and queues that are flooded;
 //! - `observers`: a renderer or recorder that fails does not change the run;
 //! - `boundary`: the calls that a run never makes, in this process, and what the SDK's test host finds.
@@ -9,6 +10,7 @@
 mod awkward;
 mod boundary;
 mod failing;
+mod isolated;
 mod lies;
 mod observers;
 mod refused;

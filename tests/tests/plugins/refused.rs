@@ -132,6 +132,9 @@ fn two_plugins_of_one_name() {
     let manifest =
         std::fs::read_to_string(tree.path("plugins/translator/plugin.toml")).expect("read");
     let second = tree.write("plugins/zweiter/plugin.toml", manifest);
+    let library = "libmicrosim_plugin_translator.so";
+    let at = |folder: &str| tree.path(format!("plugins/{folder}/{library}"));
+    std::fs::copy(at("translator"), at("zweiter")).expect("copied");
     let printed = tree.microsim(&[
         "run",
         "touch-spheres",

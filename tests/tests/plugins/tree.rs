@@ -19,6 +19,8 @@ impl Tree {
         for part in ["plugins", "modules", "config"] {
             copy(&microsim_tests::tree().join(part), &tree.path(part));
         }
+        let hashes = "installed.b3";
+        fs::copy(microsim_tests::tree().join(hashes), tree.path(hashes)).expect("it is copied");
         tree
     }
 

@@ -132,6 +132,8 @@ fn what_is_gone_from_the_repository_goes_from_the_tree() {
     fs::remove_dir_all(repository.path("plugins/objects/look")).unwrap();
     repository.write("plugins/objects/look", "a file");
     fs::remove_dir_all(repository.path("modules/hold")).unwrap();
+    let library = format!("modules/hold/{}", library_file("a_hold"));
+    repository.write("tree/installed.b3", &format!("0123  {library}\n"));
     // Five files of the module, config/host.toml and look/grid.csv.
     assert_eq!(repository.assemble(), Ok((2, 7)));
     assert!(!repository.tree().join("modules/hold").exists());
@@ -147,6 +149,19 @@ fn what_is_gone_from_the_repository_goes_from_the_tree() {
         repository.in_tree("sessions/mine.session").unwrap(),
         "a session"
     );
+}
+
+/// Building again deleted the modules of others.
+#[test]
+fn guests_in_the_tree_are_left_alone() {
+    let repository = Repository::new();
+    repository.assemble().unwrap();
+    for file in ["modules/theirs/module.toml", "plugins/theirs/plugin.toml"] {
+        repository.write(&format!("tree/{file}"), "a guest");
+    }
+    assert_eq!(repository.assemble(), Ok((0, 0)));
+    assert!(repository.in_tree("modules/theirs/module.toml").is_some());
+    assert!(repository.in_tree("plugins/theirs/plugin.toml").is_some());
 }
 
 #[cfg(unix)]

@@ -98,7 +98,7 @@ fn what_is_wrong_in_a_tree_is_named() {
             at("plugins/a/plugin.toml")
         ),
         format!(
-            "{}:9:12: key `plugins[0]`: found `translator`, expected the name of a plugin below plugins/",
+            "{}:10:12: key `plugins[0]`: found `translator`, expected the name of a plugin below plugins/",
             at("modules/m/module.toml")
         ),
         format!(
