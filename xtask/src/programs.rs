@@ -118,6 +118,12 @@ pub const SOAKS: &[Program] = &[
         shows: "500 cuts in a cube, then 10,000 steps with the mass floor and without",
     },
     Program {
+        name: "scenes",
+        package: "microsim-scene",
+        example: "soak_scenes",
+        shows: "every shipped scene to its end, and whether what it expects comes out",
+    },
+    Program {
         name: "trainees",
         package: TESTS,
         example: "soak_trainees",
@@ -177,7 +183,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, cuts, followers, stability, trainees"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, cuts, followers, stability, scenes, trainees"
                     .into()
             )
         );

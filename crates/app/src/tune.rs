@@ -196,6 +196,7 @@ fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Ex
         }
         // What is watched counts at the end, against the exact solution on a fine mesh.
         let watched = scene.probe.iter().map(|probe| Expect {
+            regression: false,
             probe: probe.name.clone(),
             what: settings::Feature::AtEnd,
             value: f64::NAN,
@@ -212,6 +213,7 @@ fn expectations(scene: &settings::Scene, of_plan: Option<&ChartScene>) -> Vec<Ex
         .map(|variant| variant.reference.as_slice());
     let references = references.unwrap_or_default();
     let expect = |(k, measure): (usize, &settings::ChartMeasure)| Expect {
+        regression: false,
         probe: measure.probe.clone(),
         what: measure.what,
         value: references.get(k).copied().unwrap_or(f64::NAN),

@@ -40,6 +40,23 @@ fn assert_one_met(name: &str, overrides: &[&str]) {
     }
 }
 
+/// Each states a model error or why it states none.
+#[test]
+fn no_scene_is_silent_about_its_model_error() {
+    let listing = std::fs::read_dir(folder()).expect("scenes");
+    let paths = listing.map(|entry| entry.expect("a file").path());
+    let scenes: Vec<_> = paths
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    assert!(scenes.len() > 30, "{}", scenes.len());
+    for path in scenes {
+        let scene = load_scene(&path, &[]).unwrap_or_else(|errors| panic!("{errors}"));
+        let scene = scene.settings;
+        let one = scene.accuracy.is_some() != scene.no_stated_error.is_some();
+        assert!(one, "{}: exactly one of the two", path.display());
+    }
+}
+
 #[test]
 fn statics_meets_references_and_closed_forms() {
     assert_met(&["cantilever", "tube-sag", "stretch", "twist"]);

@@ -45,6 +45,8 @@ table! {
         expect: Vec<Expect> [0, 64],
         /// What is stated of the result; `microsim tune` looks for the cheapest setting that meets it.
         accuracy: Option<Accuracy>,
+        /// Why no error is stated under `accuracy`, in a sentence.
+        no_stated_error: Option<String>,
         /// What `microsim tune` chose and measured.
         tuned: Option<Tuned>,
     }
@@ -187,6 +189,9 @@ table! {
         scale: Option<f64> = dependent("a value in the unit of what is expected"),
         /// A first peak counts when the curve has stayed below it for this time \[s\].
         fall_time: f64 = time(0.0, 600.0) => 0.05,
+        /// Whether the value is the simulator's own output, of finer steps or of an earlier version, and not known from elsewhere: it shows
+        /// that nothing has changed, not that it is right.
+        regression: bool => false,
         /// Where value and tolerance come from, in a sentence.
         source: String,
     }

@@ -221,6 +221,7 @@ fn prepare(
         .measure
         .iter()
         .map(|measure| settings::Expect {
+            regression: false,
             probe: measure.probe.clone(),
             what: measure.what,
             // Only what is found is used.

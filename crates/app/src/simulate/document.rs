@@ -244,6 +244,7 @@ fn expectations(runner: &Runner, settings: &settings::Scene) -> Vec<Value> {
             ("error", json!(verdict.error)),
             ("tolerance", json!(expect.tolerance)),
             ("met", json!(verdict.met)),
+            ("regression", json!(expect.regression)),
             ("source", json!(expect.source)),
         ] {
             entry.insert(key.to_owned(), value);

@@ -133,8 +133,12 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
         lines.push(columns(&rows));
     }
     for expect in &scene.expect {
+        let regression = match expect.regression {
+            true => "regression, our own output: ",
+            false => "",
+        };
         lines.push(format!(
-            "{} {}: {}",
+            "{} {}: {regression}{}",
             expect.probe,
             expect.what.name(),
             expect.source
@@ -166,7 +170,13 @@ fn row(scene: &settings::Scene, verdict: &Verdict) -> Vec<String> {
         verdict.found.map_or("not found".to_owned(), number),
         verdict.error.map_or(String::new(), percent),
         percent(expect.tolerance).replace('+', ""),
-        if verdict.met { "met" } else { "MISSED" }.to_owned(),
+        match (verdict.met, expect.regression) {
+            (true, false) => "met",
+            (false, false) => "MISSED",
+            (true, true) => "as before",
+            (false, true) => "CHANGED",
+        }
+        .to_owned(),
     ]
 }
 

@@ -79,6 +79,7 @@ mod tests {
 
     fn expect(what: Feature) -> Expect {
         Expect {
+            regression: false,
             probe: String::new(),
             what,
             value: 0.0,

@@ -5,6 +5,7 @@ use microsim_settings::{ExactKind, Feature};
 fn goal(error: f64, value: f64) -> Goal {
     Goal {
         expect: vec![Expect {
+            regression: false,
             probe: "sag".into(),
             what: Feature::FirstPeak,
             value,
