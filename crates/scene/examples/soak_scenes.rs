@@ -47,9 +47,9 @@ fn main() -> ExitCode {
 const HEAD: &str = "\
 # Every shipped scene, to its end
 
-What each scene of `config/scenes` expects, and whether it came out. *Expected* is known from elsewhere: a closed form, geometry, a conservation law, an
+`cargo xtask soak scenes`. What each scene of `config/scenes` expects, and whether it came out. *Expected* is known from elsewhere: a closed form, geometry, a conservation law, an
 independent code. A *regression* is our own output, of shorter steps or of an earlier day: it says that the result is the same, not that it is right.
-Where the model error is not stated the scene's file says why.
+Where the model error is not stated the scene's file says why. Up to version 0.2 all were called expectations, and 31 scenes said neither.
 
 ";
 
