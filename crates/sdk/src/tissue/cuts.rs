@@ -70,16 +70,11 @@ struct Cut {
     normal: [f64; 3],
     /// Distance of its centroid from the plane that the mark asks for \[m\].
     beside: f64,
-    /// Sine of the angle between its plane and the one that the mark asks for.
-    sine: f64,
+    /// Cosine of the angle between its plane and the one that the mark asks for.
+    cosine: f64,
 }
 
 impl Cut {
-    /// Distance of its plane from the mark's middle \[m\].
-    fn distance(&self) -> f64 {
-        self.along(self.normal).abs()
-    }
-
     /// Offset of its centroid from the mark's middle along `normal` \[m\].
     fn along(&self, normal: [f64; 3]) -> f64 {
         Vector3::from(self.place).dot(&Vector3::from(normal))
@@ -117,11 +112,11 @@ pub enum Assignment {
 /// What is known of all cuts together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutFindings {
-    /// Largest over the marks: the distance of a mark's middle from the planes of its cut, mean over their area \[m\]. `None` if
-    /// nothing was cut at any.
+    /// Largest over the marks: the distance of a mark's middle from the openings of its cut along their mean normal, mean over their
+    /// area \[m\]. `None` if nothing was cut at any.
     pub distance: Option<f64>,
-    /// Largest over the marks: the angle between the planes of its cut and the one that the mark's line spans with the tissue's
-    /// normal, of the mean sine over their area \[rad\]. `None` if nothing was cut at any.
+    /// Largest over the marks: the angle between the mean plane of its cut and the one that the mark's line spans with the tissue's
+    /// normal \[rad\]. `None` if nothing was cut at any.
     pub angle: Option<f64>,
     /// Area that tools opened outside of the cuts of all marks \[m²\].
     pub stray: f64,
@@ -170,7 +165,7 @@ impl CutLog {
             place: offset.into(),
             normal,
             beside: offset.dot(&across).abs(),
-            sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
+            cosine: cosine.abs(),
         });
         Assignment::Mark { index, first }
     }
@@ -179,33 +174,41 @@ impl CutLog {
     /// plane of all of them, which has their mean normal and lies where half of their area is on either side, and from the plane that the
     /// mark asks for as well, are stray, so that a good cut does not make up for a wound beside it. The plane of a single one does not
     /// show where it is: that of a small bite is uncertain, and that of a slit beside the mark may pass through it.
+    ///
+    /// Distance and angle are of the mean normal, not means of those of the openings: how many ticks a cut takes, and by how much each of
+    /// its elements is tilted, is the computation's matter and not the hand's.
     pub fn findings(&self, width: f64) -> CutFindings {
-        let (mut distance, mut sine) = (None, None);
+        let (mut distance, mut angle) = (None, None);
         let (mut at_marks, mut stray) = (0.0, self.elsewhere);
         let worse = |one: Option<f64>, other: f64| Some(one.map_or(other, |one| one.max(other)));
         for cuts in self.marks.iter().filter(|cuts| !cuts.is_empty()) {
             let all: f64 = cuts.iter().map(|cut| cut.area).sum();
-            let normal = mean_normal(cuts);
+            let every: Vec<&Cut> = cuts.iter().collect();
+            let normal = sum_of_normals(&every).normalize().into();
             let middle = median(cuts, normal, all);
             let is_near = |cut: &&Cut| {
                 let away = (cut.along(normal) - middle).abs();
                 away.min(cut.beside) <= width
             };
             let (own, far): (Vec<&Cut>, Vec<&Cut>) = cuts.iter().partition(is_near);
-            let area: f64 = own.iter().map(|cut| cut.area).sum();
-            let mean = |of: fn(&Cut) -> f64| {
-                let sum: f64 = own.iter().map(|cut| cut.area * of(cut)).sum();
-                sum / area
-            };
-            distance = worse(distance, mean(Cut::distance));
-            sine = worse(sine, mean(|cut| cut.sine));
             at_marks += all;
             stray += far.iter().map(|cut| cut.area).sum::<f64>();
+            let sum = sum_of_normals(&own);
+            let normal = sum.normalize().into();
+            let sum_over_area =
+                |of: &dyn Fn(&Cut) -> f64| own.iter().map(|cut| cut.area * of(cut)).sum::<f64>();
+            let area = sum_over_area(&|_| 1.0);
+            let cosine = sum_over_area(&|cut| cut.cosine) / sum.norm();
+            distance = worse(
+                distance,
+                sum_over_area(&|cut| cut.along(normal).abs()) / area,
+            );
+            angle = worse(angle, libm::acos(cosine.min(1.0)));
         }
         let opened = at_marks + self.elsewhere;
         CutFindings {
             distance,
-            angle: sine.map(|sine| libm::asin(sine.min(1.0))),
+            angle,
             stray,
             torn: self.torn,
             steadied: (opened > 0.0).then(|| self.steadied / opened),
@@ -213,10 +216,10 @@ impl CutLog {
     }
 }
 
-/// The mean over the area, of length 1. None of the normals points away from that of the mark, so that it does not vanish.
-fn mean_normal(cuts: &[Cut]) -> [f64; 3] {
+/// The sum of the normals by area \[m²\]. None of them points away from that of the mark, so that it does not vanish.
+fn sum_of_normals(cuts: &[&Cut]) -> Vector3<f64> {
     let normals = cuts.iter().map(|cut| cut.area * Vector3::from(cut.normal));
-    normals.sum::<Vector3<f64>>().normalize().into()
+    normals.sum()
 }
 
 /// The offset along `normal` on both sides of which half of the area lies; `all` is the whole of it.
@@ -340,13 +343,33 @@ mod tests {
         assert_eq!(steadied(7e-3), Some(2.0 / 3.0));
     }
 
-    /// A bite at the edge of the mark, 0.9 mm along it, whose plane is askew by asin(0.6) and so passes the middle at 0.54 mm.
+    /// A bite at the edge of the mark, 0.9 mm along it, whose plane is askew by asin(0.6) and passes the middle at 0.54 mm. The sum of the
+    /// normals is (1.18, 0.06, 0) mm².
     #[test]
     fn a_small_bite_at_the_mark_is_not_stray_for_its_uncertain_plane() {
         let mut bite = cut(0.0, 0.1e-6, [0.8, 0.6, 0.0]);
         bite.rest_centroid[1] = 0.9e-3;
         let found = findings(&[cut(0.0, 1.1e-6, [1.0, 0.0, 0.0]), bite]);
-        assert_cut(found, 0.54e-3 / 12.0);
+        let size = libm::hypot(1.18, 0.06);
+        assert_cut(found, 0.1 / 1.2 * 0.9e-3 * 0.06 / size);
+        let angle = found.angle.expect("a cut");
+        assert!((angle - libm::atan2(0.06, 1.18)).abs() < 1e-8, "{angle}");
+    }
+
+    /// Elements tilt a straight cut to and fro by 14°, one per tick, or all of it is opened in one tick, whose normal is the mean: the same
+    /// hand, the same cut.
+    #[test]
+    fn a_cut_is_as_straight_in_many_ticks_as_in_one() {
+        let tilt = 14.0f64.to_radians();
+        let normal = |sign: f64| [libm::cos(tilt), 0.0, sign * libm::sin(tilt)];
+        let many = [1.0, -1.0, 1.0, -1.0].map(|sign| cut(0.1e-3, 0.3e-6, normal(sign)));
+        let one = cut(0.1e-3, 1.2e-6, [1.0, 0.0, 0.0]);
+        for cuts in [&many[..], &[one]] {
+            let found = findings(cuts);
+            assert_cut(found, 0.1e-3);
+            // An arc cosine loses half of the digits near 1.
+            assert!(found.angle.expect("a cut") < 1e-7, "{found:?}");
+        }
     }
 
     /// A slit of 0.3 mm², 0.8 mm beside the mark and 0.9 mm along it, whose plane passes the mark's middle at a micrometre. The mean normal
