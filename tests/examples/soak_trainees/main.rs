@@ -3,7 +3,7 @@
 //! `tests/results/trainees.md`, where each level has a section, unless a run shows a force that cannot be.
 //!
 //! `-- MODULE LEVEL N FIRST_SEED --sensitivity`: the same of each trainee at twice the iterations, half the tick and one step finer mesh
-//! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it.
+//! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it. It may be stopped: runs in that table are not played again.
 //!
 //! The groups differ by the numbers in `config/trainees.toml`. That a metric separates them shows that it measures what it should in
 //! these motions; that people differ so, it does not show.
@@ -352,6 +352,13 @@ fn study_sensitivity(args: &[String]) -> ExitCode {
         *first_seed,
         &repository().join(csv),
     );
+    let section = match section {
+        Ok(section) => section,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    };
     println!("{section}");
     write_section(SENSITIVITY_HEAD, "sensitivity.md", &section)
 }

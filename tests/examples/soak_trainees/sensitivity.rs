@@ -1,5 +1,7 @@
 //! How much verdicts and metrics depend on the computation: the same motions at twice the iterations, half the tick, and one step finer mesh.
 
+mod table;
+
 use super::{KINDS, WORKERS};
 use microsim_tests::changed_levels::ChangedLevels;
 use microsim_tests::statistics::Group;
@@ -7,9 +9,10 @@ use microsim_tests::trainees;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use table::{Key, Outcome, Table};
 
 /// Metrics whose numerical spread is above this fraction of the difference of the groups measure the solver as much as the hand.
 const MOST_SPREAD: f64 = 0.5;
@@ -76,23 +79,22 @@ fn changed(level: &str, key: &str, change: impl Fn(&str) -> String) -> String {
     out
 }
 
-/// What came of one motion with one change of the level.
-struct Outcome {
-    verdict: String,
-    failed: String,
-    /// By the ids of metrics, in display units.
-    values: BTreeMap<String, f64>,
-}
-
 /// What is known of a metric.
 struct Metric {
     title: String,
     limited: bool,
 }
 
-/// Plays `count` trainees of each kind, from `first_seed` on, at every change; writes one row per run into `csv` and gives the section of the page.
-pub fn study(module: &str, level: u32, count: usize, first_seed: u64, csv: &Path) -> String {
-    let folder = tempfile::tempdir().expect("a folder");
+/// Plays `count` trainees of each kind, from `first_seed` on, at every change. Runs that `csv` has already are not played again, but for the first,
+/// which shows that they are of this computation. Gives the section of the page.
+pub fn study(
+    module: &str,
+    level: u32,
+    count: usize,
+    first_seed: u64,
+    csv: &Path,
+) -> Result<String, String> {
+    let folder = tempfile::tempdir().map_err(|error| format!("a temporary folder: {error}"))?;
     let trees = CHANGES.map(|(_, change)| {
         ChangedLevels::new(module, |text| match text.contains("\niterations = ") {
             true => change(text),
@@ -100,113 +102,110 @@ pub fn study(module: &str, level: u32, count: usize, first_seed: u64, csv: &Path
             false => text.to_owned(),
         })
     });
-    let trainees: Vec<(usize, u64)> = (0..KINDS.len() * count)
-        .map(|index| (index / count, first_seed + (index % count) as u64))
-        .collect();
-    let scripts: Vec<PathBuf> = trainees
+    let seeds = first_seed..first_seed + count as u64;
+    let trainees: Vec<(&str, u64)> = KINDS
         .iter()
-        .map(|&(kind, seed)| trainees::make(module, level, KINDS[kind].0, seed, folder.path()))
+        .flat_map(|(kind, _)| seeds.clone().map(move |seed| (*kind, seed)))
         .collect();
-    let metrics: Mutex<BTreeMap<String, Metric>> = Mutex::default();
-    let outcomes: Mutex<BTreeMap<(usize, usize), Outcome>> = Mutex::default();
-    let next = AtomicUsize::new(0);
-    let work = || loop {
-        let job = next.fetch_add(1, Ordering::Relaxed);
-        if job >= trainees.len() * CHANGES.len() {
-            return;
-        }
-        let (trainee, change) = (job / CHANGES.len(), job % CHANGES.len());
-        let session = folder.path().join(format!("{trainee}-{change}.session"));
-        let input = format!("script:{}", scripts[trainee].display());
-        trees[change].run(
-            &session,
-            &["--level", &level.to_string(), "--input", &input],
-        );
+    let keys: Vec<Key> = trainees
+        .iter()
+        .flat_map(|(kind, seed)| {
+            CHANGES.map(|(change, _)| ((*kind).to_owned(), *seed, change.to_owned()))
+        })
+        .collect();
+    let play = |job: usize| {
+        let (kind, seed) = trainees[job / CHANGES.len()];
+        let name = folder.path().join(format!("run-{job}"));
+        std::fs::create_dir(&name).expect("a folder");
+        let script = trainees::make(module, level, kind, seed, &name);
+        let session = name.join("session");
+        let input = format!("script:{}", script.display());
+        let level = level.to_string();
+        trees[job % CHANGES.len()].run(&session, &["--level", &level, "--input", &input]);
         let report = std::fs::read_to_string(session.with_extension("json")).expect("a report");
         let report: Value = serde_json::from_str(&report).expect("JSON");
         // The report is all that is needed, and sessions are large.
-        std::fs::remove_file(session).expect("the session that was written");
-        let outcome = outcome(&report, &mut metrics.lock().expect("no panic"));
-        let (kind, seed) = trainees[trainee];
-        eprintln!(
-            "  {} {seed}, {}: {} {}",
-            KINDS[kind].0, CHANGES[change].0, outcome.verdict, outcome.failed
-        );
-        let mut outcomes = outcomes.lock().expect("no panic");
-        outcomes.insert((trainee, change), outcome);
+        std::fs::remove_dir_all(name).expect("the folder that was made");
+        report
+    };
+    let first = play(0);
+    let metrics = metrics(&first);
+    let ids = metrics.keys().cloned().collect();
+    let mut table = Table::open(csv, ids)?;
+    table.add(keys[0].clone(), &outcome(&first))?;
+    let missing: Vec<usize> = (0..keys.len())
+        .filter(|job| !table.has(&keys[*job]))
+        .collect();
+    eprintln!(
+        "{}: {} of {} runs are there",
+        csv.display(),
+        keys.len() - missing.len(),
+        keys.len()
+    );
+    let table = Mutex::new(table);
+    let next = AtomicUsize::new(0);
+    let work = || -> Result<(), String> {
+        while let Some(&job) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let outcome = outcome(&play(job));
+            let key = keys[job].clone();
+            let (kind, seed, change) = &key;
+            eprintln!(
+                "  {kind} {seed}, {change}: {} {}",
+                outcome.verdict, outcome.failed
+            );
+            table.lock().expect("no panic").add(key, &outcome)?;
+        }
+        Ok(())
     };
     std::thread::scope(|scope| {
-        for _ in 0..WORKERS {
-            scope.spawn(work);
-        }
-    });
-    let metrics = metrics.into_inner().expect("no panic");
-    let outcomes = outcomes.into_inner().expect("no panic");
-    let name = |trainee: usize| {
-        let (kind, seed) = trainees[trainee];
-        format!("{},{seed}", KINDS[kind].0)
-    };
-    let rows = table(&outcomes, &metrics, name);
-    std::fs::create_dir_all(csv.parent().expect("a folder")).expect("a folder");
-    std::fs::write(csv, rows).unwrap_or_else(|error| panic!("{}: {error}", csv.display()));
-    section(module, level, count, first_seed, &outcomes, &metrics)
+        let workers = [(); WORKERS].map(|()| scope.spawn(work));
+        workers
+            .into_iter()
+            .try_for_each(|worker| worker.join().expect("no panic"))
+    })?;
+    let table = table.into_inner().expect("no panic");
+    table.sort()?;
+    let outcomes: BTreeMap<(usize, usize), &Outcome> = keys
+        .iter()
+        .enumerate()
+        .map(|(job, key)| ((job / CHANGES.len(), job % CHANGES.len()), table.of(key)))
+        .collect();
+    Ok(section(
+        module, level, count, first_seed, &outcomes, &metrics,
+    ))
 }
 
-fn outcome(report: &Value, metrics: &mut BTreeMap<String, Metric>) -> Outcome {
-    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    let mut values = BTreeMap::new();
-    for metric in report["metrics"].as_array().into_iter().flatten() {
-        let id = text(&metric["id"]);
-        metrics.entry(id.clone()).or_insert_with(|| Metric {
-            title: format!(
-                "{} [{}]",
-                text(&metric["title"]["en"]),
-                text(&metric["display_unit"])
-            ),
-            limited: !metric["limit"].is_null(),
-        });
-        if let Some(value) = metric["display_value"].as_f64() {
-            values.insert(id, value);
-        }
-    }
+/// The metrics of a report, by their ids.
+fn metrics(report: &Value) -> BTreeMap<String, Metric> {
+    let metric = |metric: &Value| {
+        let title = format!(
+            "{} [{}]",
+            text(&metric["title"]["en"]),
+            text(&metric["display_unit"])
+        );
+        let limited = !metric["limit"].is_null();
+        (text(&metric["id"]), Metric { title, limited })
+    };
+    let metrics = report["metrics"].as_array().into_iter().flatten();
+    metrics.map(metric).collect()
+}
+
+fn outcome(report: &Value) -> Outcome {
+    let metrics = report["metrics"].as_array().into_iter().flatten();
+    let values = metrics.filter_map(|metric| {
+        let value = metric["display_value"].as_f64()?;
+        Some((text(&metric["id"]), value))
+    });
     let failed = report["failed"].as_array().into_iter().flatten();
     Outcome {
         verdict: text(&report["verdict"]),
         failed: failed.map(text).collect::<Vec<_>>().join(" "),
-        values,
+        values: values.collect(),
     }
 }
 
-/// All runs as CSV.
-fn table(
-    outcomes: &BTreeMap<(usize, usize), Outcome>,
-    metrics: &BTreeMap<String, Metric>,
-    name: impl Fn(usize) -> String,
-) -> String {
-    let mut csv = String::from("kind,seed,level,verdict,failed");
-    metrics.keys().for_each(|id| csv.extend([",", id]));
-    csv.push('\n');
-    for ((trainee, change), outcome) in outcomes {
-        let Outcome {
-            verdict,
-            failed,
-            values,
-        } = outcome;
-        let _ = write!(
-            csv,
-            "{},{},{verdict},{failed}",
-            name(*trainee),
-            CHANGES[*change].0
-        );
-        for id in metrics.keys() {
-            let value = values
-                .get(id)
-                .map_or_else(String::new, |value| format!("{value:.5}"));
-            let _ = write!(csv, ",{value}");
-        }
-        csv.push('\n');
-    }
-    csv
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or_default().to_owned()
 }
 
 /// The section of a level: verdicts that change, and the spread of each metric beside the difference of the groups.
@@ -215,7 +214,7 @@ fn section(
     level: u32,
     count: usize,
     first_seed: u64,
-    outcomes: &BTreeMap<(usize, usize), Outcome>,
+    outcomes: &BTreeMap<(usize, usize), &Outcome>,
     metrics: &BTreeMap<String, Metric>,
 ) -> String {
     let trainees = KINDS.len() * count;
@@ -225,9 +224,9 @@ fn section(
          | level | passed | failed | not judged | other verdict than as shipped | other reasons |\n|---|---|---|---|---|---|\n"
     );
     for (change, (title, _)) in CHANGES.iter().enumerate() {
-        let of = |trainee: usize| &outcomes[&(trainee, change)];
+        let of = |trainee: usize| outcomes[&(trainee, change)];
         let with = |verdict: &str| (0..trainees).filter(|t| of(*t).verdict == verdict).count();
-        let base = |trainee: usize| &outcomes[&(trainee, 0)];
+        let base = |trainee: usize| outcomes[&(trainee, 0)];
         let verdicts = (0..trainees)
             .filter(|t| of(*t).verdict != base(*t).verdict)
             .count();

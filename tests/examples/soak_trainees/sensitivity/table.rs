@@ -1,0 +1,189 @@
+//! The table of runs as a file of comma-separated values. Each run is added when it ends, so that a study goes on where an earlier one was stopped.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::{self, File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Columns before those of the metrics.
+const FIRST: &str = "kind,seed,level,verdict,failed";
+
+/// A run by kind and seed of the trainee and what was changed in the level.
+pub type Key = (String, u64, String);
+
+/// What came of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    pub verdict: String,
+    /// Reasons, with blanks between.
+    pub failed: String,
+    /// By the ids of metrics, in display units.
+    pub values: BTreeMap<String, f64>,
+}
+
+/// The runs in a file, and the file.
+pub struct Table {
+    path: PathBuf,
+    file: File,
+    /// Ids of metrics, in the order of columns.
+    metrics: Vec<String>,
+    rows: BTreeMap<Key, Outcome>,
+}
+
+impl Table {
+    /// Opens a table, or begins one. An error where it has other metrics, or lines that are none of it.
+    pub fn open(path: &Path, metrics: Vec<String>) -> Result<Self, String> {
+        let at = |error: std::io::Error| format!("{}: {error}", path.display());
+        let header = format!("{FIRST},{}", metrics.join(","));
+        let text = fs::read_to_string(path).unwrap_or_default();
+        let mut lines = text.lines();
+        let found = lines.next();
+        if found.is_some_and(|found| found != header) {
+            return Err(format!(
+                "{}: the table has other columns; remove it to begin one",
+                path.display()
+            ));
+        }
+        let mut rows = BTreeMap::new();
+        for (number, line) in lines.enumerate() {
+            let row = row(line, &metrics).ok_or_else(|| {
+                let number = number + 2;
+                format!("{}, line {number}: no run of {FIRST},…", path.display())
+            })?;
+            rows.extend([row]);
+        }
+        fs::create_dir_all(path.parent().unwrap_or(path)).map_err(at)?;
+        let mut file = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(path)
+            .map_err(at)?;
+        if found.is_none() {
+            writeln!(file, "{header}").map_err(at)?;
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            metrics,
+            rows,
+        })
+    }
+
+    pub fn has(&self, key: &Key) -> bool {
+        self.rows.contains_key(key)
+    }
+
+    /// # Panics
+    /// If there is no such run.
+    pub fn of(&self, key: &Key) -> &Outcome {
+        &self.rows[key]
+    }
+
+    /// Adds a run. An error where the table has another outcome of it: the computation is not that of the rows that are there.
+    pub fn add(&mut self, key: Key, outcome: &Outcome) -> Result<(), String> {
+        let line = line(&key, outcome, &self.metrics);
+        let (_, written) = row(&line, &self.metrics).expect("a line that was just written");
+        let path = self.path.display();
+        match self.rows.get(&key) {
+            Some(there) if *there == written => return Ok(()),
+            Some(_) => {
+                let (kind, seed, level) = key;
+                return Err(format!(
+                    "{path}: {kind} {seed}, {level}: the run has another outcome than the table, which is of another computation; remove it to begin one"
+                ));
+            }
+            None => {}
+        }
+        writeln!(self.file, "{line}").map_err(|error| format!("{path}: {error}"))?;
+        self.rows.insert(key, written);
+        Ok(())
+    }
+
+    /// Writes the runs in their order, in whatever order they ended.
+    pub fn sort(&self) -> Result<(), String> {
+        let mut text = format!("{FIRST},{}\n", self.metrics.join(","));
+        for (key, outcome) in &self.rows {
+            let _ = writeln!(text, "{}", line(key, outcome, &self.metrics));
+        }
+        fs::write(&self.path, text).map_err(|error| format!("{}: {error}", self.path.display()))
+    }
+}
+
+fn line((kind, seed, level): &Key, outcome: &Outcome, metrics: &[String]) -> String {
+    let mut line = format!(
+        "{kind},{seed},{level},{},{}",
+        outcome.verdict, outcome.failed
+    );
+    for id in metrics {
+        line.push(',');
+        if let Some(value) = outcome.values.get(id) {
+            let _ = write!(line, "{value:.5}");
+        }
+    }
+    line
+}
+
+fn row(line: &str, metrics: &[String]) -> Option<(Key, Outcome)> {
+    let mut cells = line.split(',');
+    let mut next = || cells.next().map(str::to_owned);
+    let key = (next()?, next()?.parse().ok()?, next()?);
+    let (verdict, failed) = (next()?, next()?);
+    let mut values = BTreeMap::new();
+    for id in metrics {
+        let cell = next()?;
+        if !cell.is_empty() {
+            values.insert(id.clone(), cell.parse().ok()?);
+        }
+    }
+    let outcome = Outcome {
+        verdict,
+        failed,
+        values,
+    };
+    cells.next().is_none().then_some((key, outcome))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outcome(verdict: &str, value: f64) -> Outcome {
+        Outcome {
+            verdict: verdict.to_owned(),
+            failed: "torn too-slow".to_owned(),
+            values: [("time".to_owned(), value)].into(),
+        }
+    }
+
+    /// A study that was stopped goes on: what has ended is there, in whatever order; a half line is an error, and so is the outcome of another
+    /// computation.
+    #[test]
+    fn a_table_goes_on_where_it_was_stopped() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("new/table.csv");
+        let metrics = || vec!["time".to_owned(), "torn".to_owned()];
+        let key = |seed| ("novice".to_owned(), seed, "half the tick".to_owned());
+        let mut table = Table::open(&path, metrics()).expect("a table");
+        table.add(key(2), &outcome("failed", 1.5)).expect("added");
+        table.add(key(1), &outcome("passed", 0.25)).expect("added");
+        drop(table);
+        let mut table = Table::open(&path, metrics()).expect("a table");
+        assert!(table.has(&key(1)) && table.has(&key(2)) && !table.has(&key(3)));
+        assert_eq!(table.of(&key(1)), &outcome("passed", 0.25));
+        table
+            .add(key(2), &outcome("failed", 1.5))
+            .expect("the same");
+        let error = table.add(key(2), &outcome("failed", 1.6));
+        assert!(error.expect_err("another").contains("another computation"));
+        table.sort().expect("written");
+        let text = "kind,seed,level,verdict,failed,time,torn\n\
+            novice,1,half the tick,passed,torn too-slow,0.25000,\n\
+            novice,2,half the tick,failed,torn too-slow,1.50000,\n";
+        assert_eq!(fs::read_to_string(&path).expect("the table"), text);
+        assert!(Table::open(&path, vec!["time".to_owned()]).is_err());
+        fs::write(&path, &text[..text.len() - 9]).expect("written");
+        let error = Table::open(&path, metrics()).err().expect("half a line");
+        assert!(error.contains("line 3"), "{error}");
+    }
+}
