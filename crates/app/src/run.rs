@@ -197,7 +197,7 @@ fn carry_out(
         stop: &stop,
         trainee: args.trainee.clone(),
         key: station::key()
-            .inspect_err(|why| eprintln!("microsim: this session is not signed: {why}"))
+            .inspect_err(|why| complain(format!("the recording is not signed: {why}")))
             .ok(),
         progress: &mut |time, reported| match reported {
             Some(reported) => bar.set_message(format!(

@@ -143,7 +143,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
         method: Method::StoermerVerlet,
         repeat_invalid: true,
         containment: false,
-        repeats_unconverged: false,
+        repeat_unconverged: false,
     };
     let runs: Vec<Vec<Tick>> = (0..RUNS)
         .map(|_| run(&spec, edge, size[2], touches))

@@ -75,7 +75,7 @@ pub fn scene_spec(
         method: method::method(&scene.method),
         containment: scene.run.containment,
         repeat_invalid: scene.method.repeat_invalid.unwrap_or(true),
-        repeats_unconverged: true,
+        repeat_unconverged: true,
     };
     Ok(Described { spec, notes })
 }
@@ -168,7 +168,7 @@ pub fn level_spec(
         method: method::method(level.method),
         containment: true,
         repeat_invalid: level.method.repeat_invalid.unwrap_or(true),
-        repeats_unconverged: true,
+        repeat_unconverged: true,
     };
     Ok(Described { spec, notes })
 }

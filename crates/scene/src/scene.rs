@@ -35,7 +35,7 @@ pub struct Scene {
     pub(crate) method: Method,
     pub(crate) containment: bool,
     pub(crate) repeat_invalid: bool,
-    pub(crate) repeats_unconverged: bool,
+    pub(crate) repeat_unconverged: bool,
     pub(crate) state: SceneState,
 }
 
@@ -117,7 +117,7 @@ impl Scene {
             method: spec.method,
             containment: spec.containment,
             repeat_invalid: spec.repeat_invalid,
-            repeats_unconverged: spec.repeats_unconverged,
+            repeat_unconverged: spec.repeat_unconverged,
             state,
             bodies,
         })

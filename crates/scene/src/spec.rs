@@ -29,7 +29,7 @@ pub struct SceneSpec {
     pub repeat_invalid: bool,
     /// Whether, without containment too, a tick in which an implicit step did not converge is computed again with shorter steps; the
     /// report of the tick lists it. A tick that converges is not changed by it.
-    pub repeats_unconverged: bool,
+    pub repeat_unconverged: bool,
 }
 
 impl SceneSpec {
@@ -45,7 +45,7 @@ impl SceneSpec {
             method,
             containment: true,
             repeat_invalid: true,
-            repeats_unconverged: true,
+            repeat_unconverged: true,
         }
     }
 }

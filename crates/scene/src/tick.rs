@@ -102,7 +102,7 @@ impl Scene {
         let mut repetitions = 0;
         // Without containment only what did not converge is repeated.
         let mut doubted = start.doubtful || !self.repeat_invalid || !self.containment;
-        let tries = if self.containment || self.repeats_unconverged {
+        let tries = if self.containment || self.repeat_unconverged {
             &TRIES[..]
         } else {
             &TRIES[..1]

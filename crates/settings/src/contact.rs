@@ -25,7 +25,7 @@ table! {
         /// For the open ends of two vessels, and only with `with`: whether nodes beyond the plane of the other end
         /// are moved back along its axis.
         end_planes: bool => false,
-        /// Size of the force from which on time is counted \[N\].
+        /// Size of the force, mean over the last 50 ms, from which on time is counted \[N\].
         force_limit: Option<f64> = quantity(Unit::Force, 0.0, 1e3),
     }
 }

@@ -245,7 +245,7 @@ pub(crate) fn ready(
         add_energy_probes(&mut loaded.settings);
     }
     loaded.spec.containment = false;
-    loaded.spec.repeats_unconverged = false;
+    loaded.spec.repeat_unconverged = false;
     let scene = Scene::new(&loaded.spec).map_err(|e| e.to_string())?;
     let elements = (0..scene.body_count())
         .map(|b| scene.body(b).element_count())

@@ -119,7 +119,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
         }),
         containment: false,
         repeat_invalid: true,
-        repeats_unconverged: false,
+        repeat_unconverged: false,
     }
 }
 

@@ -258,7 +258,7 @@ fn a_run_without_a_key_is_recorded_unsigned() {
             panic!("{printed:?}");
         };
         assert!(
-            line.starts_with("microsim: this session is not signed: "),
+            line.starts_with("microsim: the recording is not signed: "),
             "{line}"
         );
         assert!(line.contains(why), "{line}");

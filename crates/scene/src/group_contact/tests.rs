@@ -46,7 +46,7 @@ fn an_end_of_which_nothing_is_left_faces_nothing() {
     let spec = SceneSpec {
         gravity: [0.0; 3],
         containment: false,
-        repeats_unconverged: false,
+        repeat_unconverged: false,
         ..SceneSpec::new(
             vec![vessel("left", -2e-3), vessel("right", 2e-3)],
             Method::StoermerVerlet,

@@ -84,7 +84,7 @@ fn bars() -> SceneSpec {
         method: Method::StoermerVerlet,
         containment: true,
         repeat_invalid: true,
-        repeats_unconverged: true,
+        repeat_unconverged: true,
     }
 }
 

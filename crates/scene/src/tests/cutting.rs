@@ -106,7 +106,7 @@ fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneS
         method,
         containment: true,
         repeat_invalid: true,
-        repeats_unconverged: true,
+        repeat_unconverged: true,
     }
 }
 
