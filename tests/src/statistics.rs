@@ -49,9 +49,46 @@ pub fn effect_error(first: &Group, second: &Group, effect: f64) -> f64 {
     ((n + m) / (n * m) + effect * effect / (2.0 * (n + m))).sqrt()
 }
 
+/// Two-sided probability of an effect at least as large without a difference, from its standard error (normal approximation).
+pub fn probability(effect: f64, error: f64) -> f64 {
+    libm::erfc(effect.abs() / error / std::f64::consts::SQRT_2)
+}
+
+/// Probabilities of a family of tests, corrected for their number (Holm 1979): the k-th smallest of n times n + 1 − k, at least as large as those
+/// before it, at most 1.
+pub fn corrected(probabilities: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..probabilities.len()).collect();
+    order.sort_by(|a, b| probabilities[*a].total_cmp(&probabilities[*b]));
+    let mut corrected = vec![0.0; probabilities.len()];
+    let mut largest = 0.0f64;
+    for (rank, index) in order.into_iter().enumerate() {
+        let tests = (probabilities.len() - rank) as f64;
+        largest = largest.max((tests * probabilities[index]).min(1.0));
+        corrected[index] = largest;
+    }
+    corrected
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Group, effect_error, effect_size, percentile};
+    use super::{Group, corrected, effect_error, effect_size, percentile, probability};
+
+    /// By hand: sorted 0.01, 0.02, 0.03, 0.6 times 4, 3, 2, 1 are 0.04, 0.06, 0.06, 0.6.
+    #[test]
+    fn probabilities_are_corrected_for_their_number() {
+        let found = corrected(&[0.03, 0.01, 0.6, 0.02]);
+        for (found, expected) in found.iter().zip([0.06, 0.04, 0.6, 0.06]) {
+            assert!((found - expected).abs() < 1e-15, "{found}");
+        }
+        assert_eq!(corrected(&[0.7, 0.9]), [1.0, 1.0]);
+    }
+
+    /// 1.959964 standard errors leave 5 % of the normal distribution (tables).
+    #[test]
+    fn two_standard_errors_leave_one_in_twenty() {
+        let found = probability(-2.0 * 1.959_963_985, 2.0);
+        assert!((found - 0.05).abs() < 1e-9, "{found}");
+    }
 
     /// By hand: 1, 2, 3 have mean 2 and variance 1; 4 and 8 have mean 6 and variance 8. Pooled: (2·1 + 1·8)/3 = 10/3.
     #[test]

@@ -1,6 +1,6 @@
-//! `cargo xtask soak trainees -- MODULE LEVEL N`: N synthetic experts and N novices on a level, two at a time; of each metric, each
+//! `cargo xtask soak trainees -- MODULE LEVEL N FIRST_SEED`: N synthetic experts and N novices on a level, two at a time; of each metric, each
 //! category and the score mean and standard deviation of both groups, the effect size, and whether it has the intended sign. Writes
-//! `tests/results/trainees.md`, where each level has a section, unless a run shows a force that cannot be.
+//! `tests/results/trainees.md`, where each level has a section. Every run counts; fails if one shows a force that cannot be.
 //!
 //! `-- MODULE LEVEL N FIRST_SEED --sensitivity`: the same of each trainee at twice the iterations, half the tick and one step finer mesh
 //! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it. It may be stopped: runs in that table are not played again.
@@ -10,7 +10,7 @@
 
 mod sensitivity;
 
-use microsim_tests::statistics::{Group, effect_error, effect_size};
+use microsim_tests::statistics::{Group, corrected, effect_error, effect_size, probability};
 use microsim_tests::trainees::{self, ABSURD_FORCE, TIME_METRICS};
 use microsim_tests::{repository, tree};
 use serde_json::Value;
@@ -26,16 +26,17 @@ const SENSITIVITY_HEAD: &str = include_str!("sensitivity.md");
 
 /// An effect below this is none (Cohen 1988: 0.2 is small).
 const SMALL: f64 = 0.2;
+/// Groups are told apart where an effect as large has a lower probability without a difference, corrected for the number of rows.
+const SIGNIFICANT: f64 = 0.05;
 /// Runs at the same time, a process each.
 const WORKERS: usize = 2;
 /// Kinds of trainees: profile, and what a group of them is called.
 const KINDS: [(&str, &str); 2] = [("expert", "experts"), ("novice", "novices")];
 /// Rows of the score below those of the metrics.
-const TOTALS: [&str; 4] = [
+const TOTALS: [&str; 3] = [
     "**score**",
     "**score without the metrics of time**",
     "score of the metrics of time alone",
-    "score, unfinished runs too",
 ];
 
 /// What came of one run.
@@ -126,7 +127,7 @@ impl Run {
             .filter_map(|m| m["score"].as_f64())
             .collect();
         let time = time.iter().sum::<f64>() / time.len() as f64;
-        let totals = [total, without, time, total].into_iter().enumerate();
+        let totals = [total, without, time].into_iter().enumerate();
         for (at, score) in totals.filter(|_| !not_judged) {
             scored(Row::Total(at), TOTALS[at], score);
         }
@@ -149,12 +150,10 @@ impl Run {
 }
 
 impl Results {
-    /// Over the finished runs; the last of the totals over all.
+    /// Over all runs in which it was measured.
     fn of(&self, row: &Row) -> Vec<f64> {
-        let all = *row == Row::Total(TOTALS.len() - 1);
-        let runs = self.runs.iter().filter(|run| all || run.finished);
-        runs.filter_map(|run| run.values.get(row).copied())
-            .collect()
+        let values = self.runs.iter().filter_map(|run| run.values.get(row));
+        values.copied().collect()
     }
 
     fn line(&self, name: &str) -> String {
@@ -165,7 +164,7 @@ impl Results {
         }
         let reasons: Vec<String> = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect();
         format!(
-            "- {name}: {} of {} finished (all targets reached), {} passed, {} not judged; reasons against: {}; {} with forces that jump up for one tick",
+            "- {name}: {} of {} finished (all targets reached), {} passed, {} not judged; reasons against: {}; {} with forces that jump up for one tick, {} with forces above {ABSURD_FORCE} N",
             count(|run| run.finished),
             self.runs.len(),
             count(|run| run.passed),
@@ -174,7 +173,8 @@ impl Results {
                 true => "none".to_owned(),
                 false => reasons.join(", "),
             },
-            count(|run| run.jumps > 0)
+            count(|run| run.jumps > 0),
+            count(|run| run.largest_force > ABSURD_FORCE)
         )
     }
 }
@@ -184,20 +184,22 @@ fn play(
     module: &str,
     level: u32,
     count: usize,
+    first_seed: u64,
     kinds: &mut BTreeMap<Row, Kind>,
 ) -> [Results; KINDS.len()] {
     let folder = tempfile::tempdir().expect("a folder");
     let reports: Mutex<BTreeMap<usize, Value>> = Mutex::default();
     let next = AtomicUsize::new(0);
-    let name = |job: usize| format!("{} {}", KINDS[job / count].0, job % count + 1);
+    let seed = |job: usize| first_seed + (job % count) as u64;
+    let name = |job: usize| format!("{} {}", KINDS[job / count].0, seed(job));
     let work = || {
         loop {
             let job = next.fetch_add(1, Ordering::Relaxed);
             if job >= KINDS.len() * count {
                 return;
             }
-            let (profile, seed) = (KINDS[job / count].0, (job % count + 1) as u64);
-            let script = trainees::make(module, level, profile, seed, folder.path());
+            let profile = KINDS[job / count].0;
+            let script = trainees::make(module, level, profile, seed(job), folder.path());
             let (session, _, report) = trainees::run(module, level, &script);
             eprintln!(
                 "  {}: {} {}",
@@ -229,11 +231,12 @@ fn play(
 fn section(
     module: &str,
     level: u32,
+    first_seed: u64,
     [experts, novices]: &[Results; KINDS.len()],
     kinds: &BTreeMap<Row, Kind>,
 ) -> String {
     let mut out = format!(
-        "## {module}, level {level}: {} and {} synthetic trainees\n\n`cargo xtask soak trainees -- {module} {level} {}`\n\n",
+        "## {module}, level {level}: {} and {} synthetic trainees\n\n`cargo xtask soak trainees -- {module} {level} {} {first_seed}`\n\n",
         experts.runs.len(),
         novices.runs.len(),
         experts.runs.len()
@@ -250,12 +253,23 @@ fn section(
         (None, [value]) => format!("{value:.4} (1)"),
         (None, _) => "–".to_owned(),
     };
-    out.push_str("\n| synthetic trainees | limit | experts: mean ± SD (n) | novices: mean ± SD (n) | d ± SE | novices should have | does d point there? |\n|---|---|---|---|---|---|---|\n");
-    for (row, kind) in kinds {
+    out.push_str("\n| synthetic trainees | limit | experts: mean ± SD (n) | novices: mean ± SD (n) | d ± SE | p, corrected | novices should have | does d point there? |\n|---|---|---|---|---|---|---|---|\n");
+    let effects: Vec<Option<(f64, f64)>> = kinds
+        .keys()
+        .map(|row| {
+            let (a, b) = (Group::of(&experts.of(row))?, Group::of(&novices.of(row))?);
+            effect_size(&a, &b).map(|d| (d, effect_error(&a, &b, d)))
+        })
+        .collect();
+    let raw: Vec<f64> = effects
+        .iter()
+        .flatten()
+        .map(|(d, error)| probability(*d, *error))
+        .collect();
+    let mut corrected = corrected(&raw).into_iter();
+    for ((row, kind), effect) in kinds.iter().zip(effects) {
         let (a, b) = (experts.of(row), novices.of(row));
-        let effect = Group::of(&a)
-            .zip(Group::of(&b))
-            .and_then(|(a, b)| effect_size(&a, &b).map(|d| (d, effect_error(&a, &b, d))));
+        let effect = effect.and_then(|(d, error)| Some((d, error, corrected.next()?)));
         let intended = match kind.direction.as_str() {
             "lower-is-better" => Some(("more", 1.0)),
             "higher-is-better" => Some(("less", -1.0)),
@@ -263,19 +277,22 @@ fn section(
         };
         let points = match (effect, intended) {
             (None, _) | (_, None) => "–",
-            (Some((d, _)), _) if d.abs() < SMALL => "no difference",
-            (Some((d, error)), _) if d.abs() < 2.0 * error => "not told apart",
-            (Some((d, _)), Some((_, sign))) if d * sign > 0.0 => "yes",
+            (Some((d, ..)), _) if d.abs() < SMALL => "no difference",
+            (Some((.., p)), _) if p > SIGNIFICANT => "not told apart",
+            (Some((d, ..)), Some((_, sign))) if d * sign > 0.0 => "yes",
             _ => "**wrong way**",
         };
         let _ = writeln!(
             out,
-            "| {} | {} | {} | {} | {} | {} | {points} |",
+            "| {} | {} | {} | {} | {} | {} | {} | {points} |",
             kind.title,
             if kind.limited { "yes" } else { "" },
             shown(&a),
             shown(&b),
-            effect.map_or("–".into(), |(d, error)| format!("{d:+.2} ± {error:.2}")),
+            effect.map_or("–".into(), |(d, error, _)| format!(
+                "{d:+.2} ± {error:.2}"
+            )),
+            effect.map_or("–".into(), |(.., p)| format!("{p:.3}")),
             intended.map_or("–", |(word, _)| word),
         );
     }
@@ -305,33 +322,33 @@ fn main() -> ExitCode {
     {
         return study_sensitivity(rest);
     }
-    let (module, level, count) = match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => ("coordination", Some(4), Some(20)),
-        [module, level, count] => (module, level.parse().ok(), count.parse().ok()),
-        _ => ("", None, None),
-    };
-    let (Some(level), Some(count @ 1..)) = (level, count) else {
-        eprintln!("expected MODULE LEVEL N");
+    let numbers: Vec<Option<u64>> = args.iter().skip(1).map(|n| n.parse().ok()).collect();
+    let (Some(module), [Some(level), Some(count @ 1..), Some(first_seed)]) =
+        (args.first(), &numbers[..])
+    else {
+        eprintln!("expected MODULE LEVEL N FIRST_SEED");
         return ExitCode::from(2);
     };
+    let (level, count) = (*level as u32, *count as usize);
     eprintln!("in {}", tree().display());
     let mut kinds = BTreeMap::new();
-    let groups = play(module, level, count, &mut kinds);
-    let section = section(module, level, &groups, &kinds);
+    let groups = play(module, level, count, *first_seed, &mut kinds);
+    let section = section(module, level, *first_seed, &groups, &kinds);
     println!("{section}");
     let runs = groups.iter().flat_map(|results| &results.runs);
     let absurd: Vec<String> = runs
         .filter(|run| run.largest_force > ABSURD_FORCE)
         .map(|run| format!("{}: {:.3} N", run.name, run.largest_force))
         .collect();
-    if !absurd.is_empty() {
-        eprintln!(
-            "nothing is written: forces above {ABSURD_FORCE} N are a fault of the computation: {}",
-            absurd.join(", ")
-        );
-        return ExitCode::FAILURE;
+    let written = write_section(HEAD, "trainees.md", &section);
+    if absurd.is_empty() {
+        return written;
     }
-    write_section(HEAD, "trainees.md", &section)
+    eprintln!(
+        "forces above {ABSURD_FORCE} N are a fault of the computation: {}",
+        absurd.join(", ")
+    );
+    ExitCode::FAILURE
 }
 
 /// `MODULE LEVEL N FIRST_SEED`.
