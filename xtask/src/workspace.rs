@@ -28,9 +28,26 @@ impl Workspace {
         let from_cargo =
             env::var("CARGO_PKG_NAME").is_ok_and(|name| name == env!("CARGO_PKG_NAME"));
         let package = env::var_os("CARGO_MANIFEST_DIR").filter(|_| from_cargo);
-        let package = PathBuf::from(package.unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into()));
+        let root = match package {
+            Some(package) => {
+                let package = PathBuf::from(package);
+                package.parent().unwrap_or(&package).to_path_buf()
+            }
+            // Run by itself it works where it lies, or where it is run, and never where it once was built.
+            None => {
+                let folder = env::current_dir().unwrap_or_default();
+                repository_among(target.parent().into_iter().chain(folder.ancestors())).ok_or_else(
+                    || {
+                        Failure::Cannot(format!(
+                            "neither {} nor the present folder belongs to the repository: run `cargo xtask` in it",
+                            target.display()
+                        ))
+                    },
+                )?
+            }
+        };
         Ok(Self {
-            root: package.parent().unwrap_or(&package).to_path_buf(),
+            root,
             target: target.to_path_buf(),
         })
     }
@@ -69,5 +86,31 @@ impl Workspace {
             cargo.env("NODEVICE_SELECT", "1");
         }
         cargo
+    }
+}
+
+/// The first of these folders that is the root of the repository.
+fn repository_among<'a>(folders: impl IntoIterator<Item = &'a Path>) -> Option<PathBuf> {
+    let mut folders = folders.into_iter();
+    let found = folders.find(|root| root.join("xtask").join("Cargo.toml").is_file());
+    found.map(Path::to_path_buf)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::repository_among;
+    use std::path::Path;
+
+    /// A program that was moved finds the repository around it, not the one that it was built in.
+    #[test]
+    fn a_moved_program_works_where_it_lies() {
+        let moved = tempfile::tempdir().expect("a folder");
+        let target = moved.path().join("target");
+        std::fs::create_dir_all(moved.path().join("xtask")).expect("a folder");
+        assert_eq!(repository_among([moved.path(), target.as_path()]), None);
+        std::fs::write(moved.path().join("xtask/Cargo.toml"), "").expect("a file");
+        let found = repository_among([target.as_path(), moved.path()]);
+        assert_eq!(found.as_deref(), Some(moved.path()));
+        assert_eq!(repository_among([Path::new("/")]), None);
     }
 }

@@ -63,6 +63,7 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
             budget,
             remaining: &remaining,
             exec: &Serial,
+            progress: &|_| {},
         };
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);

@@ -219,11 +219,26 @@ fn check_chart(path: &Path) -> Result<Vec<String>, String> {
     }
 }
 
+/// Files in TOML that are none of ours.
+const OF_CARGO: [&str; 6] = [
+    "Cargo.toml",
+    "clippy.toml",
+    "deny.toml",
+    "rust-toolchain.toml",
+    "rustfmt.toml",
+    ".rustfmt.toml",
+];
+
 /// All files of a folder and those below it that are of a kind that is known.
 fn check_folder(place: &Place, folder: &Path, findings: &mut Findings) {
     let before = findings.checked.len();
     for path in files_below(folder) {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
+        // What cargo and its tools read, beside the sources of a module.
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if OF_CARGO.contains(&&*name) {
+            continue;
+        }
         // The two files of a TetGen mesh are checked together.
         let half = extension == "node" && path.with_extension("ele").is_file();
         let known = match extension.as_ref() {

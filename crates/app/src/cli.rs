@@ -106,7 +106,7 @@ pub struct RunArgs {
     /// Module, as `microsim list` shows it
     pub module: String,
     /// Level, from 1
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = parse_level)]
     pub level: u32,
     /// Where the motion comes from: script:FILE, recording:FILE (CSV with its TOML, or a session) or plugin:NAME
     #[arg(long, value_name = "SOURCE", value_parser = parse_input)]
@@ -254,7 +254,7 @@ pub struct TuneArgs {
     /// Scene (a file, or the name of one in config/scenes), or module with --level
     pub target: String,
     /// Level of the module
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_level)]
     pub level: Option<u32>,
     /// Keep mesh and elements of the file: choose method and step alone
     #[arg(long)]
@@ -428,6 +428,11 @@ fn parse_positive(text: &str, what: &str) -> Result<f64, String> {
     }
 }
 
+fn parse_level(text: &str) -> Result<u32, String> {
+    let level = text.parse().ok().filter(|level| *level > 0);
+    level.ok_or_else(|| "expected the number of a level, such as 1".into())
+}
+
 fn parse_rate(text: &str) -> Result<f64, String> {
     parse_positive(text, "pictures per simulated second")
 }
@@ -444,6 +449,15 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_level_that_is_no_number_is_refused_with_what_is() {
+        assert_eq!(parse_level("4"), Ok(4));
+        for text in ["vier", "0", "-1", "1.5"] {
+            let error = parse_level(text).expect_err(text);
+            assert!(error.contains("the number of a level"), "{error}");
+        }
     }
 
     #[test]

@@ -113,6 +113,9 @@ pub fn summary(report: &Report) -> String {
     for (id, text) in report.failed.iter().zip(&report.reasons) {
         lines.push(format!("    {id}: {}", text.en));
     }
+    if let (Verdict::Failed, Some(text)) = (report.verdict, s.foreign_hand()) {
+        lines.push(format!("    {}", text.en));
+    }
     if report.verdict == Verdict::NotJudged {
         let reasons = report.reasons.iter();
         lines.extend(reasons.map(|why| format!("    {}", why.en)));

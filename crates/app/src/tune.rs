@@ -6,16 +6,18 @@ mod level;
 use crate::chart::{plan_path, thread_seconds};
 use crate::cli::{Place, TuneArgs};
 use crate::output::{Exit, Problem, complain, print};
+use crate::progress::StatusLine;
 use crate::replace_file::replace;
-use crate::scene_file::find;
+use crate::scene_file::{SceneFile, find};
 use crate::session_file::installation;
 use microsim_drawing::{percent, significant};
 use microsim_scene::{Serial, scene_spec};
 use microsim_settings::{self as settings, Chart, ChartScene, ExactKind, Expect, Override};
 use microsim_study::{
-    AsLevel, Candidates, Context, Goal, LoadedScene, Trial, Tuning, candidates, doubt, locking,
-    measure, tune as choose,
+    AsLevel, Candidates, Context, Goal, LoadedScene, Trial, TuneStep, Tuning, candidates, doubt,
+    locking, measure, tune as choose,
 };
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 /// What is tuned.
@@ -70,6 +72,12 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     let chart = settings::load_chart(&plan)?.settings;
     let file = target.path.display().to_string();
     let load = |_: &str, set: &[String]| target.load(set);
+    // What `check` refuses is no ground to tune on.
+    if let Measured::Scene(_) = target.what
+        && let Some(sentence) = SceneFile::open(&target.path, &[], &[])?.step_too_long
+    {
+        return Err(sentence.into());
+    }
     let scene = target.load(&[])?.settings;
     let Some(accuracy) = scene.accuracy else {
         return Err(format!(
@@ -83,6 +91,7 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
         error: accuracy.error,
         margin: accuracy.stability_margin,
         cost: accuracy.cost.unwrap_or(f64::INFINITY),
+        ends_at_rest: scene.run.end == settings::End::Rest,
     };
     // A scene that ends by time is about its motion.
     let kind = match scene.run.end {
@@ -93,6 +102,7 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     if args.keep_mesh {
         candidates.keep_mesh();
     }
+    let (line, now) = (StatusLine::later(), RefCell::new(String::new()));
     let context = Context {
         chart: &chart,
         load: &load,
@@ -100,14 +110,21 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
         budget: chart.budget.run,
         remaining: &|| f64::INFINITY,
         exec: &Serial,
+        progress: &|part| line.show(|| format!("{}: {:.0} % of a run", now.borrow(), 100.0 * part)),
     };
     if args.verify {
         return verify(&context, goal, &scene, &candidates);
     }
-    let tuning = choose(&context, &goal, &candidates, &mut |trial| {
-        let verdict = trial.rejected.as_deref().unwrap_or("the best so far");
-        complain(format!("{}: {verdict}", trial.description));
+    let tuning = choose(&context, &goal, &candidates, &mut |step| match step {
+        TuneStep::Begins(what) => *now.borrow_mut() = what.to_owned(),
+        TuneStep::Done(trial) => {
+            let verdict = trial.rejected.as_deref().unwrap_or("the best so far");
+            line.finish();
+            complain(format!("{}: {verdict}", trial.description));
+            *now.borrow_mut() = "the next runs".into();
+        }
     });
+    line.finish();
     if let Some(reason) = &tuning.no_measure {
         return Err(format!("{file}: nothing to compare with: {reason}").into());
     }
@@ -242,7 +259,7 @@ fn report(tuning: &Tuning, goal: &Goal) -> Result<(), Problem> {
         print(format!("  rejected  {sentence}"))?;
     }
     if let Some(choice) = tuning.choice() {
-        print(format!("  chosen    {}", figures(choice)))?;
+        print(format!("  chosen    {}", figures(choice, goal)))?;
     }
     if let Some(locking) = tuning.locking {
         print(format!(
@@ -259,14 +276,15 @@ fn report(tuning: &Tuning, goal: &Goal) -> Result<(), Problem> {
     Ok(())
 }
 
-fn figures(trial: &Trial) -> String {
+fn figures(trial: &Trial, goal: &Goal) -> String {
     format!(
-        "{}: error {}, {} CPU s per simulated s, stable at {} times the step",
+        "{}: error {}, {} {}, stable at {} times the step",
         trial.description,
         trial.error.map_or("unknown".into(), percent),
         trial
             .cost
             .map_or("unknown".into(), |cost| significant(cost, 2)),
+        goal.cost_unit(),
         trial.margin.unwrap_or(1.0)
     )
 }
@@ -322,10 +340,11 @@ fn verify(
     }
     // Times are not the same: they are shown, and decide nothing.
     print(format!(
-        "{} CPU s per simulated s (stated {})",
+        "{} {} (stated {})",
         found
             .cost
             .map_or("unknown".into(), |cost| significant(cost, 2)),
+        goal.cost_unit(),
         tuned
             .cost
             .map_or("nothing".into(), |cost| significant(cost, 2)),

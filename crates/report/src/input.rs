@@ -60,6 +60,17 @@ pub struct ReportInput {
 }
 
 impl ReportInput {
+    /// That a recorded hand did not try the task, where that is so: a recording that is no session was made elsewhere.
+    pub fn foreign_hand(&self) -> Option<LocalText> {
+        let recording = self.input.strip_prefix("recording:")?;
+        (!recording.contains(".session")).then(|| {
+            in_both(
+                "Die Bewegung stammt aus einer Aufzeichnung: Wer sie gemacht hat, kannte diese Aufgabe nicht. Das Urteil sagt nichts über diese Hand.",
+                "The motion is a recording: whoever made it did not know this task. The verdict says nothing about that hand.",
+            )
+        })
+    }
+
     /// What the tool of a slot is called: the slot itself if nothing else is known.
     pub fn tool_name(&self, slot: &str) -> LocalText {
         let unnamed = || LocalText::new(slot.to_owned(), slot.to_owned());

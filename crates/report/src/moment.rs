@@ -241,7 +241,7 @@ impl<'a> MomentCollector<'a> {
             ),
             MomentKind::Cut => in_both(
                 &format!("{de} schneidet {}", body.de),
-                &format!("{en} cuts {}", body.en),
+                &format!("{en}: a cut in {}", body.en),
             ),
             MomentKind::Tear => in_both(
                 &format!("{} reißt", body.de),

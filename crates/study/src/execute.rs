@@ -45,6 +45,8 @@ pub struct Context<'a> {
     pub remaining: &'a dyn Fn() -> f64,
     /// Runs parallel loops.
     pub exec: &'a dyn Executor,
+    /// Called after each sample of a run with the part of its duration that is over.
+    pub progress: &'a dyn Fn(f64),
 }
 
 /// A step of a group that is done.
@@ -351,6 +353,7 @@ fn advance_once(context: &Context<'_>, prepared: &Prepared, budget: f64) -> Outc
         let start = (context.clock)();
         let sampled = runner.compute(context.exec);
         cpu += (context.clock)() - start;
+        (context.progress)(runner.progress());
         // What is measured of a scene is not what it costs.
         if !sampled || !runner.observe() {
             break;

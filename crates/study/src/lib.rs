@@ -28,6 +28,6 @@ pub use plan::{Group, GroupKey, PlannedRun, PlannedStep, RunKey, groups};
 pub use results::{ERRORS, Panel, Results};
 pub use row::{Against, GroupResult, Measured, Row, Status};
 pub use tune::{
-    AsLevel, Candidates, Choices, Elements, Goal, Mesh, Trial, Tuning, candidates, doubt, error_of,
-    locking, measure, tune,
+    AsLevel, Candidates, Choices, Elements, Goal, Mesh, Trial, TuneStep, Tuning, candidates, doubt,
+    error_of, locking, measure, tune,
 };

@@ -278,5 +278,6 @@ pub fn in_context<R>(
         budget,
         remaining,
         exec: &microsim_scene::Serial,
+        progress: &|_| {},
     })
 }

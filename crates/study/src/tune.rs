@@ -36,8 +36,39 @@ pub struct Goal {
     pub error: f64,
     /// Factor that must lie between the step and one at which it fails.
     pub margin: f64,
-    /// Largest CPU time per simulated time.
+    /// Largest cost.
     pub cost: f64,
+    /// Whether the scene ends at rest. Its cost is the CPU time of the whole run \[s\], as how soon it rests is no merit; that of others
+    /// is CPU time per simulated time.
+    pub ends_at_rest: bool,
+}
+
+impl Goal {
+    /// The unit of costs in words.
+    pub fn cost_unit(&self) -> &'static str {
+        match self.ends_at_rest {
+            true => "CPU s",
+            false => "CPU s per simulated s",
+        }
+    }
+
+    /// What a run cost; `None` if it simulated nothing.
+    fn cost_of(&self, outcome: &Outcome) -> Option<f64> {
+        let simulated = outcome.simulated > 0.0;
+        simulated.then_some(match self.ends_at_rest {
+            true => outcome.cpu,
+            false => outcome.cpu / outcome.simulated,
+        })
+    }
+}
+
+/// What `tune` does.
+#[derive(Clone, Copy, Debug)]
+pub enum TuneStep<'a> {
+    /// A computation begins that may take long.
+    Begins(&'a str),
+    /// A trial is done.
+    Done(&'a Trial),
 }
 
 /// A run that was tried.
@@ -57,7 +88,7 @@ pub struct Trial {
     pub elements: usize,
     /// Relative error.
     pub error: Option<f64>,
-    /// CPU time per simulated time.
+    /// Cost, in the unit of the goal.
     pub cost: Option<f64>,
     /// Largest multiple of the step at which it was seen to be stable.
     pub margin: Option<f64>,
@@ -125,18 +156,27 @@ impl Tuning {
     }
 }
 
-/// Tries the candidates; `after` is called after each trial.
+/// Tries the candidates; `watch` is called before whatever may take long, and after each trial.
 pub fn tune(
     context: &Context<'_>,
     goal: &Goal,
     candidates: &Candidates,
-    after: &mut dyn FnMut(&Trial),
+    watch: &mut dyn FnMut(TuneStep<'_>),
 ) -> Tuning {
     let mut goal = goal.clone();
     let mut tuning = Tuning::default();
     if goal.expect.iter().any(|e| e.value.is_nan()) {
+        let (mesh, elements) = &candidates.reference;
+        watch(TuneStep::Begins(&format!(
+            "the exact solution on a fine mesh, which is the measure: {}, {}",
+            elements.title, mesh.title
+        )));
         match measured_goal(context, &goal, candidates) {
             Ok(measured) => {
+                watch(TuneStep::Begins(&format!(
+                    "how far the measure may be off: {}",
+                    candidates.second.title
+                )));
                 tuning.doubt = doubt(context, &measured, candidates);
                 tuning.measure = measured.expect.iter().map(|e| e.value).collect();
                 goal = measured;
@@ -158,8 +198,11 @@ pub fn tune(
         if keeping.contains(&&elements.title) {
             continue;
         }
-        let found = exact_values(context, &goal, candidates, &mesh.set, elements);
         let of_mesh = format!("{}, {}", elements.title, mesh.title);
+        watch(TuneStep::Begins(&format!(
+            "the exact solution of {of_mesh}"
+        )));
+        let found = exact_values(context, &goal, candidates, &mesh.set, elements);
         let usable = match found {
             Ok((values, count)) => match error_of(&goal, &values) {
                 Some(error) if error <= goal.error => Ok(()),
@@ -194,7 +237,7 @@ pub fn tune(
                     margin: None,
                     rejected: Some(reason),
                 };
-                after(&trial);
+                watch(TuneStep::Done(&trial));
                 tuning.trials.push(trial);
             }
             Ok(_) => {
@@ -209,7 +252,7 @@ pub fn tune(
                         };
                         let best = tuning.choice().and_then(|t| t.cost);
                         let trial = attempt(context, &goal, candidates, &choices, best);
-                        after(&trial);
+                        watch(TuneStep::Done(&trial));
                         if trial.error.is_some_and(|error| error <= goal.error) {
                             keeping.push(&elements.title);
                         }
@@ -266,7 +309,7 @@ pub fn measure(context: &Context<'_>, goal: &Goal) -> Result<Trial, String> {
         step,
         elements,
         error: error_of(goal, &outcome.values),
-        cost: (outcome.simulated > 0.0).then(|| outcome.cpu / outcome.simulated),
+        cost: goal.cost_of(&outcome),
         margin: None,
         rejected: None,
     })
@@ -409,8 +452,12 @@ fn verdict(
     let limit = stability_limit(&scene);
     let limited = limit.is_finite();
     let free = yanked_node(&scene);
-    let duration = loaded.settings.run.duration;
-    let budget = best.map_or(context.budget, |cost| (cost * duration).min(context.budget));
+    // What a unit of cost is of a whole run, and the least that a run simulates [s].
+    let (whole, least_time) = match goal.ends_at_rest {
+        true => (1.0, loaded.settings.run.sample),
+        false => (loaded.settings.run.duration, 1.0),
+    };
+    let budget = best.map_or(context.budget, |cost| (cost * whole).min(context.budget));
     let at = |loaded: &LoadedScene, step| -> Result<Outcome, String> {
         let prepared = ready(loaded.clone(), Some(step))?;
         Ok(advance(context, prepared, context.budget))
@@ -425,19 +472,18 @@ fn verdict(
         ));
     }
     // Its first sample alone could take minutes.
-    let least = LEAST * trial.elements as f64 / trial.step;
-    let most = goal.cost.min(budget / duration);
+    let least = LEAST * trial.elements as f64 / trial.step * least_time;
+    let most = goal.cost.min(budget / whole);
     if limited && least > most {
         return Err(format!(
-            "so many steps need at least {} CPU s per simulated s, {} are left",
+            "so many steps need at least {} {}, {} are left",
             significant(least, 2),
+            goal.cost_unit(),
             significant(most, 2)
         ));
     }
     let outcome = advance(context, prepared, budget);
-    if outcome.simulated > 0.0 {
-        trial.cost = Some(outcome.cpu / outcome.simulated);
-    }
+    trial.cost = goal.cost_of(&outcome);
     match &outcome.status {
         Status::Ok => {}
         Status::Diverged { time: at, reason } => {
@@ -463,15 +509,17 @@ fn verdict(
     let cost = trial.cost.unwrap_or(f64::INFINITY);
     if cost > goal.cost {
         return Err(format!(
-            "{} CPU s per simulated s, allowed are {}",
+            "{} {}, allowed are {}",
             significant(cost, 2),
+            goal.cost_unit(),
             significant(goal.cost, 2)
         ));
     }
     if best.is_some_and(|best| cost > best * (1.0 - NOISE)) {
         return Err(format!(
-            "{} CPU s per simulated s, not less than the best one so far",
-            significant(cost, 2)
+            "{} {}, not less than the best one so far",
+            significant(cost, 2),
+            goal.cost_unit()
         ));
     }
     let demanded = if limited {

@@ -3,6 +3,7 @@
 use crate::scene_file::SceneFile;
 use microsim_scene::{Divergence, End, Runner, Verdict};
 use microsim_settings as settings;
+use nalgebra::Vector3;
 use serde_json::Value;
 use settings::Unit;
 use std::path::Path;
@@ -17,10 +18,11 @@ pub fn heading(file: &SceneFile, path: &Path) -> String {
     for (index, body) in scene.body.iter().enumerate() {
         let built = runner.scene();
         lines.push(format!(
-            "  body      {}: {} tetrahedra, {} nodes",
+            "  body      {}: {} tetrahedra, {} nodes, {}",
             body.name,
             built.body(index).element_count(),
-            built.body(index).rest_positions().len()
+            built.body(index).rest_positions().len(),
+            extent(built.body(index).rest_positions())
         ));
         let values = &file.loaded.document.value()["body"][index]["material"];
         for (material, value) in body
@@ -44,6 +46,19 @@ pub fn heading(file: &SceneFile, path: &Path) -> String {
         Unit::Time.describe(round(runner.step())),
     ));
     lines.join("\n")
+}
+
+/// Size of a body along the axes of the world, which shows a mesh whose unit is not what was meant.
+fn extent(positions: &[Vector3<f64>]) -> String {
+    let sides = [0, 1, 2].map(|axis| {
+        let along = || positions.iter().map(|x| x[axis]);
+        let (low, high) = (
+            along().fold(f64::INFINITY, f64::min),
+            along().fold(f64::NEG_INFINITY, f64::max),
+        );
+        format!("{}", round((high - low) * 1e3))
+    });
+    format!("{} mm", sides.join(" × "))
 }
 
 /// Law and constants of a material, as the file names them.
@@ -246,6 +261,8 @@ mod tests {
             vec!["def".to_owned()],
         ];
         assert_eq!(columns(&rows), "  a    bc\n  def");
+        let corners = [Vector3::zeros(), Vector3::new(0.06, -0.006, 4.0)];
+        assert_eq!(extent(&corners), "60 × 6 × 4000 mm");
         assert_eq!(round(0.000123456), 0.00012346);
         assert_eq!(number(Unit::Length, 0.0321084), "32.108 mm");
         assert_eq!(number(Unit::Force, 7.614e-12), "7.6140e-12 N");

@@ -88,7 +88,7 @@ pub fn course(out: &mut String, report: &Report) {
     if report.moments.is_empty() {
         return;
     }
-    section(out, "Verlauf", "Course");
+    section(out, "Was wann geschah", "What happened when");
     out.push_str("<ol class=\"moments\">\n");
     let lines = lines(&report.moments);
     for (k, line) in lines.iter().enumerate().take(MOST_MOMENTS) {

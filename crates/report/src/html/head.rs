@@ -33,6 +33,9 @@ pub fn head(out: &mut String, report: &Report) {
     );
     banners(out, report);
     verdict(out, report);
+    if let (Verdict::Failed, Some(text)) = (report.verdict, session.foreign_hand()) {
+        let _ = writeln!(out, "<p class=\"banner warn\">{}</p>", spans(&text));
+    }
     better(out, report);
     categories(out, report);
 }
@@ -42,7 +45,9 @@ fn better(out: &mut String, report: &Report) {
     let records = || report.metrics.iter().map(|metric| &metric.record);
     let mut advised: Vec<_> = records().filter(|m| m.within == Some(false)).collect();
     if advised.is_empty() {
-        let lost = records().filter(|m| m.score.is_some_and(|score| score < 100.0));
+        // What the level sets no limit to it may not even want.
+        let lost =
+            records().filter(|m| m.limit.is_some() && m.score.is_some_and(|score| score < 100.0));
         let points = |m: &microsim_message::MetricRecord| m.score.unwrap_or(100.0);
         advised.extend(lost.min_by(|a, b| points(a).total_cmp(&points(b))));
     }
@@ -220,7 +225,7 @@ fn verdict(out: &mut String, report: &Report) {
         let of = "<small> / 100</small>";
         tile(
             bilingual("Punkte", "Score"),
-            format!("{}{of}", spans(&fixed(score, 0))),
+            format!("{}{of}", spans(&fixed(score, 1))),
         );
     }
     tile(

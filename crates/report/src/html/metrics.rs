@@ -132,9 +132,10 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
         );
     }
     let _ = write!(out, "<p class=\"advice\">{}</p>", spans(&record.advice));
+    let explained = explanation(&record.id).map_or_else(String::new, |text| format!(" {text}"));
     let _ = write!(
         out,
-        "<p class=\"small\">{}</p></td>",
+        "<p class=\"small\">{}.{explained}</p></td>",
         direction(&record.direction)
     );
     match (&value, &record.not_applicable) {
@@ -191,6 +192,26 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
         let _ = write!(out, "</td><td>{mark}</td><td class=\"n\">{score}</td>");
     }
     out.push_str("</tr>\n");
+}
+
+/// What a metric is whose name alone says it to few.
+fn explanation(id: &str) -> Option<String> {
+    let (de, en) = match id {
+        "sparc" => (
+            "Länge der Kurve des Geschwindigkeitsspektrums, negativ: je näher an null, desto glatter die Bewegung.",
+            "Length of the curve of the speed's spectrum, negative: the nearer to zero, the smoother the motion.",
+        ),
+        "ldlj" => (
+            "Ruck (Änderung der Beschleunigung) ohne Einheit, als Logarithmus: je näher an null, desto glatter.",
+            "Jerk (change of acceleration) without a unit, as a logarithm: the nearer to zero, the smoother.",
+        ),
+        "idle-fraction" => (
+            "Anteil der Zeit, in der das Instrument so gut wie stillsteht.",
+            "Fraction of the time in which the instrument as good as stands still.",
+        ),
+        _ => return None,
+    };
+    Some(bilingual(de, en))
 }
 
 fn direction(direction: &str) -> String {

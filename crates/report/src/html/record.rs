@@ -280,7 +280,7 @@ pub fn provenance(out: &mut String, report: &Report) {
             session.late_ticks
         );
     }
-    fact(bilingual("Takt", "Tick"), tick);
+    fact(bilingual("Takt (Zeitschritt)", "Tick (time step)"), tick);
     if let Some(error) = session.model_error {
         let off = shown((1e3 * error).ceil() / 10.0, "%");
         fact(

@@ -338,3 +338,94 @@ fn advice_is_about_what_cost_most() {
         "{shown}"
     );
 }
+
+/// What lies side by side with different meanings stays apart for eyes without red or green receptors (Machado, Oliveira & Fernandes 2009,
+/// severity 1), by a CIE 1976 difference of more than 20; 2.3 is just noticeable.
+#[test]
+fn colours_that_mean_different_things_differ_to_the_colour_blind() {
+    const PROTANOPIA: [[f64; 3]; 3] = [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ];
+    const DEUTERANOPIA: [[f64; 3]; 3] = [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ];
+    let style = include_str!("style.css");
+    let colour = |selector: &str| -> [f64; 3] {
+        let from = style
+            .find(selector)
+            .unwrap_or_else(|| panic!("no {selector}"));
+        let from = from + style[from..].find('#').expect("a colour") + 1;
+        [0, 2, 4].map(|k| {
+            let byte = u8::from_str_radix(&style[from + k..from + k + 2], 16);
+            let value = f64::from(byte.expect("a colour")) / 255.0;
+            match value <= 0.04045 {
+                true => value / 12.92,
+                false => ((value + 0.055) / 1.055).powf(2.4),
+            }
+        })
+    };
+    let product = |m: &[[f64; 3]; 3], v: [f64; 3]| {
+        m.map(|row| {
+            row.iter()
+                .zip(v)
+                .map(|(a, b)| a * b)
+                .sum::<f64>()
+                .clamp(0.0, 1.0)
+        })
+    };
+    let lab = |rgb: [f64; 3]| {
+        let to_xyz = [
+            [0.4124 / 0.95047, 0.3576 / 0.95047, 0.1805 / 0.95047],
+            [0.2126, 0.7152, 0.0722],
+            [0.0193 / 1.08883, 0.1192 / 1.08883, 0.9505 / 1.08883],
+        ];
+        let [x, y, z] = product(&to_xyz, rgb).map(|t| match t > 0.008856 {
+            true => t.cbrt(),
+            false => 7.787 * t + 16.0 / 116.0,
+        });
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    };
+    let states = [
+        ".rail .tracked",
+        ".rail .occluded",
+        ".rail .stale",
+        ".rail .unseen",
+    ];
+    let gauge = [".gauge .track", ".gauge .allowed"];
+    for group in [&states[..], &gauge] {
+        for (k, one) in group.iter().enumerate() {
+            for other in &group[k + 1..] {
+                for eye in [PROTANOPIA, DEUTERANOPIA] {
+                    let [a, b] = [one, other].map(|c| lab(product(&eye, colour(c))));
+                    let difference = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+                    assert!(
+                        difference.sqrt() > 20.0,
+                        "{one}, {other}: {}",
+                        difference.sqrt()
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Whoever made a recording elsewhere did not fail this task; the recorded session of a trainee is another matter.
+#[test]
+fn a_failed_run_of_a_recorded_hand_says_so() {
+    let log = log(&[&failed_result(&["depth"])]);
+    let page_of = |input_text: &str| {
+        let session = crate::ReportInput {
+            input: input_text.into(),
+            ..input()
+        };
+        Report::build(&session, [(0, &log[..])]).to_html(&page())
+    };
+    let said = "whoever made it did not know this task";
+    assert!(page_of("recording:hand.csv").contains(said));
+    assert!(!page_of("recording:sessions/a.session").contains(said));
+    assert!(!page_of("script:level1-fail.toml").contains(said));
+}

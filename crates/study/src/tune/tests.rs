@@ -17,6 +17,7 @@ fn goal(error: f64, value: f64) -> Goal {
         error,
         margin: 1.5,
         cost: f64::INFINITY,
+        ends_at_rest: false,
     }
 }
 
@@ -44,6 +45,47 @@ fn the_choice_keeps_the_error_and_the_margin_and_the_others_have_reasons() {
         "{rejected}"
     );
     assert!(rejected.contains("no sum of constraints"), "{rejected}");
+}
+
+/// What rests sooner would else look dearer: the same work over less time.
+#[test]
+fn a_scene_that_ends_at_rest_costs_what_its_run_costs() {
+    let outcome = |simulated| Outcome {
+        status: Status::Ok,
+        values: Vec::new(),
+        energy_drift: None,
+        simulated,
+        cpu: 3.0,
+        iterations: None,
+    };
+    let mut goal = goal(0.1, 1.0);
+    assert_eq!(goal.cost_of(&outcome(2.0)), Some(1.5));
+    assert_eq!(goal.cost_of(&outcome(0.0)), None);
+    goal.ends_at_rest = true;
+    assert_eq!(goal.cost_of(&outcome(2.0)), Some(3.0));
+    assert_eq!(goal.cost_of(&outcome(0.5)), Some(3.0));
+}
+
+/// Whatever takes long is announced before it begins, the measure first.
+#[test]
+fn what_takes_long_is_announced() {
+    let scene = beam(&[]).expect("a scene").settings;
+    let mut announced = Vec::new();
+    in_context(1e3, &|| f64::INFINITY, |context| {
+        let candidates = candidates(context.chart, &scene, ExactKind::Motion, None, None);
+        tune(context, &goal(0.2, f64::NAN), &candidates, &mut |step| {
+            if let TuneStep::Begins(what) = step {
+                announced.push(what.to_owned());
+            }
+        });
+    });
+    assert!(announced[0].contains("on a fine mesh"), "{announced:?}");
+    assert!(announced[1].contains("how far the measure may be off"));
+    assert!(
+        announced[2..]
+            .iter()
+            .any(|what| what.starts_with("the exact solution of"))
+    );
 }
 
 #[test]
