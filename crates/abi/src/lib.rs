@@ -154,6 +154,9 @@ unsafe impl Send for ParallelFor {}
 // SAFETY: the same.
 unsafe impl Sync for ParallelFor {}
 
+/// The ability to give, in place of what is saved, bytes for the state hash whose length does not grow with the run.
+pub const STATE_HASHED: &str = "state.hashed";
+
 /// A plugin, seen from the host. See the table above for threads and states.
 #[sabi_trait]
 pub trait PluginObject: Send {

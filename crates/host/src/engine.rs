@@ -10,7 +10,7 @@ use crate::parallel::Parallel;
 use crate::plan::{PluginKind, RunPlan};
 use crate::span;
 use abi_stable::std_types::{ROption, RResult, RSlice};
-use microsim_abi::{Block as AbiBlock, Call, Fault, Output, PluginBox};
+use microsim_abi::{Block as AbiBlock, Call, Fault, Output, PluginBox, STATE_HASHED};
 use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router, kind_id};
 use microsim_message::{InputSample, LevelControl, Message, core_kinds, decode, encode};
 use microsim_session::{Chain, digest};
@@ -57,7 +57,7 @@ pub struct TickOutput {
 pub struct StateDigest {
     /// Name of the plugin.
     pub plugin: String,
-    /// Digest of the bytes that it saved.
+    /// Digest of the bytes that it saved, or of those that it gives in their place for the hash.
     #[serde(with = "serde_bytes")]
     pub digest: Vec<u8>,
 }
@@ -78,7 +78,9 @@ pub struct Checkpoint {
     pub bus: Vec<u8>,
     /// Saved states in the order of the plan.
     pub states: Vec<serde_bytes::ByteBuf>,
-    /// The running hash behind the digests of `states`: the state hash with which the session that stopped here ended.
+    /// Digests of the states, as they enter the state hash.
+    pub digests: Vec<StateDigest>,
+    /// The running hash behind these digests: the state hash with which the session that stopped here ended.
     #[serde(with = "serde_bytes")]
     pub state_hash: Vec<u8>,
     /// What the host itself remembers.
@@ -95,6 +97,11 @@ pub struct HostState {
     pub controls: Vec<u8>,
     /// Since when the module has to end \[ns\].
     pub ending_since: Option<u64>,
+}
+
+/// What of digests enters the running hash.
+fn parts(digests: &[StateDigest]) -> impl Iterator<Item = &[u8]> {
+    digests.iter().map(|d| d.digest.as_slice())
 }
 
 struct Running {
@@ -355,9 +362,24 @@ impl Engine {
     /// Digests of all saved states. `recorded` stands in for sources that a replay does not run.
     pub fn state_digests(&mut self, recorded: &[StateDigest]) -> Result<Vec<StateDigest>, Failure> {
         let tick = self.tick;
+        let digests = self.digests(recorded)?;
+        self.chain.add(tick, parts(&digests));
+        Ok(digests)
+    }
+
+    fn digests(&mut self, recorded: &[StateDigest]) -> Result<Vec<StateDigest>, Failure> {
+        let tick = self.tick;
         let mut digests = Vec::new();
         for plugin in &mut self.plugins {
-            let digest = match plugin.call("save", tick, |p| p.save())? {
+            let nothing = RSlice::from_slice(&[]);
+            let hashed = plugin.call("extension", tick, |p| {
+                p.extension(STATE_HASHED.into(), nothing)
+            })?;
+            let state = match hashed.and_then(|answer| answer.into_option()) {
+                Some(hashed) => Some(hashed),
+                None => plugin.call("save", tick, |p| p.save())?,
+            };
+            let digest = match state {
                 Some(state) => digest([state.as_slice()]).to_vec(),
                 None => recorded
                     .iter()
@@ -370,9 +392,14 @@ impl Engine {
                 digest,
             });
         }
-        self.chain
-            .add(tick, digests.iter().map(|d| d.digest.as_slice()));
         Ok(digests)
+    }
+
+    /// The running hash with these digests behind it.
+    fn hash_with(&self, digests: &[StateDigest]) -> Hash {
+        let mut chain = self.chain;
+        chain.add(self.tick, parts(digests));
+        chain.value()
     }
 
     /// Digests of the values of all plugins that have any: raw numbers in a fixed order, free of names and encodings, by the ability
@@ -398,51 +425,30 @@ impl Engine {
     /// Everything that evolves, between two ticks.
     pub fn checkpoint(&mut self) -> Result<Checkpoint, Failure> {
         let tick = self.tick;
-        let states = self.saved()?;
+        let mut states = Vec::new();
+        for plugin in &mut self.plugins {
+            let state = plugin.call("save", tick, |p| p.save())?;
+            states.push(state.map(|s| s.to_vec()).unwrap_or_default().into());
+        }
+        let digests = self.digests(&[])?;
         Ok(Checkpoint {
             plan: self.plan.to_vec(),
             tick,
             chain: self.chain.value().to_vec(),
             bus: self.router.save(),
-            state_hash: self.hash_with(&states).to_vec(),
             states,
+            state_hash: self.hash_with(&digests).to_vec(),
+            digests,
             host: HostState::default(),
         })
     }
 
-    /// The saved states in the order of the plan; empty where a plugin does not run.
-    fn saved(&mut self) -> Result<Vec<serde_bytes::ByteBuf>, Failure> {
-        let tick = self.tick;
-        let save = |plugin: &mut Running| {
-            let state = plugin.call("save", tick, |p| p.save())?;
-            Ok(state.map(|s| s.to_vec()).unwrap_or_default().into())
-        };
-        self.plugins.iter_mut().map(save).collect()
-    }
-
-    /// The running hash with the digests of these states behind it.
-    fn hash_with(&self, states: &[serde_bytes::ByteBuf]) -> Hash {
-        let digests: Vec<Hash> = states.iter().map(|s| digest([s.as_slice()])).collect();
-        let mut chain = self.chain;
-        chain.add(self.tick, digests.iter().map(Hash::as_slice));
-        chain.value()
-    }
-
     /// Goes on from a checkpoint as [`Engine::restore`] does, and refuses it unless the states that plugins have then are those whose hash
-    /// was recorded. Of a source that a replay does not run, the state in the checkpoint counts.
+    /// was recorded. Of a source that a replay does not run, the digest in the checkpoint counts.
     pub fn resume(&mut self, checkpoint: &Checkpoint) -> Result<(), Failure> {
         self.restore(checkpoint)?;
-        let mut states = self.saved()?;
-        for (plugin, (state, recorded)) in self
-            .plugins
-            .iter()
-            .zip(states.iter_mut().zip(&checkpoint.states))
-        {
-            if plugin.object.is_none() {
-                state.clone_from(recorded);
-            }
-        }
-        if self.hash_with(&states).as_slice() != checkpoint.state_hash {
+        let digests = self.digests(&checkpoint.digests)?;
+        if self.hash_with(&digests).as_slice() != checkpoint.state_hash {
             let text =
                 "the restored state does not have the state hash that was recorded at this tick";
             return Err(Failure::found("host", "restore", checkpoint.tick, text));

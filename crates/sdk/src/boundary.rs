@@ -140,7 +140,10 @@ impl<P: Plugin> PluginObject for Boundary<P> {
         request: RSlice<'_, u8>,
     ) -> RResult<ROption<RVec<u8>>, AbiFault> {
         self.cross(|plugin| {
-            let answer = plugin.extension(name.as_str(), request.as_slice())?;
+            let answer = match name.as_str() {
+                microsim_abi::STATE_HASHED => plugin.hashed(),
+                name => plugin.extension(name, request.as_slice())?,
+            };
             Ok(answer.map(RVec::from).into())
         })
     }

@@ -154,6 +154,14 @@ impl<E: Exercise> Plugin for Training<E> {
         encode(&parts)
     }
 
+    fn hashed(&self) -> Option<Vec<u8>> {
+        let parts = self.level.as_ref().map(|level| {
+            let run = serde_bytes::ByteBuf::from(level.run.hashed());
+            (run, level.shown, &level.state)
+        });
+        Some(encode(&parts))
+    }
+
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
         let parts: Option<(serde_bytes::ByteBuf, bool, E::State)> = decode_bytes(state)?;
         if let (Some(level), Some((run, shown, state))) = (&mut self.level, parts) {

@@ -396,13 +396,19 @@ impl LevelRun {
 
     /// All that evolves, as bytes.
     pub fn save(&self) -> Vec<u8> {
+        self.state(|log| log.to_bytes())
+    }
+
+    /// What stands for all that evolves in the state hash: as [`LevelRun::save`], with a running digest in place of each tool's motion, which
+    /// grows as long as the run lasts.
+    pub fn hashed(&self) -> Vec<u8> {
+        self.state(|log| log.digest().to_vec())
+    }
+
+    fn state(&self, log: impl Fn(&MotionLog) -> Vec<u8>) -> Vec<u8> {
         microsim_message::encode(&State {
             level: self.machine.state().clone(),
-            logs: self
-                .logs
-                .iter()
-                .map(|(_, log)| log.to_bytes().into())
-                .collect(),
+            logs: self.logs.iter().map(|(_, l)| log(l).into()).collect(),
             own: self.own.clone(),
             reasons: self.reasons.clone(),
             input_ended: self.input_ended,

@@ -114,6 +114,12 @@ pub trait Plugin: Send + Sized + 'static {
     /// Observers (renderer, recorder) have no state that a run may depend on and return none.
     fn save(&self) -> Vec<u8>;
 
+    /// What stands for all that evolves in the state hash, for a state that grows without end: bytes whose length does not, which differ
+    /// whenever those of [`Plugin::save`] do. `None`: what is saved is hashed.
+    fn hashed(&self) -> Option<Vec<u8>> {
+        None
+    }
+
     /// The opposite of [`Plugin::save`], in this or another process, after `initialise` with an equal set-up.
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault>;
 

@@ -103,6 +103,18 @@ pub struct MotionLog {
     breaks: Vec<usize>,
     /// The next sample starts a new segment.
     gap_pending: bool,
+    /// Over all samples so far and where segments were broken.
+    digest: RunningDigest,
+}
+
+/// A digest that grows with the log, so that its cost per sample does not depend on how long the log is.
+#[derive(Debug, Clone, Default)]
+struct RunningDigest(blake3::Hasher);
+
+impl PartialEq for RunningDigest {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.finalize() == other.0.finalize()
+    }
 }
 
 /// Sample count, break count, pending flag.
@@ -122,12 +134,26 @@ impl MotionLog {
     /// Appends a sample, tip in the field frame; its quaternion need not be of unit length, and must not be zero.
     pub fn push(&mut self, sample: ToolPose) -> Result<(), MotionError> {
         check(&sample, self.samples.last())?;
-        if self.gap_pending {
+        let starts_segment = std::mem::take(&mut self.gap_pending);
+        if starts_segment {
             self.breaks.push(self.samples.len());
-            self.gap_pending = false;
         }
-        self.samples.push(sample);
+        self.add(sample, starts_segment);
         Ok(())
+    }
+
+    fn add(&mut self, sample: ToolPose, starts_segment: bool) {
+        let digest = &mut self.digest.0;
+        digest.update(&[u8::from(starts_segment)]);
+        digest.update(&sample_bytes(&sample));
+        self.samples.push(sample);
+    }
+
+    /// A digest of the whole log: equal for equal logs. Unlike [`to_bytes`](Self::to_bytes) it costs the same however long the log is.
+    pub fn digest(&self) -> [u8; 33] {
+        let mut digest = [u8::from(self.gap_pending); 33];
+        digest[1..].copy_from_slice(self.digest.0.finalize().as_bytes());
+        digest
     }
 
     /// Marks that the tool was not tracked (or the level paused) since the last sample: the next one starts a new segment,
@@ -169,12 +195,7 @@ impl MotionLog {
         bytes.extend((self.breaks.len() as u64).to_le_bytes());
         bytes.push(u8::from(self.gap_pending));
         for sample in &self.samples {
-            let [x, y, z] = sample.pose.position;
-            let [qx, qy, qz, qw] = sample.pose.orientation;
-            for value in [sample.time, x, y, z, qx, qy, qz, qw, sample.opening] {
-                bytes.extend(value.to_le_bytes());
-            }
-            bytes.push(HAS_OPENING);
+            bytes.extend(sample_bytes(sample));
         }
         for &index in &self.breaks {
             bytes.extend((index as u64).to_le_bytes());
@@ -230,6 +251,7 @@ impl MotionLog {
                 .map_err(|error| MotionBytesError::Sample { index, error })?;
             log.samples.push(sample);
         }
+        let samples = std::mem::take(&mut log.samples);
         let mut previous = 0;
         for _ in 0..break_count {
             let index = reader.take_u64().ok_or(cut)?;
@@ -239,6 +261,11 @@ impl MotionLog {
             log.breaks.push(index as usize);
             previous = index;
         }
+        let mut breaks = log.breaks.clone().into_iter().peekable();
+        for (index, sample) in samples.into_iter().enumerate() {
+            let starts_segment = breaks.next_if_eq(&index).is_some();
+            log.add(sample, starts_segment);
+        }
         log.gap_pending = match pending {
             0 => false,
             1 if sample_count > 0 => true,
@@ -246,6 +273,18 @@ impl MotionLog {
         };
         Ok(log)
     }
+}
+
+/// A sample in [`MotionLog::to_bytes`].
+fn sample_bytes(sample: &ToolPose) -> [u8; SAMPLE_BYTES] {
+    let [x, y, z] = sample.pose.position;
+    let [qx, qy, qz, qw] = sample.pose.orientation;
+    let values = [sample.time, x, y, z, qx, qy, qz, qw, sample.opening];
+    let mut bytes = [HAS_OPENING; SAMPLE_BYTES];
+    for (bytes, value) in bytes.chunks_exact_mut(8).zip(values) {
+        bytes.copy_from_slice(&value.to_le_bytes());
+    }
+    bytes
 }
 
 /// Length of a contiguous stretch of samples \[m\]: Σ|p_{k+1} − p_k| (DOMAIN 2).
