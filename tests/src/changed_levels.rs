@@ -5,6 +5,7 @@ use serde_json::Value;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
+use std::process::Command;
 
 /// A tree of its own, gone with this value. All but the levels are links.
 #[derive(Debug)]
@@ -57,9 +58,15 @@ impl ChangedLevels {
     /// `microsim run MODULE --json ARGS…` on this tree; its standard output.
     #[track_caller]
     pub fn run(&self, session: &Path, args: &[&str]) -> Value {
-        let mut command = command(["run", &self.module, "--json", "--session"]);
-        command.arg(session).arg("--root").arg(self.folder.path());
-        finish(command.args(args)).expect(0).json()
+        let mut command = self.command(&["run", &self.module, "--json", "--session"]);
+        finish(command.arg(session).args(args)).expect(0).json()
+    }
+
+    /// The program on this tree.
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = command(["--root".as_ref(), self.folder.path().as_os_str()]);
+        command.args(args);
+        command
     }
 }
 

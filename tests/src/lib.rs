@@ -11,6 +11,8 @@
 //! - [`in_process`]: a run in the test's own process;
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
 //! - [`live`]: a tree with a source that has a timer of its own;
+//! - [`long`]: runs of any length, and what they cost;
+//! - [`measured`]: CPU time and memory of the program;
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
 //! - [`system`]: the linear system of a body, phase by phase;
@@ -27,6 +29,8 @@ pub mod digests;
 pub mod in_process;
 pub mod kill;
 pub mod live;
+pub mod long;
+pub mod measured;
 pub mod simulated;
 pub mod statistics;
 pub mod system;

@@ -100,6 +100,12 @@ pub const SOAKS: &[Program] = &[
         shows: "how far the solver comes in every script, shipped and crippled",
     },
     Program {
+        name: "sessions",
+        package: TESTS,
+        example: "soak_sessions",
+        shows: "sessions of up to two hours: CPU per second, memory of report and replay",
+    },
+    Program {
         name: "cuts",
         package: "microsim-cutting",
         example: "soak_cuts",

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::io::{ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
 
 /// Exit status.
@@ -71,11 +71,47 @@ pub fn complain(text: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "microsim: {}", harmless(&text));
 }
 
+/// Writes whole lines as [`harmless`] shows them.
+struct HarmlessLines<W> {
+    out: W,
+    /// What came behind the last line feed.
+    rest: Vec<u8>,
+}
+
+impl<W: Write> Write for HarmlessLines<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.rest.extend(bytes);
+        if let Some(end) = self.rest.iter().rposition(|byte| *byte == b'\n') {
+            let behind = self.rest.split_off(end + 1);
+            let lines = std::mem::replace(&mut self.rest, behind);
+            let text = String::from_utf8_lossy(&lines);
+            self.out.write_all(harmless(&text).as_bytes())?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
+    }
+}
+
 /// Writes a line to standard output.
 pub fn print(text: impl Display) -> Result<(), Problem> {
-    let text = text.to_string();
-    let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", harmless(&text)).map_err(|error| match error.kind() {
+    print_long(|out| write!(out, "{text}"))
+}
+
+/// Writes to standard output what is too long to be in memory at once, line by line, with a line feed behind it.
+pub fn print_long(
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), Problem> {
+    let mut out = BufWriter::new(HarmlessLines {
+        out: std::io::stdout().lock(),
+        rest: Vec::new(),
+    });
+    let written = write(&mut out)
+        .and_then(|()| writeln!(out))
+        .and_then(|()| out.flush());
+    written.map_err(|error| match error.kind() {
         ErrorKind::BrokenPipe => Problem::BrokenPipe,
         // What writing to a closed terminal gives.
         _ if error.raw_os_error() == Some(rustix::io::Errno::IO.raw_os_error()) => {
@@ -100,7 +136,8 @@ pub fn print_json(value: &serde_json::Value) -> Result<(), Problem> {
 
 #[cfg(test)]
 mod tests {
-    use super::harmless;
+    use super::{HarmlessLines, harmless};
+    use std::io::Write;
 
     /// A title with the command that renames or clears a terminal.
     #[test]
@@ -108,5 +145,18 @@ mod tests {
         assert_eq!(harmless("a\tb\nc äµ"), "a\tb\nc äµ");
         assert_eq!(harmless("\u{1b}]0;x\u{7}"), "\\u001b]0;x\\u0007");
         assert_eq!(harmless("\u{9b}2J"), "\\u009b2J");
+    }
+    /// However the bytes are cut: here behind each of them, also within a character.
+    #[test]
+    fn long_texts_command_no_terminal_either() {
+        let mut lines = HarmlessLines {
+            out: Vec::new(),
+            rest: Vec::new(),
+        };
+        for byte in "ä\u{9b}2J\n\u{7f}µ\n".bytes() {
+            lines.write_all(&[byte]).expect("memory");
+        }
+        let shown = String::from_utf8(lines.out).expect("text");
+        assert_eq!(shown, "ä\\u009b2J\n\\u007fµ\n");
     }
 }

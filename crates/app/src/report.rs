@@ -2,7 +2,7 @@
 
 use crate::cli::{Place, ReportArgs};
 use crate::key_pictures::{key_pictures, not_asked};
-use crate::output::{Exit, Problem, print, print_json};
+use crate::output::{Exit, Problem, print, print_long};
 use crate::replace_file::replace;
 use crate::session_file::{installation, read_around, report_of};
 use microsim_report::{Language, Page, Report, Verdict};
@@ -42,8 +42,7 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
         replace(path, report.series_csv().as_bytes())?;
     }
     if args.json {
-        let value: serde_json::Value = serde_json::from_str(&report.to_json())?;
-        print_json(&value)?;
+        print_long(|out| report.write_json(out))?;
     } else {
         print(summary(&report))?;
     }

@@ -33,6 +33,14 @@ impl Report {
         // Plain data with string keys cannot fail.
         serde_json::to_string_pretty(self).expect("plain data")
     }
+
+    /// The same, written as it is made: that of a long session is long.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn write_json(&self, out: impl std::io::Write) -> std::io::Result<()> {
+        serde_json::to_writer_pretty(out, self).map_err(std::io::Error::from)
+    }
 }
 
 /// Makes a report tick by tick, as a session is read.

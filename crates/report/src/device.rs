@@ -36,22 +36,27 @@ pub struct DeviceRecord {
 /// Gathers the samples of each device, devices in the order of their first sample.
 #[derive(Default)]
 pub(crate) struct DeviceCollector {
-    devices: Vec<(String, Vec<InputSample>)>,
+    /// Each device with the time \[s\] and position \[m\] of its samples, `None` where it did not see the instrument: no more of them than is
+    /// measured, as a long session has many.
+    devices: Vec<(String, Vec<(f64, Option<[f64; 3]>)>)>,
 }
 
 impl DeviceCollector {
     pub fn add(&mut self, sample: InputSample) {
-        match self.devices.iter_mut().find(|d| d.0 == sample.device) {
-            Some((_, samples)) => samples.push(sample),
-            None => self.devices.push((sample.device.clone(), vec![sample])),
-        }
+        let at = self.devices.iter().position(|d| d.0 == sample.device);
+        let at = at.unwrap_or_else(|| {
+            self.devices.push((sample.device, Vec::new()));
+            self.devices.len() - 1
+        });
+        let position = sample.visible.then_some(sample.pose.position);
+        self.devices[at].1.push((sample.device_time, position));
     }
 
     pub fn finish(self) -> Vec<DeviceRecord> {
         self.devices
             .into_iter()
             .map(|(device, samples)| {
-                let raw = RawStatistics::of(&samples, None);
+                let raw = RawStatistics::of_path(samples.iter().copied(), None);
                 DeviceRecord {
                     device,
                     samples: raw.samples,

@@ -45,10 +45,14 @@ pub(crate) struct MotionCollector {
 }
 
 struct ToolSamples {
-    tool: String,
     /// Simulated time − device time at the first sample \[s\].
     offset: f64,
-    samples: Vec<ToolSample>,
+    /// Until the threshold of gaps is known, `segment` is 1 where the tool was lost before the sample, and `speed` the distance from the
+    /// sample before over the time from it, whatever that time is.
+    series: ToolSeries,
+    /// Times of the samples by the device's clock \[s\].
+    times: Vec<f64>,
+    lost: bool,
 }
 
 impl MotionCollector {
@@ -57,18 +61,20 @@ impl MotionCollector {
         if !sample.time.is_finite() {
             return;
         }
-        let at = match self.tools.iter().position(|t| t.tool == sample.tool) {
-            Some(at) => at,
-            None => {
-                self.tools.push(ToolSamples {
+        let at = self.tools.iter().position(|t| t.series.tool == sample.tool);
+        let at = at.unwrap_or_else(|| {
+            self.tools.push(ToolSamples {
+                offset: now - sample.time,
+                series: ToolSeries {
                     tool: sample.tool.clone(),
-                    offset: now - sample.time,
-                    samples: Vec::new(),
-                });
-                self.tools.len() - 1
-            }
-        };
-        self.tools[at].samples.push(sample);
+                    ..ToolSeries::default()
+                },
+                times: Vec::new(),
+                lost: false,
+            });
+            self.tools.len() - 1
+        });
+        self.tools[at].add(&sample);
     }
 
     pub fn finish(self) -> Vec<ToolSeries> {
@@ -77,45 +83,42 @@ impl MotionCollector {
 }
 
 impl ToolSamples {
+    fn add(&mut self, sample: &ToolSample) {
+        if !sample.tracked || !sample.pose.position.iter().all(|x| x.is_finite()) {
+            self.lost = true;
+            return;
+        }
+        let series = &mut self.series;
+        let before = self.times.last().zip(series.position.last());
+        let lost = std::mem::take(&mut self.lost) && before.is_some();
+        let speed = before.and_then(|(time, position)| {
+            let [from, to] = [*position, sample.pose.position].map(Vector3::from);
+            let interval = sample.time - time;
+            // A speed that no number states is none.
+            let stated = distance(&to, &from) / interval;
+            (interval > 0.0 && stated.is_finite()).then_some(stated)
+        });
+        series.time.push(sample.time + self.offset);
+        series.segment.push(u32::from(lost));
+        series.position.push(sample.pose.position);
+        series.speed.push(speed);
+        self.times.push(sample.time);
+    }
+
     fn series(self) -> ToolSeries {
         // One definition of a gap for the raw input and the tools.
-        let path = self.samples.iter().map(|sample| {
-            let position = sample.tracked.then_some(sample.pose.position);
-            (sample.time, position)
-        });
-        let threshold = RawStatistics::of_path(path, None)
+        let times = self.times.iter().map(|time| (*time, Some([0.0; 3])));
+        let threshold = RawStatistics::of_path(times, None)
             .gap_threshold_s
             .unwrap_or(f64::INFINITY);
-        let mut series = ToolSeries {
-            tool: self.tool,
-            ..ToolSeries::default()
-        };
-        let mut before: Option<&ToolSample> = None;
+        let mut series = self.series;
         let mut segment = 0;
-        let mut lost = false;
-        for sample in &self.samples {
-            if !sample.tracked || !sample.pose.position.iter().all(|x| x.is_finite()) {
-                lost = true;
-                continue;
+        for (index, pair) in (1..).zip(self.times.windows(2)) {
+            if series.segment[index] > 0 || pair[1] - pair[0] > threshold {
+                segment += 1;
+                series.speed[index] = None;
             }
-            let mut speed = None;
-            if let Some(before) = before {
-                let interval = sample.time - before.time;
-                if lost || interval > threshold {
-                    segment += 1;
-                } else if interval > 0.0 {
-                    let [from, to] = [before, sample].map(|s| Vector3::from(s.pose.position));
-                    // A speed that no number states is none.
-                    let stated = distance(&to, &from) / interval;
-                    speed = stated.is_finite().then_some(stated);
-                }
-            }
-            series.time.push(sample.time + self.offset);
-            series.segment.push(segment);
-            series.position.push(sample.pose.position);
-            series.speed.push(speed);
-            before = Some(sample);
-            lost = false;
+            series.segment[index] = segment;
         }
         series
     }

@@ -1,0 +1,53 @@
+//! CPU time and memory of the program, as the kernel counts them.
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// Pause between two looks at a running process.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// Clock ticks of the kernel per second in `/proc`: 100 on every Linux (`USER_HZ`).
+const HERTZ: f64 = 100.0;
+
+/// What a command cost.
+#[derive(Clone, Copy, Debug)]
+pub struct Cost {
+    /// CPU time of all threads \[s\].
+    pub cpu: f64,
+    /// Largest resident memory \[MB\], of 10⁶ bytes.
+    pub memory: f64,
+}
+
+/// Runs a command to its end, its output thrown away.
+///
+/// # Panics
+/// If it does not end with status 0, or this is no Linux.
+pub fn cost(command: &mut Command) -> Cost {
+    let quiet = command.stdin(Stdio::null()).stdout(Stdio::null());
+    let mut child = quiet.spawn().expect("the program starts");
+    let folder = format!("/proc/{}", child.id());
+    let mut memory = 0.0;
+    // What has ended is not reaped until `wait`, so that its times can still be read.
+    let times = loop {
+        let stat = fs::read_to_string(format!("{folder}/stat")).expect("a Linux");
+        // Behind the name, which stands in parentheses: the state is the third field, user and system time the 14th and 15th.
+        let fields = stat.rsplit(')').next().unwrap_or_default();
+        let fields: Vec<&str> = fields.split_whitespace().collect();
+        if fields[0] == "Z" {
+            let ticks = |n: usize| -> f64 { fields[n - 3].parse().expect("a number") };
+            break ticks(14) + ticks(15);
+        }
+        let status = fs::read_to_string(format!("{folder}/status")).unwrap_or_default();
+        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let peak = peak.and_then(|peak| peak.trim().strip_suffix(" kB")?.parse::<f64>().ok());
+        memory = peak.map_or(memory, |kib| kib * 1024.0 / 1e6);
+        std::thread::sleep(LOOK);
+    };
+    let status = child.wait().expect("the program ends");
+    assert!(status.success(), "{command:?}: {status}");
+    Cost {
+        cpu: times / HERTZ,
+        memory,
+    }
+}
