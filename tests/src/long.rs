@@ -20,19 +20,43 @@ fn level() -> ChangedLevels {
     })
 }
 
-/// Two tools that go to and fro above the spheres for so many seconds.
-fn script(seconds: u32) -> String {
-    let mut text = String::from("rate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n");
-    for (tool, side) in [("right", 1), ("left", -1)] {
-        let _ = write!(text, "\n[[tool]]\nname = \"{tool}\"\n");
-        for leg in 0..=seconds / LEG {
-            let (x, z) = (side * (4 + (leg % 3) as i32), 12 + leg % 2);
-            let _ = write!(
-                text,
-                "\n[[tool.key]]\nt = {}\nposition = [\"{x} mm\", \"0 mm\", \"{z} mm\"]\ndirection = [0, 0, 1]\n",
-                leg * LEG
-            );
-        }
+/// Interval of the samples \[ms\].
+const INTERVAL: u32 = 16;
+
+/// What the columns of [`recording`] mean.
+const MAP: &str = r#"
+licence = "Apache-2.0"
+source = "made by the tests"
+[time]
+column = "t"
+unit = "s"
+[[device]]
+name = "right"
+position = ["rx", "ry", "rz"]
+position_unit = "mm"
+quaternion = ["rqx", "rqy", "rqz", "rqw"]
+[[device]]
+name = "left"
+position = ["lx", "ly", "lz"]
+position_unit = "mm"
+quaternion = ["lqx", "lqy", "lqz", "lqw"]
+"#;
+
+/// Two tools that go to and fro above the spheres for so many seconds, each leg of minimum jerk. A recording, as scripts end after an hour.
+fn recording(seconds: u32) -> String {
+    let mut text = String::from("t,rx,ry,rz,rqx,rqy,rqz,rqw,lx,ly,lz,lqx,lqy,lqz,lqw\n");
+    for sample in 0..=seconds * 1000 / INTERVAL {
+        let t = f64::from(sample * INTERVAL) / 1e3;
+        let leg = (t / f64::from(LEG)).floor();
+        let tau = t / f64::from(LEG) - leg;
+        let way = tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau);
+        let between = |from: f64, to: f64| from + way * (to - from);
+        let x = between(4.0 + leg % 3.0, 4.0 + (leg + 1.0) % 3.0);
+        let z = between(12.0 + leg % 2.0, 12.0 + (leg + 1.0) % 2.0);
+        let _ = writeln!(
+            text,
+            "{t:.3},{x:.6},0,{z:.6},0,0,0,1,-{x:.6},0,{z:.6},0,0,0,1"
+        );
     }
     text
 }
@@ -48,8 +72,10 @@ pub struct Length {
     pub run: Cost,
     /// `report`.
     pub report: Cost,
-    /// `replay --verify`.
+    /// `replay`.
     pub replay: Cost,
+    /// `replay --verify`.
+    pub verify: Cost,
 }
 
 /// Measures a run of so many simulated seconds.
@@ -58,10 +84,11 @@ pub struct Length {
 /// If one of the commands fails.
 pub fn length(seconds: u32) -> Length {
     let (folder, level) = (scratch(), level());
-    let input = folder.path().join("long.toml");
-    fs::write(&input, script(seconds)).expect("a script");
+    let input = folder.path().join("long.csv");
+    fs::write(&input, recording(seconds)).expect("a recording");
+    fs::write(folder.path().join("long.toml"), MAP).expect("its columns");
     let session = folder.path().join("long.session");
-    let input = format!("script:{}", input.display());
+    let input = format!("recording:{}", input.display());
     let run = [
         "run",
         "touch-spheres",
@@ -82,6 +109,7 @@ pub fn length(seconds: u32) -> Length {
         file: bytes as f64 / 1e6,
         run,
         report: command(&["report"], &session),
-        replay: command(&["replay", "--verify"], &session),
+        replay: command(&["replay"], &session),
+        verify: command(&["replay", "--verify"], &session),
     }
 }

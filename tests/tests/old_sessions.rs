@@ -65,6 +65,19 @@ fn a_run_of_the_version_before_signatures() {
     assert_eq!(report["session"]["complaint"], Value::Null);
 }
 
+/// From before state hashes were those of running digests.
+#[test]
+fn a_run_of_the_version_before_running_digests() {
+    let report = report("format3-touch-spheres-level1", "0.3.0 (record format 3)");
+    assert_eq!(report["verdict"], "failed");
+    assert_eq!(metric(&report, "time"), Some(3.008));
+    assert_eq!(
+        report["session"]["state_hash"],
+        "ab1d3375828b7459df97f54d35b077088198dba726b0d3680f1b38f17e5cc831"
+    );
+    assert_eq!(report["session"]["complaint"], Value::Null);
+}
+
 /// With forces, whose fields have other names since.
 #[test]
 fn a_run_with_tissue() {

@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, cuts, followers, stability, scenes, trainees"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, followers, stability, scenes, trainees"
                     .into()
             )
         );

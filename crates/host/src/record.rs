@@ -28,7 +28,7 @@ pub mod kind {
 }
 
 /// Version of the records that this host writes and recomputes.
-pub const RECORD_FORMAT: u32 = 3;
+pub const RECORD_FORMAT: u32 = 4;
 
 /// The first version with signatures.
 const SIGNED_FORMAT: u32 = 3;

@@ -98,6 +98,7 @@ impl LevelRules {
             idle_speed_m_s: given.idle_speed,
             movement_speed_m_s: given.movement_speed,
             smoothing_s: given.smoothing,
+            idle_smoothing_s: given.idle_smoothing,
             ..training::MetricParameters::default()
         };
         parameters.check().map_err(|e| fault(&e))?;

@@ -6,8 +6,9 @@ use std::fmt;
 /// The first bytes of every checkpoint file.
 pub const CHECKPOINT_MAGIC: &[u8; 20] = b"MicroSim checkpoint\n";
 
-/// The version of the format that is written, and the only one that is read. Version 1 was a bare payload.
-pub const CHECKPOINT_VERSION: u32 = 2;
+/// The version of the format that is written, and the only one that is read. Version 1 was a bare payload; 2 had no digests of
+/// the states.
+pub const CHECKPOINT_VERSION: u32 = 3;
 
 /// Bytes before the payload: magic line, version, digest.
 const PRELUDE: usize = CHECKPOINT_MAGIC.len() + 4 + 32;

@@ -338,9 +338,10 @@ table! {
         idle_speed: f64 = quantity(Unit::Speed, 1e-6, 1.0) => 0.0001,
         /// Its upward crossings count as movements, with a hysteresis of half of it \[m/s\].
         movement_speed: f64 = quantity(Unit::Speed, 1e-6, 1.0) => 0.001,
-        /// Standard deviation of the Gaussian that smooths positions before idle time, movements and bimanual metrics
-        /// \[s\].
+        /// Standard deviation of the Gaussian that smooths positions before movements and the correlation of speeds \[s\].
         smoothing: f64 = time(0.0, 1.0) => 0.05,
+        /// The same before the idle and the bimanual fraction \[s\]: what is left of tremor has to be slower than `idle_speed`.
+        idle_smoothing: f64 = time(0.0, 1.0) => 0.08,
         /// Rate at which segments are sampled evenly \[Hz\].
         resample_rate: f64 = quantity(Unit::Frequency, 60.0, 1000.0) => 60.0,
         /// A longer time without a valid pose splits the motion in two segments \[s\].

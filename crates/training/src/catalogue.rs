@@ -128,9 +128,9 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         decimals: 0,
         direction: Direction::Lower,
         category: Category::Efficiency,
-        formula: Cow::Borrowed("idle-fraction/1"),
+        formula: Cow::Borrowed("idle-fraction/2"),
         source: Cow::Borrowed(
-            "fraction of time with a smoothed speed below v0; separates attendings from juniors (Lyon 2025)",
+            "fraction of time with a speed below v0, smoothed so that what is left of tremor is slower; separates attendings from juniors (Lyon 2025)",
         ),
         advice: LocalText::fixed(
             "Planen Sie den nächsten Schritt, während Sie den jetzigen beenden.",
@@ -164,9 +164,9 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         decimals: 2,
         direction: Direction::Higher,
         category: Category::Handling,
-        formula: Cow::Borrowed("sparc/1"),
+        formula: Cow::Borrowed("sparc/2"),
         source: Cow::Borrowed(
-            "spectral arc length of the speed, 10 Hz, threshold 0.05 (Balasubramanian 2012/2015)",
+            "spectral arc length of the speed, 10 Hz, threshold 0.05 (Balasubramanian 2012/2015), mean over the movements",
         ),
         advice: LocalText::fixed(
             "Beschleunigen und bremsen Sie gleichmäßig, ohne Halt auf dem Weg.",
@@ -216,9 +216,9 @@ pub static MOTION_METRICS: [MetricDefinition; 13] = [
         decimals: 0,
         direction: Direction::Higher,
         category: Category::Handling,
-        formula: Cow::Borrowed("bimanual-fraction/1"),
+        formula: Cow::Borrowed("bimanual-fraction/2"),
         source: Cow::Borrowed(
-            "fraction of the common time in which the smoothed speeds of both tools are at least v0",
+            "fraction of the common time in which the speeds of both tools, smoothed as for the idle fraction, are at least v0",
         ),
         advice: LocalText::fixed(
             "Lassen Sie die andere Hand mitarbeiten: Sie stellt das Gewebe ein, während die erste sich nähert.",
@@ -288,7 +288,7 @@ mod tests {
                 metric
                     .formula
                     .rsplit_once('/')
-                    .is_some_and(|(_, version)| version == "1"),
+                    .is_some_and(|(_, version)| version.parse::<u32>().is_ok_and(|v| v > 0)),
                 "{}",
                 metric.id
             );

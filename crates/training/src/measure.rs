@@ -1,7 +1,10 @@
 //! From motion logs to the metrics of the catalogue.
 //!
 //! Each log is split at its gaps, and each metric is formed inside segments. Sums (path, angle, movements) add up over
-//! segments; fractions, smoothness and tremor are the mean over the segments that allow them, weighted by their duration.
+//! segments; fractions, LDLJ and tremor are the mean over the segments that allow them, weighted by their duration.
+//! SPARC is that of single movements, as its authors define it, and its mean over them, each of which counts alike, as in
+//! their tables: a run of many is otherwise judged by its rhythm. A movement is what the number of movements counts, found
+//! in the speed that is smoothed as for the idle fraction, with its feet, if it is whole (`signal::whole_movements`).
 //! Several tools are combined alike: sums add up (the working volume too, box by box), means run over the
 //! segments of all tools. With more than one tracked tool each metric also stands for every tool by itself.
 
@@ -21,6 +24,13 @@ const RATE_SLACK: f64 = 1e-6;
 
 /// Fraction of v0 by which a speed must vary (root mean square) to be correlated with another: below it is round-off.
 const VARIATION_MIN: f64 = 1e-3;
+
+/// Shorter movements have no SPARC \[s\]: the spectrum of a bell of duration T ends near 2/T, which for 0.2 s are the 10 Hz that SPARC
+/// looks at.
+const SPARC_MOVEMENT_MIN_S: f64 = 0.2;
+
+/// Longer ones have none either \[s\]: motion that does not come to rest for a minute is no discrete movement.
+const SPARC_MOVEMENT_MAX_S: f64 = 60.0;
 
 /// One line of a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -115,7 +125,7 @@ struct Tool<'a> {
     tally: Tally,
 }
 
-/// One metric gathered over segments.
+/// One metric gathered over segments, weighted by their durations, or over movements, each with weight 1.
 #[derive(Debug, Clone, Default)]
 struct Pool {
     total: f64,
@@ -224,21 +234,21 @@ impl Tally {
             &signal::smooth(&positions, rate, parameters.smoothing_s),
             rate,
         );
-        let (idle, movements) = if speed.is_empty() {
-            (
-                Err(NotApplicable::SegmentTooShort),
-                Err(NotApplicable::SegmentTooShort),
-            )
-        } else {
-            let idle = speed
-                .iter()
-                .filter(|&&value| value < parameters.idle_speed_m_s)
-                .count();
-            let movements = signal::count_movements(&speed, parameters.movement_speed_m_s);
-            (Ok(idle as f64 / speed.len() as f64), Ok(movements as f64))
+        let movements = match speed.is_empty() {
+            true => Err(NotApplicable::SegmentTooShort),
+            false => Ok(signal::movements(&speed, parameters.movement_speed_m_s).len() as f64),
+        };
+        self.movements.add(movements, duration);
+        let calm = signal::speed(
+            &signal::smooth(&positions, rate, parameters.idle_smoothing_s),
+            rate,
+        );
+        let rests = |value: &&f64| **value < parameters.idle_speed_m_s;
+        let idle = match calm.is_empty() {
+            true => Err(NotApplicable::SegmentTooShort),
+            false => Ok(calm.iter().filter(rests).count() as f64 / calm.len() as f64),
         };
         self.idle.add(idle, duration);
-        self.movements.add(movements, duration);
 
         let spectral = spectral_segment(segment.len(), duration, parameters);
         let speed = signal::speed(&positions, rate);
@@ -253,16 +263,39 @@ impl Tally {
             }
         });
         let formed = |value: Option<f64>| value.ok_or(NotApplicable::NoMotion);
-        self.sparc.add(
-            moved.clone().and_then(|()| formed(sparc(&speed, rate))),
-            duration,
-        );
+        self.add_sparc(&moved, &speed, &calm, parameters);
         self.ldlj
             .add(moved.and_then(|()| formed(ldlj(&speed, rate))), duration);
         self.tremor.add(
             spectral.and_then(|()| formed(tremor_rms(&positions, rate))),
             duration,
         );
+    }
+
+    /// SPARC of each movement in a segment with that speed and the smoothed one.
+    fn add_sparc(
+        &mut self,
+        moved: &Result<(), NotApplicable>,
+        speed: &[f64],
+        calm: &[f64],
+        parameters: &MetricParameters,
+    ) {
+        let rate = parameters.resample_hz;
+        let lasts = (SPARC_MOVEMENT_MIN_S * rate)..=(SPARC_MOVEMENT_MAX_S * rate);
+        let movements = signal::whole_movements(calm, parameters.movement_speed_m_s);
+        let mut values = movements
+            .into_iter()
+            .filter(|movement| lasts.contains(&(movement.len() as f64)))
+            .filter_map(|movement| sparc(&speed[movement], rate))
+            .peekable();
+        let found = moved.clone().and(match values.peek() {
+            Some(_) => Ok(()),
+            None => Err(NotApplicable::NoMotion),
+        });
+        match found {
+            Ok(()) => values.for_each(|value| self.sparc.add(Ok(value), 1.0)),
+            Err(reason) => self.sparc.add(Err(reason), 0.0),
+        }
     }
 
     fn merge(&mut self, other: &Tally) {
@@ -377,24 +410,26 @@ fn bimanual(tools: &[Tool], parameters: &MetricParameters) -> Bimanual {
                 continue;
             }
             let rate = parameters.resample_hz;
-            let [speed_a, speed_b] = [a, b].map(|segment| {
-                let positions = signal::resample(segment, start, end, rate);
-                signal::speed(
-                    &signal::smooth(&positions, rate, parameters.smoothing_s),
-                    rate,
-                )
-            });
-            if speed_a.is_empty() {
+            let positions = [a, b].map(|segment| signal::resample(segment, start, end, rate));
+            let speeds = |sigma| {
+                let smooth = |positions: &Vec<_>| signal::smooth(positions, rate, sigma);
+                positions
+                    .each_ref()
+                    .map(|p| signal::speed(&smooth(p), rate))
+            };
+            let [calm_a, calm_b] = speeds(parameters.idle_smoothing_s);
+            if calm_a.is_empty() {
                 continue;
             }
             let v0 = parameters.idle_speed_m_s;
-            let both = speed_a
+            let both = calm_a
                 .iter()
-                .zip(&speed_b)
+                .zip(&calm_b)
                 .filter(|(x, y)| **x >= v0 && **y >= v0)
                 .count();
-            fraction.add(Ok(both as f64 / speed_a.len() as f64), end - start);
+            fraction.add(Ok(both as f64 / calm_a.len() as f64), end - start);
             if end - start >= parameters.segment_min_s {
+                let [speed_a, speed_b] = speeds(parameters.smoothing_s);
                 let value = signal::correlation(&speed_a, &speed_b, VARIATION_MIN * v0);
                 correlation.add(value.ok_or(NotApplicable::NoMotion), end - start);
             }

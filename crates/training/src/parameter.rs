@@ -25,12 +25,16 @@ pub struct MetricParameters {
     /// v0: slower is idle \[m/s\], 10⁻⁶..1. Default 0.1 mm/s, the lower end of fine work.
     pub idle_speed_m_s: f64,
     /// v_th: a movement begins above it and ends below half of it \[m/s\], 10⁻⁶..1. Default 1 mm/s: half of it is the upper
-    /// end of fine work, so that movements are those from place to place.
+    /// end of fine work, so that movements are those from place to place. SPARC is formed of movements by the same threshold.
     pub movement_speed_m_s: f64,
-    /// Standard deviation of the Gaussian that smooths positions before the speed for idle time, movements and bimanual
-    /// metrics is formed \[s\], 0..1. Default 0.05: 30 % less at 2.65 Hz, where deliberate motion ends; 4 % left of a tremor
-    /// at 8 Hz. Unsmoothed, a tremor of 50 µm alone moves the tip at some mm/s, and nobody would ever be idle.
+    /// Standard deviation of the Gaussian that smooths positions before the speed for movements and the correlation of speeds is
+    /// formed \[s\], 0..1. Default 0.05: 30 % less at 2.65 Hz, where deliberate motion ends; 4 % left of a tremor at 8 Hz.
     pub smoothing_s: f64,
+    /// The same for the idle and the bimanual fraction \[s\], 0..1. Default 0.08: of a tremor of amplitude A and frequency f it leaves a
+    /// speed of at most A·2πf·exp(−2π²σ²f²), for the largest and slowest tremor of hands, 200 µm at 6 Hz (DOMAIN 1), 0.080 mm/s: below
+    /// v0. With 0.05 it would be 1.3 mm/s, and a hand that only trembles would count as one that works. A higher v0 in its place would
+    /// call fine work idle.
+    pub idle_smoothing_s: f64,
 }
 
 impl Default for MetricParameters {
@@ -43,6 +47,7 @@ impl Default for MetricParameters {
             idle_speed_m_s: 1e-4,
             movement_speed_m_s: 1e-3,
             smoothing_s: 0.05,
+            idle_smoothing_s: 0.08,
         }
     }
 }
@@ -83,7 +88,7 @@ impl std::error::Error for ParameterError {}
 
 impl MetricParameters {
     /// All parameters with their ranges, in the order of the fields.
-    pub fn listed(&self) -> [Parameter; 7] {
+    pub fn listed(&self) -> [Parameter; 8] {
         let parameter = |name, value, min, max| Parameter {
             name,
             value,
@@ -98,6 +103,7 @@ impl MetricParameters {
             parameter("idle_speed_m_s", self.idle_speed_m_s, 1e-6, 1.0),
             parameter("movement_speed_m_s", self.movement_speed_m_s, 1e-6, 1.0),
             parameter("smoothing_s", self.smoothing_s, 0.0, 1.0),
+            parameter("idle_smoothing_s", self.idle_smoothing_s, 0.0, 1.0),
         ]
     }
 

@@ -6,6 +6,7 @@
 
 use crate::motion::distance;
 use microsim_message::ToolPose;
+use std::ops::Range;
 
 /// Slack in the number of samples that fit a duration, in samples: keeps the last one in spite of rounded times.
 const COUNT_SLACK: f64 = 1e-6;
@@ -95,20 +96,42 @@ pub fn smooth(positions: &[[f64; 3]], rate: f64, sigma: f64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Number of movements (ICSAD idea, DOMAIN 2): how often the speed rises through `threshold` after having been below
-/// half of it. A segment that begins above the threshold begins with a movement.
-pub fn count_movements(speed: &[f64], threshold: f64) -> usize {
-    let mut count = 0;
-    let mut moving = false;
-    for &value in speed {
-        if !moving && value >= threshold {
-            moving = true;
-            count += 1;
-        } else if moving && value < 0.5 * threshold {
-            moving = false;
+/// The movements (ICSAD idea, DOMAIN 2) as ranges of indices: from where the speed rises through `threshold`, after having been below
+/// half of it, to where it falls below half of it. A segment that begins above the threshold begins with a movement, and the last one
+/// may last to its end.
+pub fn movements(speed: &[f64], threshold: f64) -> Vec<Range<usize>> {
+    let mut movements: Vec<Range<usize>> = Vec::new();
+    let mut begin = None;
+    for (index, &value) in speed.iter().enumerate() {
+        if begin.is_none() && value >= threshold {
+            begin = Some(index);
+        } else if value < 0.5 * threshold {
+            movements.extend(begin.take().map(|begin| begin..index));
         }
     }
-    count
+    movements.extend(begin.map(|begin| begin..speed.len()));
+    movements
+}
+
+/// The [`movements`] that are whole, each with its feet: from the last minimum of the speed before it rises through half of `threshold` to
+/// the first one after it has fallen below that, so that the profile has no edge where a threshold cuts it. One that the segment's begin
+/// or end cuts off is left out.
+pub fn whole_movements(speed: &[f64], threshold: f64) -> Vec<Range<usize>> {
+    let low = |value: &f64| *value < 0.5 * threshold;
+    let with_feet = |movement: Range<usize>| {
+        let mut first = speed[..movement.start].iter().rposition(low)?;
+        let mut last = movement.end;
+        speed.get(last)?;
+        while first > 0 && speed[first - 1] < speed[first] {
+            first -= 1;
+        }
+        while last + 1 < speed.len() && speed[last + 1] < speed[last] {
+            last += 1;
+        }
+        Some(first..last + 1)
+    };
+    let movements = movements(speed, threshold).into_iter();
+    movements.filter_map(with_feet).collect()
 }
 
 /// Pearson's correlation of two series of equal length, −1..1; `None` if one of them deviates by no more than `floor`
@@ -205,6 +228,7 @@ mod tests {
 
     #[test]
     fn movements_of_synthetic_profiles() {
+        let count = |speed: &[f64], threshold| movements(speed, threshold).len();
         for bumps in [0, 1, 7] {
             let profile: Vec<f64> = (0..bumps * 100)
                 .map(|k| {
@@ -213,27 +237,33 @@ mod tests {
                 })
                 .collect();
             assert_eq!(
-                count_movements(&profile, 1.0),
+                count(&profile, 1.0),
                 bumps,
                 "{bumps} bumps of 3, threshold 1"
             );
         }
         assert_eq!(
-            count_movements(&[0.0, 1.1, 0.6, 1.1, 0.6, 1.1], 1.0),
+            count(&[0.0, 1.1, 0.6, 1.1, 0.6, 1.1], 1.0),
             1,
             "dips above half do not end a movement"
         );
+        assert_eq!(count(&[0.0, 1.1, 0.4, 1.1], 1.0), 2, "dips below half do");
+        assert_eq!(count(&[0.9, 0.99, 0.0], 1.0), 0);
+        assert_eq!(count(&[2.0, 2.0, 0.0, 2.0], 1.0), 2, "begins in motion");
+    }
+
+    #[test]
+    fn whole_movements_have_their_feet_and_are_not_cut() {
+        //             0    1    2    3    4    5    6    7    8    9    10   11
+        let speed = [0.1, 0.0, 0.2, 0.7, 0.6, 1.2, 0.8, 0.4, 0.1, 0.3, 1.1, 0.4];
+        assert_eq!(whole_movements(&speed, 1.0), [1..9, 8..12]);
+        assert_eq!(whole_movements(&speed[..11], 1.0), [1..9], "cut by the end");
         assert_eq!(
-            count_movements(&[0.0, 1.1, 0.4, 1.1], 1.0),
-            2,
-            "dips below half do"
+            whole_movements(&speed[3..], 1.0),
+            [5..9],
+            "cut by the begin"
         );
-        assert_eq!(count_movements(&[0.9, 0.99, 0.0], 1.0), 0);
-        assert_eq!(
-            count_movements(&[2.0, 2.0, 0.0, 2.0], 1.0),
-            2,
-            "begins in motion"
-        );
+        assert!(whole_movements(&[], 1.0).is_empty());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Smoothness of a speed profile: spectral arc length and log dimensionless jerk.
 //!
-//! SPARC: Balasubramanian, Melendez-Calderon, Burdet (2012) and the 2015 paper "On the analysis of movement smoothness".
+//! SPARC: Balasubramanian, Melendez-Calderon, Burdet (2012) and the 2015 paper "On the analysis of movement smoothness". It is defined for
+//! one movement: the speed profile of several, with rests between them, has the spectrum of their rhythm.
 //! LDLJ: the same 2015 paper. Definitions and check values: DOMAIN 2.
 //!
 //! LDLJ lives on second differences: noise, the sampling rate and the interpolation all move it. Compare values of the

@@ -22,7 +22,7 @@ fn host() -> TestHost<Module> {
             "source": "this test", "provisional": true, "reason": "pushed-too-hard",
         }],
         "metrics": {
-            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05,
+            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05, "idle_smoothing": 0.08,
             "resample_rate": 60.0, "gap": 0.1, "shortest_path": null,
         },
         "own_metrics": [{

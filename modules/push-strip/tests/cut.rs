@@ -53,7 +53,7 @@ fn ready() -> TestHost<Module> {
         "models": { "forceps": tool("forceps", 0.0), "scissors": tool("scissors", 1.0) },
         "limits": [limit("cut-distance", 0.001, "cut-beside-the-mark"), limit("stray-cut", 1e-8, "stray-cut")],
         "metrics": {
-            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05,
+            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05, "idle_smoothing": 0.08,
             "resample_rate": 60.0, "gap": 0.1, "shortest_path": null,
         },
         "own_metrics": [own_metric("cut-distance", "m"), own_metric("stray-cut", "m^2"), own_metric("drops", "count")],

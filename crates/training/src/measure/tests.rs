@@ -163,9 +163,110 @@ fn working_volume_is_that_of_the_box() {
 #[test]
 fn idle_share_of_a_tool_that_rests_half_the_time() {
     let a = log(0.0, 20.0, 60.0, |t| [1e-3 * t.min(10.0), 0.0, 0.0]);
-    // The Gaussian reaches 3 · 0.05 s across the moment of stopping.
+    // The Gaussian reaches 3 · 0.08 s across the moment of stopping.
     let idle = number(&[("a", &a)], id::IDLE_FRACTION);
-    assert!((idle - 0.5).abs() < 0.15 / 20.0 + 1.0 / 1200.0, "{idle}");
+    assert!((idle - 0.5).abs() < 0.24 / 20.0 + 1.0 / 1200.0, "{idle}");
+}
+
+/// DOMAIN 1: tremor has up to 200 µm, its peak between 6 and 12 Hz. A·2πf·exp(−2π²σ²f²) is largest at the lowest frequency: beyond
+/// f = 1/(2πσ) = 2 Hz the exponential wins. Where a segment ends there is less to smooth with: 3 · 0.08 s at either end of 10 s are left out.
+#[test]
+fn a_hand_that_only_trembles_is_idle_and_a_slow_one_that_trembles_is_not() {
+    let parameters = MetricParameters::default();
+    let left = |amplitude: f64, f: f64, sigma: f64| {
+        let w = 2.0 * PI * f;
+        amplitude * w * libm::exp(-0.5 * (w * sigma) * (w * sigma))
+    };
+    let worst = left(200e-6, 6.0, parameters.idle_smoothing_s);
+    assert!(worst < parameters.idle_speed_m_s, "{worst}");
+    assert!(left(200e-6, 6.0, 0.05) > parameters.idle_speed_m_s);
+    let ends = 2.0 * 0.24 / 10.0;
+    for f in [6.0, 8.0, 10.0, 12.0] {
+        let tremor = move |t: f64| 200e-6 * libm::sin(2.0 * PI * f * t);
+        let still = log(0.0, 10.0, 62.5, |t| [0.0, tremor(t), 0.0]);
+        assert!(number(&[("a", &still)], id::IDLE_FRACTION) > 1.0 - ends);
+        // Fine work: 0.3 mm/s, across the tremor.
+        let working = log(0.0, 10.0, 62.5, |t| [3e-4 * t, tremor(t), 0.0]);
+        assert!(number(&[("a", &working)], id::IDLE_FRACTION) < ends);
+        let pair = |a, b| number(&[("a", a), ("b", b)], id::BIMANUAL_FRACTION);
+        assert!(pair(&working, &still) < ends, "{f} Hz");
+        assert!(pair(&working, &working) > 1.0 - ends, "{f} Hz");
+    }
+}
+
+/// One movement of minimum jerk in one second from 1 s on, at rest before and behind it.
+fn one_movement(t: f64) -> [f64; 3] {
+    let tau = (t - 1.0).clamp(0.0, 1.0);
+    [
+        8e-3 * tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau),
+        0.0,
+        0.0,
+    ]
+}
+
+/// Over a whole run SPARC measured the rhythm of movement and rest: ten movements were "less smooth" than one of them. Now a
+/// movement has the value that its speed has by itself, 30·(τ² − 2τ³ + τ⁴), however often it comes and however long the rests are; only
+/// the length of its feet differs, which the smoothing sets.
+#[test]
+fn smoothness_is_that_of_a_movement_and_not_of_the_rhythm() {
+    let profile: Vec<f64> = (0..60)
+        .map(|k| (f64::from(k) + 0.5) / 60.0)
+        .map(|tau| 30.0 * tau * tau * (1.0 - tau) * (1.0 - tau))
+        .collect();
+    let expected = sparc(&profile, 60.0).expect("a bell");
+    let one = log(0.0, 3.0, 60.0, one_movement);
+    let of_one = number(&[("a", &one)], id::SPARC);
+    // The spectrum of padded values is that of unpadded ones; the number of bins along the arc differs with the padded length.
+    assert!(
+        (of_one / expected - 1.0).abs() < 0.01,
+        "{of_one} {expected}"
+    );
+    let cycle = |period: f64| {
+        move |t: f64| {
+            let [x, ..] = one_movement(t - period * (t / period).floor());
+            [x + 8e-3 * (t / period).floor(), 0.0, 0.0]
+        }
+    };
+    for period in [3.0, 5.0] {
+        let ten = log(0.0, 10.0 * period, 60.0, cycle(period));
+        let of_ten = number(&[("a", &ten)], id::SPARC);
+        assert!((of_ten / of_one - 1.0).abs() < 1e-6, "{of_ten} {of_one}");
+        let calm = signal::speed(
+            &signal::resample(ten.samples(), 0.0, 10.0 * period, 60.0),
+            60.0,
+        );
+        let whole = sparc(&calm, 60.0).expect("motion");
+        assert!(whole < 2.0 * of_one, "over the whole run: {whole}");
+    }
+    // A halting movement is less smooth, and counts as one movement among others, by number and not by length.
+    let halting = log(0.0, 4.0, 60.0, |t| {
+        let u = (t - 1.0).clamp(0.0, 2.0);
+        [
+            4e-3 * (u - 0.8 * libm::sin(4.0 * PI * u) / (4.0 * PI)),
+            0.0,
+            0.0,
+        ]
+    });
+    let of_halting = number(&[("a", &halting)], id::SPARC);
+    assert!(of_halting < of_one - 0.5, "{of_halting} {of_one}");
+    let both = number(&[("a", &one), ("b", &halting)], id::SPARC);
+    assert!((both - 0.5 * (of_one + of_halting)).abs() < 1e-12);
+}
+
+/// What begins before the tool is seen, or does not come to rest, has no whole profile.
+#[test]
+fn a_movement_that_the_segment_cuts_has_no_smoothness() {
+    let late = log(0.0, 2.0, 60.0, |t| one_movement(t + 1.5));
+    assert_eq!(reason(&[("a", &late)], id::SPARC), NotApplicable::NoMotion);
+    let early = log(0.0, 1.5, 60.0, one_movement);
+    assert_eq!(reason(&[("a", &early)], id::SPARC), NotApplicable::NoMotion);
+    let restless = log(0.0, 70.0, 60.0, |t| {
+        [4e-3 * libm::sin(t), 4e-3 * libm::cos(t), 0.0]
+    });
+    assert_eq!(
+        reason(&[("a", &restless)], id::SPARC),
+        NotApplicable::NoMotion
+    );
 }
 
 #[test]
@@ -207,7 +308,7 @@ fn means_over_segments_are_weighted_by_duration() {
     let (a, b) = (log(0.0, 6.0, 64.0, long), log(16.0, 2.0, 64.0, short));
     let mut both = a.clone();
     extend(&mut both, 16.0, 2.0, 64.0, short);
-    for metric in [id::SPARC, id::LDLJ, id::TREMOR, id::IDLE_FRACTION] {
+    for metric in [id::LDLJ, id::TREMOR, id::IDLE_FRACTION] {
         let expected =
             (6.0 * number(&[("a", &a)], metric) + 2.0 * number(&[("a", &b)], metric)) / 8.0;
         let found = number(&[("a", &both)], metric);
@@ -225,10 +326,9 @@ fn means_over_segments_are_weighted_by_duration() {
     // A stretch too short for a spectrum does not change the mean of the others.
     extend(&mut both, 32.0, 0.5, 64.0, short);
     let expected =
-        (6.0 * number(&[("a", &a)], id::SPARC) + 2.0 * number(&[("a", &b)], id::SPARC)) / 8.0;
+        (6.0 * number(&[("a", &a)], id::LDLJ) + 2.0 * number(&[("a", &b)], id::LDLJ)) / 8.0;
     assert!(
-        (number(&[("a", &both)], id::SPARC) - expected).abs()
-            <= 4.0 * f64::EPSILON * expected.abs()
+        (number(&[("a", &both)], id::LDLJ) - expected).abs() <= 4.0 * f64::EPSILON * expected.abs()
     );
 }
 
@@ -360,7 +460,7 @@ fn two_hands() {
     let late = log(2.0, 6.0, 60.0, |t| [8e-3 * (t - 3.0).max(0.0), 0.0, 0.0]);
     let fraction = number(&[("a", &fast), ("b", &late)], id::BIMANUAL_FRACTION);
     assert!(
-        (fraction - 0.5).abs() < (0.15 + 1.0 / 60.0) / 6.0,
+        (fraction - 0.5).abs() < (0.24 + 1.0 / 60.0) / 6.0,
         "of the common 6 s, by the reach of the filter: {fraction}"
     );
     let third = log(0.0, 8.0, 60.0, |t| [1e-3 * t, 0.0, 0.0]);
@@ -404,7 +504,7 @@ proptest! {
         let (a, b) = (log(0.0, 4.0, 62.5, position), log(0.0, 4.0, 62.5, turned));
         // Positions carry round-off of 10⁻¹⁷ m. Relative to a path of millimetres that is 10⁻¹³ over 250 steps; the
         // second differences of LDLJ see it (60 Hz)³ times as large, 10⁻¹² m/s³ … against jerks of 10⁻² m/s³.
-        for (metric, tolerance) in [(id::PATH_LENGTH, 1e-11), (id::SPARC, 1e-9), (id::LDLJ, 1e-8), (id::TREMOR, 1e-9)] {
+        for (metric, tolerance) in [(id::PATH_LENGTH, 1e-11), (id::LDLJ, 1e-8), (id::TREMOR, 1e-9)] {
             let (a, b) = (number(&[("a", &a)], metric), number(&[("a", &b)], metric));
             prop_assert!((a - b).abs() <= tolerance * a.abs(), "{}: {} {}", metric, a, b);
         }
@@ -420,9 +520,9 @@ fn recording_of_a_real_hand() {
         (id::PATH_LENGTH, 1.109962618375232),
         (id::ANGULAR_PATH, 9.60602693723165),
         (id::WORKING_VOLUME, 7.45134626592543e-4),
-        (id::IDLE_FRACTION, 0.010863287747428322),
+        (id::IDLE_FRACTION, 0.00573340186669828),
         (id::MOVEMENTS, 19.0),
-        (id::SPARC, -3.0451418759094673),
+        (id::SPARC, -2.697615281439572),
         (id::LDLJ, -17.435833414117912),
         (id::TREMOR, 2.28062884248577e-05),
     ];

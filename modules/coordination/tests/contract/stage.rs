@@ -70,7 +70,7 @@ pub fn config(task: &str, limits: Value) -> Value {
         "models": { "forceps": tool(0.0), "scissors": tool(1.0) },
         "limits": limits,
         "metrics": {
-            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05, "resample_rate": 60.0, "gap": 0.1,
+            "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05, "idle_smoothing": 0.08, "resample_rate": 60.0, "gap": 0.1,
             "shortest_path": null,
         },
         "own_metrics": [
