@@ -49,8 +49,8 @@ fn recording(seconds: u32) -> String {
         let t = f64::from(sample * INTERVAL) / 1e3;
         let leg = (t / f64::from(LEG)).floor();
         let tau = t / f64::from(LEG) - leg;
-        let way = tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau);
-        let between = |from: f64, to: f64| from + way * (to - from);
+        let part = tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau);
+        let between = |from: f64, to: f64| from + part * (to - from);
         let x = between(4.0 + leg % 3.0, 4.0 + (leg + 1.0) % 3.0);
         let z = between(12.0 + leg % 2.0, 12.0 + (leg + 1.0) % 2.0);
         let _ = writeln!(

@@ -33,12 +33,13 @@ pub struct DeviceRecord {
     pub gap_threshold_s: Option<f64>,
 }
 
+/// Time \[s\] and position \[m\] of a sample, `None` where the device did not see the instrument: no more than is measured, as a long session has many.
+type Sample = (f64, Option<[f64; 3]>);
+
 /// Gathers the samples of each device, devices in the order of their first sample.
 #[derive(Default)]
 pub(crate) struct DeviceCollector {
-    /// Each device with the time \[s\] and position \[m\] of its samples, `None` where it did not see the instrument: no more of them than is
-    /// measured, as a long session has many.
-    devices: Vec<(String, Vec<(f64, Option<[f64; 3]>)>)>,
+    devices: Vec<(String, Vec<Sample>)>,
 }
 
 impl DeviceCollector {
