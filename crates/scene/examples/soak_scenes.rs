@@ -115,18 +115,20 @@ fn row(path: &Path, tally: &mut Tally) -> Result<String, String> {
         .partition(|verdict| scene.expect[verdict.expect].regression);
     let met = |of: &[&Verdict]| of.iter().filter(|verdict| verdict.met).count();
     let diverged = matches!(runner.end(), Some(End::Diverged(_)));
+    let gains_energy = runner.energy_growth().is_some();
     let missed = verdicts.iter().filter(|verdict| !verdict.met).count();
     tally.scenes += 1;
     tally.expected += expected.len();
     tally.regressions += regressions.len();
-    tally.missed += missed + usize::from(diverged && missed == 0);
+    tally.missed += missed + usize::from((diverged || gains_energy) && missed == 0);
     tally.stated += usize::from(scene.accuracy.is_some());
     if scene.accuracy.is_none() && scene.no_stated_error.is_none() {
         return Err(format!("{name}: neither `accuracy` nor `no_stated_error`"));
     }
-    let verdict = match (diverged, missed) {
-        (true, _) => "diverged",
-        (false, 0) => "met",
+    let verdict = match (diverged, gains_energy, missed) {
+        (true, ..) => "DIVERGED",
+        (_, true, _) => "GAINS ENERGY",
+        (.., 0) => "met",
         _ => "MISSED",
     };
     let mut row = format!(

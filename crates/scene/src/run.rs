@@ -164,6 +164,8 @@ pub(crate) struct Contact {
     over_limit: f64,
     stick: f64,
     weight: f64,
+    /// \[m\].
+    depth: f64,
     /// Of the jaws \[N·s\].
     pub grip: f64,
     pressure: f64,
@@ -359,6 +361,7 @@ impl Runner {
             sum.over_limit += contact.over_limit_s;
             sum.stick += contact.stick_fraction * contact.impulse_ns;
             sum.weight += contact.impulse_ns;
+            sum.depth = sum.depth.max(contact.max_depth_m);
             sum.grip += contact.grip_n * length;
             sum.pressure = sum.pressure.max(contact.jaw_pressure_pa);
         }

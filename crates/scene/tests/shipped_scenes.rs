@@ -35,6 +35,7 @@ fn assert_one_met(name: &str, overrides: &[&str]) {
         "{name}: {:?}",
         runner.end()
     );
+    assert_eq!(runner.energy_growth(), None, "{name}");
     for verdict in runner.verdicts() {
         assert!(verdict.met, "{name}: {verdict:?}");
     }

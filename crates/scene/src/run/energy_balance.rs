@@ -53,7 +53,10 @@ impl EnergyBalance {
         if !self.applies {
             return;
         }
-        let touched = contacts.iter().any(|contact| contact.weight > 0.0);
+        // Old overlaps are undone without a force.
+        let touched = contacts
+            .iter()
+            .any(|contact| contact.weight > 0.0 || contact.depth > 0.0);
         let total = energy + potential(scene) - self.start;
         if touched || edited || scene.time() <= self.last_event {
             self.least = None;
