@@ -169,7 +169,7 @@ fn apply(plan: &Plan, tree: &Path) -> Result<(usize, usize), Failure> {
     Ok((written, removed))
 }
 
-/// The file with the digests of the libraries that the build brings.
+/// The file with the digests of the libraries that the build brings, and of the files that decide what a level is.
 const HASHES: &str = "installed.b3";
 
 /// Whether a file is a library.
@@ -178,15 +178,22 @@ fn is_library(place: &Path) -> bool {
     name.starts_with(DLL_PREFIX) && name.ends_with(DLL_SUFFIX)
 }
 
-/// Has the program that was built write the digests of the libraries beside it.
+/// Whether a file decides what a level is: manifests of modules, their levels, shapes of tools.
+fn decides_level(place: &Path) -> bool {
+    let parts: Vec<_> = place.iter().filter_map(|part| part.to_str()).collect();
+    matches!(
+        parts[..],
+        ["modules", _, "module.toml"] | ["modules", _, "levels", _] | ["config", "tools", _]
+    )
+}
+
+/// Has the program that was built write the digests beside it.
 fn write_hashes(plan: &Plan, tree: &Path) -> Result<(), Failure> {
-    let libraries = plan.keys().filter(|place| is_library(place));
+    let files = plan
+        .keys()
+        .filter(|place| is_library(place) || decides_level(place));
     let mut program = Command::new(tree.join(format!("microsim{EXE_SUFFIX}")));
-    program
-        .arg("--root")
-        .arg(tree)
-        .arg("digests")
-        .args(libraries);
+    program.arg("--root").arg(tree).arg("digests").args(files);
     let output = program.output();
     let output = output.map_err(|e| cannot("run", &tree.join("microsim"), &e))?;
     if !output.status.success() {

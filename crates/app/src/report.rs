@@ -109,6 +109,12 @@ pub fn summary(report: &Report) -> String {
     if let Some(made) = &s.synthetic {
         lines.push(format!("    synthetic trainee: {made}"));
     }
+    if !s.changed_files.is_empty() {
+        lines.push(format!(
+            "    not the level that was installed: {}",
+            s.changed_files.join(", ")
+        ));
+    }
     for (id, text) in report.failed.iter().zip(&report.reasons) {
         lines.push(format!("    {id}: {}", text.en));
     }

@@ -119,6 +119,7 @@ pub fn report_of(session: &Session, path: &Path) -> Result<Report, Problem> {
         bodies: body_names(plan),
         synthetic: plan.synthetic.clone(),
         model_error: plan.model_error,
+        changed_files: plan.changed_files.clone(),
         realtime: session.header.realtime,
         without: plan.without.clone(),
         state_hash: session

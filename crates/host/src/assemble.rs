@@ -112,6 +112,10 @@ fn compare(recorded: &RunPlan, installed: &RunPlan) -> Vec<String> {
         recorded.model_error == installed.model_error,
         "the stated model error",
     );
+    note(
+        recorded.changed_files == installed.changed_files,
+        "which files of the level are not as installed",
+    );
     let computed = |plan: &RunPlan| -> Vec<PlannedPlugin> {
         let plugins = plan.plugins.iter().filter(|p| !p.kind.is_observer());
         plugins.cloned().collect()
@@ -137,8 +141,7 @@ fn compare(recorded: &RunPlan, installed: &RunPlan) -> Vec<String> {
 fn tool_models(installation: &Installation, level: &Level) -> Result<ToolModels, AssembleError> {
     let mut models = ToolModels::new();
     for slot in &level.tool {
-        let file = format!("{}.toml", slot.model);
-        let path = installation.config.join("tools").join(file);
+        let path = installation.tool_file(&slot.model);
         models.insert(slot.model.clone(), settings::load_tool(&path)?.settings);
     }
     Ok(models)
@@ -160,6 +163,13 @@ impl Planner<'_> {
         let host = &self.installation.host;
         let tick_ns = level.clock.tick_us() * 1000;
         let physics = !self.request.leaves_out(PluginKind::Physics.name());
+        let tools = level
+            .tool
+            .iter()
+            .map(|slot| self.installation.tool_file(&slot.model));
+        let changed_files =
+            self.installation
+                .changed(self.module, self.level.document.path(), tools)?;
         let mut plan = RunPlan {
             module: self.request.module.clone(),
             module_title: manifest.title.clone(),
@@ -179,6 +189,7 @@ impl Planner<'_> {
             queue_messages: host.queue.messages,
             queue_bytes: host.queue.bytes,
             model_error: level.model_error().filter(|_| physics),
+            changed_files,
             without: self.request.without.clone(),
             plugins: Vec::new(),
             parts: settings::level_parts(level, &self.request.without)

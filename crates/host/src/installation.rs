@@ -1,15 +1,17 @@
 //! What is installed below one folder: plugins, modules with their levels, and how the host runs sessions.
 
 use crate::guest::GuestRules;
+use crate::library::file_hash;
 use crate::request::AssembleError;
 use microsim_settings as settings;
-use settings::{Level, Loaded, Manifest};
+use settings::{Level, Loaded, Manifest, ModuleFolder};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// The file below an installation with the digests of the libraries that it brought, as `b3sum --check` reads it.
+/// The file below an installation with the digests of the libraries that it brought, and of manifests of modules, levels and shapes of tools,
+/// as `b3sum --check` reads it.
 pub const HASHES: &str = "installed.b3";
 
 /// Where else plugins and modules lie: folders with one folder for each, or the folder of one.
@@ -56,7 +58,7 @@ pub struct Installation {
     pub complaints: Vec<settings::ConfigError>,
     /// Which plugins run in a process of their own, and how.
     pub guests: Guests,
-    /// Libraries that the installation brought, by their path, with their digests.
+    /// Files that the installation brought, by their path, with their digests.
     hashes: BTreeMap<PathBuf, String>,
     /// Levels that were read already, by their files: each is parsed once in a process.
     levels: Mutex<BTreeMap<PathBuf, Arc<Loaded<Level>>>>,
@@ -98,14 +100,44 @@ impl Installation {
         })
     }
 
-    /// Whether the installation brought this library, as it is.
-    pub(crate) fn brought(&self, library: &Path, hash: &str) -> bool {
-        self.hash_of(library).is_some_and(|known| known == hash)
+    /// Whether the installation brought this file, as it is.
+    pub(crate) fn brought(&self, file: &Path, hash: &str) -> bool {
+        self.hash_of(file).is_some_and(|known| known == hash)
     }
 
-    /// The digest with which the installation brought a library.
-    pub(crate) fn hash_of(&self, library: &Path) -> Option<&String> {
-        self.hashes.get(library)
+    /// The digest with which the installation brought a file.
+    pub(crate) fn hash_of(&self, file: &Path) -> Option<&String> {
+        self.hashes.get(file)
+    }
+
+    /// Those of the files of a level of a module that are not as the installation brought them, `config/` and `modules/` before their names.
+    /// Of a module that it did not bring, and by an installation without digests, nothing is said.
+    pub(crate) fn changed(
+        &self,
+        module: &ModuleFolder,
+        level: &Path,
+        tools: impl Iterator<Item = PathBuf>,
+    ) -> Result<Vec<String>, AssembleError> {
+        let manifest = module.manifest.document.path();
+        if self.hash_of(manifest).is_none() {
+            return Ok(Vec::new());
+        }
+        let files = [manifest.to_path_buf(), level.to_path_buf()];
+        let mut changed = Vec::new();
+        for file in files.into_iter().chain(tools) {
+            let hash =
+                file_hash(&file).map_err(|e| AssembleError(format!("{}: {e}", file.display())))?;
+            if self.brought(&file, &hash) {
+                continue;
+            }
+            let name = [(&self.config, "config"), (&self.root, "")]
+                .into_iter()
+                .find_map(|(folder, name)| {
+                    Some(Path::new(name).join(file.strip_prefix(folder).ok()?))
+                });
+            changed.push(name.unwrap_or(file).display().to_string());
+        }
+        Ok(changed)
     }
 
     /// The manifest of a plugin.
@@ -130,7 +162,7 @@ impl Installation {
     }
 
     /// A module with its levels.
-    pub fn module(&self, name: &str) -> Result<&settings::ModuleFolder, AssembleError> {
+    pub fn module(&self, name: &str) -> Result<&ModuleFolder, AssembleError> {
         let found = self
             .tree
             .modules
@@ -212,6 +244,11 @@ impl Installation {
         Ok(read)
     }
 
+    /// The file with the shape of a tool.
+    pub(crate) fn tool_file(&self, model: &str) -> PathBuf {
+        self.config.join("tools").join(format!("{model}.toml"))
+    }
+
     /// A file by the name that an operator gave: as it stands, or below the installation.
     pub fn find(&self, given: &Path, folders: &[PathBuf]) -> PathBuf {
         let mut candidates = vec![given.to_path_buf(), self.root.join(given)];
@@ -221,7 +258,7 @@ impl Installation {
     }
 }
 
-/// The digests of the libraries that the installation brought; none where it has no such file.
+/// The digests of the files that the installation brought; none where it has no such file.
 fn hashes(root: &Path) -> Result<BTreeMap<PathBuf, String>, AssembleError> {
     let path = root.join(HASHES);
     if !path.exists() {

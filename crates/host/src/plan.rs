@@ -154,6 +154,9 @@ pub struct RunPlan {
     /// Relative error of the tissue that the level states as measured; `None` if it states none, or without physics.
     #[serde(default)]
     pub model_error: Option<f64>,
+    /// Files of the level that are not as the installation brought them: the task is another one than that of this name.
+    #[serde(default)]
+    pub changed_files: Vec<String>,
     /// Kinds that were left out on purpose; such a run is no result.
     pub without: Vec<String>,
     /// Plugins in the order of a tick.

@@ -41,6 +41,9 @@ pub struct ReportInput {
     /// Relative error of the tissue that the level states as measured; `None` if it states none.
     #[serde(default)]
     pub model_error: Option<f64>,
+    /// Files of the level that are not as the installation brought them.
+    #[serde(default)]
+    pub changed_files: Vec<String>,
     /// Whether ticks were paced by the wall clock.
     pub realtime: bool,
     /// What was left out of the computation; if anything, the run is no result.

@@ -254,3 +254,27 @@ fn a_broken_module_hides_itself_alone() {
         "{check}"
     );
 }
+
+/// Tissue that is stiffer or a limit that is looser is another task: the report says which file it was.
+#[test]
+fn an_edited_level_is_not_the_installed_one() {
+    let tree = tree();
+    let changed = |file: &str| {
+        for file in ["x.session", "x.json"] {
+            let _ = std::fs::remove_file(tree.path(file));
+        }
+        let printed = run(&tree, "script:level1-pass.toml", &["--no-pictures"]).expect(0);
+        assert_eq!(
+            printed.out.contains("not the level that was installed"),
+            !file.is_empty()
+        );
+        assert!(printed.out.contains(file), "{printed:?}");
+        let text = std::fs::read_to_string(tree.path("x.json")).expect("a report");
+        let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        report["session"]["changed_files"].clone()
+    };
+    assert_eq!(changed(""), json!([]));
+    let file = "modules/touch-spheres/levels/level1.toml";
+    tree.edit(file, "max = \"120 s\"", "max = \"119 s\"");
+    assert_eq!(changed(file), json!([file]));
+}

@@ -106,6 +106,23 @@ fn banners(out: &mut String, report: &Report) {
             ),
         );
     }
+    if !session.changed_files.is_empty() {
+        let files = escape(&session.changed_files.join(", "));
+        banner(
+            "stop",
+            bilingual(
+                "Nicht die ausgelieferte Aufgabe.",
+                "Not the level that was installed.",
+            ),
+            format!(
+                "{} <code>{files}</code>",
+                bilingual(
+                    "Grenzwerte, Gewebe oder Instrumente können andere sein; angegebene Fehler des Gewebes gelten nicht. Geändert:",
+                    "Limits, tissue or tools may be others; what is stated of the tissue's error does not hold. Changed:",
+                )
+            ),
+        );
+    }
     if report.verdict == Verdict::Incomplete {
         let end = shown(report.simulated, "s");
         let phase = phase(report.phase);

@@ -429,3 +429,20 @@ fn a_failed_run_of_a_recorded_hand_says_so() {
     assert!(!page_of("recording:sessions/a.session").contains(said));
     assert!(!page_of("script:level1-fail.toml").contains(said));
 }
+
+/// Limits that were loosened, or tissue that is stiffer, are seen on the page; a file's name says nothing to a browser.
+#[test]
+fn a_level_that_is_not_the_installed_one_says_so() {
+    let log = log(&[]);
+    let page_of = |files: &[&str]| {
+        let session = crate::ReportInput {
+            changed_files: files.iter().map(|file| (*file).to_owned()).collect(),
+            ..input()
+        };
+        Report::build(&session, [(0, &log[..])]).to_html(&page())
+    };
+    let said = "Not the level that was installed.";
+    assert!(!page_of(&[]).contains(said));
+    let page = page_of(&["modules/a/levels/<b>.toml"]);
+    assert!(page.contains(said) && page.contains("levels/&lt;b&gt;.toml"));
+}
