@@ -429,8 +429,8 @@ fn parse_positive(text: &str, what: &str) -> Result<f64, String> {
 }
 
 fn parse_level(text: &str) -> Result<u32, String> {
-    let level = text.parse().ok().filter(|level| *level > 0);
-    level.ok_or_else(|| "expected the number of a level, such as 1".into())
+    let level = text.parse();
+    level.map_err(|_| "expected the number of a level, such as 1".into())
 }
 
 fn parse_rate(text: &str) -> Result<f64, String> {
@@ -454,7 +454,7 @@ mod tests {
     #[test]
     fn a_level_that_is_no_number_is_refused_with_what_is() {
         assert_eq!(parse_level("4"), Ok(4));
-        for text in ["vier", "0", "-1", "1.5"] {
+        for text in ["vier", "-1", "1.5", "4294967296"] {
             let error = parse_level(text).expect_err(text);
             assert!(error.contains("the number of a level"), "{error}");
         }
