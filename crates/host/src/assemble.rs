@@ -169,7 +169,7 @@ impl Planner<'_> {
             .map(|slot| self.installation.tool_file(&slot.model));
         let changed_files =
             self.installation
-                .changed(self.module, self.level.document.path(), tools)?;
+                .changed(self.module, &self.level.document.path(), tools)?;
         let mut plan = RunPlan {
             module: self.request.module.clone(),
             module_title: manifest.title.clone(),

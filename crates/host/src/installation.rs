@@ -119,10 +119,10 @@ impl Installation {
         tools: impl Iterator<Item = PathBuf>,
     ) -> Result<Vec<String>, AssembleError> {
         let manifest = module.manifest.document.path();
-        if self.hash_of(manifest).is_none() {
+        if self.hash_of(&manifest).is_none() {
             return Ok(Vec::new());
         }
-        let files = [manifest.to_path_buf(), level.to_path_buf()];
+        let files = [manifest, level.to_path_buf()];
         let mut changed = Vec::new();
         for file in files.into_iter().chain(tools) {
             let hash =

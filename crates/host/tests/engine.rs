@@ -184,6 +184,7 @@ fn plan() -> RunPlan {
         queue_messages: 4096,
         queue_bytes: 1 << 20,
         model_error: None,
+        changed_files: Vec::new(),
         without: Vec::new(),
         plugins: vec![
             planned("counter", PluginKind::Source, &[Count::KIND], &[]),
