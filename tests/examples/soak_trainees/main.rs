@@ -26,7 +26,7 @@ const SENSITIVITY_HEAD: &str = include_str!("sensitivity.md");
 
 /// An effect below this is none (Cohen 1988: 0.2 is small).
 const SMALL: f64 = 0.2;
-/// Groups are told apart where an effect as large has a lower probability without a difference, corrected for the number of rows.
+/// Groups differ where an effect as large has a lower probability without a difference, corrected for the number of rows.
 const SIGNIFICANT: f64 = 0.05;
 /// Runs at the same time, a process each.
 const WORKERS: usize = 2;
@@ -278,7 +278,7 @@ fn section(
         let points = match (effect, intended) {
             (None, _) | (_, None) => "–",
             (Some((d, ..)), _) if d.abs() < SMALL => "no difference",
-            (Some((.., p)), _) if p > SIGNIFICANT => "not told apart",
+            (Some((.., p)), _) if p > SIGNIFICANT => "not distinguished",
             (Some((d, ..)), Some((_, sign))) if d * sign > 0.0 => "yes",
             _ => "**wrong way**",
         };

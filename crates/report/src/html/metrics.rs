@@ -194,7 +194,7 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
     out.push_str("</tr>\n");
 }
 
-/// What a metric is whose name alone says it to few.
+/// What a metric is, where few know it by its name.
 fn explanation(id: &str) -> Option<String> {
     let (de, en) = match id {
         "sparc" => (
@@ -216,10 +216,10 @@ fn explanation(id: &str) -> Option<String> {
 
 fn direction(direction: &str) -> String {
     match direction {
-        "lower-is-better" => bilingual("weniger ist besser", "lower is better"),
-        "higher-is-better" => bilingual("mehr ist besser", "higher is better"),
-        "range" => bilingual("die Mitte ist besser", "the middle is better"),
-        "informative" => bilingual("zur Information", "for information"),
+        "lower-is-better" => bilingual("Weniger ist besser", "Lower is better"),
+        "higher-is-better" => bilingual("Mehr ist besser", "Higher is better"),
+        "range" => bilingual("Die Mitte ist besser", "The middle is better"),
+        "informative" => bilingual("Zur Information", "For information"),
         other => escape(other),
     }
 }
