@@ -111,7 +111,7 @@ impl Installation {
     }
 
     /// Those of the files of a level of a module that are not as the installation brought them, `config/` and `modules/` before their names.
-    /// Of a module that it did not bring, and by an installation without digests, nothing is said.
+    /// None for a module that it did not bring, and in an installation without digests.
     pub(crate) fn changed(
         &self,
         module: &ModuleFolder,

@@ -82,7 +82,7 @@ fn modules_and_levels_that_are_not_there() {
         (
             "touch-spheres",
             "one",
-            "error: invalid value 'one' for '--level <N>': invalid digit found in string",
+            "error: invalid value 'one' for '--level <N>': expected the number of a level, such as 1",
         ),
         (
             "touch-spheres",

@@ -255,7 +255,7 @@ fn a_broken_module_hides_itself_alone() {
     );
 }
 
-/// Tissue that is stiffer or a limit that is looser is another task: the report says which file it was.
+/// Tissue that is stiffer or a limit that is looser is another task: the report names the file.
 #[test]
 fn an_edited_level_is_not_the_installed_one() {
     let tree = tree();

@@ -430,7 +430,7 @@ fn a_failed_run_of_a_recorded_hand_says_so() {
     assert!(!page_of("script:level1-fail.toml").contains(said));
 }
 
-/// Limits that were loosened, or tissue that is stiffer, are seen on the page; a file's name says nothing to a browser.
+/// Limits that were loosened, or tissue that is stiffer, are seen on the page; a file's name is text, whatever it is.
 #[test]
 fn a_level_that_is_not_the_installed_one_says_so() {
     let log = log(&[]);
