@@ -198,7 +198,10 @@ fn a_run_of_a_level_with_other_limits_is_not_verified() {
         serde_json::Value::Null,
         "{printed}"
     );
-    let settings = serde_json::json!(["the settings of touch-spheres"]);
+    let settings = serde_json::json!([
+        "which files of the level are not as installed",
+        "the settings of touch-spheres"
+    ]);
     assert_eq!(printed["other_settings"], settings, "{printed}");
 }
 
