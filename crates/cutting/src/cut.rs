@@ -79,11 +79,18 @@ impl Topology {
         }
         orient(stroke, &mut crossings, matches!(blade, Blade::Sweep { .. }));
         let crossed = crossings.len();
+        for ([a, b], crossing) in &crossings {
+            let [a, b] = [a, b].map(|n| mesh.positions[*n as usize]);
+            stroke.points.add(&a.lerp(&b, crossing.fraction));
+        }
         let decisions = decide::decide(self, mesh, stroke, crossings, settings);
         self.learn_sides(stroke, &decisions);
         let mut cut = self.carry_out(mesh, stroke, blade.now(), &decisions, settings);
         if let Some(cut) = &mut cut {
             stroke.leave(&cut.edit, mesh.positions.len(), mesh.tets.len());
+            if cut.opened[0].area > 0.0 {
+                cut.points = std::mem::take(&mut stroke.points);
+            }
             cut.crossed = crossed;
             cut.clamped = decisions.clamped;
             cut.joined = decisions.joined;

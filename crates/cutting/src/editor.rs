@@ -30,6 +30,8 @@ pub(crate) struct Editor<'a> {
     /// The surface of each touched element before the edit.
     touched: BTreeMap<u32, Vec<SurfaceTriangle>>,
     opened: Vec<OpenedFace>,
+    /// Elements that rupture: as pieces they are crumbs, whatever their size.
+    pub shreds: BTreeSet<u32>,
 }
 
 impl<'a> Editor<'a> {
@@ -48,6 +50,7 @@ impl<'a> Editor<'a> {
             parents: Vec::new(),
             touched: BTreeMap::new(),
             opened: Vec::new(),
+            shreds: BTreeSet::new(),
         }
     }
 
@@ -168,7 +171,8 @@ impl<'a> Editor<'a> {
         let mut pieces = pieces::come_off(self.topology, &pairs.collect::<Vec<_>>());
         let mut crumbs = Vec::new();
         pieces.retain(|piece| {
-            let crumb = self.is_crumb(piece, settings.crumb_volume, settings.least_fraction);
+            let crumb = piece.iter().all(|e| self.shreds.contains(e))
+                || self.is_crumb(piece, settings.crumb_volume, settings.least_fraction);
             if crumb {
                 crumbs.extend_from_slice(piece);
             }
@@ -369,7 +373,9 @@ impl<'a> Editor<'a> {
     /// Area, centroid and normal of what came apart, at rest and now.
     fn opened_area(&self) -> [Opened; 2] {
         let mut sums = [Opened::default(); 2];
-        for opened in &self.opened {
+        let of_shred =
+            |opened: &&OpenedFace| opened.faces.iter().any(|(e, _)| self.shreds.contains(e));
+        for opened in self.opened.iter().filter(|opened| !of_shred(opened)) {
             let (element, corner) = opened.faces[usize::from(!opened.in_order)];
             let nodes = self.topology.face(element, corner).map(|n| self.place(n));
             for (k, sum) in sums.iter_mut().enumerate() {
@@ -380,6 +386,24 @@ impl<'a> Editor<'a> {
                 sum.area += area;
                 sum.centroid += (a + b + c) * (area / 3.0);
                 sum.normal += normal;
+            }
+        }
+        for &shred in &self.shreds {
+            let places = self.topology.tets[shred as usize].map(|n| self.place(n));
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let [a, b, c, d] = places.map(|place| place[k]);
+                let edges = [b - a, c - a, d - a, c - b, d - b, d - c];
+                let longest = edges
+                    .into_iter()
+                    .max_by(|l, m| l.norm().total_cmp(&m.norm()));
+                let longest = longest.unwrap_or_default();
+                let volume = microsim_geometry::signed_volume(&a, &b, &c, &d).abs();
+                if longest.norm() > 0.0 {
+                    let section = volume / longest.norm();
+                    sum.area += section;
+                    sum.centroid += (a + b + c + d) * (section / 4.0);
+                    sum.normal += longest.normalize() * section;
+                }
             }
         }
         for sum in &mut sums {

@@ -33,6 +33,7 @@ mod cut;
 mod decide;
 mod editor;
 mod opening;
+mod path;
 mod pattern;
 mod pieces;
 mod report;
@@ -45,6 +46,7 @@ mod topology;
 
 pub use blade::Blade;
 pub use check::{Flaw, Measures, check};
+pub use path::PathPoints;
 pub use pattern::{EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide};
 pub use report::{Cut, Opened, Rejected, SurfaceChange};
 pub use settings::Settings;

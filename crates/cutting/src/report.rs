@@ -1,5 +1,6 @@
 //! What a cut was.
 
+use crate::path::PathPoints;
 use crate::topology::SurfaceTriangle;
 use microsim_mesh::TopologyEdit;
 use nalgebra::Vector3;
@@ -33,6 +34,8 @@ pub struct Cut {
     pub divided: usize,
     /// What was laid open: at rest, and now.
     pub opened: [Opened; 2],
+    /// Where the blade crossed edges on the way to it; of a tear, which has no blade, none.
+    pub points: PathPoints,
     /// How the surface changed.
     pub surface: SurfaceChange,
     /// Parts that came off the rest: elements of the new generation, ascending. The largest part is not listed. Crumbs that the edit

@@ -4,6 +4,7 @@
 //! elements on both sides; while a blade is in progress such faces come one after another. A stroke remembers the nodes on the
 //! path and, for the elements there, on which side their other corners lie, until the blade has left the tissue.
 
+use crate::path::PathPoints;
 use microsim_mesh::TopologyEdit;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,6 +24,8 @@ pub struct Stroke {
     pub given: BTreeMap<u32, i8>,
     /// Towards the positive side, where the blade was last \[-\]; zero before the first crossing.
     pub normal: Vector3<f64>,
+    /// Where the blade crossed edges since something was last opened.
+    pub points: PathPoints,
 }
 
 impl Stroke {

@@ -7,17 +7,22 @@ use crate::settings::Settings;
 use crate::topology::Topology;
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 impl Topology {
     /// Opens inner faces, each given by an element and the corner opposite to the face; which ones the strain in them
     /// decides. `None` when nothing comes apart: a face whose nodes all hold together around it stays closed, and counts as
     /// torn as soon as others let them go. Nothing is divided. Nodes are now at `current` \[m\].
     ///
+    /// `shreds` are elements that rupture themselves: they are taken away like crumbs, and what is laid open by one is its mean section, its volume
+    /// over its longest edge.
+    ///
     /// The topology is then that of the next generation, as after [`Topology::cut`].
     pub fn tear(
         &mut self,
         mesh: &TetMesh,
         faces: &[(u32, u8)],
+        shreds: &BTreeSet<u32>,
         current: &[Vector3<f64>],
         settings: &Settings,
     ) -> Result<Option<Cut>, Rejected> {
@@ -41,13 +46,25 @@ impl Topology {
                 return Err(Rejected::Face { element, corner });
             }
         }
+        let mut faces = faces.to_vec();
+        for &shred in shreds {
+            if shred as usize >= self.tets.len() {
+                return Err(Rejected::Face {
+                    element: shred,
+                    corner: 0,
+                });
+            }
+            let inner = (0..4).filter(|&corner| self.neighbour(shred, corner).is_some());
+            faces.extend(inner.map(|corner| (shred, corner as u8)));
+        }
         if faces.is_empty() {
             return Ok(None);
         }
         self.sheets += 1;
         let sheet = self.sheets;
-        let faces = self.turned_alike(mesh, faces);
+        let faces = self.turned_alike(mesh, &faces);
         let mut editor = Editor::new(self, mesh, current);
+        editor.shreds.clone_from(shreds);
         editor.open(&faces, sheet);
         Ok(editor.conclude(settings))
     }

@@ -34,8 +34,8 @@ pub use setup::{
 };
 pub use solver::SolverTick;
 pub use tool::{
-    ContactForce, ContactForces, GRIP_MIN, PartForce, TissueCut, TissueRecovery, ToolPose,
-    ToolSample, ToolState, ToolStates,
+    ContactForce, ContactForces, GRIP_MIN, PartForce, PathPoints, TissueCut, TissueRecovery,
+    ToolPose, ToolSample, ToolState, ToolStates,
 };
 pub use wire::{DecodeError, Message, decode, decode_bytes, encode, push, to_json};
 

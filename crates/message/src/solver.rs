@@ -24,8 +24,11 @@ pub struct SolverTick {
     pub contact_failures: u32,
     /// How often the tick was computed again, because a body diverged or its forces meant nothing.
     pub repetitions: u32,
+    /// Shreds of cut tissue that were taken away so that the forces of the tick mean anything.
+    #[serde(default)]
+    pub ruptured: u32,
     /// Whether the forces of the tick mean anything: the residuals are within their bounds (`microsim_scene::SolverBounds`), no force has jumped in a step above the tolerance,
-    /// and the bodies were not held. From any other tick no metric takes a force.
+    /// and the bodies were not held. From any other tick no metric takes a force or a cut.
     pub valid: bool,
 }
 

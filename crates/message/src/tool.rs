@@ -169,6 +169,17 @@ impl Message for ContactForces {
     const OLDEST_VERSION: u16 = 1;
 }
 
+/// Points at which a tool crossed edges of a mesh, at rest and in the field, as sums over them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PathPoints {
+    /// Their number.
+    pub count: u32,
+    /// Their sum \[m\].
+    pub sum: [f64; 3],
+    /// Sums of products of their coordinates: xx, yy, zz, xy, xz, yz \[m²\].
+    pub products: [f64; 6],
+}
+
 /// Tissue was cut; published in the tick of the edit, once per body and tool.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TissueCut {
@@ -186,14 +197,28 @@ pub struct TissueCut {
     pub rest_centroid: [f64; 3],
     /// Its mean normal at rest, of length 1.
     pub rest_normal: [f64; 3],
+    /// Where the tool went through the tissue: where it crossed edges of the mesh, whatever came apart there. None of tissue that tore by itself.
+    #[serde(default)]
+    pub points: PathPoints,
+    /// Whether it was found in a valid tick ([`SolverTick::valid`](crate::SolverTick::valid)). No metric takes anything from one that was not.
+    #[serde(default = "valid")]
+    pub valid: bool,
     /// Size of the force of the tool on the body in the tick \[N\].
     pub force: f64,
     /// The pieces that came off, by their numbers in the snapshots.
     pub pieces: Vec<u32>,
 }
 
+/// Recordings of version 1 do not hold it: what came apart counted.
+fn valid() -> bool {
+    true
+}
+
 impl Message for TissueCut {
     const KIND: &'static str = "tissue.cut";
+    const VERSION: u16 = 2;
+    // Version 1 had no points.
+    const OLDEST_VERSION: u16 = 1;
 }
 
 /// A body diverged, was rolled back and computed again with more sub-steps.

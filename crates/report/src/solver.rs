@@ -16,6 +16,9 @@ pub struct SolverRecord {
     pub held: u32,
     /// Ticks that were computed again, because a body diverged or their forces meant nothing.
     pub repeated: u32,
+    /// Shreds of cut tissue that were taken away so that forces mean anything.
+    #[serde(default)]
+    pub ruptured: u32,
     /// Iterations of all steps.
     pub iterations: u64,
     /// Halvings of iterations after which surfaces had turned too far.
@@ -74,6 +77,7 @@ impl SolverCollector {
         record.invalid += u32::from(!tick.valid);
         record.held += u32::from(tick.steps == 0);
         record.repeated += u32::from(tick.repetitions > 0);
+        record.ruptured += tick.ruptured;
         record.iterations += u64::from(tick.iterations);
         record.backtracks += u64::from(tick.backtracks);
         record.contact_failures += u64::from(tick.contact_failures);
@@ -108,6 +112,7 @@ mod tests {
             backtracks: 0,
             contact_failures: 0,
             repetitions: 0,
+            ruptured: 1,
             valid: true,
         }
     }
@@ -122,7 +127,10 @@ mod tests {
         let record = collector.finish().unwrap();
         let Quantiles { p50, p99, max } = record.residual;
         assert_eq!([p50, p99, max], [100.0, 198.0, 200.0]);
-        assert_eq!((record.ticks, record.iterations), (200, 600));
+        assert_eq!(
+            (record.ticks, record.iterations, record.ruptured),
+            (200, 600, 200)
+        );
     }
 
     #[test]

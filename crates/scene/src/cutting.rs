@@ -19,6 +19,7 @@ use microsim_geometry::{
 use microsim_mesh::TopologyEdit;
 use microsim_tissue::State;
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 impl Scene {
     /// The single edges that touch what they can cut, as they are at the end of the tick, each with its tool.
@@ -131,15 +132,31 @@ impl Scene {
             let force = force.map_or(0.0, |contact| Vector3::from(contact.force_on_tissue).norm());
             reports.extend(sum.report(body, Some(tool), force));
         }
-        for body in 0..self.bodies.len() {
-            let mut sum = Sum::default();
-            if let Some(torn) = self.tear(body) {
-                sum.add(torn);
-            }
-            reports.extend(sum.report(body, None, 0.0));
-        }
         self.update_surfaces();
         (reports, rejected)
+    }
+
+    /// Makes what is stretched too far come apart, after a valid tick.
+    pub(crate) fn tear_bodies(&mut self) -> Vec<CutReport> {
+        let bodies = 0..self.bodies.len();
+        let torn = bodies.filter_map(|body| torn_report(body, self.tear(body)?));
+        let torn = torn.collect();
+        self.update_surfaces();
+        torn
+    }
+
+    /// Takes shreds away, by their bodies, so that the tick can be computed again without them.
+    pub(crate) fn rupture(&mut self, shreds: &[(usize, BTreeSet<u32>)]) -> Vec<CutReport> {
+        let torn = shreds.iter().filter_map(|(body, shreds)| {
+            let report = torn_report(*body, self.come_apart(*body, &[], shreds)?)?;
+            Some(CutReport {
+                valid: false,
+                ..report
+            })
+        });
+        let torn = torn.collect();
+        self.update_surfaces();
+        torn
     }
 
     /// The capsules among `edges` that still reach into a body at the end of a motion.
@@ -271,6 +288,13 @@ impl Scene {
     }
 }
 
+/// What was torn, but where nothing was laid open.
+fn torn_report(body: usize, torn: (cutting::Cut, Vec<u32>)) -> Option<CutReport> {
+    let mut sum = Sum::default();
+    sum.add(torn);
+    sum.report(body, None, 0.0)
+}
+
 /// Whether a segment goes through an element, or begins in it.
 fn is_within(corners: &[Vector3<f64>; 4], segment: [Vector3<f64>; 2]) -> bool {
     let through = |face: [usize; 3]| {
@@ -291,6 +315,7 @@ struct Sum {
     /// Area times centroid, and times normal: at rest and now.
     centroids: [Vector3<f64>; 2],
     normals: [Vector3<f64>; 2],
+    points: cutting::PathPoints,
     pieces: Vec<u32>,
 }
 
@@ -311,6 +336,7 @@ impl Sum {
             };
             self.normals[k] += normal * opened.area;
         }
+        self.points.merge(&cut.points);
         self.pieces.extend(pieces);
     }
 
@@ -326,6 +352,8 @@ impl Sum {
             area: self.area,
             rest_centroid: mean(self.centroids[0], self.area).into(),
             rest_normal: unit(self.normals[0]).into(),
+            valid: true,
+            points: self.points,
             centroid: mean(self.centroids[1], self.now).into(),
             normal: unit(self.normals[1]).into(),
             force_n,

@@ -1,6 +1,7 @@
 //! The report of a tick.
 
 use crate::divergence::Divergence;
+use microsim_cutting::PathPoints;
 use microsim_tissue::StepReport;
 
 /// The report of one tick.
@@ -23,8 +24,10 @@ pub struct TickReport {
     pub stiffened: bool,
     /// Repetitions with more sub-steps because a body diverged.
     pub recoveries: Vec<Recovery>,
-    /// All repetitions: those, and the one of a tick whose forces meant nothing.
+    /// All repetitions: those, and those of a tick whose forces meant nothing.
     pub repetitions: u32,
+    /// Shreds that were taken away, as the forces of the tick meant nothing with them.
+    pub ruptured: u32,
     /// How far the solver came.
     pub solver: SolverReport,
     /// Whether the forces mean anything.
@@ -157,6 +160,10 @@ pub struct CutReport {
     pub rest_centroid: [f64; 3],
     /// Its mean normal at rest, of length 1.
     pub rest_normal: [f64; 3],
+    /// Whether the tick was valid in which it was found. What a shred lays open that is taken away so that a tick is valid was found in one that was not.
+    pub valid: bool,
+    /// Where the tool crossed edges of the mesh on the way to it, at rest; none of a tear.
+    pub points: PathPoints,
     /// Its centroid now \[m\].
     pub centroid: [f64; 3],
     /// Its mean normal now, of length 1.

@@ -10,6 +10,7 @@ mod cutting;
 mod forces;
 mod hard;
 mod limits;
+mod tearing;
 
 const TICK: f64 = 8e-3;
 const RADIUS: f64 = 0.5e-3;

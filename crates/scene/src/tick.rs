@@ -29,6 +29,9 @@ const MAX_SUBSTEPS: u32 = 256;
 /// repeated once.
 const TRIES: [u32; 4] = [1, 2, 4, 8];
 
+/// How often a tick whose forces mean nothing is computed again without the shreds that fail in it.
+const MAX_ROUNDS: u32 = 4;
+
 impl Scene {
     /// How often a tick is computed again at most, each time with steps of half the length.
     pub const REPETITIONS: u32 = TRIES.len() as u32 - 1;
@@ -38,7 +41,7 @@ impl Scene {
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
     /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
     /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there. A tick whose forces
-    /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated once with steps of half the length, and not [`valid`](TickReport::valid) if
+    /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, and not [`valid`](TickReport::valid) if
     /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
     ///
     /// ```
@@ -95,7 +98,7 @@ impl Scene {
         let steps = if stiffened { required } else { steps };
         let (mut motions, invalid_motions) = self.valid_motions(motions);
         let (substeps, jumped) = self.substeps(&mut motions, tick_s, steps);
-        let start = self.state.clone();
+        let mut start = self.state.clone();
         self.forget(&jumped);
         let mut recoveries = Vec::new();
         let mut failure = None;
@@ -107,22 +110,43 @@ impl Scene {
         } else {
             &TRIES[..1]
         };
-        for (index, &factor) in tries.iter().enumerate() {
+        let (mut torn, mut ruptured, mut rounds) = (Vec::new(), 0, 0);
+        let mut index = 0;
+        while let Some(&factor) = tries.get(index) {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             match self.attempt(&motions, tick_s, count, exec) {
                 Ok((mut contacts, loads, solver)) => {
                     let valid = self.is_meaningful(&solver, &contacts);
+                    if !valid && rounds < MAX_ROUNDS {
+                        let shreds = self.failing_shreds();
+                        if !shreds.is_empty() {
+                            rounds += 1;
+                            repetitions += 1;
+                            ruptured += shreds.iter().map(|(_, of)| of.len() as u32).sum::<u32>();
+                            self.state.clone_from(&start);
+                            torn.extend(self.rupture(&shreds));
+                            start.clone_from(&self.state);
+                            self.forget(&jumped);
+                            continue;
+                        }
+                    }
                     if !(valid || doubted || index + 1 == tries.len()) {
                         doubted = true;
                         repetitions += 1;
                         self.state.clone_from(&start);
                         self.forget(&jumped);
+                        index += 1;
                         continue;
                     }
                     self.state.doubtful = !valid;
                     self.update_windows(&mut contacts, tick_s, valid);
-                    let (cuts, rejected) =
+                    let (mut cuts, rejected) =
                         self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
+                    cuts.iter_mut().for_each(|cut| cut.valid = valid);
+                    cuts.append(&mut torn);
+                    if valid {
+                        cuts.extend(self.tear_bodies());
+                    }
                     self.state.time = start.time + tick_s;
                     return Ok(TickReport {
                         contacts,
@@ -134,6 +158,7 @@ impl Scene {
                         stiffened,
                         recoveries,
                         repetitions,
+                        ruptured,
                         solver,
                         valid,
                         invalid_motions,
@@ -146,7 +171,8 @@ impl Scene {
                     if !self.containment && !found.what.is_unconverged() {
                         break;
                     }
-                    if let Some(&next) = tries.get(index + 1) {
+                    index += 1;
+                    if let Some(&next) = tries.get(index) {
                         repetitions += 1;
                         recoveries.push(Recovery {
                             body: found.body,

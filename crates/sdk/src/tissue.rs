@@ -5,6 +5,7 @@ mod cuts;
 mod delivery;
 mod marks;
 mod patch;
+mod path;
 mod pieces;
 mod ring;
 

@@ -148,6 +148,7 @@ fn cut_at(host: &mut TestHost<Module>, x: f64, rest_normal: [f64; 3]) {
         // Only along the normal does it count.
         rest_centroid: [x, 0.0005, -0.0005],
         rest_normal,
+        valid: true,
         ..TissueCut::default()
     });
 }

@@ -8,8 +8,8 @@ use microsim_scene::{
     ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    self, ContactForce, ContactForces, PartForce, SolverTick, TISSUE_SNAPSHOT, TissueCut,
-    TissueRecovery, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    self, ContactForce, ContactForces, PartForce, PathPoints, SolverTick, TISSUE_SNAPSHOT,
+    TissueCut, TissueRecovery, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -174,7 +174,7 @@ fn part_force(scene: &Scene, with: ContactPartner, part: &PartReport) -> PartFor
 }
 
 /// The solver's report as a message.
-fn solver_tick(report: &SolverReport, repetitions: u32, valid: bool) -> SolverTick {
+fn solver_tick(report: &SolverReport, repetitions: u32, ruptured: u32, valid: bool) -> SolverTick {
     SolverTick {
         steps: report.steps,
         unconverged: report.unconverged,
@@ -185,6 +185,7 @@ fn solver_tick(report: &SolverReport, repetitions: u32, valid: bool) -> SolverTi
         backtracks: report.backtracks,
         contact_failures: report.contact_failures,
         repetitions,
+        ruptured,
         valid,
     }
 }
@@ -263,6 +264,7 @@ impl Plugin for Physics {
                 tick.publish(&solver_tick(
                     &SolverReport::default(),
                     Scene::REPETITIONS,
+                    0,
                     false,
                 ));
                 return self.publish_bodies(tick);
@@ -271,6 +273,7 @@ impl Plugin for Physics {
         tick.publish(&solver_tick(
             &report.solver,
             report.repetitions,
+            report.ruptured,
             report.valid,
         ));
         let mut invalid = Vec::new();
@@ -293,6 +296,12 @@ impl Plugin for Physics {
                 normal: cut.normal,
                 rest_centroid: cut.rest_centroid,
                 rest_normal: cut.rest_normal,
+                points: PathPoints {
+                    count: cut.points.count,
+                    sum: cut.points.sum.into(),
+                    products: cut.points.products,
+                },
+                valid: cut.valid,
                 force: cut.force_n,
                 pieces: cut.pieces.clone(),
             });

@@ -340,9 +340,12 @@ fn main() -> ExitCode {
         .filter(|run| run.largest_force > ABSURD_FORCE)
         .map(|run| format!("{}: {:.3} N", run.name, run.largest_force))
         .collect();
-    let written = write_section(HEAD, "trainees.md", &section);
+    if let Err(error) = write_section(HEAD, "trainees.md", &section) {
+        eprintln!("{error}");
+        return ExitCode::from(2);
+    }
     if absurd.is_empty() {
-        return written;
+        return ExitCode::SUCCESS;
     }
     eprintln!(
         "forces above {ABSURD_FORCE} N are a fault of the computation: {}",
@@ -362,33 +365,30 @@ fn study_sensitivity(args: &[String]) -> ExitCode {
     };
     eprintln!("in {}", tree().display());
     let csv = format!("tests/results/sensitivity/{module}-{level}.csv");
-    let section = sensitivity::study(
+    let studied = sensitivity::study(
         module,
         *level as u32,
         *count as usize,
         *first_seed,
         &repository().join(csv),
+        |section| {
+            println!("{section}");
+            write_section(SENSITIVITY_HEAD, "sensitivity.md", section)
+        },
     );
-    let section = match section {
-        Ok(section) => section,
+    match studied {
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
-            return ExitCode::FAILURE;
+            ExitCode::FAILURE
         }
-    };
-    println!("{section}");
-    write_section(SENSITIVITY_HEAD, "sensitivity.md", &section)
+    }
 }
 
 /// Puts the section of a level into its page.
-fn write_section(head: &str, page: &str, section: &str) -> ExitCode {
+fn write_section(head: &str, page: &str, section: &str) -> Result<(), String> {
     let path = repository().join("tests/results").join(page);
     let page = std::fs::read_to_string(&path).unwrap_or_default();
-    match std::fs::write(&path, with_section(head, &page, section)) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{}: {error}", path.display());
-            ExitCode::from(2)
-        }
-    }
+    std::fs::write(&path, with_section(head, &page, section))
+        .map_err(|error| format!("{}: {error}", path.display()))
 }

@@ -85,15 +85,16 @@ struct Metric {
     limited: bool,
 }
 
-/// Plays `count` trainees of each kind, from `first_seed` on, at every change. Runs that `csv` has already are not played again, but for the first,
-/// which shows that they are of this computation. Gives the section of the page.
+/// Plays `count` trainees of each kind, from `first_seed` on, at one change after the other. Runs that `csv` has already are not played again, but for the first,
+/// which shows that they are of this computation. Gives the section of the page to `write` after each change.
 pub fn study(
     module: &str,
     level: u32,
     count: usize,
     first_seed: u64,
     csv: &Path,
-) -> Result<String, String> {
+    write: impl Fn(&str) -> Result<(), String>,
+) -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(|error| format!("a temporary folder: {error}"))?;
     let trees = CHANGES.map(|(_, change)| {
         ChangedLevels::new(module, |text| match text.contains("\niterations = ") {
@@ -107,72 +108,77 @@ pub fn study(
         .iter()
         .flat_map(|(kind, _)| seeds.clone().map(move |seed| (*kind, seed)))
         .collect();
-    let keys: Vec<Key> = trainees
-        .iter()
-        .flat_map(|(kind, seed)| {
-            CHANGES.map(|(change, _)| ((*kind).to_owned(), *seed, change.to_owned()))
-        })
-        .collect();
-    let play = |job: usize| {
-        let (kind, seed) = trainees[job / CHANGES.len()];
-        let name = folder.path().join(format!("run-{job}"));
+    let key = |(trainee, change): (usize, usize)| -> Key {
+        let (kind, seed) = trainees[trainee];
+        (kind.to_owned(), seed, CHANGES[change].0.to_owned())
+    };
+    let play = |(trainee, change): (usize, usize)| {
+        let (kind, seed) = trainees[trainee];
+        let name = folder.path().join(format!("run-{trainee}-{change}"));
         std::fs::create_dir(&name).expect("a folder");
         let script = trainees::make(module, level, kind, seed, &name);
         let session = name.join("session");
         let input = format!("script:{}", script.display());
         let level = level.to_string();
-        trees[job % CHANGES.len()].run(&session, &["--level", &level, "--input", &input]);
+        trees[change].run(&session, &["--level", &level, "--input", &input]);
         let report = std::fs::read_to_string(session.with_extension("json")).expect("a report");
         let report: Value = serde_json::from_str(&report).expect("JSON");
         // The report is all that is needed, and sessions are large.
         std::fs::remove_dir_all(name).expect("the folder that was made");
         report
     };
-    let first = play(0);
+    let first = play((0, 0));
     let metrics = metrics(&first);
     let ids = metrics.keys().cloned().collect();
     let mut table = Table::open(csv, ids)?;
-    table.add(keys[0].clone(), &outcome(&first))?;
-    let missing: Vec<usize> = (0..keys.len())
-        .filter(|job| !table.has(&keys[*job]))
-        .collect();
-    eprintln!(
-        "{}: {} of {} runs are there",
-        csv.display(),
-        keys.len() - missing.len(),
-        keys.len()
-    );
+    table.add(key((0, 0)), &outcome(&first))?;
     let table = Mutex::new(table);
-    let next = AtomicUsize::new(0);
-    let work = || -> Result<(), String> {
-        while let Some(&job) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let outcome = outcome(&play(job));
-            let key = keys[job].clone();
-            let (kind, seed, change) = &key;
-            eprintln!(
-                "  {kind} {seed}, {change}: {} {}",
-                outcome.verdict, outcome.failed
-            );
-            table.lock().expect("no panic").add(key, &outcome)?;
-        }
-        Ok(())
-    };
-    std::thread::scope(|scope| {
-        let workers = [(); WORKERS].map(|()| scope.spawn(work));
-        workers
-            .into_iter()
-            .try_for_each(|worker| worker.join().expect("no panic"))
-    })?;
-    let table = table.into_inner().expect("no panic");
-    table.sort()?;
-    let outcomes: BTreeMap<(usize, usize), &Outcome> = keys
-        .iter()
-        .enumerate()
-        .map(|(job, key)| ((job / CHANGES.len(), job % CHANGES.len()), table.of(key)))
-        .collect();
-    Ok(section(
-        module, level, count, first_seed, &outcomes, &metrics,
-    ))
+    for (change, (title, _)) in CHANGES.iter().enumerate() {
+        let missing: Vec<usize> = {
+            let table = table.lock().expect("no panic");
+            let missing =
+                (0..trainees.len()).filter(|trainee| !table.has(&key((*trainee, change))));
+            missing.collect()
+        };
+        eprintln!(
+            "{}, {title}: {} of {} runs are there",
+            csv.display(),
+            trainees.len() - missing.len(),
+            trainees.len()
+        );
+        let next = AtomicUsize::new(0);
+        let work = || -> Result<(), String> {
+            while let Some(&trainee) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let outcome = outcome(&play((trainee, change)));
+                let (kind, seed) = trainees[trainee];
+                eprintln!(
+                    "  {kind} {seed}, {title}: {} {}",
+                    outcome.verdict, outcome.failed
+                );
+                let mut table = table.lock().expect("no panic");
+                table.add(key((trainee, change)), &outcome)?;
+            }
+            Ok(())
+        };
+        std::thread::scope(|scope| {
+            let workers = [(); WORKERS].map(|()| scope.spawn(work));
+            workers
+                .into_iter()
+                .try_for_each(|worker| worker.join().expect("no panic"))
+        })?;
+        let table = table.lock().expect("no panic");
+        table.sort()?;
+        let there = |at: &(usize, usize)| table.has(&key(*at));
+        let all = (0..trainees.len()).flat_map(|t| (0..=change).map(move |change| (t, change)));
+        let outcomes: BTreeMap<(usize, usize), &Outcome> = all
+            .filter(there)
+            .map(|at| (at, table.of(&key(at))))
+            .collect();
+        write(&section(
+            module, level, count, first_seed, &outcomes, &metrics,
+        ))?;
+    }
+    Ok(())
 }
 
 /// The metrics of a report, by their ids.
@@ -224,6 +230,10 @@ fn section(
          | level | passed | failed | not judged | other verdict than as shipped | other reasons |\n|---|---|---|---|---|---|\n"
     );
     for (change, (title, _)) in CHANGES.iter().enumerate() {
+        if !outcomes.contains_key(&(0, change)) {
+            let _ = writeln!(out, "| {title} | not played yet | | | | |");
+            continue;
+        }
         let of = |trainee: usize| outcomes[&(trainee, change)];
         let with = |verdict: &str| (0..trainees).filter(|t| of(*t).verdict == verdict).count();
         let base = |trainee: usize| outcomes[&(trainee, 0)];
@@ -248,8 +258,9 @@ fn section(
     });
     out.push_str(" largest spread over difference |\n|---|---|---|---|---|---|---|---|---|\n");
     for (id, metric) in metrics {
-        let value =
-            |trainee: usize, change: usize| outcomes[&(trainee, change)].values.get(id).copied();
+        let value = |trainee: usize, change: usize| {
+            outcomes.get(&(trainee, change))?.values.get(id).copied()
+        };
         let group = |kind: usize| {
             let values = (kind * count..(kind + 1) * count).filter_map(|t| value(t, 0));
             Group::of(&values.collect::<Vec<_>>()).map(|group| group.mean)

@@ -56,7 +56,13 @@ fn tear_layer(is_turned: impl Fn(usize) -> bool) {
     }
     let positions = mesh.positions.clone();
     let cut = topology
-        .tear(&mesh, &faces, &positions, &Settings::default())
+        .tear(
+            &mesh,
+            &faces,
+            &BTreeSet::new(),
+            &positions,
+            &Settings::default(),
+        )
         .unwrap()
         .unwrap();
     let old = mesh.tets.len();
@@ -93,7 +99,7 @@ fn faces_torn_one_by_one_add_up() {
         };
         let positions = mesh.positions.clone();
         let settings = Settings::default();
-        let torn = topology.tear(&mesh, &[face], &positions, &settings);
+        let torn = topology.tear(&mesh, &[face], &BTreeSet::new(), &positions, &settings);
         if let Some(cut) = torn.unwrap() {
             mesh.apply(&cut.edit).unwrap();
             pieces += cut.pieces.len();
@@ -107,6 +113,51 @@ fn faces_torn_one_by_one_add_up() {
     assert!(edits > 3);
 }
 
+/// Two elements of a block, one of them inside, rupture: they are gone, nothing else is divided or opened, and what they lay open is their volume over
+/// their longest edge. Where a layer of cells ruptures the rest is two parts.
+#[test]
+fn shreds_are_taken_away_whole() {
+    let layer = |mesh: &TetMesh| -> BTreeSet<u32> {
+        let middle = |e: &u32| {
+            let corners = mesh.corners(*e as usize);
+            (corners.iter().map(|p| p.x).sum::<f64>() / 4.0).abs() < 0.5
+        };
+        (0..mesh.tets.len() as u32).filter(middle).collect()
+    };
+    for (shreds, parts) in [(BTreeSet::from([3, 40]), 1), (layer(&block()), 2)] {
+        let mut mesh = block();
+        let mut topology = Topology::new(&mesh);
+        let positions = mesh.positions.clone();
+        let (old, volume) = (mesh.tets.len(), mesh.volumes().iter().sum::<f64>());
+        let (lost, section) = shreds.iter().fold((0.0, 0.0), |(lost, section), &e| {
+            let corners = mesh.corners(e as usize);
+            let pairs = crate::EDGES.map(|[i, j]| (corners[j] - corners[i]).norm());
+            let volume = mesh.volumes()[e as usize];
+            (
+                lost + volume,
+                section + volume / pairs.into_iter().fold(0.0, f64::max),
+            )
+        });
+        let settings = Settings::default();
+        let torn = topology.tear(&mesh, &[], &shreds, &positions, &settings);
+        let torn = torn.unwrap().expect("they come apart");
+        mesh.apply(&torn.edit).unwrap();
+        let measures = check(&mesh, &topology).unwrap();
+        assert_eq!(
+            (measures.parts, mesh.tets.len()),
+            (parts, old - shreds.len())
+        );
+        assert_eq!(torn.pieces.len(), parts - 1);
+        assert!((torn.lost_volume - lost).abs() < 1e-12 * volume);
+        assert!((mesh.volumes().iter().sum::<f64>() - volume + lost).abs() < 1e-12 * volume);
+        assert!(
+            (torn.opened[0].area - section).abs() < 1e-12,
+            "{:?}",
+            torn.opened
+        );
+    }
+}
+
 #[test]
 fn what_is_not_an_inner_face_is_refused() {
     let mesh = block();
@@ -115,11 +166,26 @@ fn what_is_not_an_inner_face_is_refused() {
     let outer = (0..4).find(|&k| topology.neighbour(0, k).is_none());
     let outer = outer.unwrap() as u8;
     for (element, corner) in [(0, outer), (0, 4), (mesh.tets.len() as u32, 0)] {
-        let refused = topology.tear(&mesh, &[(element, corner)], &mesh.positions, &settings);
+        let refused = topology.tear(
+            &mesh,
+            &[(element, corner)],
+            &BTreeSet::new(),
+            &mesh.positions,
+            &settings,
+        );
         assert_eq!(refused, Err(Rejected::Face { element, corner }));
     }
-    let refused = topology.tear(&mesh, &[], &mesh.positions[1..], &settings);
+    let refused = topology.tear(
+        &mesh,
+        &[],
+        &BTreeSet::new(),
+        &mesh.positions[1..],
+        &settings,
+    );
     assert!(matches!(refused, Err(Rejected::Positions { .. })));
-    let nothing = topology.tear(&mesh, &[], &mesh.positions, &settings);
+    let unknown = BTreeSet::from([mesh.tets.len() as u32]);
+    let refused = topology.tear(&mesh, &[], &unknown, &mesh.positions, &settings);
+    assert!(matches!(refused, Err(Rejected::Face { corner: 0, .. })));
+    let nothing = topology.tear(&mesh, &[], &BTreeSet::new(), &mesh.positions, &settings);
     assert_eq!(nothing, Ok(None));
 }

@@ -163,12 +163,13 @@ fn computation(out: &mut String, report: &Report) {
         (solver.repeated > 0).then(|| {
             bilingual(
                 &format!(
-                    "{} Schritte wurden mit kleineren Teilschritten noch einmal berechnet.",
-                    solver.repeated
+                    "{} Schritte wurden noch einmal berechnet, mit kleineren Teilschritten oder ohne Gewebefetzen an Schnitten, die \
+                     dabei versagten: {}.",
+                    solver.repeated, solver.ruptured
                 ),
                 &format!(
-                    "{} ticks were computed again with smaller sub-steps.",
-                    solver.repeated
+                    "{} ticks were computed again, with smaller sub-steps or without shreds of tissue at cuts that failed in them: {}.",
+                    solver.repeated, solver.ruptured
                 ),
             )
         }),

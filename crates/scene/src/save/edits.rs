@@ -5,7 +5,7 @@ use crate::body::{Body, CutTally};
 use crate::edits::Edit;
 use crate::lonor::BladeState;
 use crate::pieces::Pieces;
-use microsim_cutting::{Stroke, Topology, TopologyState, check};
+use microsim_cutting::{PathPoints, Stroke, Topology, TopologyState, check};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -111,6 +111,10 @@ pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState) {
             bytes.extend(side.to_le_bytes());
         });
         put_vector(bytes, &stroke.normal);
+        put_u32(bytes, stroke.points.count);
+        put_vector(bytes, &stroke.points.sum);
+        let products = stroke.points.products.iter();
+        products.for_each(|product| put_f64(bytes, *product));
     });
 }
 
@@ -136,6 +140,17 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeState, RestoreError>
                     .into_iter()
                     .collect::<BTreeMap<_, _>>(),
                 normal: r.vector()?,
+                points: PathPoints {
+                    count: r.u32()?,
+                    sum: r.vector()?,
+                    products: {
+                        let mut products = [0.0; 6];
+                        for product in &mut products {
+                            *product = r.f64()?;
+                        }
+                        products
+                    },
+                },
             };
             Ok((line, stroke))
         })?,

@@ -1,9 +1,10 @@
 //! Cuts assigned to the marks that they belong to: how far from a mark and how askew tissue was cut, and what was cut or tore
 //! elsewhere. Everything is measured in the tissue at rest, so that stretching it does not make a cut better.
 
+use super::path::PathSums;
 use crate::axis;
 use crate::fault::Fault;
-use microsim_message::TissueCut;
+use microsim_message::{PathPoints, TissueCut};
 use microsim_settings::Object;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -62,7 +63,7 @@ impl MarkLine {
 /// What was cut in a tick, as seen from a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Cut {
-    /// \[m²\]
+    /// \[m²\]; 0 of what was cut in a tick that was not valid.
     area: f64,
     /// Its centroid, from the mark's middle \[m\].
     place: [f64; 3],
@@ -72,6 +73,8 @@ struct Cut {
     beside: f64,
     /// Cosine of the angle between its plane and the one that the mark asks for.
     cosine: f64,
+    /// Where the tool went through the tissue.
+    path: PathSums,
 }
 
 impl Cut {
@@ -112,10 +115,10 @@ pub enum Assignment {
 /// What is known of all cuts together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutFindings {
-    /// Largest over the marks: the distance of a mark's middle from the openings of its cut along their mean normal, mean over their
-    /// area \[m\]. `None` if nothing was cut at any.
+    /// Largest over the marks: the distance of a mark's middle from its cut along the normal of its plane, root mean square \[m\]. `None` if
+    /// nothing was cut at any.
     pub distance: Option<f64>,
-    /// Largest over the marks: the angle between the mean plane of its cut and the one that the mark's line spans with the tissue's
+    /// Largest over the marks: the angle between the plane of its cut and the one that the mark's line spans with the tissue's
     /// normal \[rad\]. `None` if nothing was cut at any.
     pub angle: Option<f64>,
     /// Area that tools opened outside of the cuts of all marks \[m²\].
@@ -128,7 +131,8 @@ pub struct CutFindings {
 
 impl CutLog {
     /// Assigns a cut to the nearest of the marks, if it is within `reach` \[m\] and runs along its line rather than away from it. `steadied` is
-    /// asked whether the tissue at the nearest mark was held, by the mark's index, whether or not the cut is assigned to it.
+    /// asked whether the tissue at the nearest mark was held, by the mark's index, whether or not the cut is assigned to it. Of a cut that was found in a tick that was not
+    /// valid only this is known: no finding takes anything from it.
     pub fn assign(
         &mut self,
         cut: &TissueCut,
@@ -140,19 +144,24 @@ impl CutLog {
         if cut.area <= 0.0 {
             return Assignment::Nothing;
         }
+        // What is known of a tick that is not valid is only that something came apart.
+        let (area, points) = match cut.valid {
+            true => (cut.area, cut.points),
+            false => (0.0, PathPoints::default()),
+        };
         if cut.tool.is_empty() {
-            self.torn += cut.area;
+            self.torn += area;
             return Assignment::Tear;
         }
         let away = |mark: &MarkLine| mark.away(cut.rest_centroid);
         let all = marks.iter().enumerate();
         let nearest = all.min_by(|(_, a), (_, b)| away(a).total_cmp(&away(b)));
         if nearest.is_some_and(|(index, _)| steadied(index)) {
-            self.steadied += cut.area;
+            self.steadied += area;
         }
         let is_its_cut = |mark: &MarkLine| away(mark) <= reach && mark.is_cut_by(cut.rest_normal);
         let Some((index, mark)) = nearest.filter(|(_, mark)| is_its_cut(mark)) else {
-            self.elsewhere += cut.area;
+            self.elsewhere += area;
             return Assignment::Stray;
         };
         let across = Vector3::from(mark.across);
@@ -161,11 +170,12 @@ impl CutLog {
         let offset = Vector3::from(cut.rest_centroid) - Vector3::from(mark.middle);
         let first = self.marks[index].is_empty();
         self.marks[index].push(Cut {
-            area: cut.area,
+            area,
             place: offset.into(),
             normal,
             beside: offset.dot(&across).abs(),
             cosine: cosine.abs(),
+            path: PathSums::new(&points, mark),
         });
         Assignment::Mark { index, first }
     }
@@ -175,13 +185,14 @@ impl CutLog {
     /// mark asks for as well, are stray, so that a good cut does not make up for a wound beside it. The plane of a single one does not
     /// show where it is: that of a small bite is uncertain, and that of a slit beside the mark may pass through it.
     ///
-    /// Distance and angle are of the mean normal, not means of those of the openings: how many ticks a cut takes, and by how much each of
-    /// its elements is tilted, is the computation's matter and not the hand's.
+    /// Distance and angle are of the plane nearest to the points at which the tool went through the tissue. Where these are too few for one, as of a snip, it is that of the mean
+    /// normal of the openings. How many ticks a cut takes, and where the mesh can be divided, is the computation's matter and not the hand's.
     pub fn findings(&self, width: f64) -> CutFindings {
         let (mut distance, mut angle) = (None, None);
         let (mut at_marks, mut stray) = (0.0, self.elsewhere);
         let worse = |one: Option<f64>, other: f64| Some(one.map_or(other, |one| one.max(other)));
-        for cuts in self.marks.iter().filter(|cuts| !cuts.is_empty()) {
+        let is_measured = |cuts: &&Vec<Cut>| cuts.iter().any(|cut| cut.area > 0.0);
+        for cuts in self.marks.iter().filter(is_measured) {
             let all: f64 = cuts.iter().map(|cut| cut.area).sum();
             let every: Vec<&Cut> = cuts.iter().collect();
             let normal = sum_of_normals(&every).normalize().into();
@@ -193,17 +204,11 @@ impl CutLog {
             let (own, far): (Vec<&Cut>, Vec<&Cut>) = cuts.iter().partition(is_near);
             at_marks += all;
             stray += far.iter().map(|cut| cut.area).sum::<f64>();
-            let sum = sum_of_normals(&own);
-            let normal = sum.normalize().into();
-            let sum_over_area =
-                |of: &dyn Fn(&Cut) -> f64| own.iter().map(|cut| cut.area * of(cut)).sum::<f64>();
-            let area = sum_over_area(&|_| 1.0);
-            let cosine = sum_over_area(&|cut| cut.cosine) / sum.norm();
-            distance = worse(
-                distance,
-                sum_over_area(&|cut| cut.along(normal).abs()) / area,
-            );
-            angle = worse(angle, libm::acos(cosine.min(1.0)));
+            let mut path = PathSums::default();
+            own.iter().for_each(|cut| path.merge(&cut.path));
+            let (beside, askew) = path.plane().unwrap_or_else(|| opened_plane(&own));
+            distance = worse(distance, beside);
+            angle = worse(angle, askew);
         }
         let opened = at_marks + self.elsewhere;
         CutFindings {
@@ -214,6 +219,17 @@ impl CutLog {
             steadied: (opened > 0.0).then(|| self.steadied / opened),
         }
     }
+}
+
+/// Distance from the mark's middle \[m\], mean over the area, and angle to the mark's plane \[rad\] of the mean plane of openings.
+fn opened_plane(cuts: &[&Cut]) -> (f64, f64) {
+    let sum = sum_of_normals(cuts);
+    let normal = sum.normalize();
+    let over_area =
+        |of: &dyn Fn(&Cut) -> f64| cuts.iter().map(|cut| cut.area * of(cut)).sum::<f64>();
+    let away = over_area(&|cut| cut.along(normal.into()).abs()) / over_area(&|_| 1.0);
+    let cosine = over_area(&|cut| cut.cosine) / sum.norm();
+    (away, libm::acos(cosine.min(1.0)))
 }
 
 /// The sum of the normals by area \[m²\]. None of them points away from that of the mark, so that it does not vanish.
@@ -254,6 +270,7 @@ mod tests {
             area,
             rest_centroid: [x, 0.0, 0.0],
             rest_normal,
+            valid: true,
             ..TissueCut::default()
         }
     }
@@ -280,6 +297,45 @@ mod tests {
                 assert!((found.stray - 0.3e-6).abs() < 1e-18, "{}", found.stray);
             }
         }
+    }
+
+    /// A cut askew at the mark, one beside it and a tear, all in ticks that were not valid: the mark is cut, and nothing is measured. Then a valid one is measured
+    /// alone.
+    #[test]
+    fn cuts_of_ticks_that_mean_nothing_are_in_no_finding() {
+        let invalid = |cut: TissueCut| TissueCut {
+            valid: false,
+            ..cut
+        };
+        let askew = invalid(cut(0.2e-3, 1e-6, [0.8, 0.6, 0.0]));
+        let mut log = CutLog::default();
+        let first = log.assign(&askew, &[mark()], 1.2e-3, |_| true);
+        assert_eq!(
+            first,
+            Assignment::Mark {
+                index: 0,
+                first: true
+            }
+        );
+        let stray = invalid(cut(4e-3, 1e-6, [1.0, 0.0, 0.0]));
+        log.assign(&stray, &[mark()], 1.2e-3, |_| true);
+        let tear = TissueCut {
+            tool: String::new(),
+            ..askew
+        };
+        let torn = log.assign(&tear, &[mark()], 1.2e-3, |_| true);
+        assert_eq!(torn, Assignment::Tear);
+        let found = log.findings(0.4e-3);
+        let none = (found.distance, found.angle, found.steadied);
+        assert_eq!(none, (None, None, None));
+        assert_eq!((found.stray, found.torn), (0.0, 0.0));
+        let good = cut(0.1e-3, 1e-6, [1.0, 0.0, 0.0]);
+        log.assign(&good, &[mark()], 1.2e-3, |_| false);
+        let found = log.findings(0.4e-3);
+        assert_eq!(
+            (found.distance, found.steadied, found.stray),
+            (Some(0.1e-3), Some(0.0), 0.0)
+        );
     }
 
     /// Nothing is stray, and the distance of the cut is this one \[m\]; tolerance: rounding.

@@ -228,6 +228,7 @@ pub fn cut(host: &mut TestHost<Module>, tool: &str, x: f64, normal: [f64; 3]) {
         area: 1e-6,
         rest_centroid: [x, 0.0, 0.0],
         rest_normal: normal,
+        valid: true,
         ..TissueCut::default()
     });
 }

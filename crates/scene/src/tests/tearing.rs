@@ -1,0 +1,121 @@
+//! Shreds that rupture, and whole elements beside them.
+
+use super::*;
+use microsim_cutting::check;
+use microsim_tissue::law::LawName;
+use microsim_tissue::{ContinuumConstants, Discretisation};
+
+/// A bar of 3 × 1 × 1 mm whose middle layer is 50 µm thick, a twentieth of the mean: its elements are shreds. Its ends are held, the one on the
+/// right by a clamp that moves.
+fn bar(pull: f64, tear_strain: f64, newton: Newton) -> SceneSpec {
+    let block = Block {
+        center: [0.0; 3],
+        size: [3e-3, 1e-3, 1e-3],
+        cells: [3, 1, 1],
+        split: CellSplit::Kuhn,
+    };
+    let mut mesh = block.mesh().unwrap();
+    for place in &mut mesh.positions {
+        if place.x.abs() < 1e-3 {
+            place.x = 25e-6 * place.x.signum();
+        }
+    }
+    let end = |x: f64, motion: Option<MotionSpec>| ClampSpec {
+        nodes: Selection::Box(BoxSpec {
+            min: [x - 1e-6, -1.0, -1.0],
+            max: [x + 1e-6, 1.0, 1.0],
+        }),
+        motion,
+        release: None,
+    };
+    let motion = MotionSpec {
+        pivot: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        keys: vec![MotionKey {
+            time: 0.01,
+            shift: [pull, 0.0, 0.0],
+            angle: 0.0,
+        }],
+    };
+    let behaviour = Behaviour::Continuum(ContinuumConstants {
+        law: LawName::StableNeoHookean.into(),
+        young: 80e3,
+        poisson: 0.4,
+        discretisation: Discretisation::Tetrahedra,
+    });
+    let material = Material {
+        density: 1060.0,
+        relaxation_time: 0.0,
+        behaviour,
+    };
+    let body = BodySpec {
+        clamps: vec![end(-1.5e-3, None), end(1.5e-3, Some(motion))],
+        tear_strains: vec![(0, tear_strain)],
+        ..BodySpec::new("bar", mesh, material)
+    };
+    SceneSpec::new(vec![body], Method::ImplicitEuler(newton))
+}
+
+/// What is left: two halves with their 8 nodes each, so that no face of a whole element was opened.
+fn assert_halves(scene: &Scene) {
+    let body = &scene.bodies[0];
+    let measures = check(&body.mesh, body.topology.as_ref().unwrap()).unwrap();
+    assert_eq!((measures.parts, body.mesh.positions.len()), (2, 16));
+}
+
+/// Stretched 21 times while whole elements are as at rest: the mean of both sides, 11, would open the faces between them, 1 mm² each, for which 21 times 50 µm of
+/// tissue have stored next to nothing. Nothing happens up to the strain that tissue bears.
+#[test]
+fn a_shred_ruptures_and_does_not_tear_what_it_hangs_on() {
+    let mut scene = Scene::new(&bar(0.0, 3.0, Newton::default())).unwrap();
+    let stretch = |scene: &mut Scene, by: f64| {
+        let rest = scene.bodies[0].mesh.positions.clone();
+        for (now, rest) in scene.state.bodies[0].positions.iter_mut().zip(rest) {
+            *now = rest + Vector3::x() * if rest.x > 0.0 { by } else { 0.0 };
+        }
+    };
+    stretch(&mut scene, 0.14e-3);
+    assert_eq!(scene.tear_bodies(), []);
+    stretch(&mut scene, 1e-3);
+    let torn = scene.tear_bodies();
+    let [torn] = &torn[..] else {
+        panic!("{torn:?}")
+    };
+    assert!(torn.valid && torn.pieces == [1], "{torn:?}");
+    // Six elements of a sixth of 0.05 mm³, none with an edge shorter than the 1 mm of the section, nor longer than its diagonal through the layer.
+    assert!(
+        (0.05 / 1.42..0.05).contains(&(torn.area * 1e6)),
+        "{}",
+        torn.area
+    );
+    assert_halves(&scene);
+    assert_eq!(scene.tear_bodies(), []);
+}
+
+/// One iteration of Newton's method for 3 mm in one tick: its forces mean nothing, and shreds fail in what it finds. Without them the tick is valid; what they lay
+/// open is not from a valid one, and a state that was saved before goes on alike.
+#[test]
+fn a_tick_that_means_nothing_is_repeated_without_the_shreds_that_fail() {
+    let once = Newton {
+        iterations: 1,
+        tolerance: 1e-6,
+        must_converge: false,
+    };
+    let spec = bar(3e-3, 0.5, once);
+    let mut scene = Scene::new(&spec).unwrap();
+    let mut other = Scene::new(&spec).unwrap();
+    other.restore(&scene.save()).unwrap();
+    let report = scene.tick(&[], 10e-3, 1, &Serial).unwrap();
+    assert!(report.valid && report.recoveries.is_empty(), "{report:?}");
+    assert_eq!((report.ruptured, report.repetitions), (6, 1));
+    let [torn] = &report.cuts[..] else {
+        panic!("{:?}", report.cuts)
+    };
+    assert!(!torn.valid && torn.tool.is_none() && torn.area > 0.0);
+    assert_halves(&scene);
+    assert_eq!(other.tick(&[], 10e-3, 1, &Serial).unwrap(), report);
+    assert_eq!(scene.digest(), other.digest());
+    let mut saved = Scene::new(&spec).unwrap();
+    saved.restore(&scene.save()).unwrap();
+    assert_eq!(saved.digest(), scene.digest());
+}
