@@ -309,6 +309,15 @@ fn with_section(head: &str, page: &str, section: &str) -> String {
         .split("\n## ")
         .skip(1)
         .map(|rest| format!("## {}", rest.trim_end()));
+    // Of which code its figures are stands below its title.
+    let row = page.split_once("\n| command |").map(|(_, rest)| rest);
+    let row = row
+        .and_then(|rest| rest.split_once("\n\n"))
+        .map(|(row, _)| row);
+    let head = match (row, head.split_once('\n')) {
+        (Some(row), Some((title, rest))) => format!("{title}\n\n| command |{row}\n{rest}"),
+        _ => head.to_owned(),
+    };
     let mut sections: Vec<String> = old.filter(|old| title(old) != title(section)).collect();
     sections.push(section.trim_end().to_owned());
     sections.sort();
