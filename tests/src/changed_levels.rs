@@ -2,6 +2,7 @@
 
 use crate::{command, finish, scratch, tree};
 use serde_json::Value;
+use std::fmt::Write as _;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
@@ -73,7 +74,7 @@ impl ChangedLevels {
 /// A level whose solver gets nowhere: one iteration for a tick of 48 ms, near the longest that a level may have, and no second try. Levels whose method has no
 /// iterations stay as they are.
 pub fn crippled(level: &str) -> String {
-    if !level.contains("\niterations = ") {
+    if !has_iterations(level) {
         return level.to_owned();
     }
     let line = |line: &str| match line.split(" = ").next() {
@@ -82,4 +83,104 @@ pub fn crippled(level: &str) -> String {
         _ => format!("{line}\n"),
     };
     level.lines().map(line).collect()
+}
+
+fn has_iterations(level: &str) -> bool {
+    level.contains("\niterations = ")
+}
+
+/// How a level is computed otherwise: what it is called, and the change. Levels without tissue, or whose method has no iterations, stay as they are.
+pub type Change = (&'static str, fn(&str) -> String);
+
+/// A level as it is, at twice the iterations, half the tick, and on a mesh one step finer: none of this is the trainee's doing.
+pub const CHANGES: [Change; 4] = [
+    ("as shipped", str::to_owned),
+    ("twice the iterations", |level| {
+        scaled(level, "iterations", 2.0)
+    }),
+    ("half the tick", |level| scaled(level, "tick", 0.5)),
+    ("finer mesh", finer),
+];
+
+/// By how much the finer mesh has more cells along each axis: two where there were one or two, half as many again where there were more.
+fn finer_cells(cells: u32) -> u32 {
+    match cells {
+        0..=2 => cells + 1,
+        more => more + more.div_ceil(2),
+    }
+}
+
+/// The level with the number in the lines of a key multiplied; its unit stays.
+fn scaled(level: &str, key: &str, factor: f64) -> String {
+    changed(level, key, |value| {
+        let number: String = value
+            .chars()
+            .filter(|c| "0123456789.".contains(*c))
+            .collect();
+        let scaled = number.parse::<f64>().expect("a number") * factor;
+        value.replacen(&number, &scaled.to_string(), 1)
+    })
+}
+
+/// The level with more cells in each direction.
+fn finer(level: &str) -> String {
+    changed(level, "cells", |value| {
+        let list = value.trim().trim_start_matches('[').trim_end_matches(']');
+        let cells = list
+            .split(',')
+            .map(|n| n.trim().parse().expect("a number of cells"));
+        let finer: Vec<String> = cells.map(|n| finer_cells(n).to_string()).collect();
+        format!("[{}]", finer.join(", "))
+    })
+}
+
+/// The level with the value of each line `key = value` changed.
+fn changed(level: &str, key: &str, change: impl Fn(&str) -> String) -> String {
+    if !has_iterations(level) {
+        return level.to_owned();
+    }
+    let mut out = String::new();
+    let mut found = false;
+    for line in level.lines() {
+        match line.split_once(" = ").filter(|(name, _)| *name == key) {
+            Some((name, value)) => {
+                found = true;
+                let _ = writeln!(out, "{name} = {}", change(value));
+            }
+            None => {
+                let _ = writeln!(out, "{line}");
+            }
+        }
+    }
+    assert!(found, "no line `{key} = …` in the level");
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand.
+    #[test]
+    fn levels_are_changed_line_by_line() {
+        let level = "tick = \"8 ms\"\nsteps = 1\ncells = [20, 2, 1]\niterations = 10\n";
+        assert_eq!(
+            scaled(level, "tick", 0.5),
+            "tick = \"4 ms\"\nsteps = 1\ncells = [20, 2, 1]\niterations = 10\n"
+        );
+        assert_eq!(
+            scaled("steps = 1\niterations = 10\n", "iterations", 2.0),
+            "steps = 1\niterations = 20\n"
+        );
+        assert_eq!(
+            finer("cells = [20, 2, 1]\niterations = 10\n"),
+            "cells = [30, 3, 2]\niterations = 10\n"
+        );
+        let explicit = "tick = \"8 ms\"\ncells = [20, 2, 1]\n";
+        assert!(
+            CHANGES
+                .iter()
+                .all(|(_, change)| change(explicit) == explicit)
+        );
+    }
 }

@@ -3,7 +3,7 @@
 mod table;
 
 use super::{KINDS, WORKERS};
-use microsim_tests::changed_levels::ChangedLevels;
+use microsim_tests::changed_levels::{CHANGES, ChangedLevels};
 use microsim_tests::statistics::Group;
 use microsim_tests::trainees;
 use serde_json::Value;
@@ -16,68 +16,6 @@ use table::{Key, Outcome, Table};
 
 /// Metrics whose numerical spread is above this fraction of the difference of the groups measure the solver as much as the hand.
 const MOST_SPREAD: f64 = 0.5;
-
-/// How a level is changed; the first is the level as it is.
-type Change = (&'static str, fn(&str) -> String);
-const CHANGES: [Change; 4] = [
-    ("as shipped", str::to_owned),
-    ("twice the iterations", |level| {
-        scaled(level, "iterations", 2.0)
-    }),
-    ("half the tick", |level| scaled(level, "tick", 0.5)),
-    ("finer mesh", finer),
-];
-
-/// By how much the finer mesh has more cells along each axis: two where there were one or two, half as many again where there were more.
-fn finer_cells(cells: u32) -> u32 {
-    match cells {
-        0..=2 => cells + 1,
-        more => more + more.div_ceil(2),
-    }
-}
-
-/// The level with the number in the lines of a key multiplied; its unit stays.
-fn scaled(level: &str, key: &str, factor: f64) -> String {
-    changed(level, key, |value| {
-        let number: String = value
-            .chars()
-            .filter(|c| "0123456789.".contains(*c))
-            .collect();
-        let scaled = number.parse::<f64>().expect("a number") * factor;
-        value.replacen(&number, &scaled.to_string(), 1)
-    })
-}
-
-/// The level with more cells in each direction.
-fn finer(level: &str) -> String {
-    changed(level, "cells", |value| {
-        let list = value.trim().trim_start_matches('[').trim_end_matches(']');
-        let cells = list
-            .split(',')
-            .map(|n| n.trim().parse().expect("a number of cells"));
-        let finer: Vec<String> = cells.map(|n| finer_cells(n).to_string()).collect();
-        format!("[{}]", finer.join(", "))
-    })
-}
-
-/// The level with the value of each line `key = value` changed.
-fn changed(level: &str, key: &str, change: impl Fn(&str) -> String) -> String {
-    let mut out = String::new();
-    let mut found = false;
-    for line in level.lines() {
-        match line.split_once(" = ").filter(|(name, _)| *name == key) {
-            Some((name, value)) => {
-                found = true;
-                let _ = writeln!(out, "{name} = {}", change(value));
-            }
-            None => {
-                let _ = writeln!(out, "{line}");
-            }
-        }
-    }
-    assert!(found, "no line `{key} = …` in the level");
-    out
-}
 
 /// What is known of a metric.
 struct Metric {
@@ -96,13 +34,7 @@ pub fn study(
     write: impl Fn(&str) -> Result<(), String>,
 ) -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(|error| format!("a temporary folder: {error}"))?;
-    let trees = CHANGES.map(|(_, change)| {
-        ChangedLevels::new(module, |text| match text.contains("\niterations = ") {
-            true => change(text),
-            // Levels without tissue, or without iterations, are not studied.
-            false => text.to_owned(),
-        })
-    });
+    let trees = CHANGES.map(|(_, change)| ChangedLevels::new(module, change));
     let seeds = first_seed..first_seed + count as u64;
     let trainees: Vec<(&str, u64)> = KINDS
         .iter()
@@ -306,17 +238,7 @@ mod tests {
 
     /// By hand.
     #[test]
-    fn levels_are_changed_line_by_line() {
-        let level = "tick = \"8 ms\"\nsteps = 1\ncells = [20, 2, 1]\niterations = 10\n";
-        assert_eq!(
-            scaled(level, "tick", 0.5),
-            "tick = \"4 ms\"\nsteps = 1\ncells = [20, 2, 1]\niterations = 10\n"
-        );
-        assert_eq!(
-            scaled("iterations = 10\n", "iterations", 2.0),
-            "iterations = 20\n"
-        );
-        assert_eq!(finer("cells = [20, 2, 1]\n"), "cells = [30, 3, 2]\n");
+    fn spreads_are_root_mean_squares() {
         assert_eq!(spread(&[3.0, -4.0]), Some(12.5f64.sqrt()));
         assert_eq!(spread(&[]), None);
     }
