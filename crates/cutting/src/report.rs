@@ -34,7 +34,7 @@ pub struct Cut {
     pub divided: usize,
     /// What was laid open: at rest, and now.
     pub opened: [Opened; 2],
-    /// Where the blade crossed edges on the way to it; of a tear, which has no blade, none.
+    /// Where the blade crossed edges since something was last opened; of a tear, which has no blade, none.
     pub points: PathPoints,
     /// How the surface changed.
     pub surface: SurfaceChange,

@@ -197,7 +197,7 @@ pub struct TissueCut {
     pub rest_centroid: [f64; 3],
     /// Its mean normal at rest, of length 1.
     pub rest_normal: [f64; 3],
-    /// Where the tool went through the tissue: where it crossed edges of the mesh, whatever came apart there. None of tissue that tore by itself.
+    /// Where the tool went through the tissue: where it crossed edges of the mesh since it last opened something, whatever came apart there. None of tissue that tore by itself.
     #[serde(default)]
     pub points: PathPoints,
     /// Whether it was found in a valid tick ([`SolverTick::valid`](crate::SolverTick::valid)). No metric takes anything from one that was not.

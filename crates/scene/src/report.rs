@@ -162,7 +162,7 @@ pub struct CutReport {
     pub rest_normal: [f64; 3],
     /// Whether the tick was valid in which it was found. What a shred lays open that is taken away so that a tick is valid was found in one that was not.
     pub valid: bool,
-    /// Where the tool crossed edges of the mesh on the way to it, at rest; none of a tear.
+    /// Where the tool crossed edges of the mesh since it last opened something, at rest; none of a tear.
     pub points: PathPoints,
     /// Its centroid now \[m\].
     pub centroid: [f64; 3],

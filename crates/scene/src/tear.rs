@@ -140,10 +140,8 @@ fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
             let normal = normal(topology, &body.mesh.positions, element, corner);
             let sides = [element, other].map(|e| {
                 let volume = rest_volume(body, e);
-                (
-                    volume,
-                    volume * stretch(body, positions, e, &normal).powi(2),
-                )
+                let stretch = stretch(body, positions, e, &normal);
+                (volume, volume * (stretch * stretch))
             });
             let (volume, sum) = (sides[0].0 + sides[1].0, sides[0].1 + sides[1].1);
             let excess = (sum / volume).sqrt() - 1.0 - limit;

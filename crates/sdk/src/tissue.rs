@@ -3,6 +3,7 @@
 mod contacts;
 mod cuts;
 mod delivery;
+mod mark_line;
 mod marks;
 mod patch;
 mod path;
@@ -10,8 +11,9 @@ mod pieces;
 mod ring;
 
 pub use contacts::{Contacts, Grasp, Grip, Releases};
-pub use cuts::{Assignment, CutFindings, CutLog, MarkLine};
+pub use cuts::{Assignment, CutFindings, CutLog};
 pub use delivery::{Delivered, Delivery};
+pub use mark_line::MarkLine;
 pub use marks::{colour, mark_colour, mark_places, show_colour, show_mark};
 pub use patch::{Patch, PatchPlace};
 pub use pieces::{PieceView, Probes};

@@ -207,7 +207,10 @@ fn section(
             spread(&pairs.collect::<Vec<_>>())
         });
         let largest = spreads.iter().flatten().fold(0.0f64, |a, b| a.max(*b));
-        let ratio = largest / difference;
+        let ratio = match largest {
+            0.0 => 0.0,
+            _ => largest / difference,
+        };
         let shown = |spread: &Option<f64>| spread.map_or("–".into(), |s| format!("{s:.4}"));
         let _ = writeln!(
             out,

@@ -1,6 +1,6 @@
 //! The plane nearest to where a tool went through tissue at a mark.
 
-use super::MarkLine;
+use super::mark_line::MarkLine;
 use microsim_message::PathPoints;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
