@@ -76,13 +76,16 @@ fn limit_of(body: &Body, element: u32) -> Option<f64> {
         .map(|(_, strain)| *strain)
 }
 
-/// The shreds of a body that can tear for which `fails` is true.
+/// The shreds of a body that can tear for which `fails` is true, but those that hang on nothing.
 fn shreds(body: &Body, fails: impl Fn(u32) -> bool) -> BTreeSet<u32> {
     let Some(topology) = &body.topology else {
         return BTreeSet::new();
     };
     let fails = |&element: &u32| {
-        is_shred(body, topology, element) && limit_of(body, element).is_some() && fails(element)
+        is_shred(body, topology, element)
+            && (0..4).any(|corner| topology.neighbour(element, corner).is_some())
+            && limit_of(body, element).is_some()
+            && fails(element)
     };
     (0..body.mesh.tets.len() as u32).filter(fails).collect()
 }
