@@ -108,6 +108,45 @@ fn what_is_there_is_refused_before_the_run() {
     );
 }
 
+/// Pictures of two computations in one folder cannot be distinguished, and what a refused command was to replace stays.
+#[test]
+fn pictures_and_results_of_an_earlier_scene_stay() {
+    let folder = scratch();
+    let (frames, result) = (folder.path().join("frames"), folder.path().join("old.json"));
+    fs::create_dir(&frames).expect("a folder");
+    fs::write(frames.join("frame-000000.png"), b"old").expect("written");
+    fs::write(&result, b"old").expect("written");
+    let mut simulate = command(["simulate", "cantilever", "--frames"]);
+    let printed = finish(simulate.arg(&frames).arg("--json").arg(&result)).expect(2);
+    assert!(
+        printed.err.contains("holds pictures already") && printed.out.is_empty(),
+        "{printed:?}"
+    );
+    let read = |path| fs::read(path).expect("there");
+    assert_eq!(read(frames.join("frame-000000.png")), b"old");
+    assert_eq!(read(result), b"old");
+    assert_eq!(fs::read_dir(frames).expect("a folder").count(), 1);
+}
+
+/// A run that was recorded is not one that could not run: its status means that only the report is missing.
+#[test]
+fn a_report_that_cannot_be_written_has_a_status_of_its_own() {
+    let folder = scratch();
+    let session = folder.path().join("x.session");
+    fs::create_dir(folder.path().join("x.html")).expect("a folder in the page's place");
+    let mut run = command(["run", "touch-spheres", "--session"]);
+    let printed = finish(run.arg(&session).args(INPUT)).expect(3);
+    assert!(
+        printed.err.contains("x.html") && printed.err.contains("the session is safe in"),
+        "{printed:?}"
+    );
+    assert!(printed.out.contains("FAILED"), "{printed:?}");
+    verify(&session, &[]).expect(0);
+    // Elsewhere there is room for it.
+    let mut report = command(["report".as_ref(), session.as_os_str(), "--html".as_ref()]);
+    finish(report.arg(folder.path().join("y.html"))).expect(0);
+}
+
 /// A flipped bit in the middle and a file without a tick are no proof, whatever the rest holds.
 #[test]
 fn what_proves_nothing_is_not_verified() {

@@ -4,6 +4,7 @@ use microsim_host::record::{Ended, Session};
 use microsim_tests::kill::{Moment, Target, moments};
 use microsim_tests::{Finished, assert_verified, comb, command, report_beside, scratch};
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -79,6 +80,43 @@ fn ctrl_c_ends_with_a_complete_session() {
 #[test]
 fn a_polite_kill_ends_with_a_complete_session() {
     ends_in_order("TERM");
+}
+
+#[test]
+fn a_closed_terminal_ends_with_a_complete_session() {
+    ends_in_order("HUP");
+}
+
+/// Verdict and page come before the pictures, and whoever does not want to wait for those is heard.
+#[test]
+fn ctrl_c_is_heard_while_pictures_of_the_report_are_drawn() {
+    let folder = scratch();
+    let session = folder.path().join("drawn.session");
+    let mut run = command(["run", "coordination", "--require-pass", "--input"]);
+    run.args(["script:level1-fail-not-gripped.toml", "--session"])
+        .arg(&session);
+    run.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = run.spawn().expect("the built program starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
+    let mut told = |word: &str| {
+        let line = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains(word)));
+        assert!(line.is_some(), "nothing said {word}");
+    };
+    told("FAILED");
+    told("Report:");
+    signal(&child, "INT");
+    let start = Instant::now();
+    let printed: Finished = child.wait_with_output().expect("the run ends").into();
+    assert!(start.elapsed() < PATIENCE, "Ctrl-C was not heard");
+    // The status that the run would have had.
+    assert_eq!(printed.code, Some(1), "{printed:?}");
+    let page = fs::read_to_string(session.with_extension("html")).expect("the page");
+    assert!(
+        page.contains("microsim report SI") || page.contains("microsim report SE"),
+        "the page says how to draw what is missing"
+    );
+    assert_eq!(report_beside(&session)["verdict"], "failed");
+    assert_verified(&session);
 }
 
 /// A hundred snips of scissors into a band, in the built program: every one lays tissue open, the session verifies, and killed in ticks that cut

@@ -44,6 +44,9 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         (None, _) => {}
     }
     let quiet = args.json.as_deref() == Some(Path::new("-"));
+    if let Some(folder) = &args.frames {
+        refuse_old_pictures(folder)?;
+    }
     // A file that cannot be written is reported before the time is spent.
     let mut json_file = match &args.json {
         Some(file) if !quiet => {
@@ -68,10 +71,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         None => None,
     };
     let mut pictures = match &args.frames {
-        Some(folder) => {
-            refuse_old_pictures(folder)?;
-            Some(Pictures::new(folder, &scene)?)
-        }
+        Some(folder) => Some(Pictures::new(folder, &scene)?),
         None => None,
     };
     let bar = progress::bar(

@@ -224,6 +224,9 @@ fn through_head(tree: &Tree, args: &str) -> Finished {
     let mut shell = Command::new("bash");
     shell.current_dir(tree.path(""));
     shell.env("MICROSIM_STATION_KEY", microsim_tests::station_key());
+    if args.ends_with("2>&1") {
+        shell.env("RUST_LOG", "debug");
+    }
     shell.arg("-c").arg(format!(
         "set -o pipefail; \"$0\" --root . {args} | head -n 1"
     ));
@@ -257,6 +260,14 @@ fn a_reader_that_goes_away_is_no_error() {
     .expect(0);
     assert_eq!(printed.out.lines().count(), 1);
     tree.microsim(&["check", "z.session"]).expect(0);
+    // Nor does it matter that the log goes the same way: every tick writes to it.
+    let printed = through_head(
+        &tree,
+        "run touch-spheres --input script:short.toml --session log.session 2>&1",
+    )
+    .expect(0);
+    assert_eq!(printed.out.lines().count(), 1);
+    tree.microsim(&["check", "log.session"]).expect(0);
 }
 
 /// Standard output that takes nothing is an error, unlike a reader that goes away.
