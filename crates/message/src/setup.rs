@@ -27,7 +27,19 @@ pub struct Setup {
     pub steps: u32,
     /// Number of the level, from 1.
     pub level: u32,
-    /// The configuration of this kind of plugin, checked and in SI units; see [`Setup::configuration`].
+    /// The configuration of this kind of plugin, checked and in SI units; [`Setup::configuration`] reads it as the type whose fields are
+    /// its keys, all in the crate `settings`:
+    ///
+    /// | kind | type |
+    /// |---|---|
+    /// | source of scripts, of recordings | `ScriptConfig`, `RecordingConfig` |
+    /// | another source | what its own `plugin.toml` declares, or null |
+    /// | translator | `TranslatorConfig` |
+    /// | physics | `PhysicsConfig` |
+    /// | module | `ModuleConfig` |
+    /// | objects | `ObjectsConfig` |
+    /// | renderer | `RendererConfig` |
+    /// | recorder | `RecorderConfig` |
     pub config: serde_json::Value,
     /// Files of its own.
     pub files: Vec<SetupFile>,

@@ -210,7 +210,9 @@ impl LevelRun {
         Ok(())
     }
 
-    /// A line for the report.
+    /// A line for the report, at this moment: it stands in the course, and the page may show a picture of it. Of all moments a page draws
+    /// twelve at most, those that decided first; so an event is for what a trainee should look at, not for every tick. A target that is
+    /// done has its line already ([`Self::target_done`]).
     pub fn event(&self, tick: &mut Tick<'_>, id: &str, text: LocalText) {
         let time = self.time(tick);
         tick.publish(&LevelEvent {

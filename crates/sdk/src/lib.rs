@@ -21,7 +21,7 @@
 //! | what a level's file gives | [`ModuleConfig`] (tools, objects, limits, the module's own keys), [`Setup`] (seed, tick, files) |
 //! | messages in and out of a tick | [`Tick`] |
 //! | the platform's messages, and kinds of one's own | module [`message`], [`message::Message`] |
-//! | tissue: marks that move with it, grips, cuts, pieces, rings | module [`tissue`] |
+//! | tissue: marks that move with it, grips, cuts, pieces, rings, sections, normals | module [`tissue`] |
 //! | trays, directions, paths | [`Tray`], [`axis`], [`turned_to`], [`shortest_path`] |
 //! | random numbers that can be saved | [`RandomStream`] |
 //! | an error, as one sentence for a person | [`Fault`] |

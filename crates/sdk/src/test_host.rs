@@ -10,9 +10,11 @@ use microsim_abi::{Block as AbiBlock, Call, Fault as AbiFault, FaultKind, Plugin
 use microsim_bus::{EndpointId, Frames, KindInfo, Limits, Router};
 use microsim_message::{
     LevelControl, Message, Pose, Setup, ToolState, ToolStates, ToolStatus, TrainingResult,
-    core_kinds, decode, encode, push,
+    config_value, core_kinds, decode, encode, push,
 };
-use microsim_settings::Manifest;
+use microsim_settings::{KnownMetric, Manifest, ModuleConfig, ToolModels, Unit};
+use microsim_training::MOTION_METRICS;
+use std::path::Path;
 
 /// The test's own place on the bus.
 const TESTER: &str = "tester";
@@ -98,7 +100,7 @@ impl<P: Plugin> TestHost<P> {
             .settings;
         declare(&manifest, &mut config);
         let setup = Setup {
-            name: manifest.name,
+            name: manifest.name.clone(),
             seed,
             tick_ns: 8_000_000,
             steps: 1,
@@ -106,6 +108,46 @@ impl<P: Plugin> TestHost<P> {
             config,
             files: Vec::new(),
         };
+        Self::of_manifest(&manifest, setup)
+    }
+
+    /// The same from files, as the host reads them: the manifest `module.toml` and `levels/level<N>.toml` below the folder of the module,
+    /// the shapes of the tools that the level names below `tools` (`config/tools` of an installation). Ticks are those of the level.
+    pub fn of_level(module: &Path, tools: &Path, seed: u64, level: u32) -> Result<Self, Fault> {
+        let fault = |e: microsim_settings::ConfigErrors| Fault::new(e.to_string());
+        let manifest = microsim_settings::load_manifest(&module.join("module.toml"));
+        let manifest = manifest.map_err(fault)?.settings;
+        let known: Vec<KnownMetric<'_>> = MOTION_METRICS
+            .iter()
+            .filter_map(|metric| {
+                Some(KnownMetric {
+                    id: metric.id.as_ref(),
+                    unit: Unit::of_symbol(&metric.unit)?,
+                    direction: metric.direction,
+                })
+            })
+            .collect();
+        let file = module.join("levels").join(format!("level{level}.toml"));
+        let loaded = microsim_settings::load_level(&file, &manifest, &known);
+        let settings = loaded.map_err(fault)?.settings;
+        let mut models = ToolModels::new();
+        for slot in &settings.tool {
+            let shape = microsim_settings::load_tool(&tools.join(format!("{}.toml", slot.model)));
+            models.insert(slot.model.clone(), shape.map_err(fault)?.settings);
+        }
+        let setup = Setup {
+            name: manifest.name.clone(),
+            seed,
+            tick_ns: settings.clock.tick_us() * 1000,
+            steps: settings.clock.steps,
+            level,
+            config: config_value(&ModuleConfig::new(&settings, &manifest, &models)),
+            files: Vec::new(),
+        };
+        Self::of_manifest(&manifest, setup)
+    }
+
+    fn of_manifest(manifest: &Manifest, setup: Setup) -> Result<Self, Fault> {
         let publishes: Vec<&str> = manifest.publishes.iter().map(String::as_str).collect();
         let subscribes: Vec<&str> = manifest.subscribes.iter().map(String::as_str).collect();
         Self::new(&publishes, &subscribes, &[], setup)
@@ -171,12 +213,21 @@ impl<P: Plugin> TestHost<P> {
 
     /// Publishes where all tools are: closed and tracked, each with its slot.
     pub fn send_tools(&mut self, tools: &[(&str, Pose)]) {
-        let state = |(tool, pose): &(&str, Pose)| ToolState {
+        let closed: Vec<_> = tools
+            .iter()
+            .map(|(tool, pose)| (*tool, *pose, 0.0))
+            .collect();
+        self.send_open_tools(&closed);
+    }
+
+    /// The same with how far each is open, from 0 (closed) to 1.
+    pub fn send_open_tools(&mut self, tools: &[(&str, Pose, f64)]) {
+        let state = |(tool, pose, opening): &(&str, Pose, f64)| ToolState {
             tool: (*tool).into(),
             model: "-".into(),
             status: ToolStatus::Tracked,
             pose: *pose,
-            opening: 0.0,
+            opening: *opening,
         };
         self.send(&ToolStates {
             tools: tools.iter().map(state).collect(),

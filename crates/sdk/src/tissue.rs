@@ -9,6 +9,7 @@ mod patch;
 mod path;
 mod pieces;
 mod ring;
+mod shape;
 
 pub use contacts::{Contacts, Grasp, Grip, Releases};
 pub use cuts::{Assignment, CutFindings, CutLog};
@@ -18,6 +19,7 @@ pub use marks::{colour, mark_colour, mark_places, show_colour, show_mark};
 pub use patch::{Patch, PatchPlace};
 pub use pieces::{PieceView, Probes};
 pub use ring::Ring;
+pub use shape::{BodyShape, Loop};
 
 use crate::fault::Fault;
 use microsim_settings::ModuleConfig;

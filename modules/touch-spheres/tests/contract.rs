@@ -7,6 +7,7 @@ use microsim_sdk::message::{
     LevelControl, ObjectSet, Pose, ToolState, ToolStates, ToolStatus, TrainingResult,
 };
 use serde_json::json;
+use std::path::Path;
 
 const SEED: u64 = 7;
 const RADIUS: f64 = 0.002;
@@ -204,4 +205,27 @@ fn the_current_sphere_shows_its_colour() {
     assert_eq!(red.name, "sphere-1");
     let [r, g, b] = red.colour.expect("a colour");
     assert!(r > 0.7 && g < 0.3 && b < 0.3, "red inside at a wrong angle");
+}
+
+/// The test host reads a level as the host does: its targets, tools and limits are those of the file.
+#[test]
+fn a_level_is_read_from_its_file() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let tools = folder.join("../../config/tools");
+    let level = |number| TestHost::<Module>::of_level(folder, &tools, SEED, number);
+    let mut host = level(1).expect("the shipped level").moving();
+    host.send(&LevelControl::Start);
+    host.send_open_tools(&[("right", Pose::default(), 0.5)]);
+    host.tick().expect("a good tick");
+    let file = std::fs::read_to_string(folder.join("levels/level1.toml")).expect("a level");
+    let limits = file.matches("[[limit]]").count();
+    let result = host.end();
+    assert!(!result.passed && result.targets > 0, "{result:?}");
+    let limited = result
+        .metrics
+        .iter()
+        .filter(|metric| metric.limit.is_some());
+    assert_eq!(limited.count(), limits, "{result:?}");
+    let missing = level(99).err().expect("there is no such level");
+    assert!(missing.text.contains("level99.toml"), "{missing:?}");
 }
