@@ -6,6 +6,7 @@
 
 use crate::plan::{Group, PlannedRun, PlannedStep, RunKey, group_overrides, run_overrides};
 use crate::row::{GroupResult, Measured, Row, Status};
+use microsim_drawing::{significant, time};
 use microsim_scene::{End, Executor, Runner, Scene, SceneSpec};
 use microsim_settings::{self as settings, Chart, ChartScene, ExactKind};
 use microsim_tissue::stability;
@@ -75,6 +76,7 @@ pub fn run_group(
     };
     let scene = &context.chart.scene[group.key.scene];
     let variant = &scene.variant[group.key.variant];
+    let mut soft = None;
     if (context.remaining)() > 0.0 {
         match exact(context, group) {
             Ok((elements, values)) => {
@@ -89,7 +91,13 @@ pub fn run_group(
                     })
                     .collect();
             }
-            Err(failure) => result.exact_failure = Some(failure),
+            Err(NoExact { reason, of_body }) => {
+                if let Some(elements) = of_body {
+                    result.elements = elements;
+                    soft = Some(reason.clone());
+                }
+                result.exact_failure = Some(reason);
+            }
         }
         after(Step::Exact);
     }
@@ -99,7 +107,16 @@ pub fn run_group(
             after(Step::LeftOut(planned));
             continue;
         }
-        let row = run(context, group, planned, &exact);
+        let row = match &soft {
+            Some(reason) => Row {
+                elements: result.elements,
+                status: Status::NotApplicable {
+                    reason: reason.clone(),
+                },
+                ..empty_row(group, planned)
+            },
+            None => run(context, group, planned, &exact),
+        };
         result.elements = result.elements.max(row.elements);
         after(Step::Run(&row));
         result.rows.push(row);
@@ -107,21 +124,38 @@ pub fn run_group(
     result
 }
 
+/// Why a mesh has no exact solution.
+struct NoExact {
+    reason: String,
+    /// The number of elements, where it is the body itself, so that no method has a solution.
+    of_body: Option<usize>,
+}
+
 /// The exact solution on the mesh of a group: number of elements and a value per measure.
-fn exact(context: &Context<'_>, group: &Group) -> Result<(usize, Vec<Option<f64>>), String> {
+fn exact(context: &Context<'_>, group: &Group) -> Result<(usize, Vec<Option<f64>>), NoExact> {
     let scene = &context.chart.scene[group.key.scene];
     let mut overrides = group_overrides(context.chart, &group.key);
     let (set, step) = exact_way(context.chart, scene.exact, Some(scene));
     overrides.extend_from_slice(set);
-    let prepared = prepare(context, scene, &overrides, step)?;
+    let prepared = prepare(context, scene, &overrides, step).map_err(|reason| NoExact {
+        reason,
+        of_body: None,
+    })?;
     let elements = prepared.elements;
     let outcome = advance(context, prepared, EXACT_BUDGET * context.budget);
     match outcome.status {
-        Status::Ok => Ok((elements, outcome.values)),
-        status => Err(format!(
-            "{}, the exact solution on the mesh",
-            reason(&status)
-        )),
+        Status::Ok => match outcome.restless {
+            None => Ok((elements, outcome.values)),
+            // Where each step is solved for the rest state, only a mode without stiffness goes on moving.
+            Some(reason) => Err(NoExact {
+                of_body: (scene.exact == ExactKind::Rest).then_some(elements),
+                reason,
+            }),
+        },
+        status => Err(NoExact {
+            reason: format!("{}, the exact solution on the mesh", reason(&status)),
+            of_body: None,
+        }),
     }
 }
 
@@ -156,11 +190,9 @@ fn reason(status: &Status) -> String {
     }
 }
 
-/// One planned run; `exact` are the values of the exact solution, if there is one.
-fn run(context: &Context<'_>, group: &Group, planned: &PlannedRun, exact: &[Option<f64>]) -> Row {
-    let scene = &context.chart.scene[group.key.scene];
-    let variant = &scene.variant[group.key.variant];
-    let mut row = Row {
+/// The row of a run that was not made.
+fn empty_row(group: &Group, planned: &PlannedRun) -> Row {
+    Row {
         key: RunKey {
             group: group.key,
             method: planned.method,
@@ -174,7 +206,14 @@ fn run(context: &Context<'_>, group: &Group, planned: &PlannedRun, exact: &[Opti
         simulated: 0.0,
         cpu: 0.0,
         iterations: None,
-    };
+    }
+}
+
+/// One planned run; `exact` are the values of the exact solution, if there is one.
+fn run(context: &Context<'_>, group: &Group, planned: &PlannedRun, exact: &[Option<f64>]) -> Row {
+    let scene = &context.chart.scene[group.key.scene];
+    let variant = &scene.variant[group.key.variant];
+    let mut row = empty_row(group, planned);
     let overrides = run_overrides(context.chart, &group.key, planned);
     let measured = |values: &[Option<f64>]| -> Vec<Measured> {
         let one = |k: usize| Measured {
@@ -194,7 +233,10 @@ fn run(context: &Context<'_>, group: &Group, planned: &PlannedRun, exact: &[Opti
             row.elements = prepared.elements;
             let outcome = advance(context, prepared, context.budget);
             row.measures = measured(&outcome.values);
-            row.status = outcome.status;
+            row.status = match outcome.restless {
+                Some(reason) if outcome.status == Status::Ok => Status::NotApplicable { reason },
+                _ => outcome.status,
+            };
             row.energy_drift = outcome.energy_drift;
             row.simulated = outcome.simulated;
             row.cpu = outcome.cpu;
@@ -210,6 +252,8 @@ pub(crate) struct Prepared {
     pub elements: usize,
     /// Whether its energy should stay.
     conserves: bool,
+    /// Whether it is to end at rest.
+    rests: bool,
 }
 
 fn prepare(
@@ -275,6 +319,7 @@ pub(crate) fn ready(
         runner,
         elements,
         conserves,
+        rests: loaded.settings.run.end == settings::End::Rest,
     })
 }
 
@@ -324,6 +369,8 @@ pub(crate) struct Outcome {
     /// One per expectation.
     pub values: Vec<Option<f64>>,
     pub energy_drift: Option<f64>,
+    /// Which body still moves where all should be at rest, in words.
+    pub restless: Option<String>,
     pub simulated: f64,
     pub cpu: f64,
     pub iterations: Option<f64>,
@@ -392,12 +439,32 @@ fn advance_once(context: &Context<'_>, prepared: &Prepared, budget: f64) -> Outc
             Status::Diverged { time, .. } => time.max(runner.step()),
             _ => time,
         },
+        restless: restless(&runner, prepared.rests),
         iterations: (steps > 0).then(|| runner.scene().iterations() as f64 / steps as f64),
         status,
         values,
         energy_drift,
         cpu,
     }
+}
+
+/// The body that moves fastest at the end of a scene that should have come to rest, and did not.
+fn restless(runner: &Runner, rests: bool) -> Option<String> {
+    if !rests || !matches!(runner.end(), Some(End::Duration)) {
+        return None;
+    }
+    let scene = runner.scene();
+    let speed = |body: usize| {
+        let nodes = scene.body(body).velocities().iter();
+        nodes.map(|v| v.norm()).fold(0.0, f64::max)
+    };
+    let fastest = (0..scene.body_count()).max_by(|a, b| speed(*a).total_cmp(&speed(*b)))?;
+    Some(format!(
+        "body \"{}\" is not at rest after {}, its fastest node has {} mm/s: it has no stiffness in some mode, or too little damping",
+        scene.body(fastest).name(),
+        time(scene.time()),
+        significant(1e3 * speed(fastest), 2)
+    ))
 }
 
 /// (mean total energy of the last fifth − that of the first fifth) / largest kinetic energy. Means, as the energy measured at

@@ -53,6 +53,7 @@ fn a_scene_that_ends_at_rest_costs_what_its_run_costs() {
     let outcome = |simulated| Outcome {
         status: Status::Ok,
         values: Vec::new(),
+        restless: None,
         energy_drift: None,
         simulated,
         cpu: 3.0,
