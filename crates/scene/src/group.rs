@@ -137,6 +137,11 @@ impl Group {
         }
     }
 
+    /// How much work steps may take ([`Solver::set_effort`](microsim_tissue::Solver::set_effort)).
+    pub fn set_effort(&mut self, multiple: u32) {
+        self.solver.set_effort(multiple);
+    }
+
     /// Its model, its solver, and what is touched.
     pub fn parts<'a>(
         &'a mut self,

@@ -29,11 +29,14 @@ const MAX_SUBSTEPS: u32 = 256;
 /// repeated once.
 const TRIES: [u32; 4] = [1, 2, 4, 8];
 
+/// The steps of a repeated tick may take so many times the iterations of the method.
+const REPEATED_EFFORT: u32 = 4;
+
 /// How often a tick whose forces mean nothing is computed again without the shreds that fail in it.
 const MAX_ROUNDS: u32 = 4;
 
 impl Scene {
-    /// How often a tick is computed again at most, each time with steps of half the length.
+    /// How often a tick is computed again at most with steps of half the length.
     pub const REPETITIONS: u32 = TRIES.len() as u32 - 1;
 
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
@@ -41,7 +44,7 @@ impl Scene {
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
     /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
     /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there. A tick whose forces
-    /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, and not [`valid`](TickReport::valid) if
+    /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length and four times the iterations, and not [`valid`](TickReport::valid) if
     /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
     ///
     /// ```
@@ -114,6 +117,9 @@ impl Scene {
         let mut index = 0;
         while let Some(&factor) = tries.get(index) {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
+            let effort = if index == 0 { 1 } else { REPEATED_EFFORT };
+            let groups = self.groups.iter_mut();
+            groups.for_each(|group| group.set_effort(effort));
             match self.attempt(&motions, tick_s, count, exec) {
                 Ok((mut contacts, loads, solver)) => {
                     let valid = self.is_meaningful(&solver, &contacts);

@@ -484,6 +484,10 @@ impl Solver for SolverImplicit {
         *self = Self::with_solver(model, self.scheme, self.newton, self.distortion, solver);
     }
 
+    fn set_effort(&mut self, multiple: u32) {
+        self.solver.effort = multiple;
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

@@ -68,7 +68,8 @@ impl NewtonSolver {
         report.converged = false;
         let mut tangent = Tangent::Exact;
         let (mut least, mut stagnated) = (f64::INFINITY, 0);
-        while report.iterations < newton.iterations || self.needs_more(newton, report.iterations) {
+        let most = newton.iterations.saturating_mul(self.effort);
+        while report.iterations < most || self.needs_more(most, report.iterations) {
             report.iterations += 1;
             if !report.residual.is_finite() {
                 return Err(StepFailure::NotFinite);
@@ -117,7 +118,8 @@ impl NewtonSolver {
                 false => stagnated + 1,
             };
             least = least.min(report.residual);
-            if stagnated >= options.stagnation && self.takes_interior_point() && !overlaps {
+            let stagnates = stagnated >= options.stagnation && self.effort == 1;
+            if stagnates && self.takes_interior_point() && !overlaps {
                 break;
             }
             if outcome == LineSearchOutcome::NoDescent {
@@ -145,9 +147,9 @@ impl NewtonSolver {
     }
 
     /// Whether overlaps take more iterations than were asked for.
-    fn needs_more(&self, newton: &Newton, iterations: u32) -> bool {
+    fn needs_more(&self, most: u32, iterations: u32) -> bool {
         let options = &self.options.contact;
-        iterations < newton.iterations.saturating_add(options.more_iterations)
+        iterations < most.saturating_add(options.more_iterations)
             && self.contacts.overlap() > options.overlap
     }
 

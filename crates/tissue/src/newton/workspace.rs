@@ -15,6 +15,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub(crate) struct NewtonSolver {
     pub(super) options: NewtonOptions,
+    /// Multiple of the iterations that an equation may take.
+    pub effort: u32,
     pub(super) system: System,
     pub(super) forces: KnownForces,
     pub(super) viscous: bool,
@@ -76,6 +78,7 @@ impl NewtonSolver {
         let edge = model.mean_edge_length();
         Self {
             options: *options,
+            effort: 1,
             stiffness: rest_stiffness(model),
             retains_matrix: false,
             contacts: ContactSet::new(nodes, edge, solvers.augmented_lagrangian),

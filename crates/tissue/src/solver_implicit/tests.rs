@@ -49,6 +49,30 @@ fn run(
     last
 }
 
+/// Three times the effort of one iteration are three iterations, to the bit, and back again.
+#[test]
+fn effort_is_a_multiple_of_the_iterations() {
+    let (model, start) = block(true, 150.0);
+    let of = |iterations| Newton {
+        iterations,
+        tolerance: 1e-14,
+        must_converge: false,
+    };
+    let step = |solver: &mut SolverImplicit| {
+        let mut state = start.clone();
+        let report = solver.step(&model, &mut state, &Control::default(), &[], 1e-3, &Serial);
+        (report.unwrap().iterations, state)
+    };
+    let new = |iterations| SolverImplicit::new(&model, SCHEMES[0], of(iterations));
+    let (once, thrice) = (step(&mut new(1)), step(&mut new(3)));
+    assert_eq!((once.0, thrice.0), (1, 3));
+    let mut solver = new(1);
+    solver.set_effort(3);
+    assert_eq!(step(&mut solver), thrice);
+    solver.set_effort(1);
+    assert_eq!(step(&mut solver), once);
+}
+
 #[test]
 fn newton_converges_quadratically() {
     let (model, start) = block(true, 150.0);
