@@ -3,6 +3,7 @@
 use crate::pieces;
 use crate::report::{Cut, Opened, SurfaceChange};
 use crate::settings::Settings;
+use crate::tear::Fibre;
 use crate::topology::{Child, SurfaceTriangle, Topology};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TetMesh, TopologyEdit};
 use nalgebra::Vector3;
@@ -30,8 +31,8 @@ pub(crate) struct Editor<'a> {
     /// The surface of each touched element before the edit.
     touched: BTreeMap<u32, Vec<SurfaceTriangle>>,
     opened: Vec<OpenedFace>,
-    /// Elements that rupture: as pieces they are crumbs, whatever their size.
-    pub shreds: BTreeSet<u32>,
+    /// Elements that rupture: alone they are crumbs, whatever their size.
+    pub shreds: BTreeMap<u32, Fibre>,
 }
 
 impl<'a> Editor<'a> {
@@ -50,7 +51,7 @@ impl<'a> Editor<'a> {
             parents: Vec::new(),
             touched: BTreeMap::new(),
             opened: Vec::new(),
-            shreds: BTreeSet::new(),
+            shreds: BTreeMap::new(),
         }
     }
 
@@ -171,14 +172,18 @@ impl<'a> Editor<'a> {
         let mut pieces = pieces::come_off(self.topology, &pairs.collect::<Vec<_>>());
         let mut crumbs = Vec::new();
         pieces.retain(|piece| {
-            let crumb = piece.iter().all(|e| self.shreds.contains(e))
+            let crumb = piece.iter().all(|e| self.shreds.contains_key(e))
                 || self.is_crumb(piece, settings.crumb_volume, settings.least_fraction);
             if crumb {
                 crumbs.extend_from_slice(piece);
             }
             !crumb
         });
+        // The part with most elements is no piece, and may be a shred.
+        let apart = |shred: u32| (0..4).all(|k| self.topology.neighbour(shred, k).is_none());
+        crumbs.extend(self.shreds.keys().filter(|shred| apart(**shred)));
         crumbs.sort_unstable();
+        crumbs.dedup();
         Some(self.finish(&crumbs, pieces))
     }
 
@@ -370,12 +375,60 @@ impl<'a> Editor<'a> {
         faces
     }
 
+    /// Adds what shreds held together, at rest (0) or now (1).
+    fn add_ruptured(&self, k: usize, sum: &mut Opened) {
+        let Some(along) = self.shreds.values().next().map(|fibre| fibre[k]) else {
+            return;
+        };
+        let (mut ahead, mut behind, mut centroid) = (0.0, 0.0, Vector3::zeros());
+        for opened in &self.opened {
+            let shreds = opened.faces.iter();
+            let mut shreds =
+                shreds.filter_map(|&(e, corner)| Some((e, corner, self.shreds.get(&e)?)));
+            // Between two shreds that fail together nothing is laid open that is left.
+            let (Some((element, corner, fibre)), None) = (shreds.next(), shreds.next()) else {
+                continue;
+            };
+            let nodes = self.topology.face(element, corner);
+            let [a, b, c] = nodes.map(|n| self.place(n)[k]);
+            let outward = (b - a).cross(&(c - a)) * 0.5;
+            let sign = if fibre[k].dot(&along) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            let seen = sign * outward.dot(&fibre[k]);
+            ahead += seen.max(0.0);
+            behind -= seen.min(0.0);
+            centroid += (a + b + c) * (seen.abs() / 3.0);
+        }
+        let section = |(shred, fibre): (&u32, &Fibre)| {
+            let [a, b, c, d] = self.topology.tets[*shred as usize].map(|n| self.place(n)[k]);
+            let places = [a, b, c, d].map(|place| place.dot(&fibre[k]));
+            let [least, most] = [f64::min, f64::max].map(|of| places.into_iter().reduce(of));
+            let extent = most.unwrap_or_default() - least.unwrap_or_default();
+            microsim_geometry::signed_volume(&a, &b, &c, &d).abs() / extent.max(f64::MIN_POSITIVE)
+        };
+        let sections: f64 = self.shreds.iter().map(section).sum();
+        let area = ahead.min(behind).min(sections);
+        if area > 0.0 {
+            sum.area += area;
+            sum.centroid += centroid * (area / (ahead + behind));
+            sum.normal += along * area;
+        }
+    }
+
     /// Area, centroid and normal of what came apart, at rest and now.
     fn opened_area(&self) -> [Opened; 2] {
         let mut sums = [Opened::default(); 2];
-        let of_shred =
-            |opened: &&OpenedFace| opened.faces.iter().any(|(e, _)| self.shreds.contains(e));
-        for opened in self.opened.iter().filter(|opened| !of_shred(opened)) {
+        for opened in &self.opened {
+            let shreds = opened
+                .faces
+                .iter()
+                .filter(|(e, _)| self.shreds.contains_key(e));
+            if shreds.count() > 0 {
+                continue;
+            }
             let (element, corner) = opened.faces[usize::from(!opened.in_order)];
             let nodes = self.topology.face(element, corner).map(|n| self.place(n));
             for (k, sum) in sums.iter_mut().enumerate() {
@@ -388,23 +441,8 @@ impl<'a> Editor<'a> {
                 sum.normal += normal;
             }
         }
-        for &shred in &self.shreds {
-            let places = self.topology.tets[shred as usize].map(|n| self.place(n));
-            for (k, sum) in sums.iter_mut().enumerate() {
-                let [a, b, c, d] = places.map(|place| place[k]);
-                let edges = [b - a, c - a, d - a, c - b, d - b, d - c];
-                let longest = edges
-                    .into_iter()
-                    .max_by(|l, m| l.norm().total_cmp(&m.norm()));
-                let longest = longest.unwrap_or_default();
-                let volume = microsim_geometry::signed_volume(&a, &b, &c, &d).abs();
-                if longest.norm() > 0.0 {
-                    let section = volume / longest.norm();
-                    sum.area += section;
-                    sum.centroid += (a + b + c + d) * (section / 4.0);
-                    sum.normal += longest.normalize() * section;
-                }
-            }
+        for (k, sum) in sums.iter_mut().enumerate() {
+            self.add_ruptured(k, sum);
         }
         for sum in &mut sums {
             sum.centroid = if sum.area > 0.0 {

@@ -53,4 +53,5 @@ pub use settings::Settings;
 pub use sheet::Sheet;
 pub use stroke::Stroke;
 pub use sweep::Sweep;
+pub use tear::Fibre;
 pub use topology::{SurfaceTriangle, Topology, TopologyState};

@@ -7,22 +7,26 @@ use crate::settings::Settings;
 use crate::topology::Topology;
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
+
+/// The direction in which a shred is stretched most, of length 1: at rest, and now. Its sign means nothing.
+pub type Fibre = [Vector3<f64>; 2];
 
 impl Topology {
     /// Opens inner faces, each given by an element and the corner opposite to the face; which ones the strain in them
     /// decides. `None` when nothing comes apart: a face whose nodes all hold together around it stays closed, and counts as
     /// torn as soon as others let them go. Nothing is divided. Nodes are now at `current` \[m\].
     ///
-    /// `shreds` are elements that rupture themselves: they are taken away like crumbs, and what is laid open by one is its mean section, its volume
-    /// over its longest edge.
+    /// `shreds` are elements that rupture themselves: they are taken away like crumbs. Of what they lay open that counts which they held together: their mean sections across the
+    /// direction in which they are stretched, but no more than the faces at which they hung ahead of them, or behind, seen along it. A shred that hung on one side
+    /// only lays open nothing.
     ///
     /// The topology is then that of the next generation, as after [`Topology::cut`].
     pub fn tear(
         &mut self,
         mesh: &TetMesh,
         faces: &[(u32, u8)],
-        shreds: &BTreeSet<u32>,
+        shreds: &BTreeMap<u32, Fibre>,
         current: &[Vector3<f64>],
         settings: &Settings,
     ) -> Result<Option<Cut>, Rejected> {
@@ -47,7 +51,7 @@ impl Topology {
             }
         }
         let mut faces = faces.to_vec();
-        for &shred in shreds {
+        for &shred in shreds.keys() {
             if shred as usize >= self.tets.len() {
                 return Err(Rejected::Face {
                     element: shred,

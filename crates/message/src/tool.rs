@@ -200,7 +200,7 @@ pub struct TissueCut {
     /// Where the tool went through the tissue: where it crossed edges of the mesh since it last opened something, whatever came apart there. None of tissue that tore by itself.
     #[serde(default)]
     pub points: PathPoints,
-    /// Whether it was found in a valid tick ([`SolverTick::valid`](crate::SolverTick::valid)). No metric takes anything from one that was not.
+    /// Whether its tick is valid ([`SolverTick::valid`](crate::SolverTick::valid)). No metric takes anything from one that was not.
     #[serde(default = "valid")]
     pub valid: bool,
     /// Size of the force of the tool on the body in the tick \[N\].

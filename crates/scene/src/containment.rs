@@ -166,6 +166,9 @@ impl Scene {
             step: failure.step,
             time: self.state.time + f64::from(failure.step) * step_s,
             what: failure.what,
+            repetitions: 0,
+            ruptured: 0,
+            cuts: Vec::new(),
         }
     }
 }

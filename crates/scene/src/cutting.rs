@@ -1,6 +1,6 @@
 //! Cutting: paths of blades through bodies become edits of meshes, after which all that depends on a mesh is updated.
 //!
-//! What is here: when the edits of a tick are made (after it was accepted, so that none is ever undone), what is updated after an edit and in
+//! What is here: when the edits of a tick are made (after it was accepted, or before it is computed again from its start, so that none is ever undone), what is updated after an edit and in
 //! which order. What is not: which line cuts (`lonor`), how elements are divided (crate `cutting`), how elements of a model are updated (crate `tissue`).
 
 use crate::body::Body;
@@ -11,6 +11,7 @@ use crate::member::Member;
 use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
 use crate::scene::Scene;
 use crate::surface_edits::SurfaceDiff;
+use crate::tear::Shreds;
 use crate::tool::{Lonor, ToolMotion};
 use microsim_cutting::{self as cutting, Blade};
 use microsim_geometry::{
@@ -19,7 +20,7 @@ use microsim_geometry::{
 use microsim_mesh::TopologyEdit;
 use microsim_tissue::State;
 use nalgebra::Vector3;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 impl Scene {
     /// The single edges that touch what they can cut, as they are at the end of the tick, each with its tool.
@@ -77,6 +78,7 @@ impl Scene {
         loads: &EdgeLoads,
         contacts: &[ContactReport],
         tick: f64,
+        valid: bool,
     ) -> (Vec<CutReport>, Vec<RejectedCut>) {
         let _span = tracing::debug_span!("cutting").entered();
         let (mut reports, mut rejected) = (Vec::new(), Vec::new());
@@ -110,7 +112,7 @@ impl Scene {
             let start = before[body].get_or_insert_with(|| start[body].positions.clone());
             let mut before_now = std::mem::take(start);
             for path in paths {
-                match self.sweep(index, body, &path, &mut before_now) {
+                match self.sweep(index, body, &path, &mut before_now, valid) {
                     Ok(Some(cut)) => sum.add(cut),
                     Ok(None) => {}
                     Err(why) => {
@@ -137,26 +139,23 @@ impl Scene {
     }
 
     /// Makes what is stretched too far come apart, after a valid tick.
-    pub(crate) fn tear_bodies(&mut self) -> Vec<CutReport> {
-        let bodies = 0..self.bodies.len();
-        let torn = bodies.filter_map(|body| torn_report(body, self.tear(body)?));
-        let torn = torn.collect();
+    pub(crate) fn tear_bodies(&mut self, torn: &mut TornBodies) {
+        for body in 0..self.bodies.len() {
+            if let Some(made) = self.tear(body) {
+                torn.0.entry(body).or_default().add(made);
+            }
+        }
         self.update_surfaces();
-        torn
     }
 
     /// Takes shreds away, by their bodies, so that the tick can be computed again without them.
-    pub(crate) fn rupture(&mut self, shreds: &[(usize, BTreeSet<u32>)]) -> Vec<CutReport> {
-        let torn = shreds.iter().filter_map(|(body, shreds)| {
-            let report = torn_report(*body, self.come_apart(*body, &[], shreds)?)?;
-            Some(CutReport {
-                valid: false,
-                ..report
-            })
-        });
-        let torn = torn.collect();
+    pub(crate) fn rupture(&mut self, shreds: &[(usize, Shreds)], torn: &mut TornBodies) {
+        for (body, shreds) in shreds {
+            if let Some(made) = self.come_apart(*body, &[], shreds) {
+                torn.0.entry(*body).or_default().add(made);
+            }
+        }
         self.update_surfaces();
-        torn
     }
 
     /// The capsules among `edges` that still reach into a body at the end of a motion.
@@ -190,13 +189,14 @@ impl Scene {
         lines.iter().map(|line| line.capsule).collect()
     }
 
-    /// Moves a blade along its path through a body; `before` are the positions of its nodes before the tick.
+    /// Moves a blade along its path through a body; `before` are the positions of its nodes before the tick, which may be `valid`.
     fn sweep(
         &mut self,
         cut: usize,
         body: usize,
         path: &Path,
         before: &mut Vec<Vector3<f64>>,
+        valid: bool,
     ) -> Result<Option<(cutting::Cut, Vec<u32>)>, cutting::Rejected> {
         let Body { mesh, topology, .. } = &mut self.bodies[body];
         let Some(topology) = topology else {
@@ -208,7 +208,12 @@ impl Scene {
             before,
             now: &self.state.bodies[body].positions,
         };
+        let points = stroke.points;
         let made = topology.cut(mesh, stroke, &blade, &cutting::Settings::default())?;
+        if !valid && stroke.points != cutting::PathPoints::default() {
+            // Where the tissue was in such a tick means nothing.
+            stroke.points = points;
+        }
         let Some(made) = made else {
             return Ok(None);
         };
@@ -288,11 +293,18 @@ impl Scene {
     }
 }
 
-/// What was torn, but where nothing was laid open.
-fn torn_report(body: usize, torn: (cutting::Cut, Vec<u32>)) -> Option<CutReport> {
-    let mut sum = Sum::default();
-    sum.add(torn);
-    sum.report(body, None, 0.0)
+/// What tore in a tick, by body.
+#[derive(Debug, Default)]
+pub(crate) struct TornBodies(BTreeMap<usize, Sum>);
+
+impl TornBodies {
+    /// One report per body.
+    pub fn reports(self) -> Vec<CutReport> {
+        let bodies = self.0.into_iter();
+        bodies
+            .filter_map(|(body, sum)| sum.report(body, None, 0.0))
+            .collect()
+    }
 }
 
 /// Whether a segment goes through an element, or begins in it.

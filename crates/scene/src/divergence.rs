@@ -1,5 +1,6 @@
 //! How a body diverges, and the error of a tick that cannot be recovered from it.
 
+use crate::report::CutReport;
 use microsim_tissue::StepFailure;
 
 /// How a body diverged.
@@ -32,6 +33,12 @@ pub struct Diverged {
     pub time: f64,
     /// How.
     pub what: Divergence,
+    /// How often the tick was computed again.
+    pub repetitions: u32,
+    /// Shreds that were taken away meanwhile, and remain so.
+    pub ruptured: u32,
+    /// What these laid open.
+    pub cuts: Vec<CutReport>,
 }
 
 impl Divergence {

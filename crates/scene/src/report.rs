@@ -160,7 +160,7 @@ pub struct CutReport {
     pub rest_centroid: [f64; 3],
     /// Its mean normal at rest, of length 1.
     pub rest_normal: [f64; 3],
-    /// Whether the tick was valid in which it was found. What a shred lays open that is taken away so that a tick is valid was found in one that was not.
+    /// Whether the tick is valid that it is of.
     pub valid: bool,
     /// Where the tool crossed edges of the mesh since it last opened something, at rest; none of a tear.
     pub points: PathPoints,

@@ -67,7 +67,7 @@ pub struct BodySpec {
     pub toughness: f64,
     /// From 0 to 1: how early jaws pinch it off.
     pub brittleness: f64,
-    /// Of regions that tear by themselves the strain across a plane at which they do, > 0.
+    /// Of regions that tear by themselves the strain across a plane, of shreds of a cut their largest one, at which they do, > 0.
     pub tear_strains: Vec<(u32, f64)>,
     /// What is held.
     pub clamps: Vec<ClampSpec>,

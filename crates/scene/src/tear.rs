@@ -5,14 +5,14 @@
 //! 1 + the strain that its region bears; between two regions the weaker one counts. Of the faces that do in one tick only those near the worst fail:
 //! what is torn takes the load off the others.
 //!
-//! Shreds, elements far smaller than the others, as cuts leave them, rupture themselves, at their largest principal stretch: what their few fibres store can never pay for a
-//! face of a whole element (Griffith 1921), however far they are stretched.
+//! Shreds, elements far smaller than the others, as cuts leave them, rupture themselves, at their largest principal stretch, before what their few fibres store could pay for a
+//! face of a whole element (Griffith 1921).
 
 use crate::body::Body;
 use crate::scene::Scene;
-use microsim_cutting::{Settings, Topology};
+use microsim_cutting::{Fibre, Settings, Topology};
 use nalgebra::{Matrix3, Vector3};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Faces with at least this fraction of the worst excess fail together.
 const TOGETHER: f64 = 0.8;
@@ -23,39 +23,35 @@ const SHRED_VOLUME: f64 = 0.2;
 /// What came apart in a body, with the numbers of pieces that came off.
 type Torn = Option<(microsim_cutting::Cut, Vec<u32>)>;
 
+/// Shreds that rupture, each with the direction in which it is stretched most.
+pub(crate) type Shreds = BTreeMap<u32, Fibre>;
+
 impl Scene {
     /// Tears what is stretched too far in a body: its shreds, or where none is, faces.
     pub(crate) fn tear(&mut self, body: usize) -> Torn {
         let positions = &self.state.bodies[body].positions;
         let of = &self.bodies[body];
-        let shreds = shreds(of, |element| is_overstretched(of, positions, element));
+        let shreds = shreds(of, positions, Stretched::is_too_far);
         if !shreds.is_empty() {
             return self.come_apart(body, &[], &shreds);
         }
         let faces = overstretched(of, positions);
-        self.come_apart(body, &faces, &BTreeSet::new())
+        self.come_apart(body, &faces, &Shreds::new())
     }
 
     /// The shreds of each body that are stretched too far or turned inside out, which no tissue can be; of the bodies that have any.
-    pub(crate) fn failing_shreds(&self) -> Vec<(usize, BTreeSet<u32>)> {
+    pub(crate) fn failing_shreds(&self) -> Vec<(usize, Shreds)> {
         let of = |(body, of): (usize, &Body)| {
             let positions = &self.state.bodies[body].positions;
-            let fails = |element| {
-                is_inverted(of, positions, element) || is_overstretched(of, positions, element)
-            };
-            (body, shreds(of, fails))
+            let fails = |of: &Stretched| of.is_too_far() || of.inverted;
+            (body, shreds(of, positions, fails))
         };
         let bodies = self.bodies.iter().enumerate().map(of);
         bodies.filter(|(_, shreds)| !shreds.is_empty()).collect()
     }
 
     /// Opens faces of a body and takes away shreds.
-    pub(crate) fn come_apart(
-        &mut self,
-        body: usize,
-        faces: &[(u32, u8)],
-        shreds: &BTreeSet<u32>,
-    ) -> Torn {
+    pub(crate) fn come_apart(&mut self, body: usize, faces: &[(u32, u8)], shreds: &Shreds) -> Torn {
         let of = &mut self.bodies[body];
         let current = &self.state.bodies[body].positions;
         let topology = of.topology.as_mut()?;
@@ -64,6 +60,39 @@ impl Scene {
         self.update_strokes(body, None, &torn.edit);
         let pieces = self.apply_cut(body, &torn);
         Some((torn, pieces))
+    }
+}
+
+/// How an element is stretched.
+struct Stretched {
+    /// Largest principal stretch, and what the element bears.
+    stretch: f64,
+    limit: f64,
+    /// Its direction at rest and now.
+    fibre: Fibre,
+    /// Whether it is turned inside out.
+    inverted: bool,
+}
+
+impl Stretched {
+    /// `None` for an element without a limit, or without volume at rest, which no mesh has.
+    fn new(body: &Body, positions: &[Vector3<f64>], element: u32) -> Option<Self> {
+        let limit = 1.0 + limit_of(body, element)?;
+        let gradient = deformation_gradient(body, positions, element)?;
+        let principal = (gradient.transpose() * gradient).symmetric_eigen();
+        let at = principal.eigenvalues.imax();
+        let along: Vector3<f64> = principal.eigenvectors.column(at).into();
+        let now = (gradient * along).try_normalize(0.0)?;
+        Some(Self {
+            stretch: principal.eigenvalues[at].sqrt(),
+            limit,
+            fibre: [along, now],
+            inverted: gradient.determinant() <= 0.0,
+        })
+    }
+
+    fn is_too_far(&self) -> bool {
+        self.stretch > self.limit
     }
 }
 
@@ -76,38 +105,29 @@ fn limit_of(body: &Body, element: u32) -> Option<f64> {
         .map(|(_, strain)| *strain)
 }
 
-/// The shreds of a body that can tear for which `fails` is true, but those that hang on nothing.
-fn shreds(body: &Body, fails: impl Fn(u32) -> bool) -> BTreeSet<u32> {
-    let Some(topology) = &body.topology else {
-        return BTreeSet::new();
+/// The shreds of a body for which `fails` is true, but those that hang on nothing.
+fn shreds(body: &Body, positions: &[Vector3<f64>], fails: impl Fn(&Stretched) -> bool) -> Shreds {
+    let Some(topology) = body
+        .topology
+        .as_ref()
+        .filter(|_| !body.tear_strains.is_empty())
+    else {
+        return Shreds::new();
     };
-    let fails = |&element: &u32| {
-        is_shred(body, topology, element)
-            && (0..4).any(|corner| topology.neighbour(element, corner).is_some())
-            && limit_of(body, element).is_some()
-            && fails(element)
-    };
-    (0..body.mesh.tets.len() as u32).filter(fails).collect()
+    let hangs = |element: &u32| (0..4).any(|k| topology.neighbour(*element, k).is_some());
+    let elements = 0..body.mesh.tets.len() as u32;
+    let shreds = elements.filter(|element| is_shred(body, topology, *element));
+    let failing = shreds.filter(hangs).filter_map(|element| {
+        let stretched = Stretched::new(body, positions, element)?;
+        fails(&stretched).then_some((element, stretched.fibre))
+    });
+    failing.collect()
 }
 
-/// Whether an element is a shred.
+/// Whether an element is a shred: so small, and of tissue that can tear.
 fn is_shred(body: &Body, topology: &Topology, element: u32) -> bool {
     rest_volume(body, element) < SHRED_VOLUME * topology.mean_volume()
-}
-
-/// Whether the largest principal stretch of an element is more than it bears.
-fn is_overstretched(body: &Body, positions: &[Vector3<f64>], element: u32) -> bool {
-    limit_of(body, element).is_some_and(|limit| {
-        let gradient = deformation_gradient(body, positions, element);
-        let squares = gradient.map(|f| (f.transpose() * f).symmetric_eigenvalues());
-        squares.is_some_and(|squares| squares.max().sqrt() > 1.0 + limit)
-    })
-}
-
-/// Whether an element is turned inside out.
-fn is_inverted(body: &Body, positions: &[Vector3<f64>], element: u32) -> bool {
-    let gradient = deformation_gradient(body, positions, element);
-    gradient.is_some_and(|f| f.determinant() <= 0.0)
+        && limit_of(body, element).is_some()
 }
 
 /// Volume of an element at rest \[m³\].
@@ -118,7 +138,11 @@ fn rest_volume(body: &Body, element: u32) -> f64 {
 
 /// The inner faces that fail: element and the corner opposite.
 fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
-    let Some(topology) = &body.topology else {
+    let Some(topology) = body
+        .topology
+        .as_ref()
+        .filter(|_| !body.tear_strains.is_empty())
+    else {
         return Vec::new();
     };
     let mut found: Vec<(f64, u32, u8)> = Vec::new();

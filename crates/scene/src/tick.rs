@@ -2,12 +2,13 @@
 
 use crate::body::{Body, stable_step};
 use crate::containment::{self, Failure, Watch};
+use crate::cutting::TornBodies;
 use crate::divergence::{Diverged, Divergence};
 use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::lonor::EdgeLoads;
 use crate::pairs::{Pair, PairPartner};
-use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
+use crate::report::{ContactReport, CutReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
 use crate::scene::Scene;
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
@@ -43,7 +44,7 @@ impl Scene {
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
     /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help the
-    /// scene stays at the start of the tick and the error describes what happened; the next tick may go on from there. A tick whose forces
+    /// scene stays at the start of the tick, without shreds that ruptured meanwhile, and the error describes what happened; the next tick may go on from there. A tick whose forces
     /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length and four times the iterations, and not [`valid`](TickReport::valid) if
     /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
     ///
@@ -113,7 +114,12 @@ impl Scene {
         } else {
             &TRIES[..1]
         };
-        let (mut torn, mut ruptured, mut rounds) = (Vec::new(), 0, 0);
+        let (mut torn, mut ruptured) = (TornBodies::default(), 0);
+        let mut rounds = match (self.repeat_invalid && self.containment, start.doubtful) {
+            (false, _) => 0,
+            (true, false) => MAX_ROUNDS,
+            (true, true) => 1,
+        };
         let mut index = 0;
         while let Some(&factor) = tries.get(index) {
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
@@ -123,14 +129,14 @@ impl Scene {
             match self.attempt(&motions, tick_s, count, exec) {
                 Ok((mut contacts, loads, solver)) => {
                     let valid = self.is_meaningful(&solver, &contacts);
-                    if !valid && rounds < MAX_ROUNDS {
+                    if !valid && rounds > 0 {
                         let shreds = self.failing_shreds();
                         if !shreds.is_empty() {
-                            rounds += 1;
+                            rounds -= 1;
                             repetitions += 1;
                             ruptured += shreds.iter().map(|(_, of)| of.len() as u32).sum::<u32>();
                             self.state.clone_from(&start);
-                            torn.extend(self.rupture(&shreds));
+                            self.rupture(&shreds, &mut torn);
                             start.clone_from(&self.state);
                             self.forget(&jumped);
                             continue;
@@ -147,12 +153,12 @@ impl Scene {
                     self.state.doubtful = !valid;
                     self.update_windows(&mut contacts, tick_s, valid);
                     let (mut cuts, rejected) =
-                        self.cut(&motions, &start.bodies, &loads, &contacts, tick_s);
-                    cuts.iter_mut().for_each(|cut| cut.valid = valid);
-                    cuts.append(&mut torn);
+                        self.cut(&motions, &start.bodies, &loads, &contacts, tick_s, valid);
                     if valid {
-                        cuts.extend(self.tear_bodies());
+                        self.tear_bodies(&mut torn);
                     }
+                    cuts.extend(torn.reports());
+                    cuts.iter_mut().for_each(|cut| cut.valid = valid);
                     self.state.time = start.time + tick_s;
                     return Ok(TickReport {
                         contacts,
@@ -190,7 +196,22 @@ impl Scene {
             }
         }
         match failure {
-            Some((failure, step_s)) => Err(self.diverged(start, failure, step_s)),
+            Some((failure, step_s)) => {
+                let cuts = torn.reports().into_iter();
+                let cuts = cuts
+                    .map(|cut| CutReport {
+                        valid: false,
+                        ..cut
+                    })
+                    .collect();
+                let diverged = self.diverged(start, failure, step_s);
+                Err(Diverged {
+                    cuts,
+                    repetitions,
+                    ruptured,
+                    ..diverged
+                })
+            }
             None => unreachable!("there is at least one try, and each returns or fails"),
         }
     }

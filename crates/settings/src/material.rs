@@ -17,7 +17,7 @@ table! {
         density: f64 = quantity(Unit::Density, 1.0, 20_000.0),
         /// `springs` along edges with area and volume forces, or a law of a continuum.
         law: Law,
-        /// Strain across a plane at which it tears by itself; without it never.
+        /// Strain across a plane, of shreds of a cut their largest one, at which it tears by itself; without it never.
         tear_strain: Option<f64> = quantity(Unit::Ratio, 0.01, 100.0),
         /// Kelvin-Voigt damping \[s\]: a strain rate resists as that strain times this time.
         relaxation_time: Option<f64> = time(0.0, 600.0),

@@ -21,8 +21,8 @@ table! {
         tolerance: Option<f64> = quantity(Unit::Ratio, 1e-15, 1.0),
         /// Of implicit methods: whether a step that ends above the tolerance fails; it does if left out.
         must_converge: Option<bool>,
-        /// Of implicit methods, in levels and in scenes with containment: whether a tick whose forces mean nothing is computed again with steps
-        /// of half the length; it is if left out.
+        /// Of implicit methods, in levels and in scenes with containment: whether a tick whose forces mean nothing is computed again; it is
+        /// if left out.
         repeat_invalid: Option<bool>,
         /// Of xpbd: sub-steps in a step; 10 if left out.
         substeps: Option<u32> [1, 10_000],

@@ -4,8 +4,8 @@
 #![forbid(unsafe_code)]
 
 use microsim_scene::{
-    ContactPartner, ContactReport, Executor, LevelParts, PartReport, Pose, Scene, SolverReport,
-    ToolMotion, level_spec,
+    ContactPartner, ContactReport, CutReport, Executor, LevelParts, PartReport, Pose, Scene,
+    SolverReport, ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
     self, ContactForce, ContactForces, PartForce, PathPoints, SolverTick, TISSUE_SNAPSHOT,
@@ -173,6 +173,29 @@ fn part_force(scene: &Scene, with: ContactPartner, part: &PartReport) -> PartFor
     }
 }
 
+/// The message of a cut.
+fn tissue_cut(scene: &Scene, cut: &CutReport) -> TissueCut {
+    TissueCut {
+        body: scene.body(cut.body).name().to_owned(),
+        tool: cut
+            .tool
+            .map_or_else(String::new, |tool| scene.tool_name(tool).to_owned()),
+        area: cut.area,
+        centroid: cut.centroid,
+        normal: cut.normal,
+        rest_centroid: cut.rest_centroid,
+        rest_normal: cut.rest_normal,
+        points: PathPoints {
+            count: cut.points.count,
+            sum: cut.points.sum.into(),
+            products: cut.points.products,
+        },
+        valid: cut.valid,
+        force: cut.force_n,
+        pieces: cut.pieces.clone(),
+    }
+}
+
 /// The solver's report as a message.
 fn solver_tick(report: &SolverReport, repetitions: u32, ruptured: u32, valid: bool) -> SolverTick {
     SolverTick {
@@ -263,10 +286,13 @@ impl Plugin for Physics {
                 });
                 tick.publish(&solver_tick(
                     &SolverReport::default(),
-                    Scene::REPETITIONS,
-                    0,
+                    diverged.repetitions,
+                    diverged.ruptured,
                     false,
                 ));
+                for cut in &diverged.cuts {
+                    tick.publish(&tissue_cut(scene, cut));
+                }
                 return self.publish_bodies(tick);
             }
         };
@@ -286,25 +312,7 @@ impl Plugin for Physics {
             list.push(contact_force(scene, contact));
         }
         for cut in &report.cuts {
-            tick.publish(&TissueCut {
-                body: scene.body(cut.body).name().to_owned(),
-                tool: cut
-                    .tool
-                    .map_or_else(String::new, |tool| scene.tool_name(tool).to_owned()),
-                area: cut.area,
-                centroid: cut.centroid,
-                normal: cut.normal,
-                rest_centroid: cut.rest_centroid,
-                rest_normal: cut.rest_normal,
-                points: PathPoints {
-                    count: cut.points.count,
-                    sum: cut.points.sum.into(),
-                    products: cut.points.products,
-                },
-                valid: cut.valid,
-                force: cut.force_n,
-                pieces: cut.pieces.clone(),
-            });
+            tick.publish(&tissue_cut(scene, cut));
         }
         for cut in &report.rejected {
             let (body, tool) = (scene.body(cut.body).name(), scene.tool_name(cut.tool));

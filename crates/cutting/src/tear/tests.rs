@@ -59,7 +59,7 @@ fn tear_layer(is_turned: impl Fn(usize) -> bool) {
         .tear(
             &mesh,
             &faces,
-            &BTreeSet::new(),
+            &BTreeMap::new(),
             &positions,
             &Settings::default(),
         )
@@ -99,7 +99,7 @@ fn faces_torn_one_by_one_add_up() {
         };
         let positions = mesh.positions.clone();
         let settings = Settings::default();
-        let torn = topology.tear(&mesh, &[face], &BTreeSet::new(), &positions, &settings);
+        let torn = topology.tear(&mesh, &[face], &BTreeMap::new(), &positions, &settings);
         if let Some(cut) = torn.unwrap() {
             mesh.apply(&cut.edit).unwrap();
             pieces += cut.pieces.len();
@@ -113,33 +113,51 @@ fn faces_torn_one_by_one_add_up() {
     assert!(edits > 3);
 }
 
-/// Two elements of a block, one of them inside, rupture: they are gone, nothing else is divided or opened, and what they lay open is their volume over
-/// their longest edge. Where a layer of cells ruptures the rest is two parts.
+/// An element inside of a block ruptures, one at its surface that hangs on one side alone, and a layer of cells, along x: they are gone, and nothing else is divided or opened. What
+/// they held together is the volume over the extent, nothing, and the section of 2 × 2. Without the layer the rest is two parts.
 #[test]
 fn shreds_are_taken_away_whole() {
-    let layer = |mesh: &TetMesh| -> BTreeSet<u32> {
-        let middle = |e: &u32| {
-            let corners = mesh.corners(*e as usize);
-            (corners.iter().map(|p| p.x).sum::<f64>() / 4.0).abs() < 0.5
-        };
-        (0..mesh.tets.len() as u32).filter(middle).collect()
+    let mesh = block();
+    let topology = Topology::new(&mesh);
+    let elements = || 0..mesh.tets.len() as u32;
+    let inner = |e: u32| {
+        (0..4)
+            .filter(|&k| topology.neighbour(e, k).is_some())
+            .count()
     };
-    for (shreds, parts) in [(BTreeSet::from([3, 40]), 1), (layer(&block()), 2)] {
+    let inside = elements().find(|&e| inner(e) == 4).expect("one inside");
+    let center = |e: u32| mesh.corners(e as usize).iter().sum::<Vector3<f64>>() / 4.0;
+    let section = |e: u32| -> f64 {
+        let places = mesh.corners(e as usize).map(|p| p.x);
+        let [least, most] = [f64::min, f64::max].map(|of| places.into_iter().reduce(of).unwrap());
+        mesh.volumes()[e as usize] / (most - least)
+    };
+    // Its faces along x are at the end of the block, so that what holds it is behind alone.
+    let at_end = |e: &u32| {
+        let faces = (0..4).filter(|&k| topology.neighbour(*e, k).is_some());
+        let mut normals = faces.map(|k| {
+            let [a, b, c] = topology.face(*e, k).map(|n| mesh.positions[n as usize]);
+            (b - a).cross(&(c - a)).x
+        });
+        center(*e).x > 1.0 && normals.all(|x| x < 1e-12)
+    };
+    let at_end = elements().find(at_end).expect("one at the end");
+    let layer: Vec<u32> = elements().filter(|&e| center(e).x.abs() < 0.5).collect();
+    for (shreds, parts, area) in [
+        (vec![inside], 1, section(inside)),
+        (vec![at_end], 1, 0.0),
+        (layer, 2, 4.0),
+    ] {
         let mut mesh = block();
         let mut topology = Topology::new(&mesh);
         let positions = mesh.positions.clone();
-        let (old, volume) = (mesh.tets.len(), mesh.volumes().iter().sum::<f64>());
-        let (lost, section) = shreds.iter().fold((0.0, 0.0), |(lost, section), &e| {
-            let corners = mesh.corners(e as usize);
-            let pairs = crate::EDGES.map(|[i, j]| (corners[j] - corners[i]).norm());
-            let volume = mesh.volumes()[e as usize];
-            (
-                lost + volume,
-                section + volume / pairs.into_iter().fold(0.0, f64::max),
-            )
-        });
+        let (old, volumes) = (mesh.tets.len(), mesh.volumes());
+        let lost: f64 = shreds.iter().map(|&e| volumes[e as usize]).sum();
+        // Of either sign, one after the other.
+        let along = |e: u32| Vector3::x() * if e % 2 == 0 { 1.0 } else { -1.0 };
+        let fibres = shreds.iter().map(|&e| (e, [along(e); 2])).collect();
         let settings = Settings::default();
-        let torn = topology.tear(&mesh, &[], &shreds, &positions, &settings);
+        let torn = topology.tear(&mesh, &[], &fibres, &positions, &settings);
         let torn = torn.unwrap().expect("they come apart");
         mesh.apply(&torn.edit).unwrap();
         let measures = check(&mesh, &topology).unwrap();
@@ -148,13 +166,39 @@ fn shreds_are_taken_away_whole() {
             (parts, old - shreds.len())
         );
         assert_eq!(torn.pieces.len(), parts - 1);
-        assert!((torn.lost_volume - lost).abs() < 1e-12 * volume);
-        assert!((mesh.volumes().iter().sum::<f64>() - volume + lost).abs() < 1e-12 * volume);
-        assert!(
-            (torn.opened[0].area - section).abs() < 1e-12,
-            "{:?}",
-            torn.opened
+        assert!((torn.lost_volume - lost).abs() < 1e-12);
+        let left = volumes.iter().sum::<f64>() - lost;
+        assert!((mesh.volumes().iter().sum::<f64>() - left).abs() < 1e-12);
+        for opened in torn.opened {
+            assert!((opened.area - area).abs() < 1e-12, "{opened:?}, not {area}");
+        }
+    }
+}
+
+/// Of a piece of a shred and a whole element the shred goes, whichever of them is the first.
+#[test]
+fn a_shred_goes_where_it_is_half_of_a_piece() {
+    for shred in [0, 1] {
+        let positions = [
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+        ];
+        let positions: Vec<Vector3<f64>> = positions.map(Vector3::from).to_vec();
+        let mut mesh = TetMesh::new(
+            positions.clone(),
+            vec![[0, 1, 2, 3], [0, 2, 1, 4]],
+            vec![0; 2],
         );
+        let mut topology = Topology::new(&mesh);
+        let fibres = BTreeMap::from([(shred, [Vector3::z(); 2])]);
+        let torn = topology.tear(&mesh, &[], &fibres, &positions, &Settings::default());
+        let torn = torn.unwrap().expect("they come apart");
+        mesh.apply(&torn.edit).unwrap();
+        assert_eq!((mesh.tets.len(), mesh.positions.len()), (1, 4));
+        check(&mesh, &topology).unwrap();
     }
 }
 
@@ -169,7 +213,7 @@ fn what_is_not_an_inner_face_is_refused() {
         let refused = topology.tear(
             &mesh,
             &[(element, corner)],
-            &BTreeSet::new(),
+            &BTreeMap::new(),
             &mesh.positions,
             &settings,
         );
@@ -178,14 +222,14 @@ fn what_is_not_an_inner_face_is_refused() {
     let refused = topology.tear(
         &mesh,
         &[],
-        &BTreeSet::new(),
+        &BTreeMap::new(),
         &mesh.positions[1..],
         &settings,
     );
     assert!(matches!(refused, Err(Rejected::Positions { .. })));
-    let unknown = BTreeSet::from([mesh.tets.len() as u32]);
+    let unknown = BTreeMap::from([(mesh.tets.len() as u32, [Vector3::x(); 2])]);
     let refused = topology.tear(&mesh, &[], &unknown, &mesh.positions, &settings);
     assert!(matches!(refused, Err(Rejected::Face { corner: 0, .. })));
-    let nothing = topology.tear(&mesh, &[], &BTreeSet::new(), &mesh.positions, &settings);
+    let nothing = topology.tear(&mesh, &[], &BTreeMap::new(), &mesh.positions, &settings);
     assert_eq!(nothing, Ok(None));
 }

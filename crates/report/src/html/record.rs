@@ -163,12 +163,12 @@ fn computation(out: &mut String, report: &Report) {
         (solver.repeated > 0).then(|| {
             bilingual(
                 &format!(
-                    "{} Schritte wurden noch einmal berechnet, mit kleineren Teilschritten oder ohne Gewebefetzen an Schnitten, die \
-                     dabei versagten: {}.",
+                    "{} Schritte wurden noch einmal berechnet, mit kleineren Teilschritten oder ohne Gewebefetzen an Schnitten; \
+                     {} Fetzen rissen so in sich.",
                     solver.repeated, solver.ruptured
                 ),
                 &format!(
-                    "{} ticks were computed again, with smaller sub-steps or without shreds of tissue at cuts that failed in them: {}.",
+                    "{} ticks were computed again, with smaller sub-steps or without shreds of tissue at cuts; {} shreds ruptured so.",
                     solver.repeated, solver.ruptured
                 ),
             )

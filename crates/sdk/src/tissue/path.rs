@@ -5,8 +5,14 @@ use microsim_message::PathPoints;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// A plane has three parameters; with fewer points than twice as many its scatter is not known either.
-const FEWEST: f64 = 6.0;
+/// A plane has three parameters.
+const PARAMETERS: f64 = 3.0;
+
+/// A slope is known where its variance is below this square: 0.1, or 6°, of standard error.
+const SLOPE_VARIANCE: f64 = 0.01;
+
+/// Variances below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Sums over the points at which a tool crossed edges of a mesh, in the frame of a mark: from its middle, across it, along it and normal to the tissue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -43,9 +49,9 @@ impl PathSums {
 
     /// Root mean square distance \[m\] of the mark's middle from the points along the normal of the plane nearest to all, and the angle of that plane to the mark's
     /// \[rad\]. The plane is the regression of offsets across the mark on those along it and through the tissue: as a cut of the mark runs along it,
-    /// scatter is across. `None` where the points are few, or scatter across the plane as far as they extend in it.
+    /// scatter is across. `None` where the points are too few, or scatter too far, for its slopes to be known to a standard error of 6°.
     pub fn plane(&self) -> Option<(f64, f64)> {
-        if self.count < FEWEST {
+        if self.count <= PARAMETERS {
             return None;
         }
         let mean = Vector3::from(self.sum) / self.count;
@@ -55,7 +61,10 @@ impl PathSums {
         let mixed = Vector2::new(covariance[(0, 1)], covariance[(0, 2)]);
         let slopes = within.try_inverse()? * mixed;
         let scatter = covariance[(0, 0)] - mixed.dot(&slopes);
-        if within.symmetric_eigenvalues().min() <= scatter {
+        // The larger variance of the two slopes, of regression.
+        let least = within.symmetric_eigenvalues().min();
+        let noise = scatter.max(0.0) / (self.count - PARAMETERS);
+        if least <= (ROUNDING * covariance.trace()).max(noise / SLOPE_VARIANCE) {
             return None;
         }
         let normal = Vector3::new(1.0, -slopes.x, -slopes.y).normalize();
@@ -118,32 +127,49 @@ mod tests {
         }
     }
 
-    /// Points on two planes 0.3 mm to either side are 0.3 mm from the mark: distances do not cancel.
+    /// Points on two planes 0.1 mm to either side are 0.1 mm from the mark: distances do not cancel. Where the planes are 0.2 mm to either side, as far apart as the tissue is
+    /// thick, no plane is known.
     #[test]
     fn bites_on_both_sides_do_not_make_up_for_each_other() {
-        let mut points = grid(|_, _| 0.2e-3);
-        points.extend(grid(|_, _| -0.2e-3));
-        let (distance, angle) = sums(&points).plane().expect("a plane");
+        let both = |beside: f64| {
+            let mut points = grid(|_, _| beside);
+            points.extend(grid(|_, _| -beside));
+            sums(&points).plane()
+        };
+        let (distance, angle) = both(0.1e-3).expect("a plane");
         assert!(
-            (distance - 0.2e-3).abs() < 1e-11 && angle < 1e-7,
+            (distance - 0.1e-3).abs() < 1e-11 && angle < 1e-7,
             "{distance} {angle}"
         );
+        assert!(both(0.2e-3).is_none());
     }
 
-    /// Five points, points along one line, and points in a box have none.
+    /// Three points, lines along an axis and in general directions, and six points over the thickness of tissue that scatter by 20 µm.
     #[test]
     fn points_without_a_plane_give_none() {
         let plane = grid(|_, _| 0.0);
-        assert!(sums(&plane[..5]).plane().is_none());
-        let line = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| [2e-3, 1e-4 * f64::from(k), 0.0]);
-        assert!(sums(&line).plane().is_none());
-        let cube: Vec<[f64; 3]> = [-0.4e-3, 0.4e-3]
-            .into_iter()
-            .flat_map(|x| {
-                let corner = move |y: f64| [-0.3e-3, 0.3e-3].map(|z| [2e-3 + x, y, z]);
-                [-0.3e-3, 0.3e-3].into_iter().flat_map(corner)
-            })
-            .collect();
-        assert!(sums(&cube).plane().is_none());
+        assert!(sums(&plane[..3]).plane().is_none());
+        for [x, y, z] in [
+            [0.0, 1.0, 0.0],
+            [0.3, 0.8, 0.5],
+            [-0.2, 0.1, 0.9],
+            [0.7, 0.7, 0.1],
+        ] {
+            let line: Vec<[f64; 3]> = (0..8)
+                .map(|k| 1e-4 * f64::from(k))
+                .map(|s| [2e-3 + s * x, s * y, s * z])
+                .collect();
+            assert!(sums(&line).plane().is_none(), "{x} {y} {z}");
+        }
+        let narrow = [
+            [20.0, -30.0, -300.0],
+            [-20.0, 30.0, -180.0],
+            [-20.0, -30.0, -60.0],
+            [20.0, 30.0, 60.0],
+            [20.0, 30.0, 180.0],
+            [-20.0, -30.0, 300.0],
+        ];
+        let narrow = narrow.map(|[x, y, z]| [2e-3 + 1e-6 * x, 1e-6 * y, 1e-6 * z]);
+        assert!(sums(&narrow).plane().is_none());
     }
 }

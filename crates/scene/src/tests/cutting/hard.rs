@@ -98,12 +98,12 @@ fn what_was_not_cut_is_cut_in_the_next_tick() {
                 for place in &mut scene.state.bodies[0].positions {
                     place.x = f64::NAN;
                 }
-                let (cuts, rejected) = scene.cut(&[motion], &before, &loads, &[], TICK);
+                let (cuts, rejected) = scene.cut(&[motion], &before, &loads, &[], TICK, true);
                 rejections += rejected.len();
                 assert!(cuts.is_empty());
                 scene.state.bodies = good;
             } else {
-                scene.cut(&[motion], &before, &loads, &[], TICK);
+                scene.cut(&[motion], &before, &loads, &[], TICK, true);
             }
         }
         (scene.body(0).piece_count(), rejections)
@@ -139,7 +139,7 @@ fn what_reaches_into_tissue_is_what_a_look_at_all_of_it_finds() {
             let motion = anywhere(&mut next);
             let before = scene.state.bodies.clone();
             let loads = crate::lonor::EdgeLoads::default();
-            scene.cut(&[motion], &before, &loads, &[], TICK);
+            scene.cut(&[motion], &before, &loads, &[], TICK, true);
         }
         let shift = Vector3::from_fn(|_, _| 1e-3 * next());
         for place in &mut scene.state.bodies[0].positions {
