@@ -1,9 +1,9 @@
 //! Changes to a topology, recorded as one edit.
 
+use crate::fibre::Fibre;
 use crate::pieces;
 use crate::report::{Cut, Opened, SurfaceChange};
 use crate::settings::Settings;
-use crate::tear::Fibre;
 use crate::topology::{Child, SurfaceTriangle, Topology};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TetMesh, TopologyEdit};
 use nalgebra::Vector3;

@@ -1,6 +1,7 @@
 //! Tearing: faces that fail, whatever made them.
 
 use crate::editor::Editor;
+use crate::fibre::Fibre;
 use crate::opening::FaceToOpen;
 use crate::report::{Cut, Rejected};
 use crate::settings::Settings;
@@ -8,9 +9,6 @@ use crate::topology::Topology;
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-
-/// The direction in which a shred is stretched most, of length 1: at rest, and now. Its sign means nothing.
-pub type Fibre = [Vector3<f64>; 2];
 
 impl Topology {
     /// Opens inner faces, each given by an element and the corner opposite to the face; which ones the strain in them
