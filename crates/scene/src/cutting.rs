@@ -5,10 +5,11 @@
 
 use crate::body::Body;
 use crate::cut_pairs::CutPair;
+use crate::cut_report::{CutReport, RejectedCut};
 use crate::edits::{Edit, renumbering};
 use crate::lonor::{BladeState, Case, EdgeLoads, Path};
 use crate::member::Member;
-use crate::report::{ContactPartner, ContactReport, CutReport, RejectedCut};
+use crate::report::{ContactPartner, ContactReport};
 use crate::scene::Scene;
 use crate::surface_edits::SurfaceDiff;
 use crate::tear::Shreds;

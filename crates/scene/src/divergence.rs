@@ -1,6 +1,6 @@
 //! How a body diverges, and the error of a tick that cannot be recovered from it.
 
-use crate::report::CutReport;
+use crate::cut_report::CutReport;
 use microsim_tissue::StepFailure;
 
 /// How a body diverged.

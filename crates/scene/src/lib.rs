@@ -63,6 +63,7 @@ mod body;
 mod check;
 mod containment;
 mod cut_pairs;
+mod cut_report;
 mod cutting;
 mod digest;
 mod divergence;
@@ -97,6 +98,7 @@ mod validity;
 mod view;
 
 pub use body::CutTally;
+pub use cut_report::{CutReport, RejectedCut};
 pub use divergence::{Diverged, Divergence};
 pub use error::SceneError;
 pub use force_window::FORCE_WINDOW;
@@ -111,8 +113,7 @@ pub use microsim_tissue::{
 };
 pub use overlap::Overlap;
 pub use report::{
-    ContactPartner, ContactReport, CutReport, MANY_SUBSTEPS, PartReport, Recovery, RejectedCut,
-    SolverReport, TickReport,
+    ContactPartner, ContactReport, MANY_SUBSTEPS, PartReport, Recovery, SolverReport, TickReport,
 };
 pub use run::{ContactSeries, End, EnergyGrowth, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;

@@ -7,9 +7,10 @@ mod energy_balance;
 mod feature;
 mod probe;
 
+use crate::cut_report::{CutReport, RejectedCut};
 use crate::divergence::Diverged;
 use crate::overlap::Overlap;
-use crate::report::{CutReport, Recovery, RejectedCut, TickReport};
+use crate::report::{Recovery, TickReport};
 use crate::scene::Scene;
 use energy_balance::EnergyBalance;
 use microsim_settings as settings;

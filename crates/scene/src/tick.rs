@@ -2,13 +2,14 @@
 
 use crate::body::{Body, stable_step};
 use crate::containment::{self, Failure, Watch};
+use crate::cut_report::CutReport;
 use crate::cutting::TornBodies;
 use crate::divergence::{Diverged, Divergence};
 use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::lonor::EdgeLoads;
 use crate::pairs::{Pair, PairPartner};
-use crate::report::{ContactReport, CutReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
+use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
 use crate::scene::Scene;
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
