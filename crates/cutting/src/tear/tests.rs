@@ -154,7 +154,7 @@ fn shreds_are_taken_away_whole() {
         let (old, volumes) = (mesh.tets.len(), mesh.volumes());
         let lost: f64 = shreds.iter().map(|&e| volumes[e as usize]).sum();
         // Of either sign, one after the other.
-        let along = |e: u32| Vector3::x() * if e % 2 == 0 { 1.0 } else { -1.0 };
+        let along = |e: u32| Vector3::x() * if e.is_multiple_of(2) { 1.0 } else { -1.0 };
         let fibres = shreds.iter().map(|&e| (e, [along(e); 2])).collect();
         let settings = Settings::default();
         let torn = topology.tear(&mesh, &[], &fibres, &positions, &settings);

@@ -107,7 +107,7 @@ fn a_face_tears_by_the_mean_square_over_both_sides() {
     let whole = bar(0.0, 3.0, Newton::default());
     let body = BodySpec {
         tear_strains: vec![(0, 3.0)],
-        ..BodySpec::new("two", mesh, whole.bodies[0].materials[0].1.clone())
+        ..BodySpec::new("two", mesh, whole.bodies[0].materials[0].1)
     };
     let spec = SceneSpec::new(vec![body], whole.method);
     for (stretch, tears) in [(7.5, false), (7.8, false), (7.82, true)] {
