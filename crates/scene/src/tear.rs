@@ -96,6 +96,12 @@ impl Stretched {
     }
 }
 
+/// The topology of a body of which something can tear.
+fn of_what_can_tear(body: &Body) -> Option<&Topology> {
+    let topology = body.topology.as_ref();
+    topology.filter(|_| !body.tear_strains.is_empty())
+}
+
 /// The strain that an element bears, if it is limited.
 fn limit_of(body: &Body, element: u32) -> Option<f64> {
     let region = body.mesh.regions[element as usize];
@@ -107,11 +113,7 @@ fn limit_of(body: &Body, element: u32) -> Option<f64> {
 
 /// The shreds of a body for which `fails` is true, but those that hang on nothing.
 fn shreds(body: &Body, positions: &[Vector3<f64>], fails: impl Fn(&Stretched) -> bool) -> Shreds {
-    let Some(topology) = body
-        .topology
-        .as_ref()
-        .filter(|_| !body.tear_strains.is_empty())
-    else {
+    let Some(topology) = of_what_can_tear(body) else {
         return Shreds::new();
     };
     let hangs = |element: &u32| (0..4).any(|k| topology.neighbour(*element, k).is_some());
@@ -138,11 +140,7 @@ fn rest_volume(body: &Body, element: u32) -> f64 {
 
 /// The inner faces that fail: element and the corner opposite.
 fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
-    let Some(topology) = body
-        .topology
-        .as_ref()
-        .filter(|_| !body.tear_strains.is_empty())
-    else {
+    let Some(topology) = of_what_can_tear(body) else {
         return Vec::new();
     };
     let mut found: Vec<(f64, u32, u8)> = Vec::new();

@@ -28,7 +28,7 @@ const TRAVEL_IMPLICIT: f64 = 1.0;
 const MAX_SUBSTEPS: u32 = 256;
 
 /// By how much the steps of a tick are divided when a body diverged: first try, then the repetitions. A tick whose forces mean nothing is
-/// repeated once.
+/// repeated so once.
 const TRIES: [u32; 4] = [1, 2, 4, 8];
 
 /// The steps of a repeated tick may take so many times the iterations of the method.
@@ -38,9 +38,6 @@ const REPEATED_EFFORT: u32 = 4;
 const MAX_ROUNDS: u32 = 4;
 
 impl Scene {
-    /// How often a tick is computed again at most with steps of half the length.
-    pub const REPETITIONS: u32 = TRIES.len() as u32 - 1;
-
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body

@@ -139,12 +139,8 @@ fn a_tick_that_means_nothing_is_repeated_without_the_shreds_that_fail() {
         panic!("{:?}", report.cuts)
     };
     assert!(torn.valid && torn.tool.is_none(), "{torn:?}");
-    // Fibres lean by some 10° as the bar gets thinner: along them a layer of 50 µm and 1 mm in width extends over up to 0.05 + sin 10° mm.
-    assert!(
-        (0.05 / 0.3 * 1e-6..=1e-6).contains(&torn.area),
-        "{}",
-        torn.area
-    );
+    // Never more than the section; less, as fibres lean while the bar gets thinner.
+    assert!(torn.area > 0.0 && torn.area <= 1e-6, "{}", torn.area);
     assert_halves(&scene);
     assert_eq!(other.tick(&[], 10e-3, 1, &Serial).unwrap(), report);
     assert_eq!(scene.digest(), other.digest());
