@@ -4,6 +4,7 @@
 //!
 //! `-- MODULE LEVEL N FIRST_SEED --sensitivity`: the same of each trainee at twice the iterations, half the tick and one step finer mesh
 //! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it. It may be stopped: runs in that table are not played again.
+//! If it plays all runs of the level as shipped, it writes their section of `trainees.md` too.
 //!
 //! The groups differ by the numbers in `config/trainees.toml`. That a metric separates them shows that it measures what it should in
 //! these motions; that people differ so, it does not show.
@@ -179,14 +180,8 @@ impl Results {
     }
 }
 
-/// Makes and runs the trainees, experts first; in the order of their numbers.
-fn play(
-    module: &str,
-    level: u32,
-    count: usize,
-    first_seed: u64,
-    kinds: &mut BTreeMap<Row, Kind>,
-) -> [Results; KINDS.len()] {
+/// Makes and runs the trainees: the reports of experts, then of novices, with their names, in the order of their numbers.
+fn play(module: &str, level: u32, count: usize, first_seed: u64) -> Vec<Vec<(String, Value)>> {
     let folder = tempfile::tempdir().expect("a folder");
     let reports: Mutex<BTreeMap<usize, Value>> = Mutex::default();
     let next = AtomicUsize::new(0);
@@ -218,13 +213,37 @@ fn play(
         }
     });
     let reports = reports.into_inner().expect("no panic");
+    let named = reports.into_iter().map(|(job, report)| (name(job), report));
+    let named: Vec<_> = named.collect();
+    named.chunks(count).map(<[_]>::to_vec).collect()
+}
+
+/// Writes the section of a level from the reports of each kind of trainees, by their names; whether no force is absurd.
+fn write_level(
+    module: &str,
+    level: u32,
+    first_seed: u64,
+    reports: &[Vec<(String, Value)>],
+) -> Result<bool, String> {
+    let mut kinds = BTreeMap::new();
     let mut groups = KINDS.map(|_| Results { runs: Vec::new() });
-    for (job, report) in &reports {
-        groups[job / count]
-            .runs
-            .push(Run::of(name(*job), report, kinds));
+    for (results, reports) in groups.iter_mut().zip(reports) {
+        let run = |(name, report): &(String, Value)| Run::of(name.clone(), report, &mut kinds);
+        results.runs = reports.iter().map(run).collect();
     }
-    groups
+    let section = section(module, level, first_seed, &groups, &kinds);
+    println!("{section}");
+    write_section(HEAD, "trainees.md", &section)?;
+    let runs = groups.iter().flat_map(|results| &results.runs);
+    let absurd: Vec<String> = runs
+        .filter(|run| run.largest_force > ABSURD_FORCE)
+        .map(|run| format!("{}: {:.3} N", run.name, run.largest_force))
+        .collect();
+    if !absurd.is_empty() {
+        let absurd = absurd.join(", ");
+        eprintln!("forces above {ABSURD_FORCE} N are a fault of the computation: {absurd}");
+    }
+    Ok(absurd.is_empty())
 }
 
 /// The section of a level.
@@ -340,27 +359,15 @@ fn main() -> ExitCode {
     };
     let (level, count) = (*level as u32, *count as usize);
     eprintln!("in {}", tree().display());
-    let mut kinds = BTreeMap::new();
-    let groups = play(module, level, count, *first_seed, &mut kinds);
-    let section = section(module, level, *first_seed, &groups, &kinds);
-    println!("{section}");
-    let runs = groups.iter().flat_map(|results| &results.runs);
-    let absurd: Vec<String> = runs
-        .filter(|run| run.largest_force > ABSURD_FORCE)
-        .map(|run| format!("{}: {:.3} N", run.name, run.largest_force))
-        .collect();
-    if let Err(error) = write_section(HEAD, "trainees.md", &section) {
-        eprintln!("{error}");
-        return ExitCode::from(2);
+    let reports = play(module, level, count, *first_seed);
+    match write_level(module, level, *first_seed, &reports) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(2)
+        }
     }
-    if absurd.is_empty() {
-        return ExitCode::SUCCESS;
-    }
-    eprintln!(
-        "forces above {ABSURD_FORCE} N are a fault of the computation: {}",
-        absurd.join(", ")
-    );
-    ExitCode::FAILURE
 }
 
 /// `MODULE LEVEL N FIRST_SEED`.
@@ -380,6 +387,7 @@ fn study_sensitivity(args: &[String]) -> ExitCode {
         *count as usize,
         *first_seed,
         &repository().join(csv),
+        |reports| write_level(module, *level as u32, *first_seed, reports).map(drop),
         |section| {
             println!("{section}");
             write_section(SENSITIVITY_HEAD, "sensitivity.md", section)

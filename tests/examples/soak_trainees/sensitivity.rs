@@ -24,13 +24,15 @@ struct Metric {
 }
 
 /// Plays `count` trainees of each kind, from `first_seed` on, at one change after the other. Runs that `csv` has already are not played again, but for the first,
-/// which shows that they are of this computation. Gives the section of the page to `write` after each change.
+/// which shows that they are of this computation. Gives the reports of the level as shipped, by their names, to `as_shipped` if all were played now,
+/// and the section of the page to `write` after each change.
 pub fn study(
     module: &str,
     level: u32,
     count: usize,
     first_seed: u64,
     csv: &Path,
+    as_shipped: impl Fn(&[Vec<(String, Value)>]) -> Result<(), String>,
     write: impl Fn(&str) -> Result<(), String>,
 ) -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(|error| format!("a temporary folder: {error}"))?;
@@ -65,6 +67,7 @@ pub fn study(
     let mut table = Table::open(csv, ids)?;
     table.add(key((0, 0)), &outcome(&first))?;
     let table = Mutex::new(table);
+    let shipped = Mutex::new(BTreeMap::from([(0, first)]));
     for (change, (title, _)) in CHANGES.iter().enumerate() {
         let missing: Vec<usize> = {
             let table = table.lock().expect("no panic");
@@ -81,7 +84,8 @@ pub fn study(
         let next = AtomicUsize::new(0);
         let work = || -> Result<(), String> {
             while let Some(&trainee) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let outcome = outcome(&play((trainee, change)));
+                let report = play((trainee, change));
+                let outcome = outcome(&report);
                 let (kind, seed) = trainees[trainee];
                 eprintln!(
                     "  {kind} {seed}, {title}: {} {}",
@@ -89,6 +93,9 @@ pub fn study(
                 );
                 let mut table = table.lock().expect("no panic");
                 table.add(key((trainee, change)), &outcome)?;
+                if change == 0 {
+                    shipped.lock().expect("no panic").insert(trainee, report);
+                }
             }
             Ok(())
         };
@@ -98,6 +105,16 @@ pub fn study(
                 .into_iter()
                 .try_for_each(|worker| worker.join().expect("no panic"))
         })?;
+        let shipped = shipped.lock().expect("no panic");
+        if change == 0 && shipped.len() == trainees.len() {
+            let named = shipped.iter().map(|(trainee, report)| {
+                let (kind, seed) = trainees[*trainee];
+                (format!("{kind} {seed}"), report.clone())
+            });
+            let named: Vec<_> = named.collect();
+            let groups: Vec<_> = named.chunks(count).map(<[_]>::to_vec).collect();
+            as_shipped(&groups)?;
+        }
         let table = table.lock().expect("no panic");
         table.sort()?;
         let there = |at: &(usize, usize)| table.has(&key(*at));
