@@ -3,7 +3,7 @@
 
 use microsim_tests::changed_levels::{CHANGES, ChangedLevels, crippled};
 use microsim_tests::digests::{Subject, all};
-use microsim_tests::{repository, scratch};
+use microsim_tests::{report_beside, repository, scratch};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::sync::Mutex;
@@ -12,14 +12,21 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Runs at the same time, a process each.
 const WORKERS: usize = 2;
 
+/// Metrics of the largest forces \[mN\].
+const PEAKS: [&str; 2] = ["peak-force", "peak-grip"];
+
+/// What a run printed, and its peaks.
+type Run = (Value, [Option<f64>; 2]);
+
 fn main() {
     let folder = scratch();
     let mut csv = String::from(
         "levels,script,verdict,failed,ticks,above_tolerance,repeated,ruptured,invalid,contact_failures,residual_p50,residual_p99,residual_max,\
-         force_residual_p50,force_residual_p99,force_residual_max\n",
+         force_residual_p50,force_residual_p99,force_residual_max,peak_force_mN,peak_grip_mN\n",
     );
     let mut summary = String::from(
-        "| module | levels | scripts | end as they are named | not judged | invalid ticks |\n|---|---|---|---|---|---|\n",
+        "| module | levels | scripts | end as they are named | not judged | invalid ticks | change of peak force: median, 9 of 10, most | of peak grip |\n\
+         |---|---|---|---|---|---|---|---|\n",
     );
     for module in ["coordination", "push-strip"] {
         let scripts: Vec<String> = all()
@@ -29,6 +36,7 @@ fn main() {
                 _ => None,
             })
             .collect();
+        let mut shipped: Option<Vec<Run>> = None;
         for (levels, change) in CHANGES.into_iter().chain([("crippled", crippled as _)]) {
             let tree = ChangedLevels::new(module, change);
             let play = |script: &str| {
@@ -39,19 +47,27 @@ fn main() {
                 let name = format!("{}-{module}-{script}.session", levels.replace(' ', "-"));
                 let session = folder.path().join(name);
                 let printed = tree.run(&session, &["--level", &level, "--input", &input]);
+                let report = report_beside(&session);
                 std::fs::remove_file(session).expect("the session that was written");
-                printed
+                (printed, PEAKS.map(|id| metric(&report, id)))
             };
             let runs = in_order(&scripts, play);
             let count = |is: &dyn Fn(&str, &Value) -> bool| {
                 let runs = scripts.iter().zip(&runs);
-                runs.filter(|(script, printed)| is(script, printed)).count()
+                runs.filter(|(script, (printed, _))| is(script, printed))
+                    .count()
             };
             let invalid = runs
                 .iter()
-                .filter_map(|run| run["solver"]["invalid"].as_u64());
+                .filter_map(|(printed, _)| printed["solver"]["invalid"].as_u64());
+            let peaks = match (&shipped, levels) {
+                (Some(shipped), "twice the iterations" | "half the tick" | "finer mesh") => {
+                    [0, 1].map(|peak| changes(shipped, &runs, peak)).join(" | ")
+                }
+                _ => " | ".to_owned(),
+            };
             let line = format!(
-                "| {module} | {levels} | {} | {} | {} | {} |",
+                "| {module} | {levels} | {} | {} | {} | {} | {peaks} |",
                 runs.len(),
                 count(&ends_as_named),
                 count(&|_, printed| printed["verdict"] == "not-judged"),
@@ -59,12 +75,13 @@ fn main() {
             );
             println!("{line}");
             let _ = writeln!(summary, "{line}");
-            for (script, printed) in scripts.iter().zip(&runs) {
+            for (script, (printed, peaks)) in scripts.iter().zip(&runs) {
                 if levels != "crippled" && !ends_as_named(script, printed) {
                     println!("  {script}: {} {}", printed["verdict"], printed["failed"]);
                 }
-                csv.push_str(&row(levels, &format!("{module}/{script}"), printed));
+                csv.push_str(&row(levels, &format!("{module}/{script}"), printed, peaks));
             }
+            shipped.get_or_insert(runs);
         }
     }
     let file = repository().join("tests/results/convergence.csv");
@@ -73,8 +90,8 @@ fn main() {
 }
 
 /// The results of all scripts, in their order.
-fn in_order(scripts: &[String], play: impl Fn(&str) -> Value + Sync) -> Vec<Value> {
-    let results: Mutex<Vec<Value>> = Mutex::new(vec![Value::Null; scripts.len()]);
+fn in_order(scripts: &[String], play: impl Fn(&str) -> Run + Sync) -> Vec<Run> {
+    let results: Mutex<Vec<Run>> = Mutex::new(vec![Run::default(); scripts.len()]);
     let next = AtomicUsize::new(0);
     let work = || {
         while let Some((at, script)) = {
@@ -102,7 +119,31 @@ fn ends_as_named(script: &str, printed: &Value) -> bool {
     }
 }
 
-fn row(levels: &str, script: &str, printed: &Value) -> String {
+/// A metric in its display unit, where it was measured.
+fn metric(report: &Value, id: &str) -> Option<f64> {
+    let mut metrics = report["metrics"].as_array()?.iter();
+    metrics.find(|metric| metric["id"] == id)?["display_value"].as_f64()
+}
+
+/// By how much a peak differs from that of the level as shipped, relative to it: median, what nine of ten runs do not exceed (nearest ranks), most.
+fn changes(shipped: &[Run], runs: &[Run], peak: usize) -> String {
+    let both = shipped.iter().zip(runs);
+    let mut changes: Vec<f64> = both
+        .filter_map(|((_, before), (_, after))| {
+            let before = before[peak].filter(|before| *before > 0.0)?;
+            Some((after[peak]? / before - 1.0).abs())
+        })
+        .collect();
+    changes.sort_by(f64::total_cmp);
+    let Some(most) = changes.last() else {
+        return "–".to_owned();
+    };
+    let rank = |percent: usize| changes[(changes.len() * percent).div_ceil(100).max(1) - 1];
+    let shown = [rank(50), rank(90), *most].map(|change| format!("{:.1}", 100.0 * change));
+    format!("{} % of {}", shown.join(", "), changes.len())
+}
+
+fn row(levels: &str, script: &str, printed: &Value, peaks: &[Option<f64>; 2]) -> String {
     let solver = &printed["solver"];
     let failed = printed["failed"].as_array().map_or(&[][..], Vec::as_slice);
     let failed: Vec<&str> = failed.iter().filter_map(Value::as_str).collect();
@@ -122,6 +163,13 @@ fn row(levels: &str, script: &str, printed: &Value) -> String {
             let value = solver[quantiles][name].as_f64().unwrap_or_default();
             let _ = write!(row, ",{value:.2e}");
         }
+    }
+    for peak in peaks {
+        let _ = write!(
+            row,
+            ",{}",
+            peak.map_or(String::new(), |peak| format!("{peak:.3}"))
+        );
     }
     row.push('\n');
     row
