@@ -1,9 +1,9 @@
-//! `cargo xtask soak trainees -- MODULE LEVEL N FIRST_SEED`: N synthetic experts and N novices on a level, two at a time; of each metric, each
+//! `cargo xtask soak trainees -- MODULE LEVEL N FIRST_SEED`: N synthetic experts and N novices on a level, or on `all` of a module, two at a time; of each metric, each
 //! category and the score mean and standard deviation of both groups, the effect size, and whether it has the intended sign. Writes
 //! `tests/results/trainees.md`, where each level has a section. Every run counts; fails if one shows a force that cannot be.
 //!
 //! `-- MODULE LEVEL N FIRST_SEED --sensitivity`: the same of each trainee at twice the iterations, half the tick and one step finer mesh
-//! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it. It may be stopped: runs in that table are not played again.
+//! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it. It may be stopped: runs in that table are not played again, but for one of each kind at each change.
 //! If it plays all runs of the level as shipped, it writes their section of `trainees.md` too.
 //!
 //! The groups differ by the numbers in `config/trainees.toml`. That a metric separates them shows that it measures what it should in
@@ -343,63 +343,107 @@ fn with_section(head: &str, page: &str, section: &str) -> String {
     format!("{head}\n{}\n", sections.join("\n\n"))
 }
 
-fn main() -> ExitCode {
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    if let Some((last, rest)) = args.split_last()
-        && last == "--sensitivity"
-    {
-        return study_sensitivity(rest);
-    }
-    let numbers: Vec<Option<u64>> = args.iter().skip(1).map(|n| n.parse().ok()).collect();
-    let (Some(module), [Some(level), Some(count @ 1..), Some(first_seed)]) =
-        (args.first(), &numbers[..])
-    else {
-        eprintln!("expected MODULE LEVEL N FIRST_SEED");
-        return ExitCode::from(2);
-    };
-    let (level, count) = (*level as u32, *count as usize);
-    eprintln!("in {}", tree().display());
-    let reports = play(module, level, count, *first_seed);
-    match write_level(module, level, *first_seed, &reports) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::from(2)
+/// What is asked for.
+struct Order {
+    module: String,
+    levels: Vec<u32>,
+    /// Trainees of each kind.
+    count: usize,
+    first_seed: u64,
+    sensitivity: bool,
+}
+
+impl Order {
+    fn of(mut args: Vec<String>) -> Result<Self, String> {
+        let expected = "expected MODULE LEVEL N FIRST_SEED [--sensitivity]: a number of a level or \"all\", two trainees of each kind or more";
+        let sensitivity = args.pop_if(|last| last == "--sensitivity").is_some();
+        let [module, level, count, first_seed] = &args[..] else {
+            return Err(expected.to_owned());
+        };
+        let levels = match (&level[..], level.parse()) {
+            (_, Ok(level)) => vec![level],
+            ("all", _) => levels_of(module)?,
+            _ => return Err(expected.to_owned()),
+        };
+        match (count.parse(), first_seed.parse()) {
+            (Ok(count @ 2..), Ok(first_seed)) => Ok(Self {
+                module: module.clone(),
+                levels,
+                count,
+                first_seed,
+                sensitivity,
+            }),
+            _ => Err(expected.to_owned()),
         }
     }
 }
 
-/// `MODULE LEVEL N FIRST_SEED`.
-fn study_sensitivity(args: &[String]) -> ExitCode {
-    let numbers: Vec<Option<u64>> = args.iter().skip(1).map(|n| n.parse().ok()).collect();
-    let (Some(module), [Some(level), Some(count @ 2..), Some(first_seed)]) =
-        (args.first(), &numbers[..])
-    else {
-        eprintln!("expected MODULE LEVEL N FIRST_SEED --sensitivity, with N at least 2");
-        return ExitCode::from(2);
+/// The levels of a module, 1 and so on.
+fn levels_of(module: &str) -> Result<Vec<u32>, String> {
+    let folder = tree().join("modules").join(module).join("levels");
+    let files = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    Ok((1..=files.count() as u32).collect())
+}
+
+fn main() -> ExitCode {
+    let order = match Order::of(std::env::args().skip(1).collect()) {
+        Ok(order) => order,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::from(2);
+        }
     };
     eprintln!("in {}", tree().display());
-    let csv = format!("tests/results/sensitivity/{module}-{level}.csv");
-    let studied = sensitivity::study(
+    let mut sound = true;
+    for &level in &order.levels {
+        let done = match order.sensitivity {
+            true => study_sensitivity(&order, level),
+            false => {
+                let reports = play(&order.module, level, order.count, order.first_seed);
+                write_level(&order.module, level, order.first_seed, &reports)
+            }
+        };
+        match done {
+            Ok(no_absurd_force) => sound &= no_absurd_force,
+            Err(error) => {
+                eprintln!("{error}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    if sound {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+/// Studies a level; whether no force as shipped is absurd.
+fn study_sensitivity(order: &Order, level: u32) -> Result<bool, String> {
+    let Order {
         module,
-        *level as u32,
-        *count as usize,
+        count,
+        first_seed,
+        ..
+    } = order;
+    let csv = format!("tests/results/sensitivity/{module}-{level}.csv");
+    let mut sound = true;
+    sensitivity::study(
+        module,
+        level,
+        *count,
         *first_seed,
         &repository().join(csv),
-        |reports| write_level(module, *level as u32, *first_seed, reports).map(drop),
+        |reports| {
+            sound = write_level(module, level, *first_seed, reports)?;
+            Ok(())
+        },
         |section| {
             println!("{section}");
             write_section(SENSITIVITY_HEAD, "sensitivity.md", section)
         },
-    );
-    match studied {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    )?;
+    Ok(sound)
 }
 
 /// Puts the section of a level into its page.

@@ -23,8 +23,8 @@ struct Metric {
     limited: bool,
 }
 
-/// Plays `count` trainees of each kind, from `first_seed` on, at one change after the other. Runs that `csv` has already are not played again, but for the first,
-/// which shows that they are of this computation. Gives the reports of the level as shipped, by their names, to `as_shipped` if all were played now,
+/// Plays `count` trainees of each kind, from `first_seed` on, at one change after the other. Runs that `csv` has already are not played again, but for the first of
+/// each kind at each change: an error where they are of another computation. Gives the reports of the level as shipped, by their names, to `as_shipped` if all were played now,
 /// and the section of the page to `write` after each change.
 pub fn study(
     module: &str,
@@ -32,7 +32,7 @@ pub fn study(
     count: usize,
     first_seed: u64,
     csv: &Path,
-    as_shipped: impl Fn(&[Vec<(String, Value)>]) -> Result<(), String>,
+    mut as_shipped: impl FnMut(&[Vec<(String, Value)>]) -> Result<(), String>,
     write: impl Fn(&str) -> Result<(), String>,
 ) -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(|error| format!("a temporary folder: {error}"))?;
@@ -69,21 +69,24 @@ pub fn study(
     let table = Mutex::new(table);
     let shipped = Mutex::new(BTreeMap::from([(0, first)]));
     for (change, (title, _)) in CHANGES.iter().enumerate() {
-        let missing: Vec<usize> = {
+        let played: Vec<usize> = {
             let table = table.lock().expect("no panic");
-            let missing =
-                (0..trainees.len()).filter(|trainee| !table.has(&key((*trainee, change))));
-            missing.collect()
+            let missing = |trainee: &usize| !table.has(&key((*trainee, change)));
+            let there = (0..trainees.len()).filter(|trainee| !missing(trainee));
+            eprintln!(
+                "{}, {title}: {} of {} runs are there",
+                csv.display(),
+                there.count(),
+                trainees.len()
+            );
+            let first =
+                |trainee: &usize| trainee.is_multiple_of(count) && (*trainee, change) != (0, 0);
+            let played = (0..trainees.len()).filter(|t| missing(t) || first(t));
+            played.collect()
         };
-        eprintln!(
-            "{}, {title}: {} of {} runs are there",
-            csv.display(),
-            trainees.len() - missing.len(),
-            trainees.len()
-        );
         let next = AtomicUsize::new(0);
         let work = || -> Result<(), String> {
-            while let Some(&trainee) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+            while let Some(&trainee) = played.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let report = play((trainee, change));
                 let outcome = outcome(&report);
                 let (kind, seed) = trainees[trainee];

@@ -1,7 +1,7 @@
 //! Whether code is the same as at a commit, as git knows it.
 
 use super::code::{code, counts};
-use super::page::Head;
+use super::page::{Again, Head};
 use crate::failure::Failure;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,16 +15,26 @@ pub enum Age {
     Same,
     /// These files have other code now.
     Older(Vec<String>),
+    /// It is of the code of its commit, whatever that is now.
+    Record,
     /// Why it is not known.
     Unknown(String),
     /// What is wrong with the head of the page.
     NoHead(String),
 }
 
+impl Age {
+    /// Whether the page holds for the code, or never claimed to.
+    pub fn is_sound(&self) -> bool {
+        matches!(self, Self::Same | Self::Record)
+    }
+}
+
 impl fmt::Display for Age {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Same => f.write_str("as its code"),
+            Self::Record => f.write_str("a record of its commit"),
             Self::Older(files) => {
                 let first: Vec<_> = files.iter().take(3).map(String::as_str).collect();
                 write!(f, "OLDER than its code: {}", first.join(", "))?;
@@ -88,6 +98,9 @@ impl History {
             return Ok(Age::Unknown(format!(
                 "commit {commit} is not in the history: {advice}"
             )));
+        }
+        if head.again == Again::Never {
+            return Ok(Age::Record);
         }
         let mut changed = Vec::new();
         for measured in &head.measures {

@@ -15,6 +15,8 @@ pub enum Again {
     Heavy,
     /// A person, from what its commands print.
     ByHand,
+    /// Nobody: it records what was tried at its commit.
+    Never,
 }
 
 /// What made a page.
@@ -84,9 +86,10 @@ impl Head {
             "light" => Again::Light,
             "heavy" => Again::Heavy,
             "by hand" => Again::ByHand,
+            "never" => Again::Never,
             other => {
                 return Err(format!(
-                    "expected \"light\", \"heavy\" or \"by hand\", found \"{other}\""
+                    "expected \"light\", \"heavy\", \"by hand\" or \"never\", found \"{other}\""
                 ));
             }
         };
@@ -101,6 +104,19 @@ impl Head {
             measures: measures.split_whitespace().map(str::to_owned).collect(),
             again,
         })
+    }
+
+    /// The head of the page when it is made again at a commit on a machine. Where no figure depends on the machine it stays so.
+    pub fn made(self, commit: String, machine: String) -> Self {
+        let machine = match self.machine.starts_with("any") {
+            true => self.machine,
+            false => machine,
+        };
+        Self {
+            commit,
+            machine,
+            ..self
+        }
     }
 
     /// The page with this head: instead of the one that it has, or below its title.
@@ -119,6 +135,7 @@ impl Head {
             Again::Light => "light",
             Again::Heavy => "heavy",
             Again::ByHand => "by hand",
+            Again::Never => "never",
         };
         format!(
             "| `{}` | `{}` | {} | {} | {again} |",
@@ -151,6 +168,12 @@ mod tests {
         );
         // A second time it takes the place of the first.
         assert_eq!(head.put(&page), page);
+        let made = head.clone().made("4567def".into(), "a laptop".into());
+        assert_eq!([&made.commit[..], &made.machine], ["4567def", "a laptop"]);
+        let machine = "any: no figure depends on it".to_owned();
+        let everywhere = Head { machine, ..head };
+        let made = everywhere.made("4567def".into(), "a laptop".into());
+        assert_eq!(made.machine, "any: no figure depends on it");
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! `cargo xtask soak convergence`: how far the solver comes in every shipped script of a level with tissue, as the level is, at twice the iterations, half the tick,
-//! on a finer mesh, and with one iteration in 48 ms, and what becomes of the verdict. Writes `tests/results/convergence.csv`.
+//! on a finer mesh, and with one iteration in 48 ms, and what becomes of the verdict. Writes `tests/results/convergence.md` and `convergence.csv`.
 
 use microsim_tests::changed_levels::{CHANGES, ChangedLevels, crippled};
 use microsim_tests::digests::{Subject, all};
@@ -11,6 +11,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Runs at the same time, a process each.
 const WORKERS: usize = 2;
+
+/// The page, but for its table and list.
+const PAGE: &str = include_str!("page.md");
 
 /// Metrics of the largest forces \[mN\].
 const PEAKS: [&str; 2] = ["peak-force", "peak-grip"];
@@ -24,8 +27,9 @@ fn main() {
         "levels,script,verdict,failed,ticks,above_tolerance,repeated,ruptured,invalid,contact_failures,residual_p50,residual_p99,residual_max,\
          force_residual_p50,force_residual_p99,force_residual_max,peak_force_mN,peak_grip_mN\n",
     );
+    let mut others = Vec::new();
     let mut summary = String::from(
-        "| module | levels | scripts | end as they are named | not judged | invalid ticks | change of peak force: median, 9 of 10, most | of peak grip |\n\
+        "| module | levels | scripts | end as they are named | not judged | invalid ticks | change of peak force: median, 9 of 10, most | change of peak grip |\n\
          |---|---|---|---|---|---|---|---|\n",
     );
     for module in ["coordination", "push-strip"] {
@@ -77,16 +81,29 @@ fn main() {
             let _ = writeln!(summary, "{line}");
             for (script, (printed, peaks)) in scripts.iter().zip(&runs) {
                 if levels != "crippled" && !ends_as_named(script, printed) {
-                    println!("  {script}: {} {}", printed["verdict"], printed["failed"]);
+                    let verdict = printed["verdict"].as_str().unwrap_or_default();
+                    let line = format!(
+                        "- {module}, {levels}, `{script}`: {verdict} {}",
+                        printed["failed"]
+                    );
+                    println!("{line}");
+                    others.push(line);
                 }
                 csv.push_str(&row(levels, &format!("{module}/{script}"), printed, peaks));
             }
             shipped.get_or_insert(runs);
         }
     }
-    let file = repository().join("tests/results/convergence.csv");
-    std::fs::write(&file, csv).expect("tests/results can be written");
-    println!("{summary}\n{}", file.display());
+    if others.is_empty() {
+        others.push("none.".to_owned());
+    }
+    let page = PAGE.replace("{table}", summary.trim_end());
+    let page = page.replace("{others}", &others.join("\n"));
+    let results = repository().join("tests/results");
+    for (name, text) in [("convergence.csv", csv), ("convergence.md", page)] {
+        std::fs::write(results.join(name), text).expect("tests/results can be written");
+    }
+    println!("{summary}\n{}", results.join("convergence.md").display());
 }
 
 /// The results of all scripts, in their order.
