@@ -57,7 +57,7 @@ pub fn results(workspace: &Workspace, make: Make) -> Result<(), Failure> {
 /// The phase of `cargo xtask test`: a head that cannot be read fails it, a page that is older is named.
 pub fn check(workspace: &Workspace) -> Result<Outcome, Failure> {
     let (_, ages) = listed(workspace)?;
-    Ok(match ages.iter().filter(|age| !age.is_sound()).count() {
+    Ok(match ages.iter().filter(|age| age.is_older()).count() {
         0 => Outcome::Passed,
         _ if ages.iter().any(|age| matches!(age, Age::NoHead(_))) => Outcome::Failed,
         older => Outcome::Warned(format!(
@@ -114,7 +114,7 @@ fn listed(workspace: &Workspace) -> Result<(Vec<Page>, Vec<Age>), Failure> {
 }
 
 fn none_older(ages: &[Age]) -> Result<(), Failure> {
-    match ages.iter().filter(|age| !age.is_sound()).count() {
+    match ages.iter().filter(|age| age.is_older()).count() {
         0 => Ok(()),
         count => Err(Failure::Check(format!(
             "{count} of {} pages are older than their code, or of unknown age",

@@ -2,6 +2,7 @@
 //!
 //! Expected values are rules of the project: the table in `crates/README.md`, and the lists here.
 
+mod figures;
 mod files;
 mod graph;
 mod modules;

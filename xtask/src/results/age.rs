@@ -24,9 +24,9 @@ pub enum Age {
 }
 
 impl Age {
-    /// Whether the page holds for the code, or never claimed to.
-    pub fn is_sound(&self) -> bool {
-        matches!(self, Self::Same | Self::Record)
+    /// Whether the page holds for other code than is there, or may.
+    pub fn is_older(&self) -> bool {
+        !matches!(self, Self::Same | Self::Record)
     }
 }
 
