@@ -4,6 +4,7 @@ use crate::chart::{machine, thread_seconds};
 use crate::cli::AtlasArgs;
 use crate::output::{Exit, Problem, print};
 use crate::progress::StatusLine;
+use microsim_settings::unwritable;
 use microsim_study::PageInfo;
 use microsim_study::atlas::{Atlas, Extent};
 use std::time::Instant;
@@ -11,7 +12,7 @@ use std::time::Instant;
 /// Makes the atlas.
 pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     let start = Instant::now();
-    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
+    std::fs::create_dir_all(&args.out).map_err(|e| unwritable(&args.out, e))?;
     let extent = if args.short {
         Extent::Short
     } else {
@@ -42,7 +43,7 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     files.extend(figures.map(|figure| (format!("{}.svg", figure.name), figure.to_svg(true))));
     for (name, text) in files {
         let path = args.out.join(name);
-        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+        std::fs::write(&path, text).map_err(|e| unwritable(&path, e))?;
     }
     for sentence in atlas.findings() {
         print(sentence)?;

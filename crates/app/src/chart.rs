@@ -5,7 +5,7 @@ use crate::output::{Exit, Problem, print};
 use crate::progress::StatusLine;
 use crate::scene_file::folder;
 use microsim_scene::{Serial, scene_spec};
-use microsim_settings::{self as settings, Chart, Override};
+use microsim_settings::{self as settings, Chart, Override, unwritable};
 use microsim_study::{
     Context, Group, GroupResult, LoadedScene, PageInfo, Results, Step, groups, panel_svg, run_group,
 };
@@ -37,7 +37,7 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         )
         .into());
     }
-    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
+    std::fs::create_dir_all(&args.out).map_err(|e| unwritable(&args.out, e))?;
     let groups = groups(&chart, args.short, &args.scene);
     let scenes = plan.parent().unwrap_or(Path::new("")).to_path_buf();
     let limit = if args.short {
@@ -185,7 +185,7 @@ fn write(results: &Results, info: &PageInfo, out: &Path) -> Result<(), Problem> 
     }
     for (name, text) in files {
         let path = out.join(name);
-        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+        std::fs::write(&path, text).map_err(|e| unwritable(&path, e))?;
     }
     Ok(())
 }

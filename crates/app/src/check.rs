@@ -396,7 +396,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
 
 fn check_session(path: &Path) -> Result<Vec<String>, String> {
     let name = path.display();
-    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+    let bytes = settings::read_regular(path).map_err(|e| format!("{name}: {e}"))?;
     let session = Session::read(&bytes).map_err(|e| format!("{name}: {e}"))?;
     let ticks = session.ticks.len();
     match (session.complaint, session.failures.first()) {

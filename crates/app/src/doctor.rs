@@ -7,6 +7,7 @@ use crate::processor;
 use crate::session_file::installation;
 use crate::station;
 use microsim_host::assemble::probe_renderer;
+use microsim_settings::unwritable;
 
 /// Prints what this machine has and lacks. Only what keeps runs from working makes the answer negative.
 pub fn doctor(place: &Place) -> Result<Exit, Problem> {
@@ -53,10 +54,7 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
         Ok(()) => print(format!("sessions       {} (writable)", folder.display()))?,
         Err(error) => {
             healthy = false;
-            print(format!(
-                "sessions       {} cannot be written: {error}",
-                folder.display()
-            ))?;
+            print(format!("sessions       {}", unwritable(&folder, error)))?;
         }
     }
     match station::path().and_then(|path| Ok((station::this()?, path))) {

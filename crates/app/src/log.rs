@@ -4,6 +4,7 @@
 //! unset), and with `RUST_LOG=debug` every span prints how long it took. A trace goes to a file that Perfetto and `chrome://tracing` open.
 
 use crate::output::Problem;
+use microsim_settings::unwritable;
 use std::fs::File;
 use std::io::{BufWriter, IsTerminal};
 use std::path::Path;
@@ -33,7 +34,7 @@ pub fn start(trace: Option<&Path>) -> Result<Option<FlushGuard>, Problem> {
         registry.init();
         return Ok(None);
     };
-    let file = File::create_new(path).map_err(|e| format!("trace {}: {e}", path.display()))?;
+    let file = File::create_new(path).map_err(|e| format!("trace {}", unwritable(path, e)))?;
     let (layer, guard) = ChromeLayerBuilder::new()
         .writer(BufWriter::new(file))
         .include_args(true)

@@ -39,8 +39,10 @@ mod trainee;
 mod tune;
 
 use clap::Parser;
+use clap::error::ErrorKind;
 use cli::{Cli, Command};
 use output::{Exit, Problem, complain};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -50,6 +52,10 @@ fn main() -> ExitCode {
     }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
+        Err(error) if error.kind() == ErrorKind::InvalidUtf8 => {
+            complain(not_utf8(std::env::args_os()).unwrap_or_else(|| error.to_string()));
+            return Exit::CouldNotRun.into();
+        }
         Err(error) => {
             // Help and version are no errors; everything else could not run.
             let code = if error.use_stderr() {
@@ -100,11 +106,38 @@ fn ended(result: Result<Exit, Problem>) -> ExitCode {
     }
 }
 
+/// The first argument that is no text, in a sentence: paths go into sessions and reports as text.
+fn not_utf8(arguments: impl Iterator<Item = OsString>) -> Option<String> {
+    let mut arguments = arguments.enumerate();
+    let (place, argument) = arguments.find(|(_, argument)| argument.to_str().is_none())?;
+    Some(format!(
+        "argument {place}, {argument:?}, is not UTF-8; expected arguments and names of files in UTF-8"
+    ))
+}
+
 /// A layer of the graphics driver prints a line about a missing run-time folder at every start; it is not needed for
 /// pictures.
 fn silence_driver() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         // SAFETY: no other thread has been started yet.
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::not_utf8;
+    use std::ffi::OsString;
+    use std::os::unix::ffi::OsStringExt;
+
+    /// Of a long command line nobody finds the one that it is.
+    #[test]
+    fn the_argument_that_is_no_text_is_named() {
+        let arguments = ["microsim", "run", "push-strip", "--input"];
+        let mut arguments: Vec<OsString> = arguments.map(OsString::from).into();
+        assert_eq!(not_utf8(arguments.iter().cloned()), None);
+        arguments.push(OsString::from_vec(b"script:\xff.toml".into()));
+        let said = "argument 4, \"script:\\xFF.toml\", is not UTF-8; expected arguments and names of files in UTF-8";
+        assert_eq!(not_utf8(arguments.into_iter()).as_deref(), Some(said));
     }
 }

@@ -1,6 +1,7 @@
 //! Replacing a file: what was there before stays until all of the new one is on the disk.
 
 use crate::output::Problem;
+use microsim_settings::unwritable;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Puts `content` in the place of what is at `path`. A link is replaced, and what it names stays as it is. After a failure, of a full
 /// disk for example, the old content is still there.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), Problem> {
-    let named = |e: std::io::Error| format!("{}: {e}", path.display());
+    let named = |e| unwritable(path, e);
     // A device or pipe that is named on purpose, such as /dev/stdout, is written to.
     let special = |kind: fs::FileType| !kind.is_file() && !kind.is_dir();
     if path.starts_with("/dev")

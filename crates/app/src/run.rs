@@ -14,6 +14,7 @@ use microsim_host::plan::RunPlan;
 use microsim_host::run::{Realtime, RunOptions, RunOutcome, run as run_plan};
 use microsim_message::{decode_bytes, encode};
 use microsim_report::{Page, Report};
+use microsim_settings::{read_regular, unwritable};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -67,7 +68,7 @@ pub fn session_folder(installation: &Installation) -> PathBuf {
 /// A new name for a session: module, level, wall clock and process.
 fn new_session(installation: &Installation, args: &RunArgs) -> Result<PathBuf, Problem> {
     let folder = session_folder(installation);
-    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    std::fs::create_dir_all(&folder).map_err(|e| unwritable(&folder, e))?;
     let now = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .unwrap_or_default();
@@ -146,7 +147,21 @@ fn refuse_existing(args: &RunArgs, session: &Path) -> Result<(), Problem> {
         let path = path.display();
         return Err(format!("{path} exists already; nothing is overwritten").into());
     }
-    args.frames.as_deref().map_or(Ok(()), refuse_old_pictures)
+    args.frames.as_deref().map_or(Ok(()), refuse_old_pictures)?;
+    for (what, path) in [
+        ("session", Some(session)),
+        ("checkpoint", checkpoint.map(PathBuf::as_path)),
+    ] {
+        let made = path.map_or(Ok(()), try_to_make);
+        made.map_err(|why| format!("{what} {why}"))?;
+    }
+    Ok(())
+}
+
+/// Makes a file that is not there and removes it again: that it cannot be written is known before the run.
+fn try_to_make(path: &Path) -> Result<(), String> {
+    let made = std::fs::File::create_new(path).and_then(|_| std::fs::remove_file(path));
+    made.map_err(|e| unwritable(path, e))
 }
 
 /// Pictures of two runs in one folder cannot be distinguished.
@@ -214,7 +229,7 @@ fn carry_out(
 }
 
 fn read_checkpoint(path: &Path) -> Result<Checkpoint, Problem> {
-    let bytes = std::fs::read(path).map_err(|e| format!("checkpoint {}: {e}", path.display()))?;
+    let bytes = read_regular(path).map_err(|e| format!("checkpoint {}: {e}", path.display()))?;
     let payload = microsim_session::read_checkpoint(&bytes)
         .map_err(|e| format!("checkpoint {}: {e}", path.display()))?;
     Ok(decode_bytes(payload).map_err(|e| format!("checkpoint {}: {e}", path.display()))?)
@@ -223,7 +238,7 @@ fn read_checkpoint(path: &Path) -> Result<Checkpoint, Problem> {
 fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     use std::io::Write;
     let written = std::fs::File::create_new(path).and_then(|mut file| file.write_all(bytes));
-    Ok(written.map_err(|e| format!("{}: {e}", path.display()))?)
+    Ok(written.map_err(|e| unwritable(path, e))?)
 }
 
 /// Writes what a run leaves behind, and prints it: verdict and page first, pictures of key moments after.

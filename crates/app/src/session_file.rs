@@ -7,7 +7,7 @@ use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::{Session, SessionReader, Signatures, TickRecord};
 use microsim_message::LocalText;
 use microsim_report::{Report, ReportBuilder, ReportInput};
-use microsim_settings::ToolSlot;
+use microsim_settings::{ToolSlot, open_regular, read_regular};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -68,14 +68,14 @@ pub type OpenSession = SessionReader<BufReader<File>>;
 /// Begins to read a session file.
 pub fn open(path: &Path) -> Result<OpenSession, Problem> {
     let named = |e: &dyn std::fmt::Display| format!("session {}: {e}", path.display());
-    let file = File::open(path).map_err(|e| named(&e))?;
+    let file = open_regular(path).map_err(|e| named(&e))?;
     let file = BufReader::with_capacity(1 << 18, file);
     Ok(SessionReader::open(file).map_err(|e| named(&e))?)
 }
 
 /// Reads a session file with all its ticks.
 pub fn read(path: &Path) -> Result<Session, Problem> {
-    let bytes = std::fs::read(path).map_err(|e| format!("session {}: {e}", path.display()))?;
+    let bytes = read_regular(path).map_err(|e| format!("session {}: {e}", path.display()))?;
     Ok(Session::read(&bytes).map_err(|e| format!("session {}: {e}", path.display()))?)
 }
 

@@ -17,6 +17,7 @@ use document::{Result as Outcome, document};
 use frames::Frames;
 use microsim_scene::{End, Executor, Serial};
 use microsim_session::Chain;
+use microsim_settings::unwritable;
 use pictures::Pictures;
 use pool::Pool;
 use std::fs::File;
@@ -49,9 +50,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     }
     // A file that cannot be written is reported before the time is spent.
     let mut json_file = match &args.json {
-        Some(file) if !quiet => {
-            Some(File::create(file).map_err(|e| format!("{}: {e}", file.display()))?)
-        }
+        Some(file) if !quiet => Some(File::create(file).map_err(|e| unwritable(file, e))?),
         _ => None,
     };
     if !quiet {
@@ -132,7 +131,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
             Some(open) => {
                 let mut buffered = std::io::BufWriter::new(open);
                 let written = writeln!(buffered, "{document:#}").and_then(|()| buffered.flush());
-                written.map_err(|e| format!("{}: {e}", file.display()))?;
+                written.map_err(|e| unwritable(file, e))?;
             }
         }
     }

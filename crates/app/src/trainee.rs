@@ -3,7 +3,9 @@
 use crate::cli::{Place, TraineeArgs};
 use crate::output::{Exit, Problem, print};
 use crate::session_file::installation;
-use microsim_settings::{Sourced, TraineeProfile, load_script, load_trainees};
+use microsim_settings::{
+    self as settings, Sourced, TraineeProfile, load_script, load_trainees, unwritable,
+};
 use microsim_tracking::{Profile, Script, Trainee};
 use std::fmt::Write;
 
@@ -35,9 +37,9 @@ pub fn trainee(place: &Place, args: &TraineeArgs) -> Result<Exit, Problem> {
     let motion = Trainee::new(&numbers(profile), args.seed).follow(&planned, plan.rate)?;
     let written = std::fs::File::create_new(&args.out);
     let written = written.and_then(|mut file| {
-        std::io::Write::write_all(&mut file, text(&motion, plan.rate, &made).as_bytes())
+        std::io::Write::write_all(&mut file, text(&motion, &plan, &made).as_bytes())
     });
-    written.map_err(|e| format!("{}: {e}", args.out.display()))?;
+    written.map_err(|e| unwritable(&args.out, e))?;
     print(format!(
         "{}: {made}; {:.1} s instead of {:.1} s",
         args.out.display(),
@@ -65,12 +67,20 @@ fn numbers(profile: &TraineeProfile) -> Profile {
     }
 }
 
-/// A script as its file has it. Every number comes back to the last bit.
-fn text(script: &Script, rate: f64, synthetic: &str) -> String {
-    let mut out = format!(
-        "# The motion of a synthetic trainee: no person made it.\n\
-         synthetic = {}\nrate = {rate:?}\ninterpolation = \"linear\"\n",
-        toml_edit::Value::from(synthetic)
+/// A script as its file has it, for the level of its plan. Every number comes back to the last bit.
+fn text(script: &Script, plan: &settings::Script, synthetic: &str) -> String {
+    let mut out = "# The motion of a synthetic trainee: no person made it.\n".to_owned();
+    if let Some(module) = &plan.module {
+        let _ = writeln!(out, "module = \"{module}\"");
+    }
+    if let Some(level) = plan.level {
+        let _ = writeln!(out, "level = {level}");
+    }
+    let _ = write!(
+        out,
+        "synthetic = {}\nrate = {:?}\ninterpolation = \"linear\"\n",
+        toml_edit::Value::from(synthetic),
+        plan.rate
     );
     for track in script.tracks() {
         let _ = write!(out, "\n[[tool]]\nname = \"{}\"\nkey = [\n", track.device);
@@ -94,11 +104,11 @@ mod tests {
     /// What is written is read back as what was made, and labelled.
     #[test]
     fn a_script_comes_back() {
-        let plan = "[[tool]]\nname = \"right\"\nkey = [\n\
+        let plan = "module = \"hold\"\nlevel = 2\nrate = 62.5\n[[tool]]\nname = \"right\"\nkey = [\n\
              { t = 0, position = [0, 0, 0.001], direction = [0.1, -0.7, 1], opening = 1 },\n\
              { t = 1, position = [0.01, 1e-7, 0], direction = [0, 0, 1] },\n]\n";
-        let plan = read_script(plan, "f.toml").expect("a plan").settings;
-        let plan = plan.motion().expect("a motion");
+        let file = read_script(plan, "f.toml").expect("a plan").settings;
+        let plan = file.motion().expect("a motion");
         let profile = Profile {
             tremor_still: 5e-5,
             tremor_actuating: 1e-4,
@@ -115,9 +125,13 @@ mod tests {
         let motion = Trainee::new(&profile, 3)
             .follow(&plan, 62.5)
             .expect("a motion");
-        let written = text(&motion, 62.5, "a \"label\"");
+        let written = text(&motion, &file, "a \"label\"");
         let read = read_script(&written, "f.toml").expect("a script").settings;
         assert_eq!(read.synthetic.as_deref(), Some("a \"label\""));
+        assert_eq!(
+            (read.module.as_deref(), read.level),
+            (Some("hold"), Some(2))
+        );
         let back = read.motion().expect("a motion");
         for (made, read) in motion.tracks()[0]
             .keyframes

@@ -12,7 +12,9 @@ use crate::scene_file::{SceneFile, find};
 use crate::session_file::installation;
 use microsim_drawing::{percent, significant};
 use microsim_scene::{Serial, scene_spec};
-use microsim_settings::{self as settings, Chart, ChartScene, ExactKind, Expect, Override};
+use microsim_settings::{
+    self as settings, Chart, ChartScene, ExactKind, Expect, Override, in_words,
+};
 use microsim_study::{
     AsLevel, Candidates, Context, Goal, LoadedScene, Trial, TuneStep, Tuning, candidates, doubt,
     locking, measure, tune as choose,
@@ -152,8 +154,9 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
 }
 
 fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
-    let read =
-        |path: &Path| std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()));
+    let read = |path: &Path| {
+        std::fs::read_to_string(path).map_err(|e| format!("{}: {}", path.display(), in_words(e)))
+    };
     let Some(number) = args.level else {
         let path = find(place, Path::new(&args.target))?;
         return Ok(Target {

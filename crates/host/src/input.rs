@@ -33,11 +33,15 @@ pub(crate) struct SourceSetup {
 }
 
 impl SourceSetup {
-    /// Digest of all that the source is given, but not of where its file lies.
+    /// Digest of all that the source is given, but not of where its file lies nor for which level a script was made.
     pub fn digest(&self) -> String {
         let mut config = self.config.clone();
         if let Some(config) = config.as_object_mut() {
             config.remove("name");
+            if let Some(script) = config.get_mut("script").and_then(Value::as_object_mut) {
+                script.remove("module");
+                script.remove("level");
+            }
         }
         let given = encode(&(&self.plugin, &config, &self.files));
         blake3::hash(&given).to_hex().to_string()
@@ -50,7 +54,8 @@ pub(crate) fn source_setup(
     request: &Request,
 ) -> Result<SourceSetup, AssembleError> {
     let read = |path: &Path| {
-        std::fs::read(path).map_err(|e| AssembleError(format!("input {}: {e}", path.display())))
+        settings::read_regular(path)
+            .map_err(|e| AssembleError(format!("input {}: {e}", path.display())))
     };
     match &request.input {
         Input::Plugin(name) if [SOURCE_SCRIPT, SOURCE_RECORDING].contains(&name.as_str()) => {
@@ -72,6 +77,14 @@ pub(crate) fn source_setup(
             let scripts = module.manifest.document.path().with_file_name("scripts");
             let path = installation.find(given, &[scripts]);
             let script = settings::load_script(&path)?;
+            let made_for = script
+                .settings
+                .made_for_another(&request.module, request.level);
+            let note = made_for.map(|what| {
+                let (path, module, level) = (path.display(), &request.module, request.level);
+                tracing::warn!("{path}: made for {what}; this is {module}, level {level}");
+                format!("made for {what}")
+            });
             Ok(SourceSetup {
                 plugin: SOURCE_SCRIPT.into(),
                 why: format!("the input is the script {}", path.display()),
@@ -84,7 +97,7 @@ pub(crate) fn source_setup(
                         .collect(),
                 ),
                 files: Vec::new(),
-                note: None,
+                note,
                 synthetic: script.settings.synthetic.clone(),
                 config: config_value(&ScriptConfig {
                     script: script.settings,
@@ -142,7 +155,7 @@ fn csv_input(path: &Path, bytes: Vec<u8>) -> Result<SourceSetup, AssembleError> 
 
 /// Checks a recording in CSV, its column map and every row, by the plugin that would play it.
 pub fn check_recording(installation: &Installation, path: &Path) -> Result<(), AssembleError> {
-    let bytes = std::fs::read(path)
+    let bytes = settings::read_regular(path)
         .map_err(|e| AssembleError(format!("recording {}: {e}", path.display())))?;
     let source = csv_input(path, bytes)?;
     probe(installation, SOURCE_RECORDING, source.config, source.files).map_err(AssembleError)

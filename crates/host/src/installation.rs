@@ -125,8 +125,9 @@ impl Installation {
         let files = [manifest, level.to_path_buf()];
         let mut changed = Vec::new();
         for file in files.into_iter().chain(tools) {
-            let hash =
-                file_hash(&file).map_err(|e| AssembleError(format!("{}: {e}", file.display())))?;
+            let hash = file_hash(&file).map_err(|e| {
+                AssembleError(format!("{}: {}", file.display(), settings::in_words(e)))
+            })?;
             if self.brought(&file, &hash) {
                 continue;
             }

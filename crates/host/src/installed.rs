@@ -123,9 +123,10 @@ pub(crate) fn planned(
     let library = library(manifest);
     let library_hash = file_hash(&library).map_err(|e| {
         AssembleError(format!(
-            "plugin \"{}\": its library {} cannot be read: {e}",
+            "plugin \"{}\": its library {} cannot be read: {}",
             m.name,
-            library.display()
+            library.display(),
+            settings::in_words(e)
         ))
     })?;
     let mut files = Vec::new();

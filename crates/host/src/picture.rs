@@ -10,6 +10,7 @@ use abi_stable::std_types::{ROption, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, PluginBox};
 use microsim_bus::{Block, Frames, kind_id};
 use microsim_message::{PictureRequest, encode, push};
+use microsim_settings::unwritable;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -189,10 +190,10 @@ pub(crate) fn start_pictures(
     let (Some(wanted), Some(renderer)) = (wanted, renderer) else {
         return Ok(None);
     };
-    let folder = wanted.folder.display().to_string();
+    let folder = wanted.folder.clone();
     Pictures::start(renderer, load(renderer)?.into_plugin(), wanted, wait)
         .map(Some)
-        .map_err(|e| RunError::Host(format!("pictures in {folder}: {e}")))
+        .map_err(|e| RunError::Host(format!("pictures: {}", unwritable(&folder, e))))
 }
 
 fn draw(

@@ -4,6 +4,7 @@ use crate::document::Loaded;
 use crate::error::{ConfigError, KeyPath};
 use crate::manifest::Manifest;
 use crate::manifest_check::load_manifest;
+use crate::regular_file::in_words;
 use microsim_vocabulary::PluginKind;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -88,7 +89,10 @@ fn entries(folder: &Path, errors: &mut Vec<ConfigError>) -> Vec<PathBuf> {
     let listing = match fs::read_dir(folder) {
         Ok(listing) => listing,
         Err(error) => {
-            let found = format!("a folder that cannot be read ({error})");
+            let found = match error.kind() {
+                std::io::ErrorKind::NotFound => "no such folder".to_owned(),
+                _ => format!("a folder that cannot be read ({})", in_words(error)),
+            };
             errors.push(whole_file(folder, &found, "a folder"));
             return Vec::new();
         }

@@ -90,7 +90,7 @@ pub use recording::{
     DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,
     recording_map_help, recording_map_path,
 };
-pub use regular_file::read_regular;
+pub use regular_file::{in_words, open_regular, read_regular, unwritable};
 pub use rigid::{Rigid, RigidPart, RigidShape, Solid};
 pub use scene::{End, Expect, Feature, Probe, Quantity, Scene, SceneRun};
 pub use scene_check::{load_scene, read_scene};

@@ -190,6 +190,9 @@ impl Reader<'_> {
                 QuantityError::WrongUnit(Some(other)) => {
                     format!("{} ({})", node.describe(), other.noun())
                 }
+                QuantityError::WrongUnit(None) if has_decimal_comma(text) => {
+                    format!("{} (its decimal sign is no point)", node.describe())
+                }
                 QuantityError::WrongUnit(None) => format!("{} (unknown unit)", node.describe()),
                 QuantityError::NotANumber | QuantityError::NotFinite => node.describe(),
             }),
@@ -312,6 +315,16 @@ fn is_colour(text: &str) -> bool {
         && text
             .strip_prefix('#')
             .is_some_and(|digits| digits.bytes().all(|b| b.is_ascii_hexdigit()))
+}
+
+/// Whether a text begins as a number does that is written with a comma, as in German.
+fn has_decimal_comma(text: &str) -> bool {
+    let is_sign = |c: char| c == '+' || c == '-';
+    let digits = text.trim().trim_start_matches(is_sign);
+    let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let fraction = rest.strip_prefix(',');
+    rest.len() < digits.len()
+        && fraction.is_some_and(|f| f.starts_with(|c: char| c.is_ascii_digit()))
 }
 
 /// " (did you mean `x`?)" for the nearest of the known names, if one is near.

@@ -19,6 +19,10 @@ table! {
         rate: f64 = quantity(Unit::Frequency, 1.0, 1000.0) => 62.5,
         /// How a tool moves between two keys: from rest to rest as a hand does, or at constant speed.
         interpolation: Interpolation => "minimum-jerk",
+        /// Module for which it was made; a run of another one warns.
+        module: Option<String> = identifier(),
+        /// Level for which it was made; a run of another one warns.
+        level: Option<u32> [1, 999],
         /// By what a synthetic trainee was made: session and report label it so.
         synthetic: Option<String>,
         /// The tools that move.
@@ -27,6 +31,17 @@ table! {
 }
 
 impl Script {
+    /// For what it was made, if that is not this level of this module: ``touch-spheres, level 1``.
+    pub fn made_for_another(&self, module: &str, level: u32) -> Option<String> {
+        let same_module = self.module.as_deref().is_none_or(|own| own == module);
+        if same_module && self.level.is_none_or(|own| own == level) {
+            return None;
+        }
+        let level = self.level.map(|level| format!("level {level}"));
+        let names: Vec<String> = self.module.iter().cloned().chain(level).collect();
+        Some(names.join(", "))
+    }
+
     /// The motion through its keys.
     ///
     /// # Errors
@@ -194,6 +209,32 @@ mod tests {
             2.0 * (y * z - w * x),
             1.0 - 2.0 * (x * x + y * y),
         ]
+    }
+
+    /// A script of another level ran without a word, and its failure looked like one of the trainee's.
+    #[test]
+    fn a_script_knows_for_which_level_it_was_made() {
+        let made = |keys: &str| {
+            let script = read_script(&format!("{keys}tool = []"), "f.toml");
+            let script = script.expect("a script without tools").settings;
+            script.made_for_another("hold", 2)
+        };
+        for here in [
+            "",
+            "module = \"hold\"\n",
+            "level = 2\n",
+            "module = \"hold\"\nlevel = 2\n",
+        ] {
+            assert_eq!(made(here), None, "{here}");
+        }
+        for (keys, what) in [
+            ("module = \"hold\"\nlevel = 1\n", "hold, level 1"),
+            ("module = \"cut\"\nlevel = 2\n", "cut, level 2"),
+            ("module = \"cut\"\n", "cut"),
+            ("level = 3\n", "level 3"),
+        ] {
+            assert_eq!(made(keys).as_deref(), Some(what));
+        }
     }
 
     #[test]

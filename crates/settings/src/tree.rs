@@ -43,7 +43,7 @@ impl Node {
                 position: error.span().map(|span| lines.position(span.start)),
                 key: KeyPath::root(),
                 found: format!("a mistake in the TOML syntax ({})", error.message()),
-                expected: "valid TOML".to_owned(),
+                expected: "valid TOML".to_owned() + &decimal_point(text, error.span()),
             })
             .collect();
         let top = Position { line: 1, column: 1 };
@@ -104,6 +104,24 @@ impl Node {
             Item::Table(_) => "a table".to_owned(),
         }
     }
+}
+
+/// What helps where a number was written with a comma, as in German: the parser stops at it, behind a digit.
+fn decimal_point(text: &str, error: Option<std::ops::Range<usize>>) -> String {
+    let number = error.and_then(|span| {
+        let (before, after) = text.split_at_checked(span.start)?;
+        let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).count();
+        let after = after.strip_prefix(',')?;
+        let end = digits(after);
+        let is_of_number = |c: char| c.is_ascii_digit() || "+-.".contains(c);
+        let start = before.trim_end_matches(is_of_number).len();
+        let whole = before[start..].replace('.', "");
+        (end > 0 && whole.ends_with(|c: char| c.is_ascii_digit()))
+            .then(|| format!("{whole}.{}", &after[..end]))
+    });
+    number.map_or_else(String::new, |number| {
+        format!(": a decimal sign is a point, as in {number}")
+    })
 }
 
 /// At most 40 characters of a text on one line, for messages.

@@ -284,8 +284,8 @@ impl<'a> Hands<'a> {
         self.key(stay);
         let place = self.place;
         let mut text = format!(
-            "# {}\n# Written by the example write_coordination_scripts of this module.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n",
-            self.doc
+            "# {}\n# Written by the example write_coordination_scripts of this module.\nmodule = \"coordination\"\nlevel = {}\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n",
+            self.doc, place.level
         );
         let _ = write!(
             text,

@@ -34,15 +34,16 @@ impl Trainee {
         );
     }
 
-    fn write(self, folder: &Path, name: &str) {
+    fn write(self, folder: &Path, level: u32, name: &str) {
         let mut text = format!(
-            "# {}\n# Written by the example write_push_strip_scripts of this module.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n",
+            "# {}\n# Written by the example write_push_strip_scripts of this module.\nmodule = \"push-strip\"\nlevel = {level}\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n",
             self.doc
         );
         for (tool, keys) in self.tools {
             let _ = write!(text, "\n[[tool]]\nname = \"{tool}\"\n{keys}");
         }
-        std::fs::write(folder.join(name), text).expect("the scripts folder can be written");
+        let file = folder.join(format!("level{level}-{name}.toml"));
+        std::fs::write(file, text).expect("the scripts folder can be written");
     }
 }
 
@@ -75,15 +76,15 @@ mod push {
         for mark in marks {
             push(&mut pass, *mark, depth, dwell + 0.5);
         }
-        pass.write(folder, &format!("level{level}-pass.toml"));
+        pass.write(folder, level, "pass");
 
         let mut shallow = begin("Pushes to half the depth.");
         push(&mut shallow, marks[0], 0.5 * depth, dwell + 0.5);
-        shallow.write(folder, &format!("level{level}-fail-not-deep-enough.toml"));
+        shallow.write(folder, level, "fail-not-deep-enough");
 
         let mut short = begin("Pushes to the depth, but holds it for less than half of the time.");
         push(&mut short, marks[0], depth, 0.1 * dwell);
-        short.write(folder, &format!("level{level}-fail-dwell-too-short.toml"));
+        short.write(folder, level, "fail-dwell-too-short");
 
         let mut hard = begin("Pushes twice too deep before it holds the right depth.");
         for mark in marks {
@@ -93,7 +94,7 @@ mod push {
             reach(&mut hard, dwell + 0.5, *mark, -depth);
             reach(&mut hard, 1.0, *mark, APPROACH);
         }
-        hard.write(folder, &format!("level{level}-fail-pushed-too-hard.toml"));
+        hard.write(folder, level, "fail-pushed-too-hard");
     }
 }
 
@@ -151,24 +152,24 @@ mod hold {
         lift(&mut pass, x, GRIP, path);
         stay(&mut pass, dwell + 0.5, path);
         put_down(&mut pass, x);
-        pass.write(folder, &format!("level{level}-pass.toml"));
+        pass.write(folder, level, "pass");
 
         let mut too_low = begin("Lifts the end to less than half of the height.");
         lift(&mut too_low, x, GRIP, low);
         stay(&mut too_low, dwell + 0.5, low);
         put_down(&mut too_low, x);
-        too_low.write(folder, &format!("level{level}-fail-not-in-ring.toml"));
+        too_low.write(folder, level, "fail-not-in-ring");
 
         let mut short = begin("Puts the end down again at once.");
         lift(&mut short, x, GRIP, path);
         put_down(&mut short, x);
-        short.write(folder, &format!("level{level}-fail-dwell-too-short.toml"));
+        short.write(folder, level, "fail-dwell-too-short");
 
         let mut hard = begin("Crushes the end before it lifts it.");
         lift(&mut hard, x, CRUSH, path);
         stay(&mut hard, dwell + 0.5, path);
         put_down(&mut hard, x);
-        hard.write(folder, &format!("level{level}-fail-gripped-too-hard.toml"));
+        hard.write(folder, level, "fail-gripped-too-hard");
     }
 }
 
@@ -262,15 +263,15 @@ mod cut {
             self.key(1.0);
         }
 
-        fn write(mut self, folder: &Path, name: String, stay: f64) {
+        fn write(mut self, folder: &Path, level: u32, name: &str, stay: f64) {
             self.key(stay);
-            self.trainee.write(folder, &name);
+            self.trainee.write(folder, level, name);
         }
     }
 
     pub fn write(folder: &Path, level: u32, mark: [f64; 3], tray: [f64; 3], dwell: f64) {
         // From the middle of the piece to that of the tray; the tips of the forceps end above its walls.
-        let path = [tray[0] - 0.5 * (mark[0] - 0.004), tray[2] + 0.003];
+        let path = [tray[0] - 0.5 * (mark[0] - 0.004), tray[2] + 0.00175];
         let stay = dwell + 0.5;
 
         let mut pass = Hands::new(
@@ -280,7 +281,7 @@ mod cut {
         pass.grip(GRIP);
         pass.cut(mark[0], 0.0);
         pass.put(path);
-        pass.write(folder, format!("level{level}-pass.toml"), stay);
+        pass.write(folder, level, "pass", stay);
 
         let mut uncut = Hands::new(
             "Leads the scissors around the strip, but hardly closes them.",
@@ -288,33 +289,25 @@ mod cut {
         );
         uncut.grip(GRIP);
         uncut.cut(mark[0], 0.8);
-        uncut.write(folder, format!("level{level}-fail-not-cut.toml"), stay);
+        uncut.write(folder, level, "fail-not-cut", stay);
 
         let mut beside = Hands::new("Cuts 1.5 mm beside the mark.", mark);
         beside.grip(GRIP);
         beside.cut(mark[0] - 0.0015, 0.0);
         beside.put(path);
-        beside.write(
-            folder,
-            format!("level{level}-fail-cut-beside-the-mark.toml"),
-            stay,
-        );
+        beside.write(folder, level, "fail-cut-beside-the-mark", stay);
 
         let mut dropped = Hands::new("Lets the piece go beside the tray.", mark);
         dropped.grip(GRIP);
         dropped.cut(mark[0], 0.0);
         dropped.put([0.0, -0.001]);
-        dropped.write(folder, format!("level{level}-fail-not-in-tray.toml"), stay);
+        dropped.write(folder, level, "fail-not-in-tray", stay);
 
         let mut hard = Hands::new("Crushes the end before it lifts it.", mark);
         hard.grip(CRUSH);
         hard.cut(mark[0], 0.0);
         hard.put(path);
-        hard.write(
-            folder,
-            format!("level{level}-fail-gripped-too-hard.toml"),
-            stay,
-        );
+        hard.write(folder, level, "fail-gripped-too-hard", stay);
     }
 }
 
@@ -337,14 +330,12 @@ fn main() {
             .filter(|object| object.name.starts_with("mark-"))
             .map(|object| object.position)
             .collect();
-        let place = |name: &str| {
-            let object = objects.iter().find(|object| object.name == name);
-            object.map(|object| object.position)
-        };
+        let ring = objects.iter().find(|object| object.name == "ring");
+        let tray = loaded.settings.rigid.iter().find(|r| r.name == "tray");
         let dwell = key("dwell");
-        match (place("ring"), place("tray-floor")) {
-            (Some(ring), _) => hold::write(&folder, level, marks[0], ring, dwell),
-            (None, Some(tray)) => cut::write(&folder, level, marks[0], tray, dwell),
+        match (ring, tray) {
+            (Some(ring), _) => hold::write(&folder, level, marks[0], ring.position, dwell),
+            (None, Some(tray)) => cut::write(&folder, level, marks[0], tray.position, dwell),
             (None, None) => push::write(&folder, level, &marks, key("depth"), dwell),
         }
     }

@@ -13,15 +13,20 @@ const APPROACH: f64 = 0.008;
 
 struct Trainee {
     text: String,
+    level: u32,
     time: f64,
 }
 
 impl Trainee {
-    fn new(doc: &str) -> Self {
+    fn new(doc: &str, level: u32) -> Self {
         let text = format!(
-            "# {doc}\n# Written by the example write_touch_spheres_scripts of this module, for seed {SEED}.\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n\n[[tool]]\nname = \"right\"\n"
+            "# {doc}\n# Written by the example write_touch_spheres_scripts of this module, for seed {SEED}.\nmodule = \"touch-spheres\"\nlevel = {level}\nrate = \"62.5 Hz\"\ninterpolation = \"minimum-jerk\"\n\n[[tool]]\nname = \"right\"\n"
         );
-        Self { text, time: 0.0 }
+        Self {
+            text,
+            level,
+            time: 0.0,
+        }
     }
 
     /// Is at a distance along `direction` from a centre after `seconds`.
@@ -54,7 +59,8 @@ impl Trainee {
     }
 
     fn write(self, folder: &Path, name: &str) {
-        std::fs::write(folder.join(name), self.text).expect("the scripts folder can be written");
+        let file = folder.join(format!("level{}-{name}.toml", self.level));
+        std::fs::write(file, self.text).expect("the scripts folder can be written");
     }
 }
 
@@ -104,7 +110,7 @@ fn main() {
         let places = places(SEED, count, radius, keys.spread, keys.direction_max).expect("room");
         let start = [0.0, 0.0, 0.012];
         let begin = |doc: &str| {
-            let mut trainee = Trainee::new(doc);
+            let mut trainee = Trainee::new(doc, level);
             trainee.reach(0.0, start, [0.0, 0.0, 1.0], 0.0, [0.0, 0.0, 1.0]);
             trainee
         };
@@ -114,7 +120,7 @@ fn main() {
         for place in &places {
             pass.touch(place, place.direction, keys.dwell + 0.3);
         }
-        pass.write(&folder, &format!("level{level}-pass.toml"));
+        pass.write(&folder, "pass");
 
         let first = &places[0];
         let mut wrong = begin(
@@ -125,7 +131,7 @@ fn main() {
             turned(first.direction, keys.angle_tolerance + 25_f64.to_radians()),
             keys.dwell + 0.5,
         );
-        wrong.write(&folder, &format!("level{level}-fail-wrong-angle.toml"));
+        wrong.write(&folder, "fail-wrong-angle");
 
         let mut short =
             begin("Touches the first sphere rightly, and leaves it after a fifth of the time.");
@@ -134,11 +140,11 @@ fn main() {
         short.reach(0.5, at, from, 0.7 * radius, from);
         short.reach(0.2 * keys.dwell, at, from, 0.7 * radius, from);
         short.reach(0.5, at, from, APPROACH, from);
-        short.write(&folder, &format!("level{level}-fail-dwell-too-short.toml"));
+        short.write(&folder, "fail-dwell-too-short");
 
         let mut slow = begin("Waits above the field until the time is up.");
         slow.reach(125.0, start, [0.0, 0.0, 1.0], 0.0, [0.0, 0.0, 1.0]);
-        slow.write(&folder, &format!("level{level}-fail-too-slow.toml"));
+        slow.write(&folder, "fail-too-slow");
 
         let mut missed = begin("Never touches a sphere.");
         missed.reach(
@@ -148,6 +154,6 @@ fn main() {
             0.0,
             [0.0, 0.0, 1.0],
         );
-        missed.write(&folder, &format!("level{level}-fail-targets-missed.toml"));
+        missed.write(&folder, "fail-targets-missed");
     }
 }

@@ -9,7 +9,7 @@
 use microsim_sdk::message::SessionRecord;
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_session::Writer;
-use microsim_settings::RecorderConfig;
+use microsim_settings::{RecorderConfig, unwritable};
 use std::fs::File;
 use std::path::PathBuf;
 
@@ -38,9 +38,10 @@ impl Plugin for Recorder {
         let config: RecorderConfig = setup.configuration()?;
         self.path = config.path;
         let file = File::create_new(&self.path).and_then(Writer::create);
-        self.writer = Some(file.map_err(|error| {
-            Fault::new(format!("cannot create {}: {error}", self.path.display()))
-        })?);
+        self.writer =
+            Some(file.map_err(|error| {
+                Fault::new(format!("session {}", unwritable(&self.path, error)))
+            })?);
         Ok(())
     }
 

@@ -176,10 +176,87 @@ fn sessions_that_cannot_be_written() {
     let printed = tree
         .microsim(&["run", "touch-spheres", "--input", "script:short.toml"])
         .expect(2);
-    let sentence = format!("microsim: {}: ", tree.path("short.toml").display());
+    let sentence = format!(
+        "microsim: {} cannot be written: ",
+        tree.path("short.toml").display()
+    );
     assert!(printed.err.starts_with(&sentence), "{printed:?}");
     let doctor = tree.microsim(&["doctor"]).expect(1);
     assert!(doctor.out.contains("cannot be written"), "{doctor:?}");
+}
+
+/// Whatever a user names and is not there, or cannot be written, is told in words, with its path; and before anything runs.
+#[test]
+fn names_that_are_none_are_told_in_words() {
+    let tree = tree();
+    let script = "script:short.toml";
+    let run = ["run", "touch-spheres", "--input"];
+    let no_file = "no.file: there is no such file";
+    let in_proc = "/proc/x cannot be written: nothing can be made in /proc";
+    for (args, words) in [
+        (&["report", "no.file"][..], no_file),
+        (&["replay", "no.file", "--verify"], no_file),
+        (&["bus", "no.file"], no_file),
+        (&["report", "modules"], "session modules: it is a folder"),
+        (
+            &[&run[..], &[script, "--resume", "no.file"]].concat(),
+            no_file,
+        ),
+        (&[&run[..], &["recording:no.file"]].concat(), no_file),
+        (
+            &["simulate", "stretch", "--json", "no/x.json"],
+            "no/x.json cannot be written: there is no folder no",
+        ),
+        (&["simulate", "stretch", "--vtu", "/proc/x"], in_proc),
+        (&["chart", "--quick", "--out", "/proc/x"], in_proc),
+        (
+            &[&run[..], &[script, "--session", "/proc/x"]].concat(),
+            "microsim: session /proc/x cannot be written",
+        ),
+        (
+            &[
+                &run[..],
+                &[script, "--session", "a.session"],
+                &["--stop-at", "0.02", "--checkpoint", "/proc/x"],
+            ]
+            .concat(),
+            "microsim: checkpoint /proc/x cannot be written",
+        ),
+        (
+            &[
+                &run[..],
+                &[script, "--session", "b.session", "--trace", "/proc/x"],
+            ]
+            .concat(),
+            "microsim: trace /proc/x cannot be written",
+        ),
+    ] {
+        let printed = tree.microsim(args).expect(2);
+        let bare = printed.err.contains("os error") || printed.err.contains("`initialise`");
+        assert!(printed.err.contains(words) && !bare, "{printed:?}");
+    }
+    assert!(!tree.path("a.session").exists() && !tree.path("b.session").exists());
+}
+
+/// A script that was made for another level runs, and both the operator and the report are told.
+#[test]
+fn the_script_of_another_level_is_told() {
+    let tree = tree();
+    let text = format!("module = \"touch-spheres\"\nlevel = 4\n{}", crate::SHORT);
+    tree.write("other.toml", text);
+    let printed = run(&tree, "script:other.toml", &["--json"]).expect(0);
+    let warned = "made for touch-spheres, level 4; this is touch-spheres, level 1";
+    assert!(printed.err.contains(warned), "{printed:?}");
+    let report = tree.microsim(&["report", "x.session", "--json"]).expect(0);
+    let said = "script:other.toml (made for touch-spheres, level 4)";
+    assert!(report.out.contains(said), "{report:?}");
+    // Without the keys nothing is known, and nothing said.
+    std::fs::remove_file(tree.path("x.session")).expect("removed");
+    let unnamed = run(&tree, "script:short.toml", &["--json"]).expect(0);
+    assert_eq!(unnamed.err, "", "{unnamed:?}");
+    // What a script was made for does not decide what is computed.
+    let hash = |printed: &Finished| printed.json()["state_hash"].clone();
+    assert_eq!(hash(&printed), hash(&unnamed));
 }
 
 #[test]

@@ -239,7 +239,7 @@ fn files_that_are_no_sessions() {
     assert!(
         printed
             .err
-            .starts_with("microsim: session no.session: No such file"),
+            .starts_with("microsim: session no.session: there is no such file"),
         "{printed:?}"
     );
     tree.write("bad.checkpoint", "no checkpoint");

@@ -84,7 +84,7 @@ const CASES: [Case; 16] = [
     Case {
         file: SCRIPT,
         edit: ("interpolation = ", "interpolate = "),
-        says: ":1: key `interpolate`: found an unknown key, expected `rate`, `interpolation`, `synthetic` or `tool` (did you mean \
+        says: ":1: key `interpolate`: found an unknown key, expected `rate`, `interpolation`, `module`, `level`, `synthetic` or `tool` (did you mean \
                `interpolation`?)",
     },
     Case {
@@ -186,7 +186,7 @@ fn missing_files() {
     assert_refused(
         &tree,
         "recording:no.csv",
-        "input no.csv: No such file or directory",
+        "input no.csv: there is no such file",
     );
 }
 

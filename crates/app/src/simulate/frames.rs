@@ -4,6 +4,7 @@ use crate::scene_file::SceneFile;
 use microsim_mesh::format::{Field, FieldValues, PvdEntry, VtuEncoding, write_pvd, write_vtu};
 use microsim_mesh::signed_volume;
 use microsim_scene::{BodySpec, Runner, von_mises};
+use microsim_settings::unwritable;
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +23,7 @@ pub struct Frames {
 impl Frames {
     /// Begins a series in `folder`, which is made, with the start of the scene.
     pub fn new(folder: &Path, scene: &SceneFile) -> Result<Self, String> {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, e))?;
         let name = scene.loaded.document.path();
         let mut frames = Self {
             folder: folder.to_path_buf(),
@@ -53,8 +54,7 @@ impl Frames {
         for (index, body) in self.bodies.iter().enumerate() {
             let file = format!("{}-{}-{:05}.vtu", self.scene, body.name, self.count);
             let path = self.folder.join(&file);
-            std::fs::write(&path, frame(runner, index, body))
-                .map_err(|e| format!("{}: {e}", path.display()))?;
+            std::fs::write(&path, frame(runner, index, body)).map_err(|e| unwritable(&path, e))?;
             self.written.push((time, index as u32, file));
         }
         self.count += 1;
@@ -73,8 +73,7 @@ impl Frames {
             })
             .collect();
         let path = self.folder.join(format!("{}.pvd", self.scene));
-        std::fs::write(&path, write_pvd(&entries))
-            .map_err(|e| format!("{}: {e}", path.display()))?;
+        std::fs::write(&path, write_pvd(&entries)).map_err(|e| unwritable(&path, e))?;
         Ok((self.folder, self.written.len()))
     }
 }

@@ -4,7 +4,7 @@ use crate::scene_file::SceneFile;
 use microsim_gpu::Gpu;
 use microsim_render::{DRAPE, Finish, Item, Picture, Renderer, Shape, View};
 use microsim_scene::{ObstaclePart, ObstacleShape, ObstacleSpec, Runner, Scene};
-use microsim_settings as settings;
+use microsim_settings::{self as settings, unwritable};
 use std::path::{Path, PathBuf};
 
 /// Width and height \[pixels\].
@@ -30,7 +30,7 @@ pub struct Pictures {
 impl Pictures {
     /// Begins in `folder`, which is made, with the start of the scene.
     pub fn new(folder: &Path, scene: &SceneFile) -> Result<Self, String> {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, e))?;
         let gpu = Gpu::off_screen().map_err(|e| e.to_string())?;
         let renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
         let settings = &scene.loaded.settings;

@@ -1,7 +1,7 @@
 //! Writing a choice into its file: only what was chosen changes, comments stay.
 
 use super::{Measured, Target};
-use microsim_settings::{self as settings, Unit};
+use microsim_settings::{self as settings, Unit, in_words};
 use microsim_study::{Trial, Tuning};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value, value};
 
@@ -13,7 +13,7 @@ pub fn write(
     tuning: &Tuning,
 ) -> Result<String, String> {
     let text = std::fs::read_to_string(&target.path);
-    let text = text.map_err(|e| format!("{}: {e}", target.path.display()))?;
+    let text = text.map_err(|e| format!("{}: {}", target.path.display(), in_words(e)))?;
     let mut document: DocumentMut = text
         .parse()
         .map_err(|e| format!("{}: {e}", target.path.display()))?;
