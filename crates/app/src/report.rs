@@ -135,7 +135,7 @@ pub fn summary(report: &Report) -> String {
         let categories: Vec<String> = report
             .categories
             .iter()
-            .map(|c| format!("{} {:.0}", c.title.en, c.score))
+            .map(|c| format!("{} {:.1}", c.title.en, c.score))
             .collect();
         lines.push(format!("  score {score:.1} ({})", categories.join(", ")));
     }

@@ -104,8 +104,10 @@ pub fn date_time(seconds: u64) -> LocalText {
     let year = era * 400 + year_of_era + u64::from(month <= 2);
     let (hour, minute) = (seconds / 3_600 % 24, seconds / 60 % 60);
     LocalText::new(
-        format!("{day:02}.{month:02}.{year}, {hour:02}:{minute:02} UTC"),
-        format!("{year}-{month:02}-{day:02}, {hour:02}:{minute:02} UTC"),
+        format!("{day:02}.{month:02}.{year}, {hour:02}:{minute:02} UTC (Weltzeit, nicht Ortszeit)"),
+        format!(
+            "{year}-{month:02}-{day:02}, {hour:02}:{minute:02} UTC (universal, not local time)"
+        ),
     )
 }
 
@@ -157,7 +159,10 @@ mod tests {
             (1_700_000_000, "2023-11-14, 22:13 UTC"),
             (1_735_689_600, "2025-01-01, 00:00 UTC"),
         ] {
-            assert_eq!(date_time(seconds).en, en);
+            let text = date_time(seconds);
+            // Whoever does not know what UTC is would take it for the clock on the wall.
+            assert_eq!(text.en, format!("{en} (universal, not local time)"));
+            assert!(text.de.ends_with(" UTC (Weltzeit, nicht Ortszeit)"));
         }
     }
 }

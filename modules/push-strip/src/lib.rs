@@ -122,6 +122,8 @@ impl PushStrip {
         if matches!(self.task, Task::Hold(_)) && state.drops.watch(tick.time(), state.had && !held)
         {
             state.had = false;
+            let text = LocalText::new("Gewebe entglitten", "Tissue slipped away");
+            run.event(tick, "drop", text);
         }
         let Some(standing) = self.task.standing(now, held) else {
             return Ok(());
@@ -191,6 +193,10 @@ impl PushStrip {
         };
         let delivery = &mut state.progress.delivery;
         let delivered = delivery.watch(tick.time(), &piece, &state.contacts, &site.tray);
+        if delivered.dropped {
+            let text = LocalText::new("Stück fallen gelassen", "Piece dropped");
+            run.event(tick, "drop", text);
+        }
         let colour = colour::of(delivered.done, delivered.lies);
         show_colour(&mut state.colour, tick, TRAY, colour);
         if delivered.done {

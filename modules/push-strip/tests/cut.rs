@@ -2,10 +2,10 @@
 
 use microsim_module_push_strip::Module;
 use microsim_sdk::message::{
-    ContactForce, ContactForces, LevelControl, Pose, SolverTick, TISSUE_SNAPSHOT, TissueCut,
-    TrainingResult,
+    ContactForce, ContactForces, LevelControl, LevelEvent, Pose, SolverTick, TISSUE_SNAPSHOT,
+    TissueCut, TrainingResult,
 };
-use microsim_sdk::{BlockBuilder, TestHost};
+use microsim_sdk::{BlockBuilder, Published, TestHost};
 use serde_json::json;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -85,6 +85,11 @@ enum Piece {
 
 /// A tick with a strip of four nodes, whose ids stand in another order after the cut, as after one that has removed crumbs.
 fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<TrainingResult> {
+    tick_published(host, piece, held).last()
+}
+
+/// The same, with all that the module publishes in it.
+fn tick_published(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Published {
     let (ids, off, [x, y, z]) = match piece {
         Piece::None => ([10, 11, 12, 13], 0, [0.0; 3]),
         Piece::Off(by) => ([10, 13, 12, 11], 1, by),
@@ -133,7 +138,7 @@ fn tick(host: &mut TestHost<Module>, piece: Piece, held: bool) -> Option<Trainin
         contacts: grip.into_iter().collect(),
         between: vec![force("tray", 0.0)],
     });
-    host.tick().expect("a good tick").last()
+    host.tick().expect("a good tick")
 }
 
 fn cut(host: &mut TestHost<Module>, x: f64) {
@@ -239,6 +244,14 @@ fn a_piece_is_dropped_only_where_it_does_not_fall_into_the_tray() {
         let mut dropped = carried();
         lie(&mut dropped, BESIDE, false, ticks);
         assert_eq!(metric(&dropped.end(), "drops"), Some(drops));
+    }
+    // The report tells when: it is an event, in the tick in which the piece counts as dropped.
+    let mut dropped = carried();
+    lie(&mut dropped, BESIDE, false, DROP - 2);
+    for told in [0, 1, 0] {
+        let published = tick_published(&mut dropped, BESIDE, false);
+        let events = published.all::<LevelEvent>();
+        assert_eq!(events.iter().filter(|e| e.id == "drop").count(), told);
     }
 
     for place in [IN_TRAY, BESIDE] {

@@ -4,7 +4,7 @@ use crate::number::{date_time, fixed, shown};
 use crate::text::{bilingual, in_both, spans};
 use crate::{Report, Verdict};
 use microsim_drawing::escape;
-use microsim_message::LevelPhase;
+use microsim_message::{LevelPhase, MetricRecord};
 use std::fmt::Write;
 
 /// Module, level, verdict, reasons, warnings that come before everything else, and the scores.
@@ -40,22 +40,37 @@ pub fn head(out: &mut String, report: &Report) {
     categories(out, report);
 }
 
-/// What to do better: the advice of what was outside its limit; if nothing was, of what cost most points.
+/// What to do better: what was outside its limit, and the mistakes of a run that failed; where no limit was broken, what is missing; in a run
+/// that passed, what cost most points.
 fn better(out: &mut String, report: &Report) {
     let records = || report.metrics.iter().map(|metric| &metric.record);
-    let mut advised: Vec<_> = records().filter(|m| m.within == Some(false)).collect();
-    if advised.is_empty() {
+    let failed = report.verdict == Verdict::Failed;
+    let broken = |m: &MetricRecord| m.within == Some(false);
+    let mut advised: Vec<_> = records()
+        .filter(|m| broken(m) || (failed && is_mistake(m)))
+        .collect();
+    // What else cost points is no help against a target that was missed.
+    let missing = failed && !records().any(broken);
+    if advised.is_empty() && !failed {
         // What the level sets no limit to it may not even want.
         let lost =
             records().filter(|m| m.limit.is_some() && m.score.is_some_and(|score| score < 100.0));
-        let points = |m: &microsim_message::MetricRecord| m.score.unwrap_or(100.0);
+        let points = |m: &MetricRecord| m.score.unwrap_or(100.0);
         advised.extend(lost.min_by(|a, b| points(a).total_cmp(&points(b))));
     }
-    if advised.is_empty() {
+    let reasons = report.reasons.iter().filter(|_| missing);
+    if advised.is_empty() && reasons.clone().next().is_none() {
         return;
     }
     super::section(out, "So wird es besser", "What to do better");
     out.push_str("<ul class=\"better\">");
+    for reason in reasons {
+        let first = bilingual(
+            "Nehmen Sie sich das zuerst vor; danach kommt es auf die Messgrößen an.",
+            "Work on this first; the metrics matter after it.",
+        );
+        let _ = write!(out, "<li><b>{}</b> {first}</li>", spans(reason));
+    }
     for metric in advised {
         let _ = write!(
             out,
@@ -65,6 +80,12 @@ fn better(out: &mut String, report: &Report) {
         );
     }
     out.push_str("</ul>\n</section>\n");
+}
+
+/// Whether it counts mistakes, and there was one: a drop, for example, also where the level sets no limit to it.
+fn is_mistake(metric: &MetricRecord) -> bool {
+    let counts = metric.unit == "count" && metric.direction == "lower-is-better";
+    counts && metric.value.is_some_and(|value| value >= 1.0)
 }
 
 /// Reasons to distrust or disregard the run.
@@ -276,7 +297,7 @@ fn categories(out: &mut String, report: &Report) {
             "<div class=\"row\"><span>{}</span><span class=\"rail\"><span style=\"width:{width:.1}%\"></span></span>\
              <b>{}</b></div>",
             spans(&category.title),
-            spans(&fixed(category.score, 0))
+            spans(&fixed(category.score, 1))
         );
     }
     let _ = write!(

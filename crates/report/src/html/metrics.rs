@@ -131,13 +131,13 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
             spans(&category.title)
         );
     }
-    let _ = write!(out, "<p class=\"advice\">{}</p>", spans(&record.advice));
-    let explained = explanation(&record.id).map_or_else(String::new, |text| format!(" {text}"));
-    let _ = write!(
-        out,
-        "<p class=\"small\">{}.{explained}</p></td>",
-        direction(&record.direction)
-    );
+    let mut explained = explanation(&record.id).unwrap_or_default();
+    // What the level sets no limit to it may not even want: a still hand is no fault where one has to be still.
+    if limited {
+        let _ = write!(out, "<p class=\"advice\">{}</p>", spans(&record.advice));
+        explained = format!("{}. {explained}", direction(&record.direction));
+    }
+    let _ = write!(out, "<p class=\"small\">{explained}</p></td>");
     match (&value, &record.not_applicable) {
         (Some(value), _) => {
             let _ = write!(out, "<td class=\"n value\">{}</td>", spans(value));
@@ -188,7 +188,7 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
         };
         let score = record
             .score
-            .map_or_else(|| "–".into(), |score| spans(&fixed(score, 0)));
+            .map_or_else(|| "–".into(), |score| spans(&fixed(score, 1)));
         let _ = write!(out, "</td><td>{mark}</td><td class=\"n\">{score}</td>");
     }
     out.push_str("</tr>\n");
@@ -208,6 +208,18 @@ fn explanation(id: &str) -> Option<String> {
         "idle-fraction" => (
             "Anteil der Zeit, in der das Instrument so gut wie stillsteht.",
             "Fraction of the time in which the instrument as good as stands still.",
+        ),
+        "bimanual-fraction" => (
+            "Anteil der Zeit, in der sich beide Instrumente bewegen.",
+            "Fraction of the time in which both tools move.",
+        ),
+        "speed-correlation" => (
+            "Ob sich beide Instrumente zugleich bewegen (1), unabhängig voneinander (0) oder abwechselnd (−1).",
+            "Whether both tools move at the same time (1), independently (0) or in turn (−1).",
+        ),
+        "path-asymmetry" => (
+            "Unterschied der Wege beider Instrumente: 0 % heißt gleich lang, 100 % nur eine Hand.",
+            "Difference of the paths of both tools: 0 % is even, 100 % one hand alone.",
         ),
         _ => return None,
     };

@@ -132,7 +132,12 @@ fn plots(out: &mut String, report: &Report) {
     }
     if !report.forces.is_empty() {
         section(out, "Kontaktkraft", "Contact force");
-        let mean = || bilingual("Mittel je Takt", "mean over a tick");
+        let mean = || {
+            bilingual(
+                "Mittel je Takt (Zeitschritt)",
+                "mean over a tick (time step)",
+            )
+        };
         let [bold, pale] = match report.forces.iter().any(ForceSeries::has_sustained) {
             true => [
                 bilingual(
@@ -169,7 +174,10 @@ fn plots(out: &mut String, report: &Report) {
 /// What the lines across a drawing are.
 fn marks_key(out: &mut String, report: &Report) {
     if !report.moments.is_empty() {
-        let numbers = bilingual("Nummer wie unter „Verlauf“", "number as under “Course”");
+        let numbers = bilingual(
+            "Nummer wie unter „Was wann geschah“",
+            "number as under “What happened when”",
+        );
         let _ = write!(out, "<span class=\"key moment-key\"></span>{numbers}");
     }
 }

@@ -1,7 +1,7 @@
 //! What the page must and must not hold.
 
 use super::{Page, Pictures};
-use crate::testing::{contact, failed_result, input, log, text};
+use crate::testing::{contact, failed_result, input, log, metric, text};
 use crate::{Report, ReportInput, Verdict};
 use microsim_message::{
     ContactForces, InputSample, LevelEvent, LevelPhase, LevelState, Log, LogLevel, Pose,
@@ -328,6 +328,8 @@ fn advice_is_about_what_cost_most() {
         "{shown}"
     );
     let mut passed = failed;
+    passed.passed = true;
+    (passed.failed, passed.reasons) = (vec![], vec![]);
     for (metric, score) in passed.metrics.iter_mut().zip([80.0, 30.0, 100.0]) {
         metric.within = metric.value.map(|_| true);
         metric.score = Some(score);
@@ -337,6 +339,62 @@ fn advice_is_about_what_cost_most() {
         shown.contains("depth:") && !shown.contains("path-length:"),
         "{shown}"
     );
+}
+
+/// A target that was missed is what to do better: the advice spoke of whatever else had cost points. Mistakes are named without a limit, too.
+#[test]
+fn advice_on_missed_targets_is_about_them() {
+    let mut result = failed_result(&["targets-missed"]);
+    for metric in &mut result.metrics {
+        metric.within = metric.value.map(|_| true);
+        metric.score = Some(40.0);
+    }
+    let mut drops = metric("drops", Some(1.0), None);
+    drops.unit = "count".into();
+    result.metrics.push(drops);
+    let page_of = |result: &microsim_message::TrainingResult| {
+        let log = log(&[result]);
+        Report::build(&input(), [(0, &log[..])]).to_html(&page())
+    };
+    let html = page_of(&result);
+    let from = html.find("class=\"better\"").expect("advice");
+    let shown = &html[from..][..html[from..].find("</ul>").expect("its end")];
+    assert!(shown.contains("Reason targets-missed."), "{shown}");
+    assert!(shown.contains("drops:"), "{shown}");
+    assert!(
+        !shown.contains("path-length:") && !shown.contains("depth:"),
+        "{shown}"
+    );
+    // No mistake, no advice on it.
+    result.metrics[3].value = Some(0.0);
+    assert!(!page_of(&result).contains("drops:"));
+}
+
+/// A level that wants a still hand sets no limit to how much it moves, and gives no advice on it either.
+#[test]
+fn what_has_no_limit_gets_no_advice() {
+    let mut result = failed_result(&["depth"]);
+    let mut still = metric("bimanual-fraction", Some(0.0), None);
+    still.advice = text("Let the other hand take part.");
+    result.metrics.push(still);
+    let log = log(&[&result]);
+    let html = Report::build(&input(), [(0, &log[..])]).to_html(&page());
+    assert!(html.contains("Fraction of the time in which both tools move."));
+    assert!(!html.contains("Let the other hand take part."));
+    assert!(html.contains("Take the direct path."));
+}
+
+/// 92.5 stood above, and 92 below for the same score.
+#[test]
+fn a_score_has_the_same_digits_everywhere() {
+    let mut result = failed_result(&["depth"]);
+    (result.score, result.categories[0].score) = (92.5, 92.5);
+    result.metrics[0].score = Some(92.5);
+    let log = log(&[&result]);
+    let html = Report::build(&input(), [(0, &log[..])]).to_html(&page());
+    // Score, category and metric, in English each.
+    assert_eq!(html.matches(">92.5<").count(), 3, "{html}");
+    assert!(!html.contains(">92<") && !html.contains(">93<"));
 }
 
 /// What lies side by side with different meanings stays apart for eyes without red or green receptors (Machado, Oliveira & Fernandes 2009,
