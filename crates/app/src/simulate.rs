@@ -137,6 +137,9 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     }
     if !quiet {
         print(table::result(&scene, cpu))?;
+        if let Some(sentence) = table::of_another_scene(&scene.runner, &args.set, &args.without) {
+            print(sentence)?;
+        }
         if let Some(file) = &args.json {
             print(format!("Everything in {}", file.display()))?;
         }

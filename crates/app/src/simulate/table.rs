@@ -5,7 +5,7 @@ use microsim_scene::{Divergence, End, Runner, Verdict};
 use microsim_settings as settings;
 use nalgebra::Vector3;
 use serde_json::Value;
-use settings::Unit;
+use settings::{Override, Unit};
 use std::path::Path;
 
 /// What is going to be simulated.
@@ -162,6 +162,24 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
     lines.join("\n")
 }
 
+/// That what is expected is expected of the file as it is, where the command line changes that and something was missed.
+pub fn of_another_scene(runner: &Runner, set: &[Override], without: &[String]) -> Option<String> {
+    let missed = runner.verdicts().iter().any(|verdict| !verdict.met);
+    missed.then(|| changed(set, without)).flatten()
+}
+
+fn changed(set: &[Override], without: &[String]) -> Option<String> {
+    let set = set.iter().map(|value| format!("--set {}", value.text()));
+    let without = without.iter().map(|what| format!("--without {what}"));
+    let options: Vec<String> = set.chain(without).collect();
+    (!options.is_empty()).then(|| {
+        format!(
+            "what is expected is expected of the file as it is; this run has {}",
+            options.join(" ")
+        )
+    })
+}
+
 /// What helps against a divergence with the method of a run.
 fn advice(runner: &Runner, what: &Divergence) -> &'static str {
     if what.is_unconverged() {
@@ -253,6 +271,16 @@ fn round(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// `--set body.0.brittleness=0` is to hold, and then was only MISSED.
+    #[test]
+    fn what_is_missed_of_a_changed_scene_is_said_to_be_of_the_file() {
+        assert_eq!(changed(&[], &[]), None);
+        let set = [Override::parse("body.0.brittleness=0").expect("an override")];
+        let without = ["friction".to_owned()];
+        let said = "what is expected is expected of the file as it is; this run has --set body.0.brittleness=0 --without friction";
+        assert_eq!(changed(&set, &without).as_deref(), Some(said));
+    }
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {
