@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
-/// The bytes of a regular file, or of what a link to one names. An error says why in words.
+/// The bytes of a regular file, or of what a link to one names. An error states why in words.
 pub fn read_regular(path: &Path) -> Result<Vec<u8>, Error> {
     refuse_others(path)
         .and_then(|()| std::fs::read(path))

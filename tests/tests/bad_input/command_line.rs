@@ -185,7 +185,7 @@ fn sessions_that_cannot_be_written() {
     assert!(doctor.out.contains("cannot be written"), "{doctor:?}");
 }
 
-/// Whatever a user names and is not there, or cannot be written, is told in words, with its path; and before anything runs.
+/// Whatever a user names and is not there, or cannot be written, is named in words, with its path; and before anything runs.
 #[test]
 fn names_that_are_none_are_told_in_words() {
     let tree = tree();
@@ -238,7 +238,7 @@ fn names_that_are_none_are_told_in_words() {
     assert!(!tree.path("a.session").exists() && !tree.path("b.session").exists());
 }
 
-/// A script that was made for another level runs, and both the operator and the report are told.
+/// A script that was made for another level runs; a warning and the report name that level.
 #[test]
 fn the_script_of_another_level_is_told() {
     let tree = tree();

@@ -3,27 +3,38 @@
 use crate::modules::roots;
 use crate::sources::is_test;
 use crate::{assert_none, files_below, folders, sources, text};
+use microsim_tests::repository;
+use std::path::PathBuf;
 
 /// Longest source file, in lines.
 const LONGEST: usize = 600;
 
-#[test]
-fn no_source_is_too_long() {
-    let long = sources().into_iter().filter_map(|path| {
-        let lines = text(&path).lines().count();
+pub fn too_long(sources: &[PathBuf]) -> Vec<String> {
+    let long = sources.iter().filter_map(|path| {
+        let lines = text(path).lines().count();
         (lines > LONGEST).then(|| format!("{}: {lines} lines, at most {LONGEST}", path.display()))
     });
-    assert_none(&long.collect::<Vec<_>>());
+    long.collect()
+}
+
+#[test]
+fn no_source_is_too_long() {
+    assert_none(&too_long(&sources()));
+}
+
+pub fn silent(sources: &[PathBuf]) -> Vec<String> {
+    let silent = sources
+        .iter()
+        .filter(|path| !is_test(path) && !text(path).starts_with("//!"));
+    silent
+        .map(|path| format!("{}: does not begin with //!", path.display()))
+        .collect()
 }
 
 /// Every source begins with what it is for; unit tests in a file of their own are described in the file that they test.
 #[test]
 fn every_source_begins_with_what_it_is_for() {
-    let silent = sources()
-        .into_iter()
-        .filter(|path| !is_test(path) && !text(path).starts_with("//!"));
-    let silent = silent.map(|path| format!("{}: does not begin with //!", path.display()));
-    assert_none(&silent.collect::<Vec<_>>());
+    assert_none(&silent(&sources()));
 }
 
 /// The compiler refuses unsafe code in all crates but those that allow it at their root with a reason; it requires all that the table
@@ -52,8 +63,7 @@ fn every_package_takes_the_lints_and_forbids_unsafe_code_or_says_why() {
     assert_none(&complaints);
 }
 
-#[test]
-fn nothing_is_left_over() {
+pub fn left_over(sources: &[PathBuf]) -> Vec<String> {
     // Put together here, so that this file itself holds none of them.
     let markers = [
         ("todo", "!"),
@@ -66,8 +76,8 @@ fn nothing_is_left_over() {
     .map(|(a, b)| format!("{a}{b}"));
     let ignored = format!("#[{}", "ignore");
     let mut complaints = Vec::new();
-    for path in sources() {
-        for (n, line) in text(&path).lines().enumerate() {
+    for path in sources {
+        for (n, line) in text(path).lines().enumerate() {
             if let Some(marker) = markers
                 .iter()
                 .chain([&ignored])
@@ -77,21 +87,41 @@ fn nothing_is_left_over() {
             }
         }
     }
-    assert_none(&complaints);
+    complaints
 }
 
 #[test]
-fn every_module_has_its_readme() {
-    let modules = folders("modules");
-    assert!(!modules.is_empty());
-    for module in modules {
-        let readme = text(&module.join("README.md"));
-        assert!(
-            readme.starts_with("# ") && readme.len() > 200,
-            "{}",
-            module.display()
-        );
+fn nothing_is_left_over() {
+    assert_none(&left_over(&sources()));
+}
+
+/// Files below config/, modules/ and assets/, and what is checked, in the commands of the READMEs: `my-mesh.msh` stood there, which nobody has.
+#[test]
+fn the_commands_of_the_readmes_name_files_that_are_there() {
+    let mut named = 0;
+    let mut complaints = Vec::new();
+    for readme in files_below(&repository(), "README.md") {
+        let text = text(&readme);
+        for command in text
+            .lines()
+            .filter_map(|line| line.strip_prefix("./microsim "))
+        {
+            let command = command.split('#').next().unwrap_or_default();
+            for word in command.split_whitespace().skip(1) {
+                let path = word.rsplit(':').next().unwrap_or(word);
+                let ours = ["config/", "modules/", "assets/"];
+                let is_ours = ours.iter().any(|folder| path.starts_with(folder));
+                if is_ours || command.starts_with("check ") {
+                    named += 1;
+                    if !repository().join(path).exists() {
+                        complaints.push(format!("{}: {path} is not there", readme.display()));
+                    }
+                }
+            }
+        }
     }
+    assert!(named >= 3, "{named}");
+    assert_none(&complaints);
 }
 
 /// Motion that others have recorded is shipped with who they are and what they allow.

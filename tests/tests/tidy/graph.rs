@@ -27,9 +27,13 @@ fn own(dependencies: &BTreeSet<String>) -> BTreeSet<String> {
         .collect()
 }
 
-/// Folders in a folder, by name, with their dependencies.
+/// Folders in a folder of the repository, by name, with their dependencies.
 fn packages(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
-    let listing = fs::read_dir(repository().join(folder)).expect("a folder");
+    packages_in(&repository().join(folder))
+}
+
+fn packages_in(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
+    let listing = fs::read_dir(folder).expect("a folder");
     let folders = listing.map(|entry| entry.expect("an entry").path());
     let packages = folders.filter(|path| path.join("Cargo.toml").is_file());
     packages
@@ -211,29 +215,36 @@ fn some_libraries_belong_to_some_crates() {
     assert_none(&complaints);
 }
 
+/// What a training module never uses.
+const NEVER_IN_MODULES: [&str; 10] = [
+    "abi", "bus", "host", "app", "message", "scene", "tissue", "contact", "mesh", "settings",
+];
+
+fn off_the_sdk(folder: &Path, never: &[&str]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for (package, dependencies) in packages_in(folder) {
+        let package = folder.join(package).display().to_string();
+        let uses = own(&dependencies);
+        if !uses.contains("sdk") {
+            complaints.push(format!("{package} does not use the SDK"));
+        }
+        for other in never.iter().filter(|other| uses.contains(**other)) {
+            complaints.push(format!("{package} uses {other}"));
+        }
+    }
+    complaints
+}
+
+/// The same of the modules in a folder.
+pub fn modules_off_the_sdk(folder: &Path) -> Vec<String> {
+    off_the_sdk(folder, &NEVER_IN_MODULES)
+}
+
 /// A plugin sees the SDK, never what lies behind it; a module besides that only the mathematics of training.
 #[test]
 fn plugins_and_modules_stand_on_the_sdk() {
-    let mut complaints = Vec::new();
-    for (folder, never) in [
-        ("plugins", &["abi", "bus", "host", "app", "message"][..]),
-        (
-            "modules",
-            &[
-                "abi", "bus", "host", "app", "message", "scene", "tissue", "contact", "mesh",
-                "settings",
-            ],
-        ),
-    ] {
-        for (package, dependencies) in packages(folder) {
-            let uses = own(&dependencies);
-            if !uses.contains("sdk") {
-                complaints.push(format!("{folder}/{package} does not use the SDK"));
-            }
-            for other in never.iter().filter(|other| uses.contains(**other)) {
-                complaints.push(format!("{folder}/{package} uses {other}"));
-            }
-        }
-    }
+    let plugins = repository().join("plugins");
+    let mut complaints = off_the_sdk(&plugins, &["abi", "bus", "host", "app", "message"]);
+    complaints.extend(modules_off_the_sdk(&repository().join("modules")));
     assert_none(&complaints);
 }

@@ -8,6 +8,7 @@ mod graph;
 mod modules;
 mod rust;
 mod sources;
+mod training_modules;
 mod vocabulary;
 
 use std::fs;

@@ -102,12 +102,12 @@ fn simulation() -> Vec<PathBuf> {
     sources.filter(|path| !is_test(path)).collect()
 }
 
-/// Complaints about every line of the simulation in which `find` finds something.
-fn complaints(find: impl Fn(&Path, &str) -> Option<String>) -> Vec<String> {
+/// Complaints about every line of these sources in which `find` finds something.
+fn complaints(sources: &[PathBuf], find: impl Fn(&Path, &str) -> Option<String>) -> Vec<String> {
     let mut complaints = Vec::new();
-    for path in simulation() {
-        for line in lines(&text(&path)) {
-            if let Some(what) = find(&path, &line.code) {
+    for path in sources {
+        for line in lines(&text(path)) {
+            if let Some(what) = find(path, &line.code) {
                 complaints.push(format!(
                     "{}:{}: {what}: {}",
                     path.display(),
@@ -147,16 +147,20 @@ fn may_fuse(path: &Path) -> bool {
     path.starts_with(repository().join("crates/sparse/src"))
 }
 
+pub fn of_the_systems_library(sources: &[PathBuf]) -> Vec<String> {
+    complaints(sources, |_, code| {
+        transcendental(code).map(|name| format!("`{name}` of std: use the crate libm"))
+    })
+}
+
 #[test]
 fn no_function_of_the_systems_library_decides_a_bit() {
-    assert_none(&complaints(|_, code| {
-        transcendental(code).map(|name| format!("`{name}` of std: use the crate libm"))
-    }));
+    assert_none(&of_the_systems_library(&simulation()));
 }
 
 #[test]
 fn products_are_fused_in_one_crate_alone() {
-    assert_none(&complaints(|path, code| {
+    assert_none(&complaints(&simulation(), |path, code| {
         let fused = !may_fuse(path) && calls(code, "mul_add");
         fused.then(|| "`mul_add`: only crates/sparse fuses products".into())
     }));
@@ -171,14 +175,18 @@ fn products_are_fused_in_one_crate_alone() {
     assert!(text(&repository().join(".cargo/config.toml")).contains("target-cpu=x86-64-v3"));
 }
 
-#[test]
-fn no_order_is_left_to_chance() {
-    assert_none(&complaints(|_, code| {
+pub fn left_to_chance(sources: &[PathBuf]) -> Vec<String> {
+    complaints(sources, |_, code| {
         let map = ["HashMap", "HashSet"]
             .into_iter()
             .find(|word| has_word(code, word));
         map.map(|word| format!("`{word}` has another order in every process: use a BTree or a Vec"))
-    }));
+    })
+}
+
+#[test]
+fn no_order_is_left_to_chance() {
+    assert_none(&left_to_chance(&simulation()));
 }
 
 /// Where the host reads the wall clock: the pace of a run, and when a guest has ended, which is an input of the run.
@@ -188,10 +196,8 @@ const CLOCKS: [&str; 3] = [
     "crates/host/src/guest/words.rs",
 ];
 
-/// The wall clock is read at the edge of the host alone.
-#[test]
-fn no_clock_is_read() {
-    assert_none(&complaints(|path, code| {
+pub fn clocks(sources: &[PathBuf]) -> Vec<String> {
+    complaints(sources, |path, code| {
         if CLOCKS.iter().any(|edge| path.ends_with(edge)) {
             return None;
         }
@@ -199,7 +205,13 @@ fn no_clock_is_read() {
             .into_iter()
             .find(|word| has_word(code, word));
         clock.map(|word| format!("`{word}`: only {} read a clock", CLOCKS.join(", ")))
-    }));
+    })
+}
+
+/// The wall clock is read at the edge of the host alone.
+#[test]
+fn no_clock_is_read() {
+    assert_none(&clocks(&simulation()));
 }
 
 /// The checks above find what they look for, and nothing in comments and tests.

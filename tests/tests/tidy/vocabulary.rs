@@ -5,6 +5,7 @@ use crate::sources::{has_word, is_test};
 use crate::{assert_none, files_below, sources, text};
 use microsim_tests::repository;
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 /// Where such a word may stand: end of the file's path, word, reason.
 const ALLOWED: &[(&str, &str, &str)] = &[];
@@ -92,6 +93,16 @@ fn complaints(banned: &[String], source: &str) -> Vec<(usize, String)> {
     }
     found.sort();
     found
+}
+
+/// Words that the glossary rules out, in sources without exceptions.
+pub fn words_not_used(sources: &[PathBuf]) -> Vec<String> {
+    let banned = banned(&text(&repository().join("crates/GLOSSARY.md")));
+    let found = sources.iter().flat_map(|path| {
+        let found = complaints(&banned, &text(path)).into_iter();
+        found.map(|(line, complaint)| format!("{}:{line}: {complaint}", path.display()))
+    });
+    found.collect()
 }
 
 #[test]
