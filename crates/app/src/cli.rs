@@ -193,6 +193,9 @@ pub struct SimulateArgs {
     /// Write one JSON document with everything to this file, or, without FILE, alone to standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = utf8_path)]
     pub json: Option<PathBuf>,
+    /// Write what the probes of the scene measured to this file: a row per sample, in SI
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
+    pub csv: Option<PathBuf>,
     /// Write the deformed meshes as a series for ParaView into this folder [without DIR: SCENE-vtu]
     #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = "", value_parser = utf8_path)]
     pub vtu: Option<PathBuf>,

@@ -5,6 +5,7 @@ mod document;
 mod frames;
 mod pictures;
 mod pool;
+mod probe_table;
 mod table;
 
 use crate::cli::{Place, SimulateArgs};
@@ -52,6 +53,10 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     let mut json_file = match &args.json {
         Some(file) if !quiet => Some(File::create(file).map_err(|e| unwritable(file, e))?),
         _ => None,
+    };
+    let mut csv_file = match &args.csv {
+        Some(file) => Some(File::create(file).map_err(|e| unwritable(file, e))?),
+        None => None,
     };
     if !quiet {
         print(table::heading(&scene, &path))?;
@@ -135,6 +140,11 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
             }
         }
     }
+    if let (Some(file), Some(open)) = (&args.csv, &mut csv_file) {
+        let text = probe_table::csv(&scene.loaded.settings.probe, scene.runner.series());
+        let written = open.write_all(text.as_bytes());
+        written.map_err(|e| unwritable(file, e))?;
+    }
     if !quiet {
         print(table::result(&scene, cpu))?;
         if let Some(sentence) = table::of_another_scene(&scene.runner, &args.set, &args.without) {
@@ -142,6 +152,9 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         }
         if let Some(file) = &args.json {
             print(format!("Everything in {}", file.display()))?;
+        }
+        if let Some(file) = &args.csv {
+            print(format!("Series of the probes in {}", file.display()))?;
         }
         if let Some((folder, count)) = files {
             print(format!(

@@ -232,12 +232,19 @@ fn meshes_are_written_for_paraview() {
     // Every 5 ms from 0 to 20 ms.
     let list = std::fs::read_to_string(vtu.join("drop.pvd")).expect("a list");
     assert_eq!(list.matches("<DataSet").count(), 5, "{list}");
+    let times = list.split("timestep=\"").skip(1);
+    let times: Vec<f64> = times
+        .map(|rest| rest.split('"').next().expect("a time"))
+        .map(|time| time.parse().expect("a number"))
+        .collect();
     let last = std::fs::read(vtu.join("drop-cube-00004.vtu")).expect("a frame");
     for field in [
         "displacement [m]",
         "velocity [m/s]",
         "volume ratio",
         "von Mises stress [Pa]",
+        "Cauchy stress [Pa]\" NumberOfComponents=\"6\"",
+        "Green strain\" NumberOfComponents=\"6\"",
         "region",
     ] {
         assert!(text(&last).contains(field), "{field}");
@@ -246,6 +253,10 @@ fn meshes_are_written_for_paraview() {
         .expect("a mesh")
         .mesh;
     let run: Value = serde_json::from_slice(&std::fs::read(json).expect("a file")).expect("JSON");
+    // To the bit those of the series: a sample per millisecond.
+    let series = run["series"]["t"].as_array().expect("a list");
+    let every_fifth = series.iter().step_by(5).filter_map(Value::as_f64);
+    assert_eq!(times, every_fifth.collect::<Vec<_>>());
     for (point, node) in mesh
         .positions
         .iter()
@@ -397,4 +408,82 @@ fn check_finds_bad_meshes_materials_and_steps() {
             "{said}: {found:?} {text}"
         );
     }
+}
+
+/// Time and probes of the table are those of the document, to the bit; a folder that is refused leaves an older table as it was.
+#[test]
+fn probes_are_written_as_a_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (csv, json) = (
+        folder.path().join("run.csv"),
+        folder.path().join("run.json"),
+    );
+    let words = [
+        "--set",
+        "run.duration=20ms",
+        "--csv",
+        csv.to_str().expect("UTF-8"),
+        "--json",
+        json.to_str().expect("UTF-8"),
+    ];
+    let output = simulate("drop", &words);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("Series of the probes in "));
+    let table = std::fs::read_to_string(&csv).expect("a table");
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("time [s],fall [m]"));
+    let rows: Vec<Vec<f64>> = lines
+        .map(|line| {
+            line.split(',')
+                .map(|cell| cell.parse().expect("a number"))
+                .collect()
+        })
+        .collect();
+    let run: Value = serde_json::from_slice(&std::fs::read(&json).expect("a file")).expect("JSON");
+    let column = |values: &Value| -> Vec<f64> {
+        let values = values.as_array().expect("a list").iter();
+        values.filter_map(Value::as_f64).collect()
+    };
+    let columns = [
+        column(&run["series"]["t"]),
+        column(&run["probes"][0]["values"]),
+    ];
+    assert_eq!(rows.len(), 21);
+    for (sample, row) in rows.iter().enumerate() {
+        assert_eq!(*row, [columns[0][sample], columns[1][sample]]);
+    }
+
+    std::fs::write(folder.path().join("000001.png"), "an older picture").expect("a file");
+    let pictures = folder.path().to_str().expect("UTF-8");
+    let refused = simulate("drop", &[&words[..4], &["--frames", pictures]].concat());
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read_to_string(&csv).expect("a table"), table);
+}
+
+/// A scene in English alone runs; without an English text it is refused. A mesh above the folder of its scene is refused with the reason.
+#[test]
+fn scenes_need_no_german_and_their_meshes_lie_below_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("mine.toml");
+    let said = |text_of_scene: &str| {
+        std::fs::write(&scene, text_of_scene).expect("a file");
+        let output = microsim(&["check", scene.to_str().expect("UTF-8")]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        (output.status.code(), said)
+    };
+    let shipped = std::fs::read_to_string(scenes().join("drop.toml")).expect("a scene");
+    let without = |language: &str| {
+        let start = format!("{language} = \"");
+        let lines = shipped.lines().filter(|line| !line.starts_with(&start));
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    let (code, out) = said(&without("de"));
+    assert_eq!(code, Some(0), "{out}");
+    let (code, out) = said(&without("en"));
+    assert!(code == Some(1) && out.contains("`title.en`"), "{out}");
+
+    let bad = "[run]\nduration = \"1 s\"\n[[body]]\nname = \"b\"\ngenerator = \"file\"\nfile = \"../mesh.msh\"\n";
+    let (code, out) = said(bad);
+    let reason = "a path below this folder, with `/` and without `..`";
+    assert!(code == Some(1) && out.contains(reason), "{out}");
 }

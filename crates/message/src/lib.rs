@@ -34,8 +34,8 @@ pub use setup::{
 };
 pub use solver::SolverTick;
 pub use tool::{
-    ContactForce, ContactForces, GRIP_MIN, PartForce, PathPoints, TissueCut, TissueRecovery,
-    ToolPose, ToolSample, ToolState, ToolStates,
+    ContactForce, ContactForces, GRIP_MIN, PartForce, PathPoints, RegionForce, TissueCut,
+    TissueRecovery, ToolPose, ToolSample, ToolState, ToolStates,
 };
 pub use wire::{DecodeError, Message, decode, decode_bytes, encode, push, to_json};
 
@@ -46,6 +46,10 @@ use microsim_vocabulary::Overflow;
 /// field frame, m), `piece` (u32, one per node: which piece of the body it is of, 0 before any came off), `triangle` (u32, 3 rows of
 /// `node_id`'s array per triangle, outward), `inner` (u32, one per triangle: 1 of a surface that a cut has opened, else 0).
 pub const TISSUE_SNAPSHOT: &str = "tissue.snapshot";
+
+/// Kind of the blocks that carry a body at rest, where nothing acts on it, as its mesh lay before the first tick: arrays `node_id`, `position` and
+/// `triangle` as in [`TISSUE_SNAPSHOT`]. Published once, in the first tick; whoever subscribes has it in every tick. Nodes that cuts make are not in it.
+pub const TISSUE_REST: &str = "tissue.rest";
 
 /// Every kind that the platform itself brings.
 pub fn core_kinds() -> Vec<KindInfo> {
@@ -60,6 +64,11 @@ pub fn core_kinds() -> Vec<KindInfo> {
         wire::info::<SolverTick>(),
         KindInfo {
             name: TISSUE_SNAPSHOT.into(),
+            version: 1,
+            overflow: Overflow::DropOldest,
+        },
+        KindInfo {
+            name: TISSUE_REST.into(),
             version: 1,
             overflow: Overflow::DropOldest,
         },

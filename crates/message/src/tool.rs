@@ -131,6 +131,9 @@ pub struct ContactForce {
     /// The parts of the tool that touch, in the order of its file: forces of opposing jaws cancel in [`force`](Self::force), and not here.
     #[serde(default)]
     pub parts: Vec<PartForce>,
+    /// The regions of the body that are touched, ascending: their forces sum up to [`force`](Self::force). Those of a body on itself sum up to zero.
+    #[serde(default)]
+    pub regions: Vec<RegionForce>,
 }
 
 /// Force of one part of a tool on one body, mean over a tick.
@@ -146,6 +149,19 @@ pub struct PartForce {
     pub point: [f64; 3],
     /// How many nodes of the body it touches.
     pub nodes: u32,
+}
+
+/// Force on one region of a body, mean over a tick. A point on the border of regions counts for each by the area at rest of its triangles there.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RegionForce {
+    /// The region of the mesh's elements, as materials of the level name it.
+    pub region: u32,
+    /// Force on the tissue in the field \[N\].
+    pub force: [f64; 3],
+    /// Sum of the sizes of its normal forces \[N\]: how strongly it is pressed, also where that comes from all sides.
+    pub normal_force: f64,
+    /// Point of application in the field \[m\].
+    pub point: [f64; 3],
 }
 
 /// Jaws that squeeze tissue less than this touch it and do not grip it \[N\]: a few times what lifts a freed piece of a few
@@ -164,8 +180,8 @@ pub struct ContactForces {
 
 impl Message for ContactForces {
     const KIND: &'static str = "contact.forces";
-    const VERSION: u16 = 3;
-    // Version 1 had other names of fields, version 2 neither sustained forces nor parts.
+    const VERSION: u16 = 4;
+    // Version 1 had other names of fields, version 2 neither sustained forces nor parts, version 3 no regions.
     const OLDEST_VERSION: u16 = 1;
 }
 

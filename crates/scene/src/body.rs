@@ -1,6 +1,7 @@
 //! A body of a scene: its constant parts and working memory, built from its description.
 
 mod edit;
+mod region;
 mod surface;
 
 use crate::check;
@@ -15,6 +16,7 @@ use microsim_mesh::{Surface, TetMesh};
 use microsim_tissue::elements::{CouplingConstants, couple};
 use microsim_tissue::{Elements, Method, State, TissueModel, build_model, stability};
 use nalgebra::{Matrix3, Vector3};
+use region::SurfaceRegions;
 use std::sync::Arc;
 
 /// A body: constant parts and working memory.
@@ -48,6 +50,7 @@ pub(crate) struct Body {
     pub triangles: Vec<SurfaceTriangle>,
     /// What edits have changed of the surface since it was last updated.
     pub surface_edits: Option<SurfaceEdits>,
+    pub surface_regions: SurfaceRegions,
     /// Of each triangle of the surface whether a cut has opened it.
     pub opened: Vec<bool>,
     pub pieces: Pieces,
@@ -145,6 +148,7 @@ impl Body {
             energy_scale,
             force_scale,
             node_areas: node_areas(&surface, mesh),
+            surface_regions: SurfaceRegions::new(mesh, cut),
             end_nodes: spec
                 .ends
                 .iter()

@@ -113,7 +113,8 @@ pub use microsim_tissue::{
 };
 pub use overlap::Overlap;
 pub use report::{
-    ContactPartner, ContactReport, MANY_SUBSTEPS, PartReport, Recovery, SolverReport, TickReport,
+    ContactPartner, ContactReport, MANY_SUBSTEPS, PartReport, Recovery, RegionReport, SolverReport,
+    TickReport,
 };
 pub use run::{ContactSeries, End, EnergyGrowth, ProbeError, Remarks, Runner, Series, Verdict};
 pub use save::RestoreError;
@@ -123,7 +124,7 @@ pub use spec::{
     LoadSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec, SceneSpec, Selection, StartSpec,
     ToolKeySpec, ToolSpec,
 };
-pub use stress::von_mises;
+pub use stress::{cauchy_stresses, green_strains, von_mises};
 pub use tool::ToolMotion;
 pub use validity::SolverBounds;
 pub use view::BodyView;

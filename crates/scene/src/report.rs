@@ -125,6 +125,8 @@ pub struct ContactReport {
     pub grip_n: f64,
     /// The parts of a tool that touched, by their capsules, ascending.
     pub parts: Vec<PartReport>,
+    /// The regions of the body that were touched, ascending.
+    pub regions: Vec<RegionReport>,
     /// Larger mean pressure of the two jaws over the surface that each touched \[Pa\], by the areas at rest; 0 of a tool without jaws.
     pub jaw_pressure_pa: f64,
 }
@@ -142,6 +144,19 @@ pub struct PartReport {
     pub point: [f64; 3],
     /// How many nodes were touched.
     pub nodes: usize,
+}
+
+/// What acted on one region of a body in a tick. A point on the border of regions counts for each by the area at rest of its triangles there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionReport {
+    /// The region of the mesh's elements.
+    pub region: u32,
+    /// Mean force on it \[N\]: those of all regions sum up to the force on the body, of a body that touches itself to zero.
+    pub force_on_tissue: [f64; 3],
+    /// Mean of the sum of the sizes of its normal forces \[N\].
+    pub normal_force_n: f64,
+    /// Mean of the touched points, weighted by their forces \[m\].
+    pub point: [f64; 3],
 }
 
 /// A tick that was repeated because a body diverged.

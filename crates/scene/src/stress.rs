@@ -1,16 +1,19 @@
-//! Stress of each element, for pictures and reports.
+//! Stress and strain of each element, for pictures and reports.
+//!
+//! The deformation is that of the tetrahedron itself, whatever smoothing its discretisation does.
 
 use crate::spec::BodySpec;
 use microsim_mesh::TetMesh;
 use microsim_tissue::{Behaviour, ContinuumConstants};
 use nalgebra::{Matrix3, Vector3};
 
-/// Von Mises stress of each element of `mesh`, that of the body as it is now, with its nodes at `positions` \[m\], in pascals: √(3/2 s:s) of the elastic Cauchy stress
-/// σ = P Fᵀ/J with deviator s. 0 in regions that are no continuum and in elements without
-/// volume or inverted; `None` for a body without any.
-///
-/// The deformation is that of the tetrahedron itself, whatever smoothing its discretisation does.
-pub fn von_mises(body: &BodySpec, mesh: &TetMesh, positions: &[Vector3<f64>]) -> Option<Vec<f64>> {
+/// Elastic Cauchy stress σ = P Fᵀ/J of each element of `mesh`, that of the body as it is now, with its nodes at `positions` \[m\], in pascals.
+/// Zero in regions that are no continuum and in elements without volume or inverted; `None` for a body without any continuum.
+pub fn cauchy_stresses(
+    body: &BodySpec,
+    mesh: &TetMesh,
+    positions: &[Vector3<f64>],
+) -> Option<Vec<Matrix3<f64>>> {
     let continua: Vec<(u32, ContinuumConstants)> = body
         .materials
         .iter()
@@ -24,10 +27,10 @@ pub fn von_mises(body: &BodySpec, mesh: &TetMesh, positions: &[Vector3<f64>]) ->
     }
     let stresses = mesh.regions.iter().enumerate().map(|(element, region)| {
         let constants = continua.iter().find(|(of, _)| of == region);
-        constants.map_or(0.0, |(_, constants)| {
+        constants.map_or_else(Matrix3::zeros, |(_, constants)| {
             let f = deformation(mesh, element, positions);
             let direction = mesh.direction(element).unwrap_or_default();
-            equivalent(&constants.cauchy_stress(&f, direction))
+            constants.cauchy_stress(&f, direction)
         })
     });
     Some(stresses.collect())
@@ -42,7 +45,17 @@ fn deformation(mesh: &TetMesh, element: usize, positions: &[Vector3<f64>]) -> Ma
     edges(now) * rest.unwrap_or_else(Matrix3::identity)
 }
 
-fn equivalent(stress: &Matrix3<f64>) -> f64 {
+/// Green's strain (FᵀF − 1)/2 of each element of `mesh` with its nodes at `positions` \[m\].
+pub fn green_strains(mesh: &TetMesh, positions: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
+    let strains = (0..mesh.tets.len()).map(|element| {
+        let f = deformation(mesh, element, positions);
+        0.5 * (f.transpose() * f - Matrix3::identity())
+    });
+    strains.collect()
+}
+
+/// Von Mises stress √(3/2 s:s) of a stress with deviator s, in its unit.
+pub fn von_mises(stress: &Matrix3<f64>) -> f64 {
     let deviator = stress - Matrix3::identity() * (stress.trace() / 3.0);
     (1.5 * deviator.norm_squared()).sqrt()
 }
@@ -86,16 +99,70 @@ mod tests {
                 .map(|p| p + Vector3::x() * (shear * p.z))
                 .collect();
             let expected = 3f64.sqrt() * young / (2.0 * (1.0 + poisson)) * shear;
-            for stress in von_mises(&body, &mesh, &sheared).expect("a continuum") {
+            let equivalent = |positions: &[Vector3<f64>]| -> Vec<f64> {
+                let stresses = cauchy_stresses(&body, &mesh, positions).expect("a continuum");
+                stresses.iter().map(von_mises).collect()
+            };
+            for stress in equivalent(&sheared) {
                 assert!(
                     (stress / expected - 1.0).abs() < 10.0 * shear,
                     "{law:?} {stress}"
                 );
             }
             let swollen: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| p * 1.1).collect();
-            for stress in von_mises(&body, &mesh, &swollen).expect("a continuum") {
+            for stress in equivalent(&swollen) {
                 assert!(stress < 1e-9 * young, "{law:?} {stress}");
             }
+        }
+    }
+
+    /// Uniaxial tension of St Venant–Kirchhoff, S = λ tr(E) 1 + 2μ E with Green's strain E: a free side has S = 0, which is E_side = −ν e for
+    /// E_axis = e and leaves S_axis = Y e, with Young's modulus Y. The Cauchy stress F S Fᵀ/J is then Y e a/b² along the axis, a² = 1 + 2 e
+    /// and b² = 1 − 2 ν e, and nothing else; its von Mises stress is the same.
+    #[test]
+    fn uniaxial_tension_has_one_stress_and_the_strains_of_its_stretches() {
+        let block = Block {
+            center: [0.0; 3],
+            size: [1e-3; 3],
+            cells: [2; 3],
+            split: CellSplit::Kuhn,
+        };
+        let mesh = block.mesh().expect("a block");
+        let (young, poisson, strain) = (1e5, 0.3, 0.2_f64);
+        let constants = ContinuumConstants {
+            law: LawName::StVenantKirchhoff.into(),
+            young,
+            poisson,
+            discretisation: Discretisation::Tetrahedra,
+        };
+        let material = Material {
+            density: 1000.0,
+            relaxation_time: 0.0,
+            behaviour: Behaviour::Continuum(constants),
+        };
+        let body = BodySpec::new("cube", mesh.clone(), material);
+        let (a, b) = (
+            (1.0 + 2.0 * strain).sqrt(),
+            (1.0 - 2.0 * poisson * strain).sqrt(),
+        );
+        let stretches = Vector3::new(b, a, b);
+        let positions: Vec<Vector3<f64>> = mesh
+            .positions
+            .iter()
+            .map(|p| p.component_mul(&stretches))
+            .collect();
+        let stress = young * strain * a / (b * b);
+        let expected = Matrix3::from_diagonal(&Vector3::new(0.0, stress, 0.0));
+        let stresses = cauchy_stresses(&body, &mesh, &positions).expect("a continuum");
+        assert_eq!(stresses.len(), mesh.tets.len());
+        for found in stresses {
+            assert!((found - expected).norm() < 1e-12 * stress, "{found}");
+            assert!((von_mises(&found) / stress - 1.0).abs() < 1e-12);
+        }
+        let side = -poisson * strain;
+        let expected = Matrix3::from_diagonal(&Vector3::new(side, strain, side));
+        for found in green_strains(&mesh, &positions) {
+            assert!((found - expected).norm() < 1e-14, "{found}");
         }
     }
 }

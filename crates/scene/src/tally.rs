@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::group::Group;
 use crate::pairs::{Pair, PairPartner};
-use crate::report::{ContactPartner, ContactReport, PartReport};
+use crate::report::{ContactPartner, ContactReport, PartReport, RegionReport};
 use crate::scene::Scene;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::Partner;
@@ -33,6 +33,8 @@ pub(crate) struct Tally {
     jaws: [JawTally; 2],
     /// By the capsules of the tool.
     parts: BTreeMap<u32, PartTally>,
+    /// By the regions of the body.
+    regions: BTreeMap<u32, ForceTally>,
     /// Of the step that is being summed up, and of a body on itself the sum of sizes.
     step: Vector3<f64>,
     step_size: f64,
@@ -40,9 +42,9 @@ pub(crate) struct Tally {
     areas: Vec<(usize, u32, f64)>,
 }
 
-/// What one capsule of a tool sums up over a tick.
+/// What some of the forces sum up to over a tick.
 #[derive(Clone, Debug, Default)]
-struct PartTally {
+struct ForceTally {
     /// Σ F h \[N·s\].
     impulse: Vector3<f64>,
     /// Σ λ h \[N·s\].
@@ -51,20 +53,41 @@ struct PartTally {
     weighted_point: Vector3<f64>,
     weight: f64,
     last_point: Vector3<f64>,
+}
+
+impl ForceTally {
+    /// Adds a force \[N\] of normal force `normal_force` \[N\] that acted at a place \[m\] for `h` \[s\].
+    fn add(&mut self, force: &Vector3<f64>, normal_force: f64, place: &Vector3<f64>, h: f64) {
+        let size = force.norm() * h;
+        self.impulse += force * h;
+        self.normal_impulse += normal_force * h;
+        self.weighted_point += place * size;
+        self.weight += size;
+        self.last_point = *place;
+    }
+
+    fn point(&self) -> Vector3<f64> {
+        match self.weight > 0.0 {
+            true => self.weighted_point / self.weight,
+            false => self.last_point,
+        }
+    }
+}
+
+/// What one capsule of a tool sums up over a tick.
+#[derive(Clone, Debug, Default)]
+struct PartTally {
+    forces: ForceTally,
     nodes: BTreeSet<u32>,
 }
 
 impl PartTally {
     fn report(&self, capsule: u32, tick_s: f64) -> PartReport {
-        let point = match self.weight > 0.0 {
-            true => self.weighted_point / self.weight,
-            false => self.last_point,
-        };
         PartReport {
             capsule,
-            force_on_tissue: (self.impulse / tick_s).into(),
-            normal_force_n: self.normal_impulse / tick_s,
-            point: point.into(),
+            force_on_tissue: (self.forces.impulse / tick_s).into(),
+            normal_force_n: self.forces.normal_impulse / tick_s,
+            point: self.forces.point().into(),
             nodes: self.nodes.len(),
         }
     }
@@ -156,11 +179,7 @@ pub(crate) fn sum_up(
         let (jaw, mut part) = match point.key.partner {
             Partner::Tool { tool, capsule } => {
                 let part = tally.parts.entry(capsule).or_default();
-                part.impulse += force * h;
-                part.normal_impulse += contact.normal_force * h;
-                part.weighted_point += place * (size * h);
-                part.weight += size * h;
-                part.last_point = place;
+                part.forces.add(&force, contact.normal_force, &place, h);
                 (tools[tool as usize].jaw(capsule), Some(part))
             }
             _ => (None, None),
@@ -180,6 +199,24 @@ pub(crate) fn sum_up(
             }
             if let Some(jaw) = jaw.filter(|_| contact.normal_force > 0.0) {
                 tally.areas.push((jaw as usize, local, weight.abs()));
+            }
+        }
+        // Of a body on itself both sides are its own.
+        let both = matches!(pairs[index].with, PairPartner::Itself);
+        for (nodes, is_first) in [(0..first, true), (first..4, false)] {
+            let touched = nodes.filter(|&k| contact.weights[k] != 0.0);
+            let touched: Vec<u32> = touched.map(|k| contact.nodes[k]).collect();
+            let (Some(&node), true) = (touched.first(), both || is_first == own) else {
+                continue;
+            };
+            let member = group.members[group.member_of(node)];
+            let local = touched.iter().map(|node| node - member.first_node as u32);
+            let local: Vec<u32> = local.collect();
+            let on_it = if is_first { force } else { -force };
+            for (region, share) in bodies[member.body].region_shares(&local) {
+                let of_region = tally.regions.entry(region).or_default();
+                let normal_force = contact.normal_force * share;
+                of_region.add(&(on_it * share), normal_force, &place, h);
             }
         }
         if let Some(jaw) = jaw {
@@ -270,6 +307,12 @@ impl Tally {
         });
         let parts = self.parts.iter();
         let parts = parts.map(|(&capsule, part)| part.report(capsule, tick_s));
+        let regions = self.regions.iter().map(|(&region, forces)| RegionReport {
+            region,
+            force_on_tissue: (forces.impulse / tick_s).into(),
+            normal_force_n: forces.normal_impulse / tick_s,
+            point: forces.point().into(),
+        });
         let of_nodes = scene.body(body).pieces();
         let pieces: BTreeSet<u32> = self.nodes.iter().map(|&n| of_nodes[n as usize]).collect();
         Some(ContactReport {
@@ -292,6 +335,7 @@ impl Tally {
             },
             grip_n: squeezed / tick_s,
             parts: parts.collect(),
+            regions: regions.collect(),
             jaw_pressure_pa: jaws.map(|sum| sum.impulse / sum.area).fold(0.0, f64::max),
         })
     }

@@ -1,5 +1,6 @@
 //! What training modules measure of tissue: marks, grips, cuts, pieces, from messages about nodes, contact forces and cuts alone.
 
+mod body_forces;
 mod contacts;
 mod cuts;
 mod delivery;
@@ -11,6 +12,7 @@ mod pieces;
 mod ring;
 mod shape;
 
+pub use body_forces::BodyForces;
 pub use contacts::{Contacts, Grasp, Grip, Releases};
 pub use cuts::{Assignment, CutFindings, CutLog};
 pub use delivery::{Delivered, Delivery};

@@ -45,7 +45,7 @@ table! {
         arc: Option<f64> = quantity(Unit::Angle, 0.1_f64.to_radians(), 359.9_f64.to_radians()),
         /// Of a block or tube: how cells are cut, `kuhn` (all alike, if left out) or `mirrored`.
         split: Option<CellSplit>,
-        /// Of a file: its path from the folder of this one. Tetrahedra: .msh, .vtk, .vtu, .node with .ele; closed
+        /// Of a file: its path from the folder of this one, which it lies in or below. Tetrahedra: .msh, .vtk, .vtu, .node with .ele; closed
         /// surfaces: .obj, .stl.
         file: Option<String> = relative_path(),
         /// Of a file \[m\]: length of one unit in it; 1 m if left out.

@@ -2,7 +2,7 @@
 //!
 //! A quantity carries its SI symbol in the annotation `unit`, which JSON Schema lets validators ignore.
 
-use crate::read::local_text_keys;
+use crate::read::{english_text_keys, local_text_keys};
 use crate::schema::{Form, Key, Kind, Presence, Schema, range};
 use microsim_vocabulary::Unit;
 use serde_json::{Map, Value, json};
@@ -71,6 +71,7 @@ fn kind_schema(kind: &Kind) -> Value {
         Kind::ChoiceOr(values, other) => json!({"anyOf": [{"enum": values}, kind_schema(other)]}),
         Kind::Colour => json!({"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"}),
         Kind::LocalText => table_schema(&local_text_keys()),
+        Kind::EnglishText => table_schema(&english_text_keys()),
         Kind::Table(keys) => table_schema(keys),
         Kind::List { of, min, max } => list_schema(kind_schema(of), *min, *max),
         Kind::Map { keys, of } => json!({
@@ -114,7 +115,7 @@ fn form_pattern(form: Form) -> &'static str {
         Form::Symbol => "^[a-z][a-z0-9]*(_[a-z0-9]+)*$",
         Form::Message => "^[a-z][a-z0-9-]*(\\.[a-z][a-z0-9-]*)+$",
         Form::Version => "^\\d+\\.\\d+\\.\\d+$",
-        Form::RelativePath => "^[^/\\\\:][^\\\\:]*$",
+        Form::RelativePath => "^(?!(.*/)?\\.{0,2}(/|$))[^\\\\:]+$",
     }
 }
 

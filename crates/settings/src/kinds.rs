@@ -89,6 +89,11 @@ pub(crate) fn version() -> Kind {
     Kind::Name(Form::Version)
 }
 
+/// A text that may be in English alone.
+pub(crate) fn english_text() -> Kind {
+    Kind::EnglishText
+}
+
 /// A path below the folder of the file.
 pub(crate) fn relative_path() -> Kind {
     Kind::Name(Form::RelativePath)

@@ -75,6 +75,13 @@ impl Reader<'_> {
                 Some(text.to_ascii_lowercase().into())
             }
             (Kind::LocalText, Item::Table(_)) => self.table(node, &local_text_keys(), path),
+            (Kind::EnglishText, Item::Table(_)) => {
+                let mut texts = self.table(node, &english_text_keys(), path)?;
+                if texts["de"].is_null() {
+                    texts["de"] = texts["en"].clone();
+                }
+                Some(texts)
+            }
             (Kind::Table(keys), Item::Table(_)) => self.table(node, keys, path),
             (Kind::List { of, min, max }, Item::List(nodes))
                 if (min..=max).contains(&&nodes.len()) =>
@@ -292,6 +299,14 @@ pub(crate) fn local_text_keys() -> [Key; 2] {
         Key::required("de", Kind::Text, "The text in German."),
         Key::required("en", Kind::Text, "The text in English."),
     ]
+}
+
+/// The keys of a text that may be in English alone.
+pub(crate) fn english_text_keys() -> [Key; 2] {
+    let [mut german, english] = local_text_keys();
+    german.presence = Presence::Optional;
+    german.doc = "The text in German; the English one stands for it if it is left out.".to_owned();
+    [german, english]
 }
 
 /// A list of exactly N finite numbers.

@@ -6,7 +6,7 @@
 use crate::body::{Body, Nodes};
 use crate::contact::{ContactPair, CutPair, SceneTool};
 use crate::kinds::{
-    dependent, direction, identifier, own_defaults, point, quantity, time, vector3,
+    dependent, direction, english_text, identifier, own_defaults, point, quantity, time, vector3,
 };
 use crate::level::View;
 use crate::method::{Accuracy, Method, Tuned};
@@ -18,9 +18,9 @@ table! {
     /// A scene.
     pub struct Scene {
         /// Its name for people.
-        title: LocalText,
+        title: LocalText = english_text(),
         /// What it shows, in a sentence for people.
-        summary: LocalText,
+        summary: LocalText = english_text(),
         /// How long, in which steps.
         run: SceneRun,
         /// What pictures show; all bodies as they lie at the start without it.

@@ -104,6 +104,8 @@ pub enum Kind {
     Colour,
     /// A table with `de` and `en`.
     LocalText,
+    /// A table with `en`, and `de` where there is a German text: without it the English one stands for both.
+    EnglishText,
     /// A table with these keys.
     Table(Vec<Key>),
     /// A list, or an array of tables.
@@ -172,6 +174,7 @@ impl Kind {
             Kind::ChoiceOr(values, kind) => format!("{}, or {}", one_of(values), kind.expected()),
             Kind::Colour => "a colour such as \"#c04030\"".to_owned(),
             Kind::LocalText => "a table with the texts `de` and `en`".to_owned(),
+            Kind::EnglishText => "a table with the text `en`, and `de` if there is one".to_owned(),
             Kind::Table(_) => "a table".to_owned(),
             Kind::List { of, min, max } if min == max => {
                 format!("a list of {max}, each {}", of.expected())

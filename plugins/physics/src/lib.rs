@@ -4,12 +4,13 @@
 #![forbid(unsafe_code)]
 
 use microsim_scene::{
-    ContactPartner, ContactReport, CutReport, Executor, LevelParts, PartReport, Pose, Scene,
-    SolverReport, ToolMotion, level_spec,
+    ContactPartner, ContactReport, CutReport, Executor, LevelParts, PartReport, Pose, RegionReport,
+    Scene, SolverReport, ToolMotion, level_spec,
 };
 use microsim_sdk::message::{
-    self, ContactForce, ContactForces, PartForce, PathPoints, SolverTick, TISSUE_SNAPSHOT,
-    TissueCut, TissueRecovery, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    self, ContactForce, ContactForces, PartForce, PathPoints, RegionForce, SolverTick, TISSUE_REST,
+    TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolState, ToolStates, ToolStatus, decode_bytes,
+    encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -91,6 +92,20 @@ impl Physics {
         motions
     }
 
+    /// The bodies at rest, before anything has moved.
+    fn publish_rest(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        for body in self.scene()?.bodies() {
+            let positions = body.rest_positions().iter().flat_map(|p| [p.x, p.y, p.z]);
+            let triangles = body.surface().triangles.iter().flatten().copied();
+            let block = BlockBuilder::new(TISSUE_REST, body.name(), body.generation(), 0)
+                .u32s("node_id", body.node_ids().iter().copied())
+                .f64s("position", positions)
+                .u32s("triangle", triangles);
+            tick.publish_block(block.finish());
+        }
+        Ok(())
+    }
+
     fn publish_bodies(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
         let time = tick.time_ns();
         let scene = self.scene()?;
@@ -154,6 +169,7 @@ fn contact_force(scene: &Scene, contact: &ContactReport) -> ContactForce {
             .iter()
             .map(|part| part_force(scene, contact.with, part))
             .collect(),
+        regions: contact.regions.iter().map(region_force).collect(),
         pieces: contact.pieces.clone(),
     }
 }
@@ -170,6 +186,16 @@ fn part_force(scene: &Scene, with: ContactPartner, part: &PartReport) -> PartFor
         normal_force: part.normal_force_n,
         point: part.point,
         nodes: part.nodes as u32,
+    }
+}
+
+/// What acts on a region of a body, as a message.
+fn region_force(region: &RegionReport) -> RegionForce {
+    RegionForce {
+        region: region.region,
+        force: region.force_on_tissue,
+        normal_force: region.normal_force_n,
+        point: region.point,
     }
 }
 
@@ -264,6 +290,9 @@ impl Plugin for Physics {
     }
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        if tick.index() == 0 {
+            self.publish_rest(tick)?;
+        }
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         let motions = self.motions(&tools);
         let executor = HostExecutor(self.parallel);
@@ -385,3 +414,6 @@ impl Plugin for Physics {
 }
 
 export_plugin!(Physics, "../plugin.toml");
+
+#[cfg(test)]
+mod tests;

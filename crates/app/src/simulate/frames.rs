@@ -3,7 +3,7 @@
 use crate::scene_file::SceneFile;
 use microsim_mesh::format::{Field, FieldValues, PvdEntry, VtuEncoding, write_pvd, write_vtu};
 use microsim_mesh::signed_volume;
-use microsim_scene::{BodySpec, Runner, von_mises};
+use microsim_scene::{BodySpec, Runner, cauchy_stresses, green_strains, von_mises};
 use microsim_settings::unwritable;
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
@@ -97,15 +97,28 @@ fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
             signed_volume(a, b, c, d) / rest
         })
         .collect();
-    let stress = von_mises(body, scene.body(index).mesh(), now);
-    let mut of_elements = vec![Field {
-        name: "volume ratio",
-        values: FieldValues::Scalars(&ratio),
-    }];
-    if let Some(stress) = &stress {
+    let mesh = scene.body(index).mesh();
+    let strains = green_strains(mesh, now);
+    let mut of_elements = vec![
+        Field {
+            name: "volume ratio",
+            values: FieldValues::Scalars(&ratio),
+        },
+        Field {
+            name: "Green strain",
+            values: FieldValues::SymmetricTensors(&strains),
+        },
+    ];
+    let stresses = cauchy_stresses(body, mesh, now).unwrap_or_default();
+    let equivalent: Vec<f64> = stresses.iter().map(von_mises).collect();
+    if !stresses.is_empty() {
+        of_elements.push(Field {
+            name: "Cauchy stress [Pa]",
+            values: FieldValues::SymmetricTensors(&stresses),
+        });
         of_elements.push(Field {
             name: "von Mises stress [Pa]",
-            values: FieldValues::Scalars(stress),
+            values: FieldValues::Scalars(&equivalent),
         });
     }
     let of_nodes = [
@@ -118,11 +131,5 @@ fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
             values: FieldValues::Vectors(scene.body(index).velocities()),
         },
     ];
-    write_vtu(
-        scene.body(index).mesh(),
-        now,
-        &of_nodes,
-        &of_elements,
-        VtuEncoding::AppendedRaw,
-    )
+    write_vtu(mesh, now, &of_nodes, &of_elements, VtuEncoding::AppendedRaw)
 }

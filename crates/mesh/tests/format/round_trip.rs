@@ -10,7 +10,7 @@ use microsim_mesh::format::{
     write_gmsh_2, write_vtu,
 };
 use microsim_mesh::{TetMesh, TriangleSurface, signed_volume};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
 fn vtu(mesh: &TetMesh, encoding: VtuEncoding) -> Vec<u8> {
@@ -232,10 +232,17 @@ fn fields_and_moved_positions_are_in_the_vtu_file() {
         name: "displacement <m>",
         values: FieldValues::Vectors(&displacement),
     }];
-    let element_fields = [Field {
-        name: "stress",
-        values: FieldValues::Scalars(&stress),
-    }];
+    let tensors = vec![Matrix3::new(1.0, 4.0, 6.0, 4.0, 2.0, 5.0, 6.0, 5.0, 3.0); mesh.tets.len()];
+    let element_fields = [
+        Field {
+            name: "stress",
+            values: FieldValues::Scalars(&stress),
+        },
+        Field {
+            name: "tensor",
+            values: FieldValues::SymmetricTensors(&tensors),
+        },
+    ];
     let file = write_vtu(
         &mesh,
         &moved,
@@ -247,6 +254,10 @@ fn fields_and_moved_positions_are_in_the_vtu_file() {
     let text = String::from_utf8(file).unwrap();
     assert!(text.contains("Name=\"displacement &lt;m&gt;\" NumberOfComponents=\"3\""));
     assert!(text.contains("0.5\n1.5\n2.5\n"), "{text}");
+    // The order of VTK: xx, yy, zz, xy, yz, xz.
+    let tensor =
+        "Name=\"tensor\" NumberOfComponents=\"6\" format=\"ascii\">\n1.0 2.0 3.0 4.0 5.0 6.0\n";
+    assert!(text.contains(tensor), "{text}");
 }
 
 #[test]

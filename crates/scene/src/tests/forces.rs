@@ -117,6 +117,76 @@ fn opposing_jaws_do_not_cancel_in_the_forces_of_parts() {
     }
 }
 
+/// Two jaws press a block whose halves are of two regions: on each acts what its jaw does, to the bit, and all of it together is the force
+/// on the body. Under one jaw in the middle of a side that the border halves, each region bears half of it.
+#[test]
+fn forces_of_regions_sum_up_to_that_on_the_body() {
+    let halved = |axis: usize| {
+        let mut spec = squeezed(Newton::default(), -0.1e-3);
+        let body = &mut spec.bodies[0];
+        let mesh = &mut body.mesh;
+        let is_behind = |tet: &[u32; 4]| {
+            let along = tet.iter().map(|&node| mesh.positions[node as usize][axis]);
+            along.sum::<f64>() > 0.0
+        };
+        mesh.regions = mesh
+            .tets
+            .iter()
+            .map(|tet| 4 + u32::from(is_behind(tet)))
+            .collect();
+        let (_, material) = body.materials[0];
+        body.materials = vec![(4, material), (5, material)];
+        spec
+    };
+    let still = held([0.0; 3], [0.0; 3]);
+    let contact = |spec: &SceneSpec, motion: ToolMotion| {
+        let mut scene = Scene::new(spec).unwrap();
+        for _ in 0..20 {
+            scene.tick(&[motion], 5e-3, 1, &Serial).unwrap();
+        }
+        let mut report = scene.tick(&[motion], 5e-3, 1, &Serial).unwrap();
+        assert_eq!(report.contacts.len(), 1);
+        report.contacts.remove(0)
+    };
+    let force = |region: &RegionReport| Vector3::from(region.force_on_tissue);
+
+    let across = contact(&halved(0), still);
+    let [low, high] = &across.regions[..] else {
+        panic!("{:?}", across.regions)
+    };
+    assert_eq!([low.region, high.region], [4, 5]);
+    let [left, right] = &across.parts[..] else {
+        panic!("{:?}", across.parts)
+    };
+    for (region, part) in [(low, right), (high, left)] {
+        assert_eq!(region.force_on_tissue, part.force_on_tissue);
+        assert_eq!(region.normal_force_n, part.normal_force_n);
+        assert_eq!(region.point, part.point);
+    }
+    assert!(force(low).x > 1e-3 && force(high).x < -1e-3);
+
+    // Both jaws lie along y, over the border.
+    let along = contact(&halved(1), still);
+    let pushed: f64 = along.parts.iter().map(|part| part.normal_force_n).sum();
+    for (contact, regions) in [(&across, 2), (&along, 2)] {
+        assert_eq!(contact.regions.len(), regions);
+        let sum: Vector3<f64> = contact.regions.iter().map(force).sum();
+        let net = Vector3::from(contact.force_on_tissue);
+        assert!((sum - net).norm() <= 1e-12 * pushed, "{sum} {net}");
+    }
+    let halves = along.regions.iter().map(|region| region.normal_force_n);
+    for half in halves {
+        assert!((half / pushed - 0.5).abs() < 0.05, "{half} of {pushed}");
+    }
+    let whole = contact(&squeezed(Newton::default(), -0.1e-3), still);
+    let [all] = &whole.regions[..] else {
+        panic!("{:?}", whole.regions)
+    };
+    assert_eq!(all.region, 0);
+    let net = Vector3::from(whole.force_on_tissue);
+    assert!((force(all) - net).norm() <= 1e-12 * all.normal_force_n);
+}
+
 /// The sustained force of a constant squeeze is its own from 50 ms on, and the time over the limit is the tick; before, it grows in
 /// proportion.
 #[test]

@@ -11,7 +11,8 @@ type Edge = [u32; 2];
 
 /// The nodes and the surface of a snapshot. Nodes have stable ids, which a module may keep; the arrays are in another order after a cut.
 ///
-/// The first snapshot comes after the first tick: a body that the level leaves to gravity has moved by then.
+/// The first snapshot comes after the first tick: a body that the level leaves to gravity has moved by then. How it lay before is in the
+/// block [`TISSUE_REST`](microsim_message::TISSUE_REST), of which this is made just as well.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyShape<'a> {
     ids: &'a [u32],

@@ -2,7 +2,7 @@
 
 use crate::TetMesh;
 use crate::format::assemble::DIRECTIONS;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::fmt::Write;
 
 /// How the arrays are written.
@@ -30,6 +30,8 @@ pub enum FieldValues<'a> {
     Scalars(&'a [f64]),
     /// Vectors.
     Vectors(&'a [Vector3<f64>]),
+    /// Symmetric tensors, of which xx, yy, zz, xy, yz and xz are written, as VTK orders them.
+    SymmetricTensors(&'a [Matrix3<f64>]),
     /// Counts, ids.
     Wholes(&'a [u32]),
 }
@@ -39,6 +41,7 @@ impl FieldValues<'_> {
         match self {
             Self::Scalars(values) => values.len(),
             Self::Vectors(values) => values.len(),
+            Self::SymmetricTensors(values) => values.len(),
             Self::Wholes(values) => values.len(),
         }
     }
@@ -155,6 +158,12 @@ impl File {
                     .flat_map(|vector| [vector.x, vector.y, vector.z])
                     .collect();
                 self.array(name, "Float64", 3, &flat, |value| value.to_le_bytes());
+            }
+            FieldValues::SymmetricTensors(values) => {
+                const ORDER: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+                let parts = values.iter().flat_map(|tensor| ORDER.map(|at| tensor[at]));
+                let flat: Vec<f64> = parts.collect();
+                self.array(name, "Float64", 6, &flat, |value| value.to_le_bytes());
             }
         }
     }

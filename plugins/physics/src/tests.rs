@@ -1,0 +1,120 @@
+//! The plugin alone, in-process, on a level of a module.
+
+use super::*;
+use microsim_sdk::message::config_value;
+use microsim_sdk::tissue::{BodyForces, BodyShape};
+use microsim_sdk::{BlockView, Published, TestHost, name_id};
+use microsim_settings::{ToolModels, load_level, load_manifest, load_tool};
+use std::path::PathBuf;
+
+const TICK_NS: u64 = 8_000_000;
+
+/// The physics of the first level of push-strip.
+fn physics() -> TestHost<Physics> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let module = root.join("modules/push-strip");
+    let manifest = load_manifest(&module.join("module.toml")).expect("a manifest");
+    let level = load_level(&module.join("levels/level1.toml"), &manifest.settings, &[]);
+    let level = level.expect("a level").settings;
+    let mut models = ToolModels::new();
+    for slot in &level.tool {
+        let shape = load_tool(&root.join(format!("config/tools/{}.toml", slot.model)));
+        models.insert(slot.model.clone(), shape.expect("a tool").settings);
+    }
+    let config = PhysicsConfig::new(&level, &models).expect("physics");
+    let setup = Setup {
+        name: "physics".into(),
+        seed: 1,
+        tick_ns: TICK_NS,
+        steps: level.clock.steps,
+        level: 1,
+        config: config_value(&config),
+        files: Vec::new(),
+    };
+    let publishes = [
+        "tissue.snapshot",
+        "tissue.rest",
+        "contact.forces",
+        "tissue.recovery",
+        "tissue.cut",
+        "tissue.solver",
+    ];
+    TestHost::new(&publishes, &["tool.states"], &[], setup).expect("a plugin that starts")
+}
+
+/// The block of a kind that was published.
+fn block<'a>(published: &'a Published, kind: &str) -> Option<BlockView<'a>> {
+    let views = published
+        .blocks()
+        .iter()
+        .map(|words| BlockView::new(words).expect("a block"));
+    views.into_iter().find(|view| view.kind() == name_id(kind))
+}
+
+/// Lowest and highest node \[m\].
+fn heights(view: &BlockView<'_>) -> [f64; 2] {
+    let positions = view.f64s("position").expect("positions");
+    let z = positions.chunks(3).map(|p| p[2]);
+    [
+        z.clone().fold(f64::INFINITY, f64::min),
+        z.fold(f64::NEG_INFINITY, f64::max),
+    ]
+}
+
+/// The level states a block 2 mm thick with its centre at the origin: at rest it lies so, though by the first snapshot it has sagged. It is
+/// told in the first tick alone, again after a reset.
+#[test]
+fn a_body_at_rest_is_known_though_the_first_snapshot_has_moved() {
+    let mut host = physics();
+    for _ in 0..2 {
+        let first = host.tick().expect("a tick");
+        let rest = block(&first, "tissue.rest").expect("at rest");
+        let now = block(&first, "tissue.snapshot").expect("a snapshot");
+        for (z, stated) in heights(&rest).into_iter().zip([-1e-3, 1e-3]) {
+            assert!((z - stated).abs() < 1e-15, "{z}");
+        }
+        assert!(heights(&now)[0] < -1e-3 - 1e-6, "{:?}", heights(&now));
+        let shape = BodyShape::of(&rest).expect("nodes and surface");
+        let corner = shape.nearest_node([6e-3, 2e-3, 1e-3]).expect("nodes");
+        let same = BodyShape::of(&now).and_then(|now| now.place(corner));
+        assert_eq!(same, shape.place(corner), "it is clamped");
+
+        let second = host.tick().expect("a tick");
+        assert!(block(&second, "tissue.rest").is_none());
+        assert!(block(&second, "tissue.snapshot").is_some());
+        host.reset().expect("a reset");
+    }
+}
+
+/// A probe is pushed onto the strip, which is of one region: part and region bear what the contact does, along the way down.
+#[test]
+fn a_contact_tells_its_force_by_part_and_by_region() {
+    let mut host = physics();
+    let mut pushed = 0;
+    for tick in 0..24 {
+        let position = [0.2e-3, 0.1e-3, 3e-3 - 0.125e-3 * f64::from(tick)];
+        let pose = message::Pose {
+            position,
+            ..message::Pose::default()
+        };
+        host.send_tools(&[("right", pose)]);
+        let published = host.tick().expect("a tick");
+        let Some(forces) = published.last::<ContactForces>() else {
+            continue;
+        };
+        let on = BodyForces::of(&forces, "strip");
+        for contact in &forces.contacts {
+            let region = on.region(0).expect("the region of a block");
+            let parts = contact.parts.iter();
+            let parts: Vec<_> = parts.map(|part| on.part("right", &part.part)).collect();
+            for axis in 0..3 {
+                let of_parts: f64 = parts.iter().flatten().map(|part| part.force[axis]).sum();
+                let bound = 1e-12 * region.normal_force;
+                assert!((region.force[axis] - contact.force[axis]).abs() <= bound);
+                assert!((of_parts - contact.force[axis]).abs() <= bound);
+            }
+            pushed += usize::from(region.force[2] < -1e-3);
+        }
+    }
+    assert!(pushed > 2, "{pushed}");
+}
