@@ -4,7 +4,6 @@
 //! What is here: the measurements, their tables as CSV and Markdown, heat maps as SVG, one page as HTML. What is not: files, and
 //! clocks (a function that the caller brings gives CPU time). Everything but CPU times has the same bits on every machine.
 
-mod eigen;
 mod figures;
 mod heat_map;
 mod large_steps;

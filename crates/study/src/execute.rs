@@ -4,10 +4,11 @@
 //! is taken around the steps alone, from the first to the last; the samples between them belong to it, they cost less than a
 //! step.
 
+use crate::eigen::eigenvalues;
 use crate::plan::{Group, PlannedRun, PlannedStep, RunKey, group_overrides, run_overrides};
 use crate::row::{GroupResult, Measured, Row, Status};
 use microsim_drawing::{significant, time};
-use microsim_scene::{End, Executor, Runner, Scene, SceneSpec};
+use microsim_scene::{BodyView, End, Executor, Runner, Scene, SceneSpec};
 use microsim_settings::{self as settings, Chart, ChartScene, ExactKind};
 use microsim_tissue::stability;
 
@@ -17,6 +18,10 @@ const SHORT: f64 = 0.05;
 const REPETITIONS: usize = 3;
 /// An exact solution may take this many times the budget of a run.
 const EXACT_BUDGET: f64 = 20.0;
+/// The modes of bodies of up to so many nodes are looked at, which takes seconds.
+const MODES_NODES: usize = 500;
+/// Eigenvalues of a stiffness below this fraction of the largest are rounding.
+const MODES_ROUNDING: f64 = 1e-9;
 /// Name of the probe for the energy of a body; no name in a file is like it.
 const ENERGY_PROBE: &str = "the energy of body";
 
@@ -460,11 +465,35 @@ fn restless(runner: &Runner, rests: bool) -> Option<String> {
     };
     let fastest = (0..scene.body_count()).max_by(|a, b| speed(*a).total_cmp(&speed(*b)))?;
     Some(format!(
-        "body \"{}\" is not at rest after {}, its fastest node has {} mm/s: it has no stiffness in some mode, or too little damping",
+        "body \"{}\" is not at rest after {}, its fastest node has {} mm/s: {}",
         scene.body(fastest).name(),
         time(scene.time()),
-        significant(1e3 * speed(fastest), 2)
+        significant(1e3 * speed(fastest), 2),
+        cause(scene.body(fastest))
     ))
+}
+
+/// Why a body does not come to rest, by the modes of its stiffness as it lies now.
+fn cause(body: BodyView<'_>) -> String {
+    let model = body.model();
+    if model.node_count() > MODES_NODES {
+        return "it has no stiffness in some mode, or too little damping".into();
+    }
+    let values = eigenvalues(model, body.state());
+    let largest = values.last().copied().unwrap_or_default();
+    let soft = values
+        .iter()
+        .filter(|value| **value <= MODES_ROUNDING * largest)
+        .count();
+    match soft {
+        0 => {
+            "all of its modes have stiffness: it has too little damping, or too little time".into()
+        }
+        soft => format!(
+            "as it lies, {soft} of its {} modes have no stiffness",
+            values.len()
+        ),
+    }
 }
 
 /// (mean total energy of the last fifth − that of the first fifth) / largest kinetic energy. Means, as the energy measured at

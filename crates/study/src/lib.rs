@@ -10,6 +10,7 @@
 pub mod atlas;
 mod discretisation_error;
 mod drawing;
+mod eigen;
 mod execute;
 mod front;
 mod page;

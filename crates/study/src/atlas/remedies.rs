@@ -1,8 +1,8 @@
 //! The remedies of NUMERICS 3.5 on blocks with a bad element: the step is the recommended one of the good block, and stays.
 
-use super::eigen::eigenvalues;
 use super::limits::survives;
 use super::subject::{Constants, Substance, Variation, block, body};
+use crate::eigen::eigenvalues;
 use microsim_tissue::stability::{SAFETY, mass_floor, stable_step, stiffness_cap};
 use microsim_tissue::{Method, State, TissueModel};
 

@@ -1,6 +1,6 @@
 //! The bodies of the atlas: a small block of each material, changed in one respect at a time.
 
-use super::eigen::eigenvalues;
+use crate::eigen::eigenvalues;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_random::Congruential;
 use microsim_tissue::law::LawName;

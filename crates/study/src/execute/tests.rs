@@ -131,3 +131,29 @@ fn a_body_without_stiffness_in_some_mode_is_named() {
     let stiff = result("tetrahedra");
     assert!(stiff.exact_failure.is_none() && stiff.rows.iter().all(|r| r.status == Status::Ok));
 }
+
+/// A cube that nothing holds moves and turns along three axes each without any stiffness; one that is clamped at an end has some in every
+/// mode.
+#[test]
+fn modes_without_stiffness_are_counted() {
+    let described = |clamp: &str| {
+        let text = format!(
+            "{clamp}\n[title]\nen = \"Cube\"\n[summary]\nen = \"A cube.\"\n[run]\nduration = \"10 ms\"\nstep = \"1 ms\"\n[method]\nname = \"implicit-euler\"\n"
+        );
+        let scene = microsim_settings::read_scene(&text, "cube.toml", &[]).expect("a scene");
+        let spec = scene_spec(&scene.settings, &mut |_| unreachable!()).expect("a body");
+        let scene = Scene::new(&spec.spec).expect("a scene");
+        cause(scene.body(0))
+    };
+    let body = "[[body]]\nname = \"cube\"\ngenerator = \"block\"\nsize = [\"2 mm\", \"2 mm\", \"2 mm\"]\ncells = [2, 2, 2]\n[[body.material]]\nlaw = \"neo-hookean\"\nyoungs_modulus = \"10 kPa\"\npoisson_ratio = 0.3\ndensity = \"1000 kg/m^3\"\n";
+    assert_eq!(
+        described(body),
+        "as it lies, 6 of its 81 modes have no stiffness"
+    );
+    let clamp = "[[body.clamp]]\nnodes = { min = [\"-2 mm\", \"-2 mm\", \"-2 mm\"], max = [\"-0.9 mm\", \"2 mm\", \"2 mm\"] }\n";
+    let clamped = described(&format!("{body}{clamp}"));
+    assert!(
+        clamped.starts_with("all of its modes have stiffness"),
+        "{clamped}"
+    );
+}
