@@ -110,18 +110,32 @@ impl ConeProgram {
         forces: &mut [f64],
     ) -> bool {
         self.begin(compliance, regularisation, motions, cones, forces);
+        // From a guess on the boundary iterates may stick to it.
+        let found = self.iterate(cones) || {
+            self.forces.fill(0.0);
+            self.iterate(cones)
+        };
+        if found {
+            self.finish(cones, forces);
+        }
+        found
+    }
+
+    /// Iterates from the forces as a guess; returns whether the conditions are met.
+    fn iterate(&mut self, cones: &mut [Cone]) -> bool {
         self.enter(cones);
         for _ in 0..self.options.iterations {
             self.set_motions();
-            if self.is_done(cones) {
-                self.finish(cones, forces);
+            if self.wrong(cones) <= self.options.tolerance {
                 return true;
             }
             if !self.advance(cones) {
                 break;
             }
         }
-        false
+        // Rounding ends some before the tolerance, as the compliances of light and heavy pieces differ by many powers of ten.
+        self.set_motions();
+        self.wrong(cones) <= self.options.rounding
     }
 
     /// Takes over the part of the problem that has unknowns.
@@ -189,20 +203,29 @@ impl ConeProgram {
         }
     }
 
-    fn is_done(&self, cones: &[Cone]) -> bool {
-        let little = self.options.tolerance * self.reach;
-        cones.iter().all(|cone| {
-            let mut done = (self.motions[cone.at] - cone.gap).abs() <= little
-                && self.forces[cone.at] * cone.gap <= little * self.scale;
+    /// By how much the conditions are missed at most: displacements relative to the largest motion, products relative to those at the start.
+    /// Infinite where anything is not a number.
+    fn wrong(&self, cones: &[Cone]) -> f64 {
+        let mut worst = 0.0;
+        let mut is = |wrong: f64| {
+            worst = match wrong <= worst {
+                true => worst,
+                false if wrong.is_nan() => f64::INFINITY,
+                false => wrong,
+            };
+        };
+        for cone in cones {
+            is((self.motions[cone.at] - cone.gap).abs() / self.reach);
+            is(self.forces[cone.at] * cone.gap / (self.reach * self.scale));
             if cone.bound > 0.0 {
                 let [a, b] = cone.across(&self.forces);
                 let [x, y] = cone.across(&self.motions);
-                let wrong = (x + cone.slip * a).abs().max((y + cone.slip * b).abs());
-                let product = cone.slip * cone.reserve(&self.forces);
-                done &= wrong <= little && product <= little * cone.bound;
+                is((x + cone.slip * a).abs() / self.reach);
+                is((y + cone.slip * b).abs() / self.reach);
+                is(cone.slip * cone.reserve(&self.forces) / (self.reach * cone.bound));
             }
-            done
-        })
+        }
+        worst
     }
 
     /// One step of predictor and corrector; returns whether there was one.

@@ -37,7 +37,7 @@
 //! Early-terminated steps are those of time that need not converge, of small bodies with contacts. Their tangents are positive, so that
 //! the interior-point method can solve contacts among themselves. An iteration at whose end surfaces have turned so much that gaps are far
 //! below their floors goes back, to an eighth of its length at least. After a short one the matrix is retained for the next; one that moves
-//! hardly anything ends the step.
+//! hardly anything ends the step. Where the interior-point method finds no forces, those of before stay, and the iteration is a short one.
 //!
 //! # Limitations
 //! The derivative of viscous forces by positions is left out, so with viscosity the last iterations converge linearly, by a

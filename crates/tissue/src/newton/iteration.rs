@@ -172,6 +172,7 @@ impl NewtonSolver {
         loop {
             let exact = *tangent == Tangent::Exact;
             let moves = self.prescribe(problem.fixed, ends);
+            let failures = self.contacts.failures;
             let direction = self
                 .factorise(problem, *tangent)
                 .and_then(|()| self.set_direction(problem.fixed, moves, tolerances));
@@ -184,7 +185,11 @@ impl NewtonSolver {
                     // A curved path would not enforce non-penetration.
                     let far = residual >= self.options.second_order.least_residual;
                     self.set_second_order(problem, exact && far && self.contacts.is_empty());
-                    let outcome = self.search(problem);
+                    let first = match self.contacts.failures > failures {
+                        true => (self.options.contact.without_forces / self.reach()).min(1.0),
+                        false => 1.0,
+                    };
+                    let outcome = self.search(problem, first);
                     if outcome != LineSearchOutcome::NoDescent || (!exact && !self.retains_matrix) {
                         return Ok(outcome);
                     }

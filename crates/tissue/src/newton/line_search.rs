@@ -70,8 +70,8 @@ impl NewtonSolver {
         self.set_velocities(problem);
     }
 
-    /// Searches along the path, and leaves `trial` at the point that it ended with.
-    pub(super) fn search(&mut self, problem: &Problem<'_>) -> LineSearchOutcome {
+    /// Searches along the path from the step length `first`, and leaves `trial` at the point that it ended with.
+    pub(super) fn search(&mut self, problem: &Problem<'_>, first: f64) -> LineSearchOutcome {
         let options = self.options.line_search;
         let start = self.potential(problem);
         let slope = -dot(&self.residual, &self.direction);
@@ -80,7 +80,7 @@ impl NewtonSolver {
         }
         let before = dot(&self.residual, &self.residual);
         let enough = options.sufficient_decrease;
-        let mut length = 1.0;
+        let mut length = first;
         while length > options.shortest {
             self.advance(problem, length);
             let potential = self.potential(problem);
@@ -91,7 +91,7 @@ impl NewtonSolver {
             // Where Φ has no more digits its slope still has. Near rest that is so long before the terms of Φ show it: they are
             // differences themselves. There the forces fall by much.
             let rounding = rise <= options.rounding * (start.size + potential.size);
-            if rounding || length == 1.0 {
+            if rounding || length == first {
                 self.evaluate(problem, 0.0);
                 let falls = dot(&self.residual, &self.residual) <= options.force_decrease * before;
                 let path = self.direction.iter().zip(&self.second_order);

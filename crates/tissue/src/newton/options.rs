@@ -107,6 +107,9 @@ pub struct NewtonContactOptions {
     pub early_searches: u32,
     /// How often an iteration of an early-terminated step goes back by half of its length where overlaps came of it; 0 for never.
     pub retreats: u32,
+    /// How far nodes go at most in an iteration whose contact forces were not found \[mean edge length\]; in 1e-3..1. With those of before nothing
+    /// keeps a piece between jaws, and a longer one lets it out.
+    pub without_forces: f64,
     /// The displacement of an iteration that ends an early-terminated step \[mean edge length\]; in 1e-6..1e-2. What is held slides by what
     /// is left in every step, so it is far below the multiplier tolerance.
     pub still: f64,
@@ -156,6 +159,7 @@ impl Default for NewtonOptions {
                 searches: 5,
                 early_searches: 4,
                 retreats: 3,
+                without_forces: 0.05,
                 still: 1e-4,
                 short: 2e-2,
             },

@@ -141,6 +141,12 @@ impl NewtonSolver {
             .iter()
             .all(|d| d.norm_squared() <= most * most)
     }
+
+    /// How far nodes go in the direction at most \[mean edge length\].
+    pub(super) fn reach(&self) -> f64 {
+        let squares = self.direction.iter().map(|d| d.norm_squared());
+        squares.fold(0.0, f64::max).sqrt() / self.edge
+    }
 }
 
 /// The stiffness of each node by itself at rest \[N/m\]: the mean of its directions.
