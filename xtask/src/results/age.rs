@@ -104,15 +104,25 @@ impl History {
         }
         let mut changed = Vec::new();
         for measured in &head.measures {
-            let named = self.root.join(measured).exists();
+            // A path may be gone since; names of packages have no slash.
+            let there = self.root.join(measured).exists();
+            let named = there || measured.contains('/');
+            if named && !there && self.git(&["show", &format!("{commit}:{measured}")]).is_none() {
+                return Ok(Age::NoHead(format!(
+                    "it measures {measured}, which is not there and was not at {commit}"
+                )));
+            }
             let paths = match (named, self.folders.get(measured)) {
                 (true, _) => vec![measured.clone()],
                 (false, Some(known)) => known.clone(),
-                (false, None) => {
-                    let folders = packages(measured)?;
-                    self.folders.insert(measured.clone(), folders.clone());
-                    folders
-                }
+                (false, None) => match packages(measured) {
+                    Ok(folders) => {
+                        self.folders.insert(measured.clone(), folders.clone());
+                        folders
+                    }
+                    Err(Failure::Cannot(error)) => return Ok(Age::NoHead(error)),
+                    Err(other) => return Err(other),
+                },
             };
             for path in self.changed(commit, &paths)? {
                 if counts(&path, named) && !changed.contains(&path) && self.differs(commit, &path) {
@@ -249,6 +259,12 @@ mod tests {
         std::fs::remove_file(root.join("crates/a/src/new.rs")).expect("gone");
         std::fs::remove_file(root.join("crates/a/src/lib.rs")).expect("gone");
         assert_eq!(age(root, &now, "microsim-a"), older);
+        // So does one that the head itself names.
+        std::fs::remove_file(root.join("crates/b.rs")).expect("gone");
+        let gone = Age::Older(vec!["crates/b.rs".into()]);
+        assert_eq!(age(root, &now, "crates/b.rs"), gone);
+        let never = age(root, &now, "crates/c.rs");
+        assert!(matches!(&never, Age::NoHead(why) if why.contains("crates/c.rs")));
     }
 
     #[test]
