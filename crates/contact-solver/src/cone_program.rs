@@ -17,6 +17,7 @@
 //! factors, however many contacts open, close, stick or slide: a method that follows these one by one takes one for each, and may cycle.
 
 use crate::options::InteriorPointOptions;
+use microsim_sparse::DenseFactor;
 
 /// A contact among the forces.
 #[derive(Clone, Copy, Debug)]
@@ -42,9 +43,10 @@ pub(crate) struct ConeProgram {
     options: InteriorPointOptions,
     /// The direction of each unknown.
     unknowns: Vec<usize>,
-    /// W of the unknowns, and its factor with what conditions add, row after row.
+    /// W of the unknowns, and with what conditions add, row after row; the factor of the latter.
     compliance: Vec<f64>,
-    factor: Vec<f64>,
+    matrix: Vec<f64>,
+    factor: DenseFactor,
     /// h, p, W p + h, and a step of p.
     base: Vec<f64>,
     forces: Vec<f64>,
@@ -88,7 +90,8 @@ impl ConeProgram {
             options,
             unknowns: Vec::new(),
             compliance: Vec::new(),
-            factor: Vec::new(),
+            matrix: Vec::new(),
+            factor: DenseFactor::default(),
             base: Vec::new(),
             forces: Vec::new(),
             motions: Vec::new(),
@@ -273,27 +276,28 @@ impl ConeProgram {
     /// Factors W + what the conditions add: s/λ along a normal, z 1 + z/w t tᵀ across it, w = (b² − |t|²)/2.
     fn factorise(&mut self, cones: &[Cone]) -> bool {
         let count = self.unknowns.len();
-        self.factor.clone_from(&self.compliance);
+        self.matrix.clone_from(&self.compliance);
         for cone in cones {
-            self.factor[cone.at * (count + 1)] += cone.gap / self.forces[cone.at];
+            self.matrix[cone.at * (count + 1)] += cone.gap / self.forces[cone.at];
             if cone.bound > 0.0 {
                 let t = cone.across(&self.forces);
                 let more = cone.slip / cone.reserve(&self.forces);
                 for (i, a) in t.into_iter().enumerate() {
                     let row = (cone.at + 1 + i) * count + cone.at + 1;
-                    self.factor[row + i] += cone.slip;
+                    self.matrix[row + i] += cone.slip;
                     for (j, b) in t.into_iter().enumerate() {
-                        self.factor[row + j] += more * a * b;
+                        self.matrix[row + j] += more * a * b;
                     }
                 }
             }
         }
-        cholesky(&mut self.factor, count)
+        self.factor.factorise(&self.matrix, count).is_ok()
     }
 
     /// Sets the step to products of `target`; with `curved` 1, that of the step before is a prediction of what is of second order.
     fn set_step(&mut self, cones: &mut [Cone], target: f64, curved: f64) {
         let Self {
+            factor,
             forces,
             motions,
             step,
@@ -316,7 +320,7 @@ impl ConeProgram {
             cone.gap_step = along / forces[cone.at];
             cone.slip_step = across;
         }
-        substitute(&self.factor, step);
+        factor.solve(step);
         for cone in cones {
             let ratio = cone.gap / forces[cone.at];
             cone.gap_step -= cone.gap + ratio * step[cone.at];
@@ -391,43 +395,6 @@ fn goal_across(cone: &Cone, t: &[f64; 2], d: &[f64; 2], target: f64, curved: f64
     let along = t[0] * d[0] + t[1] * d[1];
     let square = d[0] * d[0] + d[1] * d[1];
     target + curved * (cone.slip_step * along + 0.5 * cone.slip * square)
-}
-
-/// Factors a symmetric matrix in place, A = L Lᵀ with Lᵀ in the upper triangle; returns whether it is positive definite.
-fn cholesky(matrix: &mut [f64], count: usize) -> bool {
-    for k in 0..count {
-        let (done, below) = matrix.split_at_mut((k + 1) * count);
-        let row = &mut done[k * count + k..];
-        let pivot = row[0];
-        if !(pivot > 0.0 && pivot.is_finite()) {
-            return false;
-        }
-        let scale = 1.0 / pivot.sqrt();
-        row.iter_mut().for_each(|entry| *entry *= scale);
-        for (index, other) in below.chunks_exact_mut(count).enumerate() {
-            let ratio = row[index + 1];
-            let entries = other[k + 1 + index..].iter_mut().zip(&row[index + 1..]);
-            entries.for_each(|(entry, above)| *entry -= ratio * above);
-        }
-    }
-    true
-}
-
-/// Solves with what [`cholesky`] has left, in place.
-fn substitute(factor: &[f64], x: &mut [f64]) {
-    let count = x.len();
-    for k in 0..count {
-        let row = &factor[k * count + k..(k + 1) * count];
-        let (solved, rest) = x[k..].split_at_mut(1);
-        solved[0] /= row[0];
-        let entries = rest.iter_mut().zip(&row[1..]);
-        entries.for_each(|(x, entry)| *x -= entry * solved[0]);
-    }
-    for k in (0..count).rev() {
-        let row = &factor[k * count + k..(k + 1) * count];
-        let known: f64 = row[1..].iter().zip(&x[k + 1..]).map(|(a, b)| a * b).sum();
-        x[k] = (x[k] - known) / row[0];
-    }
 }
 
 #[cfg(test)]

@@ -118,6 +118,9 @@ pub struct RigidComponentOptions {
     /// A component on which a contact force acts that would move it this far in a step stays where it is \[mean edge length\]: it would
     /// lose its strain; in 1e-12..1e-6.
     pub pressed: f64,
+    /// The largest displacement of a component that balances its forces \[mean edge length\]; in 1e-9..1e-3. What linear systems leave is far
+    /// below. More is of an equation that is not solved: contacts would answer to it, and without their answer what is held leaves the jaws.
+    pub balancing: f64,
 }
 
 /// All of them.
@@ -205,6 +208,7 @@ impl Default for RigidComponentOptions {
             sweeps: 50,
             tolerance: 1e-10,
             pressed: 1e-9,
+            balancing: 1e-4,
         }
     }
 }

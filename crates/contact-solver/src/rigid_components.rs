@@ -135,7 +135,7 @@ impl RigidComponents {
     }
 
     /// Moves free components by the sum of the forces `left` over \[N\], over that of the forces per displacement of the nodes \[N/m\]: then
-    /// their momentum is that of all forces to rounding.
+    /// their momentum is that of all forces to rounding. Those that would go further than [`RigidComponentOptions::balancing`] stay.
     pub fn balance(
         &mut self,
         fixed: &[bool],
@@ -149,8 +149,12 @@ impl RigidComponents {
             part.left += left;
             part.inertia += inertia(node);
         }
+        let most = self.options.balancing * self.edge;
         for part in self.parts.iter_mut().filter(|part| !part.held) {
-            part.displacement = part.left / part.inertia;
+            let displacement = part.left / part.inertia;
+            if displacement.norm() <= most {
+                part.displacement = displacement;
+            }
         }
         self.displace(positions);
     }
@@ -159,5 +163,30 @@ impl RigidComponents {
         for (x, &part) in positions.iter_mut().zip(&self.components.of_node) {
             *x += self.parts[part as usize].displacement;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two nodes of 1 kg are one component, a third is another; the last is held.
+    #[test]
+    fn rounding_is_balanced_and_what_is_not_solved_is_not() {
+        let components = Components {
+            of_node: vec![0, 0, 1, 2],
+            lowest: vec![0, 2, 3],
+        };
+        let (edge, options) = (0.5, RigidComponentOptions::default());
+        let mut rigid = RigidComponents::new(Arc::new(components), edge, |_| 1.0, options);
+        let most = options.balancing * edge;
+        let mut positions = [Vector3::zeros(); 4];
+        // Per node 4 N/m: the displacement is the sum of forces over 8 N/m and over 4 N/m.
+        let left = [7.0 * most, 0.0, 4.1 * most, most].map(|force| Vector3::new(0.0, force, 0.0));
+        let fixed = [false, false, false, true];
+        rigid.balance(&fixed, &left, |_| 4.0, &mut positions);
+        let moved = positions.map(|x| x.y / most);
+        assert!((moved[0] - 7.0 / 8.0).abs() < 1e-12 && moved[1] == moved[0]);
+        assert_eq!(moved[2..], [0.0, 0.0]);
     }
 }

@@ -277,15 +277,15 @@ impl<T: Real> Factor<T> {
 }
 
 /// Copies numbers into octets; the last octet is filled up with zeros.
-fn load<T: Real>(octets: &mut [Octet<T>], x: &[T]) {
+pub(crate) fn load<T: Real>(octets: &mut [Octet<T>], x: &[T]) {
     for (octet, x) in octets.iter_mut().zip(x.chunks(WIDTH)) {
         *octet = Octet::ZERO;
         octet.0[..x.len()].copy_from_slice(x);
     }
 }
 
-/// Backward substitution.
-fn store<T: Real>(octets: &[Octet<T>], x: &mut [T]) {
+/// Copies octets back into numbers.
+pub(crate) fn store<T: Real>(octets: &[Octet<T>], x: &mut [T]) {
     for (octet, x) in octets.iter().zip(x.chunks_mut(WIDTH)) {
         x.copy_from_slice(&octet.0[..x.len()]);
     }
@@ -303,7 +303,7 @@ fn gather<T: Real>(octets: &mut [Octet<T>], rows: &[u32], x: &[T]) {
     }
 }
 
-/// Backward substitution.
+/// Copies octets back into the vectors at `rows`.
 fn scatter<T: Real>(octets: &[Octet<T>], rows: &[u32], x: &mut [T]) {
     for (k, &row) in rows.iter().enumerate() {
         for (a, value) in x[3 * row as usize..][..3].iter_mut().enumerate() {

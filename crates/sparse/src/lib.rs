@@ -1,5 +1,5 @@
 //! Sparse symmetric positive definite matrices of 3×3 blocks: assembly, ordering, Cholesky factor, a preconditioner of two levels,
-//! conjugate gradients, and the choice among them.
+//! conjugate gradients, and the choice among them. Small dense matrices use the same kernels.
 //!
 //! One block row per node of a mesh, one block per pair of coupled nodes. Its use by an implicit solver:
 //!
@@ -34,6 +34,7 @@
 #![forbid(unsafe_code)]
 
 mod assembly;
+mod dense;
 mod elimination;
 mod factor;
 mod gradients;
@@ -49,6 +50,7 @@ mod solver;
 mod symbolic;
 mod two_level;
 
+pub use dense::DenseFactor;
 pub use factor::{Factor, NotPositive};
 pub use gradients::{CgOutcome, ConjugateGradients};
 pub use lattice::Lattice;

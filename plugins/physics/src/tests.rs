@@ -73,7 +73,7 @@ fn heights(view: &BlockView<'_>) -> [f64; 2] {
 }
 
 /// The level states a block 2 mm thick with its centre at the origin: at rest it lies so, though by the first snapshot it has sagged. It is
-/// told in the first tick alone, again after a reset.
+/// published in the first tick alone, again after a reset.
 #[test]
 fn a_body_at_rest_is_known_though_the_first_snapshot_has_moved() {
     let mut host = physics();
@@ -100,7 +100,7 @@ fn a_body_at_rest_is_known_though_the_first_snapshot_has_moved() {
     }
 }
 
-/// A probe is pushed onto the strip, which is of one region: part and region bear what the contact does, along the way down.
+/// A probe is pushed onto the strip, which is of one region: part and region bear what the contact does, along the path down.
 #[test]
 fn a_contact_tells_its_force_by_part_and_by_region() {
     let mut host = physics();

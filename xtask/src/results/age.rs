@@ -107,7 +107,12 @@ impl History {
             // A path may be gone since; names of packages have no slash.
             let there = self.root.join(measured).exists();
             let named = there || measured.contains('/');
-            if named && !there && self.git(&["show", &format!("{commit}:{measured}")]).is_none() {
+            if named
+                && !there
+                && self
+                    .git(&["show", &format!("{commit}:{measured}")])
+                    .is_none()
+            {
                 return Ok(Age::NoHead(format!(
                     "it measures {measured}, which is not there and was not at {commit}"
                 )));

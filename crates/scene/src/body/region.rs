@@ -37,8 +37,8 @@ impl SurfaceRegions {
 }
 
 impl Body {
-    /// The regions of the surface at a vertex, on an edge or on a triangle, given by its nodes, each with its share of what acts there: by the
-    /// areas at rest of the triangles that have all these nodes. Ascending; the shares sum up to 1.
+    /// The regions of the surface at a vertex, on an edge or on a triangle, given by its nodes, each with its part of what acts there: by the
+    /// areas at rest of the triangles that have all these nodes. Ascending; the parts sum up to 1.
     pub(crate) fn region_shares(&self, nodes: &[u32]) -> Vec<(u32, f64)> {
         let Some(&node) = nodes.first() else {
             return Vec::new();

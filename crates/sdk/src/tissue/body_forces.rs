@@ -3,8 +3,8 @@
 use microsim_message::{ContactForce, ContactForces, PartForce, RegionForce};
 use nalgebra::Vector3;
 
-/// The forces of all tools on a body, of one message. They mean something where [`SolverTick::valid`](microsim_message::SolverTick::valid) says
-/// that its tick does.
+/// The forces of all tools on a body, of one message. They mean something where the solver's tick is
+/// [valid](microsim_message::SolverTick::valid).
 #[derive(Clone, Copy, Debug)]
 pub struct BodyForces<'a> {
     contacts: &'a [ContactForce],

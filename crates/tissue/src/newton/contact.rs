@@ -88,8 +88,8 @@ impl NewtonSolver {
         length
     }
 
-    /// Publishes the forces of the contacts. With inertia the momentum of each free component is conserved to rounding with these: the whole
-    /// component is moved by what linear systems have left of it.
+    /// Publishes the forces of the contacts. With inertia the momentum of each free component is conserved to rounding with these, where
+    /// the equation is solved: the whole component is moved by what linear systems have left of it.
     pub(super) fn publish(&mut self, problem: &Problem<'_>) {
         self.contacts.publish();
         let rate = problem.equation.rate;
