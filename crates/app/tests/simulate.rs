@@ -454,7 +454,7 @@ fn probes_are_written_as_a_table() {
         assert_eq!(*row, columns.each_ref().map(|column| column[sample]));
     }
 
-    std::fs::write(folder.path().join("000001.png"), "an older picture").expect("a file");
+    std::fs::write(folder.path().join("frame-000001.png"), "an older picture").expect("a file");
     let pictures = folder.path().to_str().expect("UTF-8");
     let refused = simulate("drop", &[&words[..4], &["--frames", pictures]].concat());
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));

@@ -36,7 +36,7 @@ pub fn in_words(error: Error) -> Error {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",
         ErrorKind::PermissionDenied => "this user has no permission",
-        ErrorKind::AlreadyExists => "it is there already",
+        ErrorKind::AlreadyExists => "it exists already",
         ErrorKind::IsADirectory => "it is a folder",
         ErrorKind::NotADirectory => "a part of the path is a file, not a folder",
         ErrorKind::ReadOnlyFilesystem => "the file system is read-only",
