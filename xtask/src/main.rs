@@ -70,7 +70,8 @@ fn act(command: Command) -> Result<(), Failure> {
         } => {
             setup::setup(Mode::Install)?;
             tree::build(&workspace)?;
-            results::stamped(&workspace, || {
+            let commands: Vec<_> = programs.iter().map(|p| p.command(&arguments)).collect();
+            results::stamped(&workspace, &commands, || {
                 programs
                     .iter()
                     .try_for_each(|p| programs::run(&workspace, p, &arguments))

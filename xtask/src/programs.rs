@@ -155,6 +155,30 @@ pub fn select(
     Ok(selected)
 }
 
+impl Program {
+    /// The command that runs it with these arguments, as one would type it.
+    pub fn command(&self, arguments: &[OsString]) -> String {
+        let is = |program: &Program| program.example == self.example;
+        let list = if BENCHES.iter().any(is) {
+            "bench"
+        } else {
+            "soak"
+        };
+        let mut words = vec![
+            "cargo".into(),
+            "xtask".into(),
+            list.into(),
+            self.name.into(),
+        ];
+        if !arguments.is_empty() {
+            words.push("--".into());
+        }
+        let arguments = arguments.iter().map(|word| word.to_string_lossy());
+        words.extend(arguments);
+        words.join(" ")
+    }
+}
+
 /// Runs a program to its end.
 pub fn run(
     workspace: &Workspace,
@@ -179,6 +203,22 @@ pub fn run(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_program_has_the_command_that_heads_its_page() {
+        let [host] = select(BENCHES, Some("host")).expect("it is there")[..] else {
+            panic!("one of this name");
+        };
+        assert_eq!(host.command(&[]), "cargo xtask bench host");
+        let [cuts] = select(SOAKS, Some("cuts")).expect("it is there")[..] else {
+            panic!("one of this name");
+        };
+        let arguments = ["10000", "4242"].map(OsString::from);
+        assert_eq!(
+            cuts.command(&arguments),
+            "cargo xtask soak cuts -- 10000 4242"
+        );
+    }
 
     #[test]
     fn a_program_is_found_by_its_name() {

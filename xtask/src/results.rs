@@ -43,7 +43,9 @@ pub fn results(workspace: &Workspace, make: Make) -> Result<(), Failure> {
     for (path, head) in &wanted {
         for line in &head.commands {
             if !done.contains(&&line[..]) {
-                stamped(workspace, || start(workspace, line))?;
+                stamped(workspace, std::slice::from_ref(line), || {
+                    start(workspace, line)
+                })?;
                 done.push(line);
             }
         }
@@ -66,9 +68,11 @@ pub fn check(workspace: &Workspace) -> Result<Outcome, Failure> {
     })
 }
 
-/// Runs something that may write pages. Those that it wrote get their heads back, with this commit and this machine.
+/// Runs commands that may write pages. Those that they wrote get their heads back: with this commit and this machine if the commands are those of the
+/// page and ended well, else as they were. A part of a page is of the old commit.
 pub fn stamped(
     workspace: &Workspace,
+    commands: &[String],
     work: impl FnOnce() -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let before = pages(workspace)?;
@@ -79,7 +83,11 @@ pub fn stamped(
         if new.text == old.text {
             continue;
         }
-        stamp(workspace, &old.path, head)?;
+        if done.is_ok() && head.commands.iter().any(|made| commands.contains(made)) {
+            stamp(workspace, &old.path, head)?;
+        } else {
+            write(&old.path, &head.put(&new.text))?;
+        }
     }
     done
 }
@@ -88,8 +96,11 @@ pub fn stamped(
 fn stamp(workspace: &Workspace, path: &Path, head: Head) -> Result<(), Failure> {
     let text = Page::read(path).map_err(Failure::Cannot)?.text;
     let head = head.made(History::of(&workspace.root).head()?, machine());
-    std::fs::write(path, head.put(&text))
-        .map_err(|e| Failure::Cannot(format!("{}: {e}", path.display())))
+    write(path, &head.put(&text))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|e| Failure::Cannot(format!("{}: {e}", path.display())))
 }
 
 /// Prints a line for each page.
