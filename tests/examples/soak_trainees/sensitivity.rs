@@ -211,7 +211,9 @@ fn section(
     out.push_str(" largest spread over difference |\n|---|---|---|---|---|---|---|---|---|\n");
     for (id, metric) in metrics {
         let value = |trainee: usize, change: usize| {
-            outcomes.get(&(trainee, change))?.values.get(id).copied()
+            let outcome = outcomes.get(&(trainee, change))?;
+            let judged = outcome.verdict != "not-judged";
+            outcome.values.get(id).copied().filter(|_| judged)
         };
         let group = |kind: usize| {
             let values = (kind * count..(kind + 1) * count).filter_map(|t| value(t, 0));
