@@ -69,7 +69,7 @@ pub fn check(workspace: &Workspace) -> Result<Outcome, Failure> {
 }
 
 /// Runs commands that may write pages. Those that they wrote get their heads back: with this commit and this machine if the commands are those of the
-/// page and ended well, else as they were. A part of a page is of the old commit.
+/// page, all of them, and ended well, else as they were. A part of a page is of the old commit.
 pub fn stamped(
     workspace: &Workspace,
     commands: &[String],
@@ -83,7 +83,7 @@ pub fn stamped(
         if new.text == old.text {
             continue;
         }
-        if done.is_ok() && head.commands.iter().any(|made| commands.contains(made)) {
+        if done.is_ok() && head.is_made_by(commands) {
             stamp(workspace, &old.path, head)?;
         } else {
             write(&old.path, &head.put(&new.text))?;

@@ -6,16 +6,33 @@ use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+/// An error if nothing can be written at `path`, found before there is anything to write. What is there stays as it is.
+pub fn must_be_writable(path: &Path) -> Result<(), Problem> {
+    if is_special(path) {
+        return Ok(());
+    }
+    let is_new = !path.exists();
+    let opened = fs::OpenOptions::new().append(true).create(true).open(path);
+    opened.map_err(|e| unwritable(path, e))?;
+    if is_new {
+        fs::remove_file(path).map_err(|e| unwritable(path, e))?;
+    }
+    Ok(())
+}
+
+/// A device or pipe that is named on purpose, such as /dev/stdout: it is written to, not replaced.
+fn is_special(path: &Path) -> bool {
+    let special = |kind: fs::FileType| !kind.is_file() && !kind.is_dir();
+    path.starts_with("/dev")
+        || path.starts_with("/proc")
+        || fs::metadata(path).is_ok_and(|m| special(m.file_type()))
+}
+
 /// Puts `content` in the place of what is at `path`. A link is replaced, and what it names stays as it is. After a failure, of a full
 /// disk for example, the old content is still there.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), Problem> {
     let named = |e| unwritable(path, e);
-    // A device or pipe that is named on purpose, such as /dev/stdout, is written to.
-    let special = |kind: fs::FileType| !kind.is_file() && !kind.is_dir();
-    if path.starts_with("/dev")
-        || path.starts_with("/proc")
-        || fs::metadata(path).is_ok_and(|m| special(m.file_type()))
-    {
+    if is_special(path) {
         return Ok(fs::write(path, content).map_err(named)?);
     }
     let (new, mut file) = beside(path).map_err(named)?;

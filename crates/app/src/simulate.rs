@@ -11,6 +11,7 @@ mod table;
 use crate::cli::{Place, SimulateArgs};
 use crate::output::{Exit, Problem, print_if_read as print};
 use crate::progress::{self, StatusLine};
+use crate::replace_file;
 use crate::run::refuse_old_pictures;
 use crate::scene_file::{SceneFile, find};
 use cpu::cpu_seconds;
@@ -18,11 +19,9 @@ use document::{Result as Outcome, document};
 use frames::Frames;
 use microsim_scene::{End, Executor, Serial};
 use microsim_session::Chain;
-use microsim_settings::unwritable;
 use pictures::Pictures;
 use pool::Pool;
-use std::fs::File;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// Steps of the progress bar.
@@ -49,15 +48,11 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     if let Some(folder) = &args.frames {
         refuse_old_pictures(folder)?;
     }
-    // A file that cannot be written is reported before the time is spent.
-    let mut json_file = match &args.json {
-        Some(file) if !quiet => Some(File::create(file).map_err(|e| unwritable(file, e))?),
-        _ => None,
-    };
-    let mut csv_file = match &args.csv {
-        Some(file) => Some(File::create(file).map_err(|e| unwritable(file, e))?),
-        None => None,
-    };
+    // A file that cannot be written is reported before the time is spent; the old one stays until there is a new one.
+    let json_file = args.json.as_deref().filter(|_| !quiet);
+    for file in json_file.into_iter().chain(args.csv.as_deref()) {
+        replace_file::must_be_writable(file)?;
+    }
     if !quiet {
         print(table::heading(&scene, &path))?;
     }
@@ -129,21 +124,16 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         physics_digest: values.value(),
         threads: args.threads,
     };
-    if let Some(file) = &args.json {
-        let document = document(&scene, &outcome);
-        match &mut json_file {
-            None => print(format!("{document:#}"))?,
-            Some(open) => {
-                let mut buffered = std::io::BufWriter::new(open);
-                let written = writeln!(buffered, "{document:#}").and_then(|()| buffered.flush());
-                written.map_err(|e| unwritable(file, e))?;
-            }
+    if args.json.is_some() {
+        let document = format!("{:#}\n", document(&scene, &outcome));
+        match json_file {
+            None => print(document.trim_end())?,
+            Some(file) => replace_file::replace(file, document.as_bytes())?,
         }
     }
-    if let (Some(file), Some(open)) = (&args.csv, &mut csv_file) {
+    if let Some(file) = &args.csv {
         let text = probe_table::csv(&scene.loaded.settings.probe, scene.runner.series());
-        let written = open.write_all(text.as_bytes());
-        written.map_err(|e| unwritable(file, e))?;
+        replace_file::replace(file, text.as_bytes())?;
     }
     if !quiet {
         print(table::result(&scene, cpu))?;

@@ -459,6 +459,11 @@ fn probes_are_written_as_a_table() {
     let refused = simulate("drop", &[&words[..4], &["--frames", pictures]].concat());
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
     assert_eq!(std::fs::read_to_string(&csv).expect("a table"), table);
+    // A file in the place of the folder of meshes is found after the table's name was looked at.
+    let file = json.to_str().expect("UTF-8");
+    let refused = simulate("drop", &[&words[..4], &["--vtu", file]].concat());
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read_to_string(&csv).expect("a table"), table);
 }
 
 /// A scene in English alone runs; without an English text it is refused. A mesh above the folder of its scene is refused with the reason.

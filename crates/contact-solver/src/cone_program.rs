@@ -129,7 +129,7 @@ impl ConeProgram {
         self.enter(cones);
         for _ in 0..self.options.iterations {
             self.set_motions();
-            if self.wrong(cones) <= self.options.tolerance {
+            if self.residual(cones) <= self.options.tolerance {
                 return true;
             }
             if !self.advance(cones) {
@@ -138,7 +138,7 @@ impl ConeProgram {
         }
         // Rounding ends some before the tolerance, as the compliances of light and heavy pieces differ by many powers of ten.
         self.set_motions();
-        self.wrong(cones) <= self.options.rounding
+        self.residual(cones) <= self.options.rounding
     }
 
     /// Takes over the part of the problem that has unknowns.
@@ -208,13 +208,13 @@ impl ConeProgram {
 
     /// By how much the conditions are missed at most: displacements relative to the largest motion, products relative to those at the start.
     /// Infinite where anything is not a number.
-    fn wrong(&self, cones: &[Cone]) -> f64 {
+    fn residual(&self, cones: &[Cone]) -> f64 {
         let mut worst = 0.0;
-        let mut is = |wrong: f64| {
-            worst = match wrong <= worst {
+        let mut is = |missed: f64| {
+            worst = match missed <= worst {
                 true => worst,
-                false if wrong.is_nan() => f64::INFINITY,
-                false => wrong,
+                false if missed.is_nan() => f64::INFINITY,
+                false => missed,
             };
         };
         for cone in cones {

@@ -119,7 +119,8 @@ pub struct RigidComponentOptions {
     /// lose its strain; in 1e-12..1e-6.
     pub pressed: f64,
     /// The largest displacement of a component that balances its forces \[mean edge length\]; in 1e-9..1e-3. What linear systems leave is far
-    /// below. More is of an equation that is not solved: contacts would answer to it, and without their answer what is held leaves the jaws.
+    /// below. More than that is the residual of a step
+    /// that is not solved, which contacts would have to balance; a component moved by it leaves the jaws that hold it.
     pub balancing: f64,
 }
 

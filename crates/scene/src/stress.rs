@@ -67,17 +67,21 @@ mod tests {
     use microsim_tissue::law::LawName;
     use microsim_tissue::{Discretisation, Material};
 
+    fn cube(cells: [usize; 3]) -> TetMesh {
+        let block = Block {
+            center: [0.0; 3],
+            size: [1e-3; 3],
+            cells,
+            split: CellSplit::Kuhn,
+        };
+        block.mesh().expect("a block")
+    }
+
     /// Simple shear γ of linear elasticity has σ_xz = μγ alone, so √3 μγ; a change of volume has none. All laws are linear
     /// elasticity up to γ².
     #[test]
     fn shear_has_its_stress_and_pressure_none() {
-        let block = Block {
-            center: [0.0; 3],
-            size: [1e-3; 3],
-            cells: [1; 3],
-            split: CellSplit::Kuhn,
-        };
-        let mesh = block.mesh().expect("a block");
+        let mesh = cube([1; 3]);
         let (young, poisson) = (1e5, 0.3);
         for law in LawName::ALL {
             let constants = ContinuumConstants {
@@ -121,13 +125,7 @@ mod tests {
     /// and b² = 1 − 2 ν e, and nothing else; its von Mises stress is the same.
     #[test]
     fn uniaxial_tension_has_one_stress_and_the_strains_of_its_stretches() {
-        let block = Block {
-            center: [0.0; 3],
-            size: [1e-3; 3],
-            cells: [2; 3],
-            split: CellSplit::Kuhn,
-        };
-        let mesh = block.mesh().expect("a block");
+        let mesh = cube([2; 3]);
         let (young, poisson, strain) = (1e5, 0.3, 0.2_f64);
         let constants = ContinuumConstants {
             law: LawName::StVenantKirchhoff.into(),

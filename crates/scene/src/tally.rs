@@ -213,10 +213,10 @@ pub(crate) fn sum_up(
             let local = touched.iter().map(|node| node - member.first_node as u32);
             let local: Vec<u32> = local.collect();
             let on_it = if is_first { force } else { -force };
-            for (region, share) in bodies[member.body].region_shares(&local) {
+            for (region, weight) in bodies[member.body].region_weights(&local) {
                 let of_region = tally.regions.entry(region).or_default();
-                let normal_force = contact.normal_force * share;
-                of_region.add(&(on_it * share), normal_force, &place, h);
+                let normal_force = contact.normal_force * weight;
+                of_region.add(&(on_it * weight), normal_force, &place, h);
             }
         }
         if let Some(jaw) = jaw {

@@ -106,6 +106,11 @@ impl Head {
         })
     }
 
+    /// Whether commands make the whole page: all of its own are among them.
+    pub fn is_made_by(&self, commands: &[String]) -> bool {
+        self.commands.iter().all(|own| commands.contains(own))
+    }
+
     /// The head of the page when it is made again at a commit on a machine. Where no figure depends on the machine it stays so.
     pub fn made(self, commit: String, machine: String) -> Self {
         let machine = match self.machine.starts_with("any") {
@@ -168,6 +173,8 @@ mod tests {
         );
         // A second time it takes the place of the first.
         assert_eq!(head.put(&page), page);
+        assert!(head.is_made_by(&head.commands));
+        assert!(!head.is_made_by(&head.commands[..1]));
         let made = head.clone().made("4567def".into(), "a laptop".into());
         assert_eq!([&made.commit[..], &made.machine], ["4567def", "a laptop"]);
         let machine = "any: no figure depends on it".to_owned();

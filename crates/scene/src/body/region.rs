@@ -37,44 +37,53 @@ impl SurfaceRegions {
 }
 
 impl Body {
-    /// The regions of the surface at a vertex, on an edge or on a triangle, given by its nodes, each with its part of what acts there: by the
-    /// areas at rest of the triangles that have all these nodes. Ascending; the parts sum up to 1.
-    pub(crate) fn region_shares(&self, nodes: &[u32]) -> Vec<(u32, f64)> {
+    /// The regions of the surface at a vertex, on an edge or on a triangle, given by its nodes, each with its weight in what acts there: by the
+    /// areas at rest of the triangles that have all these nodes, and evenly by triangles where none has an area. Ascending; the weights sum up to 1.
+    pub(crate) fn region_weights(&self, nodes: &[u32]) -> Vec<(u32, f64)> {
         let Some(&node) = nodes.first() else {
             return Vec::new();
         };
         match (&self.surface_regions, &self.topology) {
             (SurfaceRegions::One(region), _) => vec![(*region, 1.0)],
-            (SurfaceRegions::Fixed(at), _) => self.shares(nodes, at[node as usize].iter().copied()),
+            (SurfaceRegions::Fixed(at), _) => {
+                self.weights(nodes, at[node as usize].iter().copied())
+            }
             (SurfaceRegions::Cut, topology) => {
                 let topology = topology.iter();
-                self.shares(nodes, topology.flat_map(|of| triangles_at(of, node)))
+                self.weights(nodes, topology.flat_map(|of| triangles_at(of, node)))
             }
         }
     }
 
-    fn shares(
+    fn weights(
         &self,
         nodes: &[u32],
         triangles: impl Iterator<Item = SurfaceTriangle>,
     ) -> Vec<(u32, f64)> {
-        let mut shares: Vec<(u32, f64)> = Vec::new();
-        for triangle in triangles {
-            if nodes.iter().all(|node| triangle.nodes.contains(node)) {
-                let region = self.mesh.regions[triangle.element as usize];
-                let [a, b, c] = triangle
+        let holding = triangles.filter(|t| nodes.iter().all(|node| t.nodes.contains(node)));
+        let mut of_triangles: Vec<(u32, f64)> = holding
+            .map(|triangle| {
+                let corners = triangle
                     .nodes
                     .map(|node| self.mesh.positions[node as usize]);
+                let [a, b, c] = corners;
                 let area = 0.5 * (b - a).cross(&(c - a)).norm();
-                match shares.binary_search_by_key(&region, |(of, _)| *of) {
-                    Ok(at) => shares[at].1 += area,
-                    Err(at) => shares.insert(at, (region, area)),
-                }
+                (self.mesh.regions[triangle.element as usize], area)
+            })
+            .collect();
+        if of_triangles.iter().all(|(_, area)| *area == 0.0) {
+            of_triangles.iter_mut().for_each(|(_, area)| *area = 1.0);
+        }
+        let mut weights: Vec<(u32, f64)> = Vec::new();
+        for (region, area) in of_triangles {
+            match weights.binary_search_by_key(&region, |(of, _)| *of) {
+                Ok(at) => weights[at].1 += area,
+                Err(at) => weights.insert(at, (region, area)),
             }
         }
-        let whole: f64 = shares.iter().map(|(_, area)| area).sum();
-        shares.iter_mut().for_each(|(_, share)| *share /= whole);
-        shares
+        let whole: f64 = weights.iter().map(|(_, area)| area).sum();
+        weights.iter_mut().for_each(|(_, weight)| *weight /= whole);
+        weights
     }
 }
 
@@ -128,26 +137,38 @@ mod tests {
             };
             let border = [node(0.0, 0.0), node(0.0, 1e-3)];
             for nodes in [&border[..1], &border] {
-                let shares = body.region_shares(nodes);
-                let regions: Vec<u32> = shares.iter().map(|(region, _)| *region).collect();
+                let weights = body.region_weights(nodes);
+                let regions: Vec<u32> = weights.iter().map(|(region, _)| *region).collect();
                 assert_eq!(regions, [3, 7]);
-                for (_, share) in shares {
-                    assert!((share - 0.5).abs() < 1e-12, "{share}");
+                for (_, weight) in weights {
+                    assert!((weight - 0.5).abs() < 1e-12, "{weight}");
                 }
             }
-            assert_eq!(body.region_shares(&[node(1e-3, 0.0)]), [(7, 1.0)]);
+            assert_eq!(body.region_weights(&[node(1e-3, 0.0)]), [(7, 1.0)]);
             assert_eq!(
-                body.region_shares(&[node(-1e-3, 0.0), border[0]]),
+                body.region_weights(&[node(-1e-3, 0.0), border[0]]),
                 [(3, 1.0)]
             );
             let triangles = body.surface.triangles.iter();
             let beside = triangles.filter(|t| border.iter().all(|node| t.contains(node)));
-            let of: Vec<_> = beside.map(|t| body.region_shares(t)).collect();
+            let of: Vec<_> = beside.map(|t| body.region_weights(t)).collect();
             assert_eq!(of.len(), 2);
             assert!(
                 of.contains(&vec![(3, 1.0)]) && of.contains(&vec![(7, 1.0)]),
                 "{of:?}"
             );
+        }
+    }
+
+    /// A needle of a mesh on file has faces without area; its force goes to some region all the same.
+    #[test]
+    fn triangles_without_area_have_equal_weights() {
+        let mut body = halves(false);
+        body.mesh.positions.fill(nalgebra::Vector3::zeros());
+        for node in body.surface.triangles.concat() {
+            let weights = body.region_weights(&[node]);
+            let whole: f64 = weights.iter().map(|(_, weight)| weight).sum();
+            assert!((whole - 1.0).abs() < 1e-12, "{weights:?}");
         }
     }
 }
