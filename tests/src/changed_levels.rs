@@ -56,6 +56,17 @@ impl ChangedLevels {
         }
     }
 
+    /// Puts limits, the text of tables `[[limit]]`, in the place of those of a level.
+    ///
+    /// # Panics
+    /// If the level cannot be read or written.
+    pub fn set_limits(&self, level: u32, limits: &str) {
+        let name = format!("modules/{}/levels/level{level}.toml", self.module);
+        let path = self.folder.path().join(name);
+        let text = fs::read_to_string(&path).expect("a level");
+        fs::write(path, with_limits(&text, limits)).expect("a level");
+    }
+
     /// `microsim run MODULE --json ARGS…` on this tree; its standard output.
     #[track_caller]
     pub fn run(&self, session: &Path, args: &[&str]) -> Value {
@@ -69,6 +80,21 @@ impl ChangedLevels {
         command.args(args);
         command
     }
+}
+
+/// A level with the text of other limits in place of its own.
+fn with_limits(level: &str, limits: &str) -> String {
+    let mut kept = String::new();
+    let mut is_limit = false;
+    for line in level.lines() {
+        if line.starts_with('[') {
+            is_limit = line == "[[limit]]";
+        }
+        if !is_limit {
+            let _ = writeln!(kept, "{line}");
+        }
+    }
+    format!("{kept}\n{limits}")
 }
 
 /// A level whose solver gets nowhere: one iteration for a tick of 48 ms, near the longest that a level may have, and no second try. Levels whose method has no
@@ -159,6 +185,16 @@ fn changed(level: &str, key: &str, change: impl Fn(&str) -> String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_limits_take_the_place_of_a_levels_own() {
+        let level = "[clock]\ntick = \"8 ms\"\n[[limit]]\nmetric = \"time\"\nmax = 1\n\n[module]\ntask = \"cut\"\n[[limit]]\nmetric = \"torn\"\n";
+        let other = "[[limit]]\nmetric = \"drops\"\n";
+        let changed: toml::Table = with_limits(level, other).parse().expect("TOML");
+        let expected =
+            "[clock]\ntick = \"8 ms\"\n[module]\ntask = \"cut\"\n[[limit]]\nmetric = \"drops\"";
+        assert_eq!(changed, expected.parse().expect("TOML"));
+    }
 
     /// By hand.
     #[test]

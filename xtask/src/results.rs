@@ -56,12 +56,17 @@ pub fn results(workspace: &Workspace, make: Make) -> Result<(), Failure> {
     none_older(&ages)
 }
 
-/// The phase of `cargo xtask test`: a head that cannot be read fails it, a page that is older is named.
+/// The phase of `cargo xtask test`: a head that cannot be read, or a commit that does not exist, fails it; a page that is older is named.
 pub fn check(workspace: &Workspace) -> Result<Outcome, Failure> {
     let (_, ages) = listed(workspace)?;
     Ok(match ages.iter().filter(|age| age.is_older()).count() {
         0 => Outcome::Passed,
-        _ if ages.iter().any(|age| matches!(age, Age::NoHead(_))) => Outcome::Failed,
+        _ if ages
+            .iter()
+            .any(|age| matches!(age, Age::NoHead(_) | Age::NamesMissing(_))) =>
+        {
+            Outcome::Failed
+        }
         older => Outcome::Warned(format!(
             "{older} pages are older than their code or of unknown age"
         )),
@@ -109,10 +114,16 @@ fn listed(workspace: &Workspace) -> Result<(Vec<Page>, Vec<Age>), Failure> {
     let mut history = History::of(&workspace.root);
     let mut ages = Vec::new();
     for page in &pages {
-        let age = match &page.head {
+        let mut age = match &page.head {
             Ok(head) => history.age(head, &mut |package| packages(workspace, package))?,
             Err(error) => Age::NoHead(error.clone()),
         };
+        if matches!(age, Age::Same | Age::Older(_) | Age::Record) {
+            let missing = history.missing_commits(&page.text);
+            if !missing.is_empty() {
+                age = Age::NamesMissing(missing);
+            }
+        }
         let path = page.path.strip_prefix(&workspace.root);
         let path = path.unwrap_or(&page.path).display();
         println!("{path}: {age}");

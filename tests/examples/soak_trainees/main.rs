@@ -4,11 +4,12 @@
 //!
 //! `-- MODULE LEVEL N FIRST_SEED --sensitivity`: the same of each trainee at twice the iterations, half the tick and one step finer mesh
 //! ([`sensitivity`]); into `tests/results/sensitivity.md` and a table of all runs beside it. It may be stopped: runs in that table are not played again, but for one of each kind at each change.
-//! If it plays all runs of the level as shipped, it writes their section of `trainees.md` too.
+//! The limits are those that were frozen ([`limits`]). If it plays all runs of the level as shipped, and the level has these limits still, it writes their section of `trainees.md` too.
 //!
 //! The groups differ by the numbers in `config/trainees.toml`. That a metric separates them shows that it measures what it should in
 //! these motions; that people differ so, it does not show.
 
+mod limits;
 mod sensitivity;
 
 use microsim_tests::statistics::{Group, corrected, effect_error, effect_size, probability};

@@ -2,6 +2,7 @@
 
 mod table;
 
+use super::limits::Limits;
 use super::{KINDS, WORKERS};
 use microsim_tests::changed_levels::{CHANGES, ChangedLevels};
 use microsim_tests::statistics::Group;
@@ -24,8 +25,8 @@ struct Metric {
 }
 
 /// Plays `count` trainees of each kind, from `first_seed` on, at one change after the other. Runs that `csv` has already are not played again, but for the first of
-/// each kind at each change: an error where they are of another computation. Gives the reports of the level as shipped, by their names, to `as_shipped` if all were played now,
-/// and the section of the page to `write` after each change.
+/// each kind at each change: an error where they are of another computation. Gives the reports of the level as shipped, by their names, to `as_shipped` if all were played now
+/// and the limits are those of the level, and the section of the page to `write` after each change. The limits are the frozen ones of the level, where it has some.
 pub fn study(
     module: &str,
     level: u32,
@@ -36,7 +37,14 @@ pub fn study(
     write: impl Fn(&str) -> Result<(), String>,
 ) -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(|error| format!("a temporary folder: {error}"))?;
-    let trees = CHANGES.map(|(_, change)| ChangedLevels::new(module, change));
+    let limits = Limits::of(module, level)?;
+    let trees = CHANGES.map(|(_, change)| {
+        let tree = ChangedLevels::new(module, change);
+        if let Some(frozen) = &limits.frozen {
+            tree.set_limits(level, frozen);
+        }
+        tree
+    });
     let seeds = first_seed..first_seed + count as u64;
     let trainees: Vec<(&str, u64)> = KINDS
         .iter()
@@ -109,7 +117,7 @@ pub fn study(
                 .try_for_each(|worker| worker.join().expect("no panic"))
         })?;
         let shipped = shipped.lock().expect("no panic");
-        if change == 0 && shipped.len() == trainees.len() {
+        if change == 0 && shipped.len() == trainees.len() && limits.are_shipped() {
             let named = shipped.iter().map(|(trainee, report)| {
                 let (kind, seed) = trainees[*trainee];
                 (format!("{kind} {seed}"), report.clone())
@@ -126,9 +134,12 @@ pub fn study(
             .filter(there)
             .map(|at| (at, table.of(&key(at))))
             .collect();
-        write(&section(
-            module, level, count, first_seed, &outcomes, &metrics,
-        ))?;
+        let trainees = format!(
+            "{count} experts and {count} novices, seeds {first_seed} to {}; every run is counted.",
+            seeds.end - 1
+        );
+        let title = format!("## {module}, level {level}\n\n{trainees}");
+        write(&section(&title, count, &outcomes, &metrics, &limits))?;
     }
     Ok(())
 }
@@ -168,22 +179,30 @@ fn text(value: &Value) -> String {
 
 /// The section of a level: verdicts that change, and the spread of each metric beside the difference of the groups.
 fn section(
-    module: &str,
-    level: u32,
+    title: &str,
     count: usize,
-    first_seed: u64,
     outcomes: &BTreeMap<(usize, usize), &Outcome>,
     metrics: &BTreeMap<String, Metric>,
+    limits: &Limits,
 ) -> String {
     let trainees = KINDS.len() * count;
-    let last = first_seed + count as u64 - 1;
-    let mut out = format!(
-        "## {module}, level {level}\n\n{count} experts and {count} novices, seeds {first_seed} to {last}; every run is counted.\n\n\
-         | level | passed | failed | not judged | other verdict than as shipped | other reasons |\n|---|---|---|---|---|---|\n"
+    let mut out = title.to_owned();
+    if !limits.taken_off.is_empty() {
+        let _ = write!(
+            out,
+            " Not limited any more: {}.",
+            limits.taken_off.join(", ")
+        );
+    }
+    if !limits.moved.is_empty() {
+        let _ = write!(out, " Limited otherwise now: {}.", limits.moved.join(", "));
+    }
+    out.push_str(
+        "\n\n| level | passed | failed | not judged | other verdict than as shipped | other reasons | other verdict without limits taken off |\n|---|---|---|---|---|---|---|\n",
     );
     for (change, (title, _)) in CHANGES.iter().enumerate() {
         if !outcomes.contains_key(&(0, change)) {
-            let _ = writeln!(out, "| {title} | not played yet | | | | |");
+            let _ = writeln!(out, "| {title} | not played yet | | | | | |");
             continue;
         }
         let of = |trainee: usize| outcomes[&(trainee, change)];
@@ -195,13 +214,25 @@ fn section(
         let reasons = (0..trainees)
             .filter(|t| of(*t).failed != base(*t).failed)
             .count();
+        let now = |outcome: &Outcome| {
+            let verdict = limits.verdict_now(&outcome.verdict, &outcome.failed);
+            verdict.to_owned()
+        };
+        let verdicts_now = (0..trainees)
+            .filter(|t| now(of(*t)) != now(base(*t)))
+            .count();
+        let percent = |count: usize| {
+            let percent = 100.0 * count as f64 / trainees as f64;
+            format!("{count} of {trainees} ({percent:.0} %)")
+        };
         let _ = writeln!(
             out,
-            "| {title} | {} | {} | {} | {verdicts} of {trainees} ({:.0} %) | {reasons} |",
+            "| {title} | {} | {} | {} | {} | {reasons} | {} |",
             with("passed"),
             with("failed"),
             with("not-judged"),
-            100.0 * verdicts as f64 / trainees as f64,
+            percent(verdicts),
+            percent(verdicts_now),
         );
     }
     out.push_str("\n| metric | limited | experts | novices | difference |");

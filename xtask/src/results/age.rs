@@ -21,6 +21,8 @@ pub enum Age {
     Unknown(String),
     /// What is wrong with the head of the page.
     NoHead(String),
+    /// These commits, named in the text, are not in the history.
+    NamesMissing(Vec<String>),
 }
 
 impl Age {
@@ -45,6 +47,10 @@ impl fmt::Display for Age {
             }
             Self::Unknown(why) => write!(f, "UNKNOWN age: {why}"),
             Self::NoHead(error) => write!(f, "NO HEAD: {error}"),
+            Self::NamesMissing(commits) => {
+                let commits = commits.join(", ");
+                write!(f, "WRONG COMMITS: the history has no {commits}")
+            }
         }
     }
 }
@@ -86,14 +92,10 @@ impl History {
         if self.git(&["rev-parse", "HEAD"]).is_none() {
             return Ok(Age::Unknown("git knows no history here".into()));
         }
-        if self
-            .git(&["cat-file", "-e", &format!("{commit}^{{commit}}")])
-            .is_none()
-        {
-            let shallow = self.git(&["rev-parse", "--is-shallow-repository"]);
-            let advice = match shallow.as_deref().map(str::trim) {
-                Some("true") => "this clone is shallow; `git fetch --unshallow` brings the rest",
-                _ => "it was made in another repository, or its branch is gone",
+        if !self.has(commit) {
+            let advice = match self.is_shallow() {
+                true => "this clone is shallow; `git fetch --unshallow` brings the rest",
+                false => "it was made in another repository, or its branch is gone",
             };
             return Ok(Age::Unknown(format!(
                 "commit {commit} is not in the history: {advice}"
@@ -141,6 +143,36 @@ impl History {
         } else {
             Age::Older(changed)
         })
+    }
+
+    /// The commits that a text names in backticks and the history lacks; none where the history is not whole.
+    pub fn missing_commits(&self, text: &str) -> Vec<String> {
+        let is_commit = |word: &&str| {
+            let letters = word.bytes().filter(u8::is_ascii_lowercase).count();
+            let is_hex = word.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+            (7..=40).contains(&word.len()) && is_hex && (1..word.len()).contains(&letters)
+        };
+        let words = text.split('`').skip(1).step_by(2).filter(is_commit);
+        let mut missing: Vec<String> = words
+            .filter(|commit| !self.has(commit))
+            .map(str::to_owned)
+            .collect();
+        missing.sort();
+        missing.dedup();
+        if !missing.is_empty() && self.is_shallow() {
+            missing.clear();
+        }
+        missing
+    }
+
+    fn has(&self, commit: &str) -> bool {
+        let commit = format!("{commit}^{{commit}}");
+        self.git(&["cat-file", "-e", &commit]).is_some()
+    }
+
+    fn is_shallow(&self) -> bool {
+        let answer = self.git(&["rev-parse", "--is-shallow-repository"]);
+        answer.is_some_and(|answer| answer.trim() == "true")
     }
 
     /// Files that are not byte for byte what they were: changed, new, gone.
@@ -289,5 +321,25 @@ mod tests {
         let bare = tempfile::tempdir().expect("a folder");
         let nothing = age(bare.path(), &first, "microsim-a");
         assert!(matches!(&nothing, Age::Unknown(why) if why.contains("no history")));
+    }
+
+    /// Words in backticks that look like commits have to be some; numbers, names and whole digests are none.
+    #[test]
+    fn commits_that_a_page_names_are_in_the_history() {
+        let folder = repository();
+        let history = History::of(folder.path());
+        let first = history.head().expect("a commit");
+        let digest = "0123456789abcdef".repeat(4);
+        let text = format!("`{first}`, `4001`, `1234567`, `defaced`, `torn`, `{digest}`, 0123abc");
+        let none: [&str; 0] = [];
+        assert_eq!(history.missing_commits(&text), none);
+        assert_eq!(history.missing_commits("`0123abc` `0123abc`"), ["0123abc"]);
+        write(folder.path(), "crates/b.rs", "fn h() {}\n");
+        commit(folder.path());
+        let shallow = tempfile::tempdir().expect("a folder");
+        let from = format!("file://{}", folder.path().display());
+        git(shallow.path(), &["clone", "-q", "--depth", "1", &from, "c"]);
+        let history = History::of(&shallow.path().join("c"));
+        assert_eq!(history.missing_commits(&format!("`{first}`")), none);
     }
 }
