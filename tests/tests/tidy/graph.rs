@@ -149,6 +149,7 @@ fn pure_crates_know_nothing_of_the_platform() {
         "contact-solver",
         "scene",
         "tracking",
+        "igtl",
         "training",
         "session",
         "bus",

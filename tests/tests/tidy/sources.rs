@@ -5,7 +5,7 @@ use microsim_tests::repository;
 use std::path::{Path, PathBuf};
 
 /// Crates and plugins on which state and score of a run depend; all modules besides.
-const CRATES: [&str; 17] = [
+const CRATES: [&str; 18] = [
     "random",
     "geometry",
     "mesh",
@@ -16,6 +16,7 @@ const CRATES: [&str; 17] = [
     "cutting",
     "scene",
     "tracking",
+    "igtl",
     "training",
     "sdk",
     "bus",
