@@ -92,6 +92,11 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         "config/translator.toml".into(),
         translator.map(nothing).map_err(|e| e.to_string()),
     );
+    let link = settings::load_openigtlink(&config.join("openigtlink.toml"));
+    findings.note(
+        "config/openigtlink.toml".into(),
+        link.map(nothing).map_err(|e| e.to_string()),
+    );
     let trainees = settings::load_trainees(&config.join("trainees.toml"));
     findings.note(
         "config/trainees.toml".into(),
@@ -352,6 +357,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         }
         ("host.toml", _, _) => settings::load_host(path).map(nothing).map_err(text),
         ("translator.toml", _, _) => settings::load_translator(path).map(nothing).map_err(text),
+        ("openigtlink.toml", _, _) => settings::load_openigtlink(path).map(nothing).map_err(text),
         ("trainees.toml", _, _) => settings::load_trainees(path).map(nothing).map_err(text),
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),

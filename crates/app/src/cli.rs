@@ -108,7 +108,7 @@ pub struct RunArgs {
     /// Level, from 1
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = parse_level)]
     pub level: u32,
-    /// Where the motion comes from: script:FILE, recording:FILE (CSV with its TOML, or a session) or plugin:NAME
+    /// Where the motion comes from: script:FILE, recording:FILE (CSV with its TOML, or a session), openigtlink://HOST:PORT (a tracker) or plugin:NAME
     #[arg(long, value_name = "SOURCE", value_parser = parse_input)]
     pub input: Input,
     /// Who trains
@@ -135,7 +135,7 @@ pub struct RunArgs {
     /// Threads for parallel work; the result does not depend on it
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads: u16,
-    /// Pace ticks by the wall clock; late ticks are counted, none is left out
+    /// Pace ticks by the wall clock; late ticks are counted, none is left out. With a tracker as input it is always so
     #[arg(long)]
     pub realtime: bool,
     /// Leave something out, for tests: a kind of plugin, friction, or lonor (all cutting); such a run is no result
@@ -392,15 +392,16 @@ pub struct SchemaArgs {
 }
 
 fn parse_input(text: &str) -> Result<Input, String> {
-    let known = "expected script:FILE, recording:FILE or plugin:NAME";
+    let known = "expected script:FILE, recording:FILE, openigtlink://HOST:PORT or plugin:NAME";
     match text.split_once(':') {
         Some((_, "")) => Err(format!("nothing behind the colon; {known}")),
         Some(("script", file)) => Ok(Input::Script(file.into())),
         Some(("recording", file)) => Ok(Input::Recording(file.into())),
         Some(("plugin", name)) => Ok(Input::Plugin(name.into())),
-        Some(("openigtlink", _)) => Err(format!(
-            "trackers on the network are not there yet; {known}"
-        )),
+        Some(("openigtlink", rest)) => match rest.strip_prefix("//") {
+            Some(address) if !address.is_empty() => Ok(Input::OpenIgtLink(address.into())),
+            _ => Err(format!("no address behind openigtlink:; {known}")),
+        },
         _ if text == "desktop" => Err(format!("mouse and keyboard are not there yet; {known}")),
         _ => Err(format!("unknown source; {known}")),
     }
@@ -473,12 +474,17 @@ mod tests {
             parse_input("recording:x.csv"),
             Ok(Input::Recording("x.csv".into()))
         );
+        assert_eq!(
+            parse_input("openigtlink://host:18944"),
+            Ok(Input::OpenIgtLink("host:18944".into()))
+        );
         for bad in [
             "",
             "x.csv",
             "script:",
             "desktop",
-            "openigtlink://host:18944",
+            "openigtlink://",
+            "openigtlink:host:18944",
         ] {
             assert!(
                 parse_input(bad).unwrap_err().contains("recording:FILE"),

@@ -197,7 +197,7 @@ fn carry_out(
     let late = installation.host.late;
     let options = RunOptions {
         threads: args.threads.into(),
-        realtime: args.realtime.then(|| Realtime {
+        realtime: (args.realtime || args.input.is_tracked_live()).then(|| Realtime {
             tolerance: Duration::from_secs_f64(late.tolerance),
             give_up: Duration::from_secs_f64(late.give_up),
         }),

@@ -3,7 +3,7 @@
 use crate::installation::Installation;
 use crate::installed::probe;
 use crate::record::Session;
-use crate::request::{AssembleError, Input, Request, refuse};
+use crate::request::{AssembleError, Input, OPENIGTLINK, Request, refuse};
 use microsim_bus::Frames;
 use microsim_message::{InputSample, SetupFile, config_value, decode, encode};
 use microsim_settings::{self as settings, RecordingConfig, ScriptConfig};
@@ -63,6 +63,8 @@ pub(crate) fn source_setup(
                 "\"{name}\" plays files: give script:FILE or recording:FILE"
             ))
         }
+        Input::Plugin(name) if name == OPENIGTLINK => tracker(installation, None),
+        Input::OpenIgtLink(address) => tracker(installation, Some(address)),
         Input::Plugin(name) => Ok(SourceSetup {
             plugin: name.clone(),
             why: "the input is asked for by name".into(),
@@ -114,6 +116,31 @@ pub(crate) fn source_setup(
             }
         }
     }
+}
+
+/// The set-up that listens to trackers: as config/openigtlink.toml has it, or as a client of another address.
+fn tracker(
+    installation: &Installation,
+    address: Option<&String>,
+) -> Result<SourceSetup, AssembleError> {
+    let path = installation.config.join("openigtlink.toml");
+    let link = settings::load_openigtlink(&path)?.settings;
+    let link = match address {
+        None => link,
+        Some(address) => link
+            .client_of(address)
+            .map_err(|error| AssembleError(format!("input: {error}")))?,
+    };
+    let role = link.role.name();
+    Ok(SourceSetup {
+        plugin: OPENIGTLINK.into(),
+        why: format!("the input is a tracker ({role}, {})", link.address),
+        config: config_value(&link),
+        files: Vec::new(),
+        devices: None,
+        note: None,
+        synthetic: None,
+    })
 }
 
 /// The set-up that plays a recording of these devices.

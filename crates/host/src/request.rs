@@ -35,6 +35,19 @@ pub enum Input {
     Recording(PathBuf),
     /// A source plugin by its name, without a file.
     Plugin(String),
+    /// A tracker that speaks OpenIGTLink, at HOST:PORT.
+    OpenIgtLink(String),
+}
+
+/// The source that speaks OpenIGTLink.
+pub(crate) const OPENIGTLINK: &str = "openigtlink";
+
+impl Input {
+    /// Whether the motion comes from a tracker while it is made: ticks then have to follow the wall clock.
+    pub fn is_tracked_live(&self) -> bool {
+        matches!(self, Self::OpenIgtLink(_))
+            || matches!(self, Self::Plugin(name) if name == OPENIGTLINK)
+    }
 }
 
 impl fmt::Display for Input {
@@ -43,6 +56,7 @@ impl fmt::Display for Input {
             Self::Script(path) => write!(f, "script:{}", path.display()),
             Self::Recording(path) => write!(f, "recording:{}", path.display()),
             Self::Plugin(name) => write!(f, "plugin:{name}"),
+            Self::OpenIgtLink(address) => write!(f, "openigtlink://{address}"),
         }
     }
 }

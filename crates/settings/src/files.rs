@@ -4,7 +4,7 @@ use crate::schema::Schema;
 use crate::table::Table;
 
 /// The kinds of file, by the names that the command line uses, each with a sentence about it.
-pub const KINDS: [(&str, &str); 10] = [
+pub const KINDS: [(&str, &str); 11] = [
     (
         "manifest",
         "plugin.toml and module.toml: what a plugin or training module is, needs and declares.",
@@ -28,6 +28,10 @@ pub const KINDS: [(&str, &str); 10] = [
     (
         "translator",
         "config/translator.toml: which device drives which tool, and how its frame lies in the field.",
+    ),
+    (
+        "openigtlink",
+        "config/openigtlink.toml: where trackers that speak OpenIGTLink are, and what their tools are called.",
     ),
     (
         "recording",

@@ -32,6 +32,7 @@ mod manifest;
 mod manifest_check;
 mod material;
 mod method;
+mod openigtlink;
 mod overrides;
 mod plugin_config;
 mod read;
@@ -81,6 +82,9 @@ pub use microsim_vocabulary::{
     Category, CellSplit, Direction, Discretisation, Finish, Interpolation, Language, LawName,
     LocalText, MethodName, Overflow, PluginKind, QuantityError, Unit,
 };
+pub use openigtlink::{
+    LinkDevice, LinkRole, OpenIgtLink, TrackedStream, load_openigtlink, read_openigtlink,
+};
 pub use overrides::Override;
 pub use plugin_config::{
     BodyLook, ModuleConfig, ObjectsConfig, PhysicsConfig, RecorderConfig, RecordingConfig,
@@ -115,6 +119,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "chart" => schema_of::<Chart>(kind),
         "tool" => schema_of::<Tool>(kind),
         "translator" => schema_of::<Translator>(kind),
+        "openigtlink" => schema_of::<OpenIgtLink>(kind),
         "recording" => schema_of::<RecordingMap>(kind),
         "script" => schema_of::<Script>(kind),
         "trainees" => schema_of::<Trainees>(kind),

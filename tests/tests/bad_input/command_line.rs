@@ -11,23 +11,23 @@ fn sources_that_are_none() {
     for (input, reason) in [
         (
             "nonsense",
-            "unknown source; expected script:FILE, recording:FILE or plugin:NAME",
+            "unknown source; expected script:FILE, recording:FILE, openigtlink://HOST:PORT or plugin:NAME",
         ),
         (
             "hand.csv",
-            "unknown source; expected script:FILE, recording:FILE or plugin:NAME",
+            "unknown source; expected script:FILE, recording:FILE, openigtlink://HOST:PORT or plugin:NAME",
         ),
         (
             "script:",
-            "nothing behind the colon; expected script:FILE, recording:FILE or plugin:NAME",
+            "nothing behind the colon; expected script:FILE, recording:FILE, openigtlink://HOST:PORT or plugin:NAME",
         ),
         (
             "desktop",
             "mouse and keyboard are not there yet; expected script:FILE",
         ),
         (
-            "openigtlink://localhost:18944",
-            "trackers on the network are not there yet; expected script:FILE",
+            "openigtlink://",
+            "no address behind openigtlink:; expected script:FILE",
         ),
     ] {
         let printed = run(&tree, input, &[]);
