@@ -187,6 +187,17 @@ pub fn assert_verified(session: &Path) {
     assert_eq!(printed["state_hash"], printed["recorded_hash"], "{printed}");
 }
 
+/// A copy of the settings of the built tree below `folder`, with another text of one file.
+///
+/// # Panics
+/// If it cannot be made.
+pub fn config_with(folder: &Path, file: &str, text: &str) -> PathBuf {
+    let config = folder.join("config");
+    changed_levels::link_all(&tree().join("config"), &config, file);
+    std::fs::write(config.join(file), text).expect("the settings");
+    config
+}
+
 /// The report that `run` has left beside its session.
 pub fn report_beside(session: &Path) -> serde_json::Value {
     let path = session.with_extension("json");

@@ -4,15 +4,16 @@ use microsim_bus::Frames;
 use microsim_host::record::Session;
 use microsim_igtl::{Decoder, Matrix, Message, Start, Stream, Timestamp, Tracked, encode};
 use microsim_message::{InputSample, decode};
-use microsim_tests::{Finished, command, finish, microsim, scratch, tree};
+use microsim_tests::{Finished, command, config_with, finish, microsim, scratch};
 use std::fs;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::os::unix::fs::symlink;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+/// The settings of the connection.
+const LINK: &str = "openigtlink.toml";
 /// Longest wait for another process.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -22,24 +23,10 @@ struct Run {
     child: Child,
 }
 
-/// The folder of settings of the built tree with another `openigtlink.toml`.
-fn config(folder: &Path, text: &str) -> PathBuf {
-    let config = folder.join("config");
-    fs::create_dir(&config).expect("a folder");
-    for entry in fs::read_dir(tree().join("config")).expect("the settings") {
-        let entry = entry.expect("an entry");
-        if entry.file_name() != "openigtlink.toml" {
-            symlink(entry.path(), config.join(entry.file_name())).expect("a link");
-        }
-    }
-    fs::write(config.join("openigtlink.toml"), text).expect("the settings");
-    config
-}
-
 impl Run {
     fn new(settings: &str, input: &str) -> Self {
         let folder = scratch();
-        let config = config(folder.path(), settings);
+        let config = config_with(folder.path(), LINK, settings);
         let mut run = command(["--config".as_ref(), config.as_os_str()]);
         run.args(["run", "touch-spheres", "--json", "--input", input]);
         run.arg("--session").arg(folder.path().join("run.session"));
@@ -268,7 +255,7 @@ fn trackers_may_connect_and_who_speaks_otherwise_is_let_go() {
     );
 }
 
-/// A flood costs old samples, which is said; ticks go on and the newest sample arrives. A tracker that falls silent is let go.
+/// A flood costs old samples, which the log names; ticks go on and the newest sample arrives. A tracker that falls silent is let go.
 #[test]
 fn a_flood_or_silence_holds_nothing_up() {
     let (listener, address) = listener();
@@ -324,7 +311,7 @@ fn addresses_that_cannot_be_used_are_refused_at_once() {
     let (taken, address) = listener();
     let folder = scratch();
     let settings = format!("role = \"server\"\naddress = \"{address}\"");
-    let config = config(folder.path(), &settings);
+    let config = config_with(folder.path(), LINK, &settings);
     let mut run = command(["--config".as_ref(), config.as_os_str()]);
     run.args(["run", "touch-spheres", "--input", "plugin:openigtlink"]);
     run.arg("--session").arg(folder.path().join("run.session"));

@@ -1,4 +1,4 @@
-//! What is said on one connection: which samples come of a message, and what is answered. Knows no socket and no clock.
+//! One connection: which samples come of a message, and what is answered. Knows no socket and no clock.
 
 use microsim_igtl::{
     Message, NotRigid, Pose, Received, Start, Status, Stream, Timestamp, Tracked, encode,

@@ -1,4 +1,4 @@
-//! Sockets and the threads that wait on them. What they hear lies in a queue until the next tick takes it.
+//! Sockets and the threads that wait on them. What comes lies in a queue until the next tick takes it.
 
 use crate::conversation::Conversation;
 use microsim_igtl::Decoder;
@@ -210,7 +210,7 @@ fn serve(shared: &Arc<Shared>, listener: &TcpListener) {
 /// Talks on a connection until it ends; then no tool of it is seen.
 fn talk(shared: &Shared, mut stream: TcpStream, peer: &str) {
     let mut conversation = Conversation::new(shared.config.clone());
-    let end = listen(shared, &mut stream, &mut conversation);
+    let end = receive(shared, &mut stream, &mut conversation);
     let mut queue = shared.queue();
     queue.add(conversation.lost(now()));
     if let Err(why) = end {
@@ -218,8 +218,8 @@ fn talk(shared: &Shared, mut stream: TcpStream, peer: &str) {
     }
 }
 
-/// Hears until the connection ends: an error says why, unless this program ended it.
-fn listen(
+/// Receives until the connection ends: the error is why, unless this program ended it.
+fn receive(
     shared: &Shared,
     stream: &mut TcpStream,
     conversation: &mut Conversation,
@@ -235,20 +235,20 @@ fn listen(
     }
     let mut decoder = Decoder::new();
     let mut bytes = vec![0; 1 << 16];
-    let mut heard = Instant::now();
+    let mut last = Instant::now();
     while !shared.is_stopped() {
         let count = match stream.read(&mut bytes) {
             Ok(0) => return Err("the connection was closed".to_owned()),
             Ok(count) => count,
             Err(error) if is_pause(&error) => {
-                if heard.elapsed().as_secs_f64() > shared.config.silence {
+                if last.elapsed().as_secs_f64() > shared.config.silence {
                     return Err(format!("nothing came for {} s", shared.config.silence));
                 }
                 continue;
             }
             Err(error) => return Err(failed(error)),
         };
-        heard = Instant::now();
+        last = Instant::now();
         decoder.push(&bytes[..count]);
         while let Some(message) = decoder.next_message().map_err(|e| e.to_string())? {
             let arrived = conversation.receive(message, now());
@@ -263,7 +263,7 @@ fn listen(
         }
     }
     if let Some(bytes) = conversation.end() {
-        // The session is over; whether the tracker hears it makes no difference to it.
+        // The session is over; whether the tracker receives it makes no difference to it.
         let _ = stream.write_all(&bytes);
     }
     Ok(())
