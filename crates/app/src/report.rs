@@ -150,13 +150,14 @@ pub fn summary(report: &Report) -> String {
                 let bound = |sign: &str, v: Option<f64>| {
                     v.map(|v| format!(" {sign} {v:.4}")).unwrap_or_default()
                 };
-                let mark = if record.within == Some(false) {
-                    "  OUTSIDE"
-                } else {
-                    ""
+                let decides = record.limit.as_ref().is_none_or(|limit| limit.decides);
+                let (name, mark) = match (decides, record.within) {
+                    (true, Some(false)) => ("limit", "  OUTSIDE"),
+                    (true, _) => ("limit", ""),
+                    (false, _) => ("reference value", ""),
                 };
                 format!(
-                    "  (limit{}{}){mark}",
+                    "  ({name}{}{}){mark}",
                     bound("at least", min),
                     bound("at most", max)
                 )

@@ -87,6 +87,13 @@ pub struct LimitRecord {
     pub source: String,
     /// Whether it is not backed by a source yet.
     pub provisional: bool,
+    /// Whether a value beyond it stands against a pass; otherwise it is a reference value. Sessions of before 2026-11-24 have none but limits that decide.
+    #[serde(default = "decides")]
+    pub decides: bool,
+}
+
+fn decides() -> bool {
+    true
 }
 
 /// One metric of a result.

@@ -149,6 +149,7 @@ fn metric(
             max,
             source: "set by judgement".into(),
             provisional: id != "time",
+            decides: id != "tremor",
         }),
         within,
         score: within.map(|within| if within { 84.0 } else { 31.0 }),

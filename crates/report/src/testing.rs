@@ -79,6 +79,7 @@ pub fn metric(id: &str, value: Option<f64>, max: Option<f64>) -> MetricRecord {
             max: Some(max),
             source: "a guess".into(),
             provisional: true,
+            decides: true,
         }),
         within,
         score: within.map(|within| if within { 100.0 } else { 0.0 }),

@@ -71,6 +71,7 @@ fn limit(limit: &settings::Limit) -> training::Limit {
         reason: limit.reason.clone(),
         source: limit.source.clone(),
         provisional: limit.provisional,
+        decides: limit.decides,
     }
 }
 
@@ -196,6 +197,7 @@ impl LevelRules {
                     max: r.limit.max,
                     source: r.limit.source.clone(),
                     provisional: r.limit.provisional,
+                    decides: r.limit.decides,
                 }),
                 within: assessed.and_then(|r| r.within),
                 score: assessed.and_then(|r| r.points),

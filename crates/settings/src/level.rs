@@ -325,6 +325,9 @@ table! {
         source: String,
         /// Whether it still has to be set from measurements.
         provisional: bool => true,
+        /// Whether a value beyond it stands against a pass. Otherwise it is a reference value: shown and scored, and nothing more. For metrics
+        /// that depend on the computation as much as on the hand.
+        decides: bool => true,
         /// The module's reason that a result names if it is not met; the metric's id if left out.
         reason: Option<String> = identifier(),
     }

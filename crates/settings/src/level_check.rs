@@ -252,6 +252,15 @@ fn check_limit(reading: &mut Reading, limit: &KeyPath, metric: &KnownMetric<'_>)
             "a range that is not empty",
         );
     }
+    let decides = reading.value_at(&limit.key("decides"));
+    if metric.id == "time" && decides == Some(&Value::Bool(false)) {
+        let key = limit.key("decides");
+        reading.complain(
+            &key,
+            "`false` for `time`",
+            "`true`: its `max` ends the level",
+        );
+    }
     // Points are derived from the bound where a level gives none; nothing can be derived from 0.
     let bound = if has_max { max } else { min };
     if bound == Some(0.0) && !has_full && !has_zero {

@@ -42,6 +42,8 @@ pub struct Limit {
     pub source: String,
     /// Set by judgement, not yet by measured experts.
     pub provisional: bool,
+    /// Whether a value beyond it, or none at all, stands against a pass; otherwise it is a reference value.
+    pub decides: bool,
 }
 
 /// Why limits and definitions do not fit together.
@@ -147,7 +149,7 @@ pub struct CategoryScore {
 pub struct Assessment {
     /// The verdict: true exactly if `failed` and `unmeasured` are empty.
     pub passed: bool,
-    /// Ids of the limited metrics without a finite value, in the order of the limits. Without any other reason against a pass there is no
+    /// Ids of the metrics without a finite value whose limits decide, in the order of the limits. Without any other reason against a pass there is no
     /// verdict then: a limit that nobody measured is not met.
     pub unmeasured: Vec<String>,
     /// Ids of all reasons against a pass, sorted, each once.
@@ -220,7 +222,8 @@ impl Rules {
             .iter()
             .map(|(limit, definition)| record(limit, definition, measurements))
             .collect();
-        for record in records.iter().filter(|record| record.within == Some(false)) {
+        let deciding = || records.iter().filter(|record| record.limit.decides);
+        for record in deciding().filter(|record| record.within == Some(false)) {
             failed.push(
                 record
                     .limit
@@ -231,7 +234,7 @@ impl Rules {
         }
         failed.sort_unstable();
         failed.dedup();
-        let without = records.iter().filter(|record| record.within.is_none());
+        let without = deciding().filter(|record| record.within.is_none());
         let unmeasured: Vec<String> = without.map(|r| r.limit.metric.clone()).collect();
 
         let categories: Vec<CategoryScore> = Category::ALL

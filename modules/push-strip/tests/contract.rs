@@ -19,7 +19,7 @@ fn host() -> TestHost<Module> {
         "models": {},
         "limits": [{
             "metric": "peak-force", "min": null, "max": 0.01, "full": null, "zero": null,
-            "source": "this test", "provisional": true, "reason": "pushed-too-hard",
+            "source": "this test", "provisional": true, "decides": true, "reason": "pushed-too-hard",
         }],
         "metrics": {
             "idle_speed": 1e-4, "movement_speed": 1e-3, "smoothing": 0.05, "idle_smoothing": 0.08,

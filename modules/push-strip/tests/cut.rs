@@ -39,7 +39,7 @@ fn ready() -> TestHost<Module> {
     let limit = |metric: &str, max: f64, reason: &str| {
         json!({
             "metric": metric, "min": null, "max": max, "full": null, "zero": null,
-            "source": "this test", "provisional": true, "reason": reason,
+            "source": "this test", "provisional": true, "decides": true, "reason": reason,
         })
     };
     let own_metric = |id: &str, unit: &str| {

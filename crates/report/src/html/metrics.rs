@@ -33,7 +33,31 @@ pub fn with_limit(out: &mut String, report: &Report) {
             )
         );
     }
+    if limited.iter().any(|metric| !decides(metric)) {
+        let _ = write!(
+            out,
+            "<p class=\"note\"><span class=\"provisional\">{}</span> {}</p>",
+            reference_value(),
+            bilingual(
+                "heißt: zählt für die Punkte, aber nicht für Bestehen oder Nichtbestehen, weil die Messgröße in dieser Stufe zu sehr von der Berechnung abhängt.",
+                "means: it counts for the score, but neither for nor against a pass, as the metric depends too much on the computation in this level.",
+            )
+        );
+    }
     out.push_str("</section>\n");
+}
+
+/// Whether the verdict rests on the limit of a metric.
+fn decides(metric: &MetricEntry) -> bool {
+    metric
+        .record
+        .limit
+        .as_ref()
+        .is_none_or(|limit| limit.decides)
+}
+
+fn reference_value() -> String {
+    bilingual("Richtwert", "reference value")
 }
 
 /// The metrics without a limit, to be opened; those without a value by their names alone.
@@ -118,7 +142,7 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
         &record.display_unit,
         record.within,
     );
-    let class = if record.within == Some(false) {
+    let class = if record.within == Some(false) && decides(metric) {
         " class=\"outside\""
     } else {
         ""
@@ -174,8 +198,21 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
                 bilingual("vorläufig", "provisional")
             );
         }
+        if !decides(metric) {
+            let _ = write!(
+                out,
+                "<span class=\"provisional\">{}</span>",
+                reference_value()
+            );
+        }
         out.push_str(&gauge(metric));
         let mark = match record.within {
+            Some(false) if !decides(metric) => {
+                format!(
+                    "<span class=\"mark\">{}</span>",
+                    bilingual("nicht eingehalten", "not kept")
+                )
+            }
             Some(true) => format!(
                 "<span class=\"mark good\">✓ {}</span>",
                 bilingual("erfüllt", "ok")

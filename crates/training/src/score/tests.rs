@@ -17,6 +17,7 @@ fn at_most(metric: &str, max: f64, zero: f64, full: f64) -> Limit {
         reason: None,
         source,
         provisional: true,
+        decides: true,
     }
 }
 
@@ -359,4 +360,36 @@ fn results_and_definitions_are_plain_data() {
         serde_json::from_str::<Vec<MetricDefinition>>(&text).expect("own text"),
         MOTION_METRICS
     );
+}
+
+/// A metric that depends on the computation counts for the score as before, and neither its value nor its absence for the verdict.
+#[test]
+fn a_reference_value_is_scored_and_decides_nothing() {
+    let rules = |decides| {
+        let tremor = Limit {
+            decides,
+            ..at_most(id::TREMOR, 100e-6, 200e-6, 0.0)
+        };
+        let limits = vec![at_most(id::TIME, 30.0, 50.0, 10.0), tremor];
+        Rules::new(&MOTION_METRICS, limits).expect("rules that fit")
+    };
+    let assess = |decides, tremor: &[f64]| {
+        let tremor = tremor.iter().map(|value| measured(id::TREMOR, *value));
+        let run: Vec<_> = [measured(id::TIME, 20.0)]
+            .into_iter()
+            .chain(tremor)
+            .collect();
+        rules(decides).assess(ALL_DONE, &run, NONE)
+    };
+    let (limited, referred) = (assess(true, &[150e-6]), assess(false, &[150e-6]));
+    assert_eq!(
+        (limited.passed, &limited.failed[..]),
+        (false, &["tremor".to_owned()][..])
+    );
+    assert!(referred.passed && referred.failed.is_empty());
+    assert_eq!(referred.records[1].within, Some(false));
+    assert_eq!(scores(&limited), scores(&referred));
+    let (limited, referred) = (assess(true, &[]), assess(false, &[]));
+    assert_eq!(limited.unmeasured, ["tremor"]);
+    assert!(!limited.passed && referred.passed && referred.unmeasured.is_empty());
 }

@@ -32,7 +32,7 @@ pub fn object(name: &str, shape: Value, position: [f64; 3]) -> Value {
 pub fn limit(metric: &str, max: f64, reason: &str) -> Value {
     json!({
         "metric": metric, "min": null, "max": max, "full": 0.0, "zero": 2.0 * max,
-        "source": "this test", "provisional": true, "reason": reason,
+        "source": "this test", "provisional": true, "decides": true, "reason": reason,
     })
 }
 
