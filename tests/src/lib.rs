@@ -31,6 +31,7 @@ pub mod kill;
 pub mod live;
 pub mod long;
 pub mod measured;
+pub mod sensitivity;
 pub mod simulated;
 pub mod statistics;
 pub mod system;

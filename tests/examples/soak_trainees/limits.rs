@@ -16,7 +16,7 @@ pub struct Limits {
     pub moved: Vec<String>,
 }
 
-/// Bounds and reason of each limited metric; a limit without bounds only scores.
+/// Bounds and reason of each limited metric; a reference value is no limit.
 type Bounds = BTreeMap<String, ([Option<Value>; 2], String)>;
 
 impl Limits {
@@ -74,7 +74,8 @@ fn bounds(level: &str) -> Result<Bounds, String> {
         let text = |key: &str| limit.get(key)?.as_str().map(str::to_owned);
         let metric = text("metric")?;
         let reason = text("reason").unwrap_or_else(|| metric.clone());
-        let is_limit = bounds.iter().any(Option::is_some);
+        let decides = limit.get("decides") != Some(&Value::Boolean(false));
+        let is_limit = decides && bounds.iter().any(Option::is_some);
         is_limit.then_some((metric, (bounds, reason)))
     };
     Ok(limits.into_iter().flatten().filter_map(bound).collect())
@@ -84,7 +85,7 @@ fn bounds(level: &str) -> Result<Bounds, String> {
 mod tests {
     use super::*;
 
-    /// Two metrics have one reason: it counts until both are gone. A limit without bounds is none.
+    /// Two metrics have one reason: it counts until both are gone. A reference value is no limit.
     #[test]
     fn reasons_count_until_no_limit_has_them() {
         let limit =
@@ -98,7 +99,7 @@ mod tests {
         ];
         let shipped = [
             limit("excess-time", &format!("max = \"0.5 s\"\n{hard}")),
-            limit("torn", "full = 0\nzero = 1"),
+            limit("torn", "max = \"0.4 mm^2\"\ndecides = false"),
             limit("time", "max = \"70 s\""),
         ];
         let limits = Limits::compared(Some(frozen.concat()), &shipped.concat()).expect("limits");

@@ -12,6 +12,7 @@
 mod limits;
 mod sensitivity;
 
+use microsim_tests::sensitivity::KINDS as PROFILES;
 use microsim_tests::statistics::{Group, corrected, effect_error, effect_size, probability};
 use microsim_tests::trainees::{self, ABSURD_FORCE, TIME_METRICS};
 use microsim_tests::{repository, tree};
@@ -33,7 +34,7 @@ const SIGNIFICANT: f64 = 0.05;
 /// Runs at the same time, a process each.
 const WORKERS: usize = 2;
 /// Kinds of trainees: profile, and what a group of them is called.
-const KINDS: [(&str, &str); 2] = [("expert", "experts"), ("novice", "novices")];
+const KINDS: [(&str, &str); 2] = [(PROFILES[0], "experts"), (PROFILES[1], "novices")];
 /// Rows of the score below those of the metrics.
 const TOTALS: [&str; 3] = [
     "**score**",

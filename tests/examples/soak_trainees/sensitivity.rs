@@ -5,7 +5,7 @@ mod table;
 use super::limits::Limits;
 use super::{KINDS, WORKERS};
 use microsim_tests::changed_levels::{CHANGES, ChangedLevels};
-use microsim_tests::statistics::Group;
+use microsim_tests::sensitivity::{Dependence, Key, MOST_SPREAD, Outcome, Runs};
 use microsim_tests::trainees;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -13,10 +13,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use table::{Key, Outcome, Table};
-
-/// Metrics whose numerical spread is above this fraction of the difference of the groups measure the solver as much as the hand.
-const MOST_SPREAD: f64 = 0.5;
+use table::Table;
 
 /// What is known of a metric.
 struct Metric {
@@ -128,18 +125,18 @@ pub fn study(
         }
         let table = table.lock().expect("no panic");
         table.sort()?;
-        let there = |at: &(usize, usize)| table.has(&key(*at));
-        let all = (0..trainees.len()).flat_map(|t| (0..=change).map(move |change| (t, change)));
-        let outcomes: BTreeMap<(usize, usize), &Outcome> = all
-            .filter(there)
-            .map(|at| (at, table.of(&key(at))))
-            .collect();
-        let trainees = format!(
+        let asked = |(kind, seed, level): &Key| {
+            let done = &CHANGES[..=change];
+            trainees.contains(&(kind, *seed)) && done.iter().any(|(title, _)| title == level)
+        };
+        let runs = table.runs().iter().filter(|(key, _)| asked(key));
+        let runs: Runs = runs.map(|(key, run)| (key.clone(), run.clone())).collect();
+        let who = format!(
             "{count} experts and {count} novices, seeds {first_seed} to {}; every run is counted.",
             seeds.end - 1
         );
-        let title = format!("## {module}, level {level}\n\n{trainees}");
-        write(&section(&title, count, &outcomes, &metrics, &limits))?;
+        let title = format!("## {module}, level {level}\n\n{who}");
+        write(&section(&title, &runs, &metrics, &limits))?;
     }
     Ok(())
 }
@@ -180,12 +177,10 @@ fn text(value: &Value) -> String {
 /// The section of a level: verdicts that change, and the spread of each metric beside the difference of the groups.
 fn section(
     title: &str,
-    count: usize,
-    outcomes: &BTreeMap<(usize, usize), &Outcome>,
+    runs: &Runs,
     metrics: &BTreeMap<String, Metric>,
     limits: &Limits,
 ) -> String {
-    let trainees = KINDS.len() * count;
     let mut out = title.to_owned();
     if !limits.taken_off.is_empty() {
         let _ = write!(
@@ -200,27 +195,36 @@ fn section(
     out.push_str(
         "\n\n| level | passed | failed | not judged | other verdict than as shipped | other reasons | other verdict without limits taken off |\n|---|---|---|---|---|---|---|\n",
     );
-    for (change, (title, _)) in CHANGES.iter().enumerate() {
-        if !outcomes.contains_key(&(0, change)) {
+    for (title, _) in CHANGES {
+        let of_change = runs.iter().filter(|((.., level), _)| level == title);
+        // Each with the run of the same trainee, the level as shipped.
+        let pairs: Vec<(&Outcome, &Outcome)> = of_change
+            .map(|((kind, seed, _), run)| {
+                let shipped = (kind.clone(), *seed, CHANGES[0].0.to_owned());
+                (run, &runs[&shipped])
+            })
+            .collect();
+        if pairs.is_empty() {
             let _ = writeln!(out, "| {title} | not played yet | | | | | |");
             continue;
         }
-        let of = |trainee: usize| outcomes[&(trainee, change)];
-        let with = |verdict: &str| (0..trainees).filter(|t| of(*t).verdict == verdict).count();
-        let base = |trainee: usize| outcomes[&(trainee, 0)];
-        let verdicts = (0..trainees)
-            .filter(|t| of(*t).verdict != base(*t).verdict)
-            .count();
-        let reasons = (0..trainees)
-            .filter(|t| of(*t).failed != base(*t).failed)
-            .count();
-        let now = |outcome: &Outcome| {
-            let verdict = limits.verdict_now(&outcome.verdict, &outcome.failed);
-            verdict.to_owned()
+        let trainees = pairs.len();
+        let with = |verdict: &str| {
+            pairs
+                .iter()
+                .filter(|(run, _)| run.verdict == verdict)
+                .count()
         };
-        let verdicts_now = (0..trainees)
-            .filter(|t| now(of(*t)) != now(base(*t)))
-            .count();
+        let differ = |differ: &dyn Fn(&Outcome, &Outcome) -> bool| {
+            pairs
+                .iter()
+                .filter(|(run, shipped)| differ(run, shipped))
+                .count()
+        };
+        let now = |run: &Outcome| limits.verdict_now(&run.verdict, &run.failed).to_owned();
+        let verdicts = differ(&|run, shipped| run.verdict != shipped.verdict);
+        let reasons = differ(&|run, shipped| run.failed != shipped.failed);
+        let verdicts_now = differ(&|run, shipped| now(run) != now(shipped));
         let percent = |count: usize| {
             let percent = 100.0 * count as f64 / trainees as f64;
             format!("{count} of {trainees} ({percent:.0} %)")
@@ -241,29 +245,12 @@ fn section(
     });
     out.push_str(" largest spread over difference |\n|---|---|---|---|---|---|---|---|---|\n");
     for (id, metric) in metrics {
-        let value = |trainee: usize, change: usize| {
-            let outcome = outcomes.get(&(trainee, change))?;
-            let judged = outcome.verdict != "not-judged";
-            outcome.values.get(id).copied().filter(|_| judged)
-        };
-        let group = |kind: usize| {
-            let values = (kind * count..(kind + 1) * count).filter_map(|t| value(t, 0));
-            Group::of(&values.collect::<Vec<_>>()).map(|group| group.mean)
-        };
-        let (Some(experts), Some(novices)) = (group(0), group(1)) else {
+        let Some(dependence) = Dependence::of(runs, id) else {
             let _ = writeln!(out, "| {} | | – | – | – | – | – | – | – |", metric.title);
             continue;
         };
-        let difference = (novices - experts).abs();
-        let spreads = [1, 2, 3].map(|change| {
-            let pairs = (0..trainees).filter_map(|t| Some(value(t, change)? - value(t, 0)?));
-            spread(&pairs.collect::<Vec<_>>())
-        });
-        let largest = spreads.iter().flatten().fold(0.0f64, |a, b| a.max(*b));
-        let ratio = match largest {
-            0.0 => 0.0,
-            _ => largest / difference,
-        };
+        let ([experts, novices], spreads) = (dependence.means, dependence.spreads);
+        let (difference, ratio) = (dependence.difference(), dependence.ratio());
         let shown = |spread: &Option<f64>| spread.map_or("–".into(), |s| format!("{s:.4}"));
         let _ = writeln!(
             out,
@@ -280,22 +267,4 @@ fn section(
         );
     }
     out
-}
-
-/// Root mean square of differences; `None` without any.
-fn spread(differences: &[f64]) -> Option<f64> {
-    let squares: f64 = differences.iter().map(|d| d * d).sum();
-    (!differences.is_empty()).then(|| (squares / differences.len() as f64).sqrt())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// By hand.
-    #[test]
-    fn spreads_are_root_mean_squares() {
-        assert_eq!(spread(&[3.0, -4.0]), Some(12.5f64.sqrt()));
-        assert_eq!(spread(&[]), None);
-    }
 }

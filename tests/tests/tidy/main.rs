@@ -5,6 +5,7 @@
 mod figures;
 mod files;
 mod graph;
+mod limits;
 mod modules;
 mod rust;
 mod sources;

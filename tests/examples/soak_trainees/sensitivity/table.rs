@@ -1,26 +1,10 @@
 //! The table of runs as a file of comma-separated values. Each run is added when it ends, so that a study goes on where an earlier one was stopped.
 
-use std::collections::BTreeMap;
+use microsim_tests::sensitivity::{Key, Outcome, Runs, header, line, read, run};
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-
-/// Columns before those of the metrics.
-const FIRST: &str = "kind,seed,level,verdict,failed";
-
-/// A run by kind and seed of the trainee and what was changed in the level.
-pub type Key = (String, u64, String);
-
-/// What came of a run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
-    pub verdict: String,
-    /// Reasons, with blanks between.
-    pub failed: String,
-    /// By the ids of metrics, in display units.
-    pub values: BTreeMap<String, f64>,
-}
 
 /// The runs in a file, and the file.
 pub struct Table {
@@ -28,30 +12,21 @@ pub struct Table {
     file: File,
     /// Ids of metrics, in the order of columns.
     metrics: Vec<String>,
-    rows: BTreeMap<Key, Outcome>,
+    rows: Runs,
 }
 
 impl Table {
     /// Opens a table, or begins one. An error where it has other metrics, or lines that are none of it.
     pub fn open(path: &Path, metrics: Vec<String>) -> Result<Self, String> {
         let at = |error: std::io::Error| format!("{}: {error}", path.display());
-        let header = format!("{FIRST},{}", metrics.join(","));
-        let text = fs::read_to_string(path).unwrap_or_default();
-        let mut lines = text.lines();
-        let found = lines.next();
-        if found.is_some_and(|found| found != header) {
+        let found = read(path)?;
+        let is_new = found.is_none();
+        let (columns, rows) = found.unwrap_or_else(|| (metrics.clone(), Runs::new()));
+        if columns != metrics {
             return Err(format!(
                 "{}: the table has other columns; remove it to begin one",
                 path.display()
             ));
-        }
-        let mut rows = BTreeMap::new();
-        for (number, line) in lines.enumerate() {
-            let row = row(line, &metrics).ok_or_else(|| {
-                let number = number + 2;
-                format!("{}, line {number}: no run of {FIRST},…", path.display())
-            })?;
-            rows.extend([row]);
         }
         fs::create_dir_all(path.parent().unwrap_or(path)).map_err(at)?;
         let mut file = OpenOptions::new()
@@ -59,8 +34,8 @@ impl Table {
             .append(true)
             .open(path)
             .map_err(at)?;
-        if found.is_none() {
-            writeln!(file, "{header}").map_err(at)?;
+        if is_new {
+            writeln!(file, "{}", header(&metrics)).map_err(at)?;
         }
         Ok(Self {
             path: path.to_owned(),
@@ -74,16 +49,15 @@ impl Table {
         self.rows.contains_key(key)
     }
 
-    /// # Panics
-    /// If there is no such run.
-    pub fn of(&self, key: &Key) -> &Outcome {
-        &self.rows[key]
+    /// All runs that are there.
+    pub fn runs(&self) -> &Runs {
+        &self.rows
     }
 
     /// Adds a run. An error where the table has another outcome of it: the computation is not that of the rows that are there.
     pub fn add(&mut self, key: Key, outcome: &Outcome) -> Result<(), String> {
         let line = line(&key, outcome, &self.metrics);
-        let (_, written) = row(&line, &self.metrics).expect("a line that was just written");
+        let (_, written) = run(&line, &self.metrics).expect("a line that was just written");
         let path = self.path.display();
         match self.rows.get(&key) {
             Some(there) if *there == written => return Ok(()),
@@ -102,46 +76,12 @@ impl Table {
 
     /// Writes the runs in their order, in whatever order they ended.
     pub fn sort(&self) -> Result<(), String> {
-        let mut text = format!("{FIRST},{}\n", self.metrics.join(","));
+        let mut text = header(&self.metrics) + "\n";
         for (key, outcome) in &self.rows {
             let _ = writeln!(text, "{}", line(key, outcome, &self.metrics));
         }
         fs::write(&self.path, text).map_err(|error| format!("{}: {error}", self.path.display()))
     }
-}
-
-fn line((kind, seed, level): &Key, outcome: &Outcome, metrics: &[String]) -> String {
-    let mut line = format!(
-        "{kind},{seed},{level},{},{}",
-        outcome.verdict, outcome.failed
-    );
-    for id in metrics {
-        line.push(',');
-        if let Some(value) = outcome.values.get(id) {
-            let _ = write!(line, "{value:.5}");
-        }
-    }
-    line
-}
-
-fn row(line: &str, metrics: &[String]) -> Option<(Key, Outcome)> {
-    let mut cells = line.split(',');
-    let mut next = || cells.next().map(str::to_owned);
-    let key = (next()?, next()?.parse().ok()?, next()?);
-    let (verdict, failed) = (next()?, next()?);
-    let mut values = BTreeMap::new();
-    for id in metrics {
-        let cell = next()?;
-        if !cell.is_empty() {
-            values.insert(id.clone(), cell.parse().ok()?);
-        }
-    }
-    let outcome = Outcome {
-        verdict,
-        failed,
-        values,
-    };
-    cells.next().is_none().then_some((key, outcome))
 }
 
 #[cfg(test)]
@@ -170,7 +110,7 @@ mod tests {
         drop(table);
         let mut table = Table::open(&path, metrics()).expect("a table");
         assert!(table.has(&key(1)) && table.has(&key(2)) && !table.has(&key(3)));
-        assert_eq!(table.of(&key(1)), &outcome("passed", 0.25));
+        assert_eq!(table.runs()[&key(1)], outcome("passed", 0.25));
         table
             .add(key(2), &outcome("failed", 1.5))
             .expect("the same");
