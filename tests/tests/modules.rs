@@ -1,4 +1,4 @@
-//! Every module of the tree, every level: the script that passes, the scripts that fail, each for its reason alone, and
+//! Every module of the tree, every level: the scripts that pass, those that fail or miss reference values, each for its reason alone, and
 //! doing nothing. Modules, levels and scripts are found, not listed: a new module is tested as it is.
 
 use microsim_tests::{
@@ -27,6 +27,29 @@ position = [\"12 mm\", \"-12 mm\", \"25 mm\"]
 direction = [0, 0, 1]
 ";
 
+/// What a script is for, by its name.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Purpose {
+    /// `pass`, `pass-…`.
+    Passes,
+    /// `miss-REASON`: passes, but not within the reference values of that reason.
+    Misses(String),
+    /// `fail-REASON`.
+    Fails(String),
+}
+
+impl Purpose {
+    fn of(kind: &str) -> Option<Self> {
+        match kind.split_once('-') {
+            None if kind == "pass" => Some(Self::Passes),
+            Some(("pass", _)) => Some(Self::Passes),
+            Some(("miss", reason)) => Some(Self::Misses(reason.to_owned())),
+            Some(("fail", reason)) => Some(Self::Fails(reason.to_owned())),
+            _ => None,
+        }
+    }
+}
+
 /// A level as `microsim list --json` has it.
 struct Level {
     module: String,
@@ -48,8 +71,8 @@ fn levels() -> Vec<Level> {
 }
 
 impl Level {
-    /// Its scripts: the reason for which each fails, `None` for one that passes.
-    fn scripts(&self) -> Vec<(Option<String>, PathBuf)> {
+    /// Its scripts.
+    fn scripts(&self) -> Vec<(Purpose, PathBuf)> {
         let folder = folder_of(self);
         let listing = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let mut scripts: Vec<_> = listing
@@ -57,10 +80,7 @@ impl Level {
                 let path = entry.expect("a script").path();
                 let name = path.file_stem()?.to_str()?.to_owned();
                 let kind = name.strip_prefix(&format!("level{}-", self.number))?;
-                match kind.strip_prefix("fail-") {
-                    Some(reason) => Some((Some(reason.to_owned()), path)),
-                    None => (kind == "pass" || kind.starts_with("pass-")).then_some((None, path)),
-                }
+                Some((Purpose::of(kind)?, path))
             })
             .collect();
         scripts.sort();
@@ -72,6 +92,25 @@ impl Level {
         let (printed, session) = self.play(folder, name, script, args);
         assert_verified(&session);
         printed
+    }
+
+    /// The reasons of the reference values that a run is not within.
+    fn missed(&self, report: &Value) -> BTreeSet<String> {
+        let name = format!("modules/{}/levels/level{}.toml", self.module, self.number);
+        let text = fs::read_to_string(tree().join(name)).expect("the level");
+        let table: toml::Table = text.parse().expect("TOML");
+        let limits = table["limit"].as_array().expect("limits");
+        let reason = |metric: &Value| {
+            let of_metric =
+                |limit: &&toml::Value| limit["metric"].as_str() == metric["id"].as_str();
+            let limit = limits.iter().find(of_metric).expect("its limit");
+            let reason = limit.get("reason").unwrap_or(&limit["metric"]);
+            reason.as_str().expect("a name").to_owned()
+        };
+        let metrics = report["metrics"].as_array().expect("metrics").iter();
+        let outside = metrics
+            .filter(|metric| metric["within"] == false && metric["limit"]["decides"] == false);
+        outside.map(reason).collect()
     }
 
     fn play(&self, folder: &Path, name: &str, script: &Path, args: &[&str]) -> (Value, PathBuf) {
@@ -90,15 +129,16 @@ fn folder_of(level: &Level) -> PathBuf {
     tree().join("modules").join(&level.module).join("scripts")
 }
 
-fn script_does_what_it_is_for(level: &Level, reason: Option<&str>, script: &Path, folder: &Path) {
+fn script_does_what_it_is_for(level: &Level, purpose: &Purpose, script: &Path, folder: &Path) {
     // A level may have several that pass.
     let name = script.file_stem().and_then(|name| name.to_str());
     let name = name.expect("it was listed by its name");
-    let printed = level.run(folder, name, script, &[]);
+    let (printed, session) = level.play(folder, name, script, &[]);
+    assert_verified(&session);
     let what = format!("{}: {printed}", script.display());
     assert_eq!(printed["counts"], true, "{what}");
-    match reason {
-        None => {
+    match purpose {
+        Purpose::Passes | Purpose::Misses(_) => {
             assert_eq!(printed["verdict"], "passed", "{what}");
             assert_eq!(printed["failed"], json!([]), "{what}");
             assert_eq!(printed["targets_done"], printed["targets"], "{what}");
@@ -106,8 +146,13 @@ fn script_does_what_it_is_for(level: &Level, reason: Option<&str>, script: &Path
                 printed["score"].as_f64().is_some_and(|score| score > 0.0),
                 "{what}"
             );
+            let missed = level.missed(&report_beside(&session));
+            match purpose {
+                Purpose::Misses(reason) => assert_eq!(missed, [reason.clone()].into(), "{what}"),
+                _ => assert_eq!(missed, BTreeSet::new(), "{what}"),
+            }
         }
-        Some(reason) => {
+        Purpose::Fails(reason) => {
             assert_eq!(printed["verdict"], "failed", "{what}");
             assert_eq!(printed["failed"], json!([reason]), "{what}");
         }
@@ -115,7 +160,7 @@ fn script_does_what_it_is_for(level: &Level, reason: Option<&str>, script: &Path
 }
 
 #[test]
-fn every_script_passes_or_fails_for_its_reason_alone() {
+fn every_script_passes_misses_or_fails_for_its_reason_alone() {
     let folder = scratch();
     let levels = levels();
     let all = levels
@@ -127,10 +172,10 @@ fn every_script_passes_or_fails_for_its_reason_alone() {
     let work = || {
         loop {
             let next = open.lock().expect("no thread panics with it").pop();
-            let Some((level, (reason, script))) = next else {
+            let Some((level, (purpose, script))) = next else {
                 return;
             };
-            script_does_what_it_is_for(level, reason.as_deref(), &script, folder.path());
+            script_does_what_it_is_for(level, &purpose, &script, folder.path());
         }
     };
     std::thread::scope(|scope| {
@@ -166,7 +211,7 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held_nor_cut() {
         for (_, script) in level
             .scripts()
             .into_iter()
-            .filter(|(reason, _)| reason.is_none())
+            .filter(|(purpose, _)| *purpose == Purpose::Passes)
         {
             let done_without = |what: &str| {
                 let (printed, _) = level.play(folder.path(), what, &script, &["--without", what]);
@@ -212,7 +257,7 @@ fn coordination_is_not_passed_without_what_its_levels_use() {
         .filter(|level| level.module == "coordination")
     {
         let scripts = level.scripts().into_iter();
-        for (_, passing) in scripts.filter(|(reason, _)| reason.is_none()) {
+        for (_, passing) in scripts.filter(|(purpose, _)| *purpose == Purpose::Passes) {
             let mut fails = |what: &'static str| {
                 let script = passing.file_stem().unwrap_or_default().to_string_lossy();
                 let name = format!("{script}-without-{what}");

@@ -326,7 +326,7 @@ fn hold(folder: &Path, place: &Place) {
 
     let mut hard = begin("Crushes the tissue before it lifts it.", CRUSH);
     hard.lift(height);
-    hard.write(folder, "fail-crushed", dwell + 0.5);
+    hard.write(folder, "miss-crushed", dwell + 0.5);
 
     let mut far = begin("Pulls the tissue far beyond the ring first.", FIRM);
     far.lift(2.6 * height);
@@ -367,12 +367,12 @@ fn cut_once(folder: &Path, place: &Place) {
 
     let mut beside = Hands::new(place, "Cuts 0.7 mm beside the mark.");
     beside.cut(x + 0.0007, 0.0);
-    beside.write(folder, "fail-cut-beside-the-mark", stay);
+    beside.write(folder, "miss-cut-beside-the-mark", stay);
 
     let mut askew = Hands::new(place, "Cuts askew through the mark.");
     askew.askew = 0.45;
     askew.cut(x, 0.0);
-    askew.write(folder, "fail-cut-askew", stay);
+    askew.write(folder, "miss-cut-askew", stay);
 
     let mut stray = Hands::new(
         place,
@@ -380,7 +380,7 @@ fn cut_once(folder: &Path, place: &Place) {
     );
     stray.snip(x + 0.001);
     stray.cut(x, 0.0);
-    stray.write(folder, "fail-stray-cut", stay);
+    stray.write(folder, "miss-stray-cut", stay);
 
     let mut uncut = Hands::new(
         place,
@@ -419,7 +419,7 @@ fn cut_twice(folder: &Path, place: &Place) {
     let mut beside = steadied("Cuts 0.6 mm beside the first mark.");
     beside.cut(first + 0.0006, 0.0);
     beside.cut(second, 0.0);
-    beside.write(folder, "fail-cut-beside-the-mark", stay);
+    beside.write(folder, "miss-cut-beside-the-mark", stay);
 
     let mut one = steadied("Cuts at the first mark alone.");
     one.cut(first, 0.0);
@@ -429,13 +429,13 @@ fn cut_twice(folder: &Path, place: &Place) {
     hard.grip(BETWEEN, CRUSH);
     hard.cut(first, 0.0);
     hard.cut(second, 0.0);
-    hard.write(folder, "fail-crushed", stay);
+    hard.write(folder, "miss-crushed", stay);
 
     let mut stray = steadied("Snips the edge of the tissue far from the marks before it cuts.");
     stray.snip(first + 0.0017);
     stray.cut(first, 0.0);
     stray.cut(second, 0.0);
-    stray.write(folder, "fail-stray-cut", stay);
+    stray.write(folder, "miss-stray-cut", stay);
 }
 
 /// Cut at both marks, carry, drop in the tray.
@@ -477,7 +477,7 @@ fn deliver(folder: &Path, place: &Place) {
     };
     match place.level {
         4 => {
-            beside("fail-cut-beside-the-mark", 0.0006);
+            beside("miss-cut-beside-the-mark", 0.0006);
 
             let mut hard = Hands::new(
                 place,
@@ -490,7 +490,7 @@ fn deliver(folder: &Path, place: &Place) {
             hard.forceps.1 = GRIP;
             cut_both(&mut hard);
             hard.put(path);
-            hard.write(folder, "fail-too-hard", stay);
+            hard.write(folder, "miss-too-hard", stay);
 
             let mut idle = begin("Rests between the cuts.");
             idle.cut(first, 0.0);
