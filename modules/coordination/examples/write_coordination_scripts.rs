@@ -475,6 +475,14 @@ fn deliver(folder: &Path, place: &Place) {
         beside.put(path);
         beside.write(folder, name, stay);
     };
+    let idle = || {
+        let mut idle = begin("Rests between the cuts.");
+        idle.cut(first, 0.0);
+        idle.key(PAUSE);
+        idle.cut(second, 0.0);
+        idle.put(path);
+        idle.write(folder, "fail-tool-idle", stay);
+    };
     match place.level {
         4 => {
             beside("miss-cut-beside-the-mark", 0.0006);
@@ -492,15 +500,10 @@ fn deliver(folder: &Path, place: &Place) {
             hard.put(path);
             hard.write(folder, "miss-too-hard", stay);
 
-            let mut idle = begin("Rests between the cuts.");
-            idle.cut(first, 0.0);
-            idle.key(PAUSE);
-            idle.cut(second, 0.0);
-            idle.put(path);
-            idle.write(folder, "fail-tool-idle", stay);
+            idle();
         }
         5 => {
-            beside("fail-cut-beside-the-mark", 0.0006);
+            beside("miss-cut-beside-the-mark", 0.0006);
 
             let mut slow = begin("Wanders about with the held tissue until the time is over.");
             slow.wander(place.time_limit);
@@ -511,13 +514,15 @@ fn deliver(folder: &Path, place: &Place) {
             askew.askew = 0.45;
             cut_both(&mut askew);
             askew.put(path);
-            askew.write(folder, "fail-cut-askew", stay);
+            askew.write(folder, "miss-cut-askew", stay);
 
             let mut hard = Hands::new(place, "Crushes the tissue before it cuts.");
             hard.grip(BETWEEN, CRUSH);
             cut_both(&mut hard);
             hard.put(path);
-            hard.write(folder, "fail-crushed", stay);
+            hard.write(folder, "miss-crushed", stay);
+
+            idle();
         }
     }
 }
