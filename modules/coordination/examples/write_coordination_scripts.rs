@@ -468,12 +468,12 @@ fn deliver(folder: &Path, place: &Place) {
     outside.put([path[0] + 0.0075, path[1], path[2]]);
     outside.write(folder, "fail-not-in-tray", stay);
 
-    let beside = |name: &str, off: f64| {
+    let beside = || {
         let mut beside = begin("Cuts beside the first mark.");
-        beside.cut(first + off, 0.0);
+        beside.cut(first + 0.0006, 0.0);
         beside.cut(second, 0.0);
         beside.put(path);
-        beside.write(folder, name, stay);
+        beside.write(folder, "miss-cut-beside-the-mark", stay);
     };
     let idle = || {
         let mut idle = begin("Rests between the cuts.");
@@ -485,8 +485,7 @@ fn deliver(folder: &Path, place: &Place) {
     };
     match place.level {
         4 => {
-            beside("miss-cut-beside-the-mark", 0.0006);
-
+            beside();
             let mut hard = Hands::new(
                 place,
                 "Pulls the tissue far up, and for long, before it cuts.",
@@ -499,12 +498,10 @@ fn deliver(folder: &Path, place: &Place) {
             cut_both(&mut hard);
             hard.put(path);
             hard.write(folder, "miss-too-hard", stay);
-
             idle();
         }
         5 => {
-            beside("miss-cut-beside-the-mark", 0.0006);
-
+            beside();
             let mut slow = begin("Wanders about with the held tissue until the time is over.");
             slow.wander(place.time_limit);
             slow.write(folder, "fail-too-slow", 0.5);
@@ -521,7 +518,6 @@ fn deliver(folder: &Path, place: &Place) {
             cut_both(&mut hard);
             hard.put(path);
             hard.write(folder, "miss-crushed", stay);
-
             idle();
         }
     }
