@@ -33,7 +33,8 @@ impl Limits {
         Self::compared(frozen, &shipped)
     }
 
-    fn compared(frozen: Option<String>, shipped: &str) -> Result<Self, String> {
+    /// Of the texts of the frozen limits and of the level.
+    pub fn compared(frozen: Option<String>, shipped: &str) -> Result<Self, String> {
         let now = bounds(shipped)?;
         let then = bounds(frozen.as_deref().unwrap_or(shipped))?;
         let still = |reason: &str| now.values().any(|(_, now)| now == reason);

@@ -1,29 +1,25 @@
 //! How much verdicts and metrics depend on the computation: the same motions at twice the iterations, half the tick, and one step finer mesh.
 
+mod section;
 mod table;
 
 use super::limits::Limits;
 use super::{KINDS, WORKERS};
 use microsim_tests::changed_levels::{CHANGES, ChangedLevels};
-use microsim_tests::sensitivity::{Dependence, Key, MOST_SPREAD, Outcome, Runs};
+use microsim_tests::sensitivity::{Key, Outcome, Runs, read};
 use microsim_tests::trainees;
+use section::{Metric, section};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use table::Table;
 
-/// What is known of a metric.
-struct Metric {
-    title: String,
-    limited: bool,
-}
-
 /// Plays `count` trainees of each kind, from `first_seed` on, at one change after the other. Runs that `csv` has already are not played again, but for the first of
 /// each kind at each change: an error where they are of another computation. Gives the reports of the level as shipped, by their names, to `as_shipped` if all were played now
-/// and the limits are those of the level, and the section of the page to `write` after each change. The limits are the frozen ones of the level, where it has some.
+/// and the limits are those of the level, and the section of the page to `write` after each change. The limits are the frozen ones of the level, where it has some. A table of the same name in `before/`
+/// beside `csv` is of the same trainees with the physics of before, and stands beside theirs.
 pub fn study(
     module: &str,
     level: u32,
@@ -35,6 +31,10 @@ pub fn study(
 ) -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(|error| format!("a temporary folder: {error}"))?;
     let limits = Limits::of(module, level)?;
+    let before = csv
+        .with_file_name("before")
+        .join(csv.file_name().expect("a file"));
+    let before = read(&before)?.map(|(_, runs)| runs);
     let trees = CHANGES.map(|(_, change)| {
         let tree = ChangedLevels::new(module, change);
         if let Some(frozen) = &limits.frozen {
@@ -136,7 +136,7 @@ pub fn study(
             seeds.end - 1
         );
         let title = format!("## {module}, level {level}\n\n{who}");
-        write(&section(&title, &runs, &metrics, &limits))?;
+        write(&section(&title, &runs, before.as_ref(), &metrics, &limits))?;
     }
     Ok(())
 }
@@ -172,99 +172,4 @@ fn outcome(report: &Value) -> Outcome {
 
 fn text(value: &Value) -> String {
     value.as_str().unwrap_or_default().to_owned()
-}
-
-/// The section of a level: verdicts that change, and the spread of each metric beside the difference of the groups.
-fn section(
-    title: &str,
-    runs: &Runs,
-    metrics: &BTreeMap<String, Metric>,
-    limits: &Limits,
-) -> String {
-    let mut out = title.to_owned();
-    if !limits.taken_off.is_empty() {
-        let _ = write!(
-            out,
-            " Not limited any more: {}.",
-            limits.taken_off.join(", ")
-        );
-    }
-    if !limits.moved.is_empty() {
-        let _ = write!(out, " Limited otherwise now: {}.", limits.moved.join(", "));
-    }
-    out.push_str(
-        "\n\n| level | passed | failed | not judged | other verdict than as shipped | other reasons | other verdict without limits taken off |\n|---|---|---|---|---|---|---|\n",
-    );
-    for (title, _) in CHANGES {
-        let of_change = runs.iter().filter(|((.., level), _)| level == title);
-        // Each with the run of the same trainee, the level as shipped.
-        let pairs: Vec<(&Outcome, &Outcome)> = of_change
-            .map(|((kind, seed, _), run)| {
-                let shipped = (kind.clone(), *seed, CHANGES[0].0.to_owned());
-                (run, &runs[&shipped])
-            })
-            .collect();
-        if pairs.is_empty() {
-            let _ = writeln!(out, "| {title} | not played yet | | | | | |");
-            continue;
-        }
-        let trainees = pairs.len();
-        let with = |verdict: &str| {
-            pairs
-                .iter()
-                .filter(|(run, _)| run.verdict == verdict)
-                .count()
-        };
-        let differ = |differ: &dyn Fn(&Outcome, &Outcome) -> bool| {
-            pairs
-                .iter()
-                .filter(|(run, shipped)| differ(run, shipped))
-                .count()
-        };
-        let now = |run: &Outcome| limits.verdict_now(&run.verdict, &run.failed).to_owned();
-        let verdicts = differ(&|run, shipped| run.verdict != shipped.verdict);
-        let reasons = differ(&|run, shipped| run.failed != shipped.failed);
-        let verdicts_now = differ(&|run, shipped| now(run) != now(shipped));
-        let percent = |count: usize| {
-            let percent = 100.0 * count as f64 / trainees as f64;
-            format!("{count} of {trainees} ({percent:.0} %)")
-        };
-        let _ = writeln!(
-            out,
-            "| {title} | {} | {} | {} | {} | {reasons} | {} |",
-            with("passed"),
-            with("failed"),
-            with("not-judged"),
-            percent(verdicts),
-            percent(verdicts_now),
-        );
-    }
-    out.push_str("\n| metric | limited | experts | novices | difference |");
-    CHANGES[1..].iter().for_each(|(title, _)| {
-        let _ = write!(out, " spread: {title} |");
-    });
-    out.push_str(" largest spread over difference |\n|---|---|---|---|---|---|---|---|---|\n");
-    for (id, metric) in metrics {
-        let Some(dependence) = Dependence::of(runs, id) else {
-            let _ = writeln!(out, "| {} | | – | – | – | – | – | – | – |", metric.title);
-            continue;
-        };
-        let ([experts, novices], spreads) = (dependence.means, dependence.spreads);
-        let (difference, ratio) = (dependence.difference(), dependence.ratio());
-        let shown = |spread: &Option<f64>| spread.map_or("–".into(), |s| format!("{s:.4}"));
-        let _ = writeln!(
-            out,
-            "| {} | {} | {experts:.4} | {novices:.4} | {difference:.4} | {} | {} | {} | {} |",
-            metric.title,
-            if metric.limited { "yes" } else { "" },
-            shown(&spreads[0]),
-            shown(&spreads[1]),
-            shown(&spreads[2]),
-            match (metric.limited, ratio > MOST_SPREAD) {
-                (true, true) => format!("**{ratio:.2}**"),
-                _ => format!("{ratio:.2}"),
-            }
-        );
-    }
-    out
 }

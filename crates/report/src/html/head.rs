@@ -305,9 +305,9 @@ fn categories(out: &mut String, report: &Report) {
         "</div>\n<p class=\"note\">{}</p>\n</section>\n",
         bilingual(
             "Die Punkte (0–100) zeigen den Fortschritt. Bestanden ist eine Stufe nur, wenn jeder einzelne Grenzwert \
-             eingehalten ist; Punkte gleichen keinen überschrittenen Grenzwert aus.",
-            "The score (0–100) shows progress. A level is passed only if every single limit is met; a high score does not make up \
-             for a violated limit.",
+             eingehalten ist, der kein Richtwert ist; Punkte gleichen keinen überschrittenen Grenzwert aus.",
+            "The score (0–100) shows progress. A level is passed only if every single limit is met that is no reference value; a \
+             high score does not make up for a violated limit.",
         )
     );
 }

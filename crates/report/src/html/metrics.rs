@@ -210,7 +210,7 @@ fn row(out: &mut String, report: &Report, metric: &MetricEntry, limited: bool) {
             Some(false) if !decides(metric) => {
                 format!(
                     "<span class=\"mark\">{}</span>",
-                    bilingual("nicht eingehalten", "not kept")
+                    bilingual("außerhalb", "outside")
                 )
             }
             Some(true) => format!(
