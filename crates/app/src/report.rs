@@ -154,6 +154,7 @@ pub fn summary(report: &Report) -> String {
                 let (name, mark) = match (decides, record.within) {
                     (true, Some(false)) => ("limit", "  OUTSIDE"),
                     (true, _) => ("limit", ""),
+                    (false, Some(false)) => ("reference value", "  outside"),
                     (false, _) => ("reference value", ""),
                 };
                 format!(
