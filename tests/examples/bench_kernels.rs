@@ -139,7 +139,10 @@ fn beam(cells: [usize; 3]) -> TetMesh {
         cells,
         split: CellSplit::Kuhn,
     };
-    block.mesh().expect("a block with positive sizes")
+    let mut mesh = block.mesh().expect("a block with positive sizes");
+    // Fibres along the beam, for the laws that have some.
+    mesh.directions = vec![Vector3::x(); mesh.tets.len()];
+    mesh
 }
 
 fn springs() -> (String, Behaviour) {
