@@ -94,10 +94,27 @@ fn expected() -> Vec<(&'static str, String)> {
     };
     let [slowest, _] = range(&column("real-time factor"));
     let [_, p99] = range(&column("CPU p99 [ms]"));
+    let [_, longest] = range(&column("CPU most [ms]"));
+    let beyond = column("CPU p99 [ms]");
+    let beyond: Vec<String> = (1..=beyond.len())
+        .filter(|level| beyond[level - 1] > 11.0)
+        .map(|level| level.to_string())
+        .collect();
     let cost = format!(
         "All levels run {} and more times faster than real time on one core. Of 16 ms in a picture the computation should take 11 ms at most; in 99 of 100 \
-         pictures it takes {p99:.1} ms or less in every level",
-        slowest.floor()
+         pictures it takes {p99:.1} ms or less in every level ([bench_coordination.md](../../tests/results/bench_coordination.md)). Levels {} do not \
+         hold the 11 ms on the machine that was measured; the longest single picture took {longest:.0} ms.",
+        slowest.floor(),
+        beyond.join(", ")
+    );
+
+    let solvers = rows("bench_solvers.md");
+    let pulled = solvers
+        .iter()
+        .find(|row| row[..3] == ["patch-pressure", "quasi-static", "1"]);
+    let vessel = format!(
+        "takes {:.1} ms per picture of 16 ms while it is pulled",
+        number(&pulled.expect("a row")[6])
     );
 
     let peers = rows("peers.md");
@@ -131,6 +148,7 @@ fn expected() -> Vec<(&'static str, String)> {
         ("modules/push-strip/README.md", of_push_strip),
         ("README.md", beam),
         ("README.md", large),
+        ("README.md", vessel),
         ("README.md", inertia),
     ]
 }
