@@ -112,6 +112,12 @@ pub const SOAKS: &[Program] = &[
         shows: "10,000 random cuts of blocks, tubes and filled meshes, checked step by step",
     },
     Program {
+        name: "tremor",
+        package: "microsim-cutting",
+        example: "soak_tremor",
+        shows: "1,000 strokes of a trembling hand right through a body: what still hangs together",
+    },
+    Program {
         name: "followers",
         package: "microsim-scene",
         example: "soak_followers",

@@ -15,8 +15,18 @@ pub struct Crossing {
     pub fraction: f64,
     /// Whether the second node lies on the positive side.
     pub positive: bool,
-    /// Normal of the blade there, towards the positive side; its length means nothing.
+    /// Whether that is certain: the step and the steady direction of the blade agree in it.
+    pub is_certain: bool,
+    /// Normal of the path there, towards the positive side: of a blade that moves its direction × its displacement relative to the
+    /// edge \[m\], of a sheet that of its triangle, of any length.
     pub normal: Vector3<f64>,
+}
+
+impl Crossing {
+    /// The side on which the end of the edge with this number lies.
+    pub(crate) fn side_of_end(&self, end: usize) -> i8 {
+        if self.positive == (end == 1) { 1 } else { -1 }
+    }
 }
 
 /// By how much a blade is displaced.

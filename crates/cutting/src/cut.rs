@@ -11,13 +11,13 @@ use crate::settings::Settings;
 use crate::stroke::Stroke;
 use crate::sweep::Sweep;
 use crate::topology::{Child, Topology};
-use microsim_geometry::Aabb;
+use microsim_geometry::{Aabb, closest_on_segment};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Cosine of the turn between two steps from which on a blade makes another cut: 45°.
-const TURNED: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Distance of a blade from all nodes, over the mean edge, at which it has left the tissue: beyond what a tremor draws it out and in again.
+const CLEAR: f64 = 1.5;
 
 impl Topology {
     /// Cuts where the blade passes in this step. `None` when it divides and opens nothing.
@@ -65,29 +65,31 @@ impl Topology {
         blade.check(mesh.positions.len())?;
         let mut crossings = self.crossings(blade)?;
         if crossings.is_empty() {
-            if stroke.sheet != 0 && self.is_clear(blade) {
-                *stroke = Stroke::new();
-            }
+            self.pass_by(stroke, blade);
             return Ok(None);
-        }
-        if matches!(blade, Blade::Sweep { .. }) && is_turned(stroke, &crossings) {
-            *stroke = Stroke::new();
         }
         if stroke.sheet == 0 {
             self.sheets += 1;
             stroke.sheet = self.sheets;
         }
-        orient(stroke, &mut crossings, matches!(blade, Blade::Sweep { .. }));
+        if matches!(blade, Blade::Sweep { .. }) {
+            let normals = crossings.values().map(|crossing| crossing.normal);
+            let normal = normals.sum::<Vector3<f64>>() / crossings.len() as f64;
+            stroke.advance_by(&normal, self.mean_edge);
+            orient(stroke, &mut crossings, blade.now());
+        } else {
+            let normals = crossings.values().map(|crossing| crossing.normal);
+            stroke.across = normals.filter_map(|normal| normal.try_normalize(0.0)).sum();
+        }
         let crossed = crossings.len();
         for ([a, b], crossing) in &crossings {
             let [a, b] = [a, b].map(|n| mesh.positions[*n as usize]);
             stroke.points.add(&a.lerp(&b, crossing.fraction));
         }
         let decisions = decide::decide(self, mesh, stroke, crossings, settings);
-        self.learn_sides(stroke, &decisions);
         let mut cut = self.carry_out(mesh, stroke, blade.now(), &decisions, settings);
         if let Some(cut) = &mut cut {
-            stroke.leave(&cut.edit, mesh.positions.len(), mesh.tets.len());
+            stroke.leave(&cut.edit, mesh.positions.len());
             if cut.opened[0].area > 0.0 {
                 cut.points = std::mem::take(&mut stroke.points);
             }
@@ -144,16 +146,45 @@ impl Topology {
         Ok(crossings)
     }
 
-    /// Whether a blade that moves has come to where no element is.
-    fn is_clear(&mut self, blade: &Blade) -> bool {
-        let Blade::Sweep { sweeps, now, .. } = blade else {
-            return false;
+    /// A step in which the blade crosses nothing: its motion relative to the tissue around it, and whether it has left that.
+    fn pass_by(&mut self, stroke: &mut Stroke, blade: &Blade) {
+        let Blade::Sweep {
+            sweeps,
+            before,
+            now,
+        } = blade
+        else {
+            return;
         };
-        let mut clear = true;
-        for sweep in *sweeps {
-            self.elements_near(&Aabb::of(&sweep.now), [now, now], |_, _| clear = false);
+        let reach = CLEAR * self.mean_edge;
+        let mut near: BTreeSet<u32> = BTreeSet::new();
+        for Sweep { now: [a, b], .. } in *sweeps {
+            let bounds = Aabb::of(&[*a, *b]).inflated(reach);
+            self.elements_near(&bounds, [now, now], |_, tet| {
+                let is_near = |&&node: &&u32| {
+                    let place = now[node as usize];
+                    (closest_on_segment(&place, a, b).point - place).norm() < reach
+                };
+                near.extend(tet.iter().filter(is_near));
+            });
         }
-        clear
+        let motion = |node: usize| now[node] - before[node];
+        let tissue: Vector3<f64> = if near.is_empty() {
+            (0..now.len()).map(motion).sum::<Vector3<f64>>() / now.len().max(1) as f64
+        } else {
+            near.iter()
+                .map(|&node| motion(node as usize))
+                .sum::<Vector3<f64>>()
+                / near.len() as f64
+        };
+        let across = sweeps
+            .iter()
+            .map(|sweep| sweep.displacement_across(&tissue));
+        let normal = across.sum::<Vector3<f64>>() / sweeps.len().max(1) as f64;
+        stroke.advance_by(&normal, self.mean_edge);
+        if stroke.sheet != 0 && near.is_empty() {
+            stroke.end();
+        }
     }
 
     /// Calls `found` with every element, and its nodes, whose path from the first to the second positions comes into `bounds` \[m\]. Its cost is proportional
@@ -191,36 +222,33 @@ impl Topology {
         edges
     }
 
-    /// Enters into the stroke on which sides the ends of crossed edges lie.
-    fn learn_sides(&self, stroke: &mut Stroke, decisions: &Decisions) {
+    /// Enters into the stroke on which sides the ends of crossed edges lie that are not on its path; the nodes of which that was not known.
+    fn learn_sides(stroke: &mut Stroke, decisions: &Decisions) -> Vec<u32> {
+        let mut learned = Vec::new();
         for (edge, crossed) in &decisions.edges {
-            let side = if crossed.crossing.positive { 1 } else { -1 };
-            for element in self.elements_at_edge(*edge) {
-                let sides = stroke.sides.entry(element).or_default();
-                for (k, node) in self.tets[element as usize].iter().enumerate() {
-                    if *node == edge[0] {
-                        sides[k] = -side;
-                    } else if *node == edge[1] {
-                        sides[k] = side;
-                    }
+            if !crossed.crossing.is_certain {
+                continue;
+            }
+            for (end, &node) in edge.iter().enumerate() {
+                if stroke.learn(node, crossed.crossing.side_of_end(end)) {
+                    learned.push(node);
                 }
             }
         }
+        learned
     }
 
-    /// Nodes on the edges of older cuts that this one goes on from: corners of elements that the blade goes into, with corners on both
-    /// sides of it, while it passes these ones by on neither. Without them a cut in several strokes would leave a bridge at each.
+    /// Nodes on the edges of older cuts that this one goes on from: corners of elements that its path comes to or goes through, and that it passes by on
+    /// neither side. Without them a cut in several strokes would leave a bridge at each.
     fn continued(&self, stroke: &Stroke, elements: &BTreeSet<u32>) -> BTreeSet<u32> {
         let mut found = BTreeSet::new();
         for &element in elements {
-            let sides = stroke.sides_of(element);
-            if !sides.contains(&1) || !sides.contains(&-1) {
-                continue;
-            }
-            for (node, side) in self.tets[element as usize].iter().zip(sides) {
-                if side == 0 && self.front.contains(node) {
-                    found.insert(*node);
-                }
+            let tet = &self.tets[element as usize];
+            let sides = tet.map(|node| stroke.side(node));
+            let is_passed = sides.contains(&1) && sides.contains(&-1);
+            if is_passed || tet.iter().any(|node| stroke.is_on_path(*node)) {
+                let nodes = tet.iter().filter(|node| self.front.contains(node));
+                found.extend(nodes.filter(|node| !stroke.nodes.contains_key(node)));
             }
         }
         found
@@ -241,14 +269,17 @@ impl Topology {
         for (edge, crossed) in &decisions.edges {
             touched.extend(self.elements_at_edge(*edge));
             if let Fate::Retained(node) = crossed.fate
-                && stroke.path.insert(node)
+                && stroke.put_on_path(node)
             {
                 touched.extend(self.elements_at(node));
                 self.front.insert(node);
             }
         }
+        for node in Self::learn_sides(stroke, decisions) {
+            touched.extend(self.elements_at(node));
+        }
         for node in self.continued(stroke, &touched) {
-            stroke.path.insert(node);
+            stroke.put_on_path(node);
             touched.extend(self.elements_at(node));
         }
         let mut editor = Editor::new(self, mesh, current);
@@ -258,7 +289,7 @@ impl Topology {
                 let node = editor.next_node();
                 editor.add_node(*edge, fraction);
                 new_nodes.insert(*edge, node);
-                stroke.path.insert(node);
+                stroke.put_on_path(node);
                 editor.topology.front.insert(node);
             }
         }
@@ -267,7 +298,6 @@ impl Topology {
         for (&element, &set) in &decisions.elements {
             let tet = editor.topology.tets[element as usize];
             let marks = editor.topology.marks[element as usize];
-            let sides = stroke.sides_of(element);
             let ids = tet.map(|n| mesh.node_ids[n as usize]);
             let mut children = Vec::new();
             for (k, child) in pattern::divide(set, ids).into_iter().enumerate() {
@@ -289,21 +319,15 @@ impl Topology {
                     corners: child.map(node),
                     marks: child_marks(&child, &marks),
                 });
-                stroke
-                    .sides
-                    .insert(slot, child.map(|[near, _]| sides[near as usize]));
                 touched.insert(slot);
             }
             replaced.push((element, children));
         }
         editor.divide(&replaced);
-        opening::give_flat_ones(editor.topology, stroke, &touched);
-        let mut faces = opening::faces_to_open(editor.topology, stroke, &touched);
-        opening::retain_flakes(&editor, sheet, &mut faces, settings);
+        let mut faces = opening::faces_to_open(&editor, stroke, &touched);
+        opening::retain_flakes(&editor, stroke, &mut faces, settings);
         for [node, copy] in editor.open(&faces, sheet) {
-            if stroke.path.contains(&node) {
-                stroke.path.insert(copy);
-            }
+            stroke.copied(node, copy);
             if editor.topology.front.contains(&node) {
                 editor.topology.front.insert(copy);
                 editor.topology.parted.extend([node, copy]);
@@ -323,47 +347,17 @@ fn child_marks(child: &[PatternNode; 4], marks: &[u32; 4]) -> [u32; 4] {
     })
 }
 
-/// Whether the blade goes on across its path so far: then it makes another cut, from whose point of view the first is an old one.
-fn is_turned(stroke: &Stroke, crossings: &BTreeMap<[u32; 2], Crossing>) -> bool {
-    if stroke.normal == Vector3::zeros() {
-        return false;
-    }
-    let mut sum = 0.0;
-    let mut count = 0.0;
-    for crossing in crossings.values() {
-        let length = crossing.normal.norm();
-        if length > 0.0 {
-            sum += (crossing.normal.dot(&stroke.normal) / length).abs();
-            count += 1.0;
-        }
-    }
-    sum < TURNED * count
-}
-
-/// Gives all crossings the same positive side as the stroke has so far: a blade that turns back would exchange the sides.
-fn orient(stroke: &mut Stroke, crossings: &mut BTreeMap<[u32; 2], Crossing>, turn: bool) {
-    let mut sum = Vector3::zeros();
-    for crossing in crossings.values_mut() {
-        let length = crossing.normal.norm();
-        if length == 0.0 {
-            continue;
-        }
-        let mut normal = crossing.normal / length;
-        let reference = if stroke.normal == Vector3::zeros() {
-            sum
-        } else {
-            stroke.normal
-        };
-        if turn && normal.dot(&reference) < 0.0 {
+/// Gives all crossings the positive side of the stroke's steady direction: a blade that goes back for a while would exchange the sides. Nodes are now
+/// at `current` \[m\].
+fn orient(stroke: &Stroke, crossings: &mut BTreeMap<[u32; 2], Crossing>, current: &[Vector3<f64>]) {
+    for ([a, b], crossing) in crossings {
+        if crossing.normal.dot(&stroke.across) < 0.0 {
             crossing.positive = !crossing.positive;
-            normal = -normal;
             crossing.normal = -crossing.normal;
         }
-        sum += normal;
-    }
-    let length = sum.norm();
-    if length > 0.0 {
-        stroke.normal = sum / length;
+        let edge = current[*b as usize] - current[*a as usize];
+        let is_positive = edge.dot(&stroke.across) >= 0.0;
+        crossing.is_certain = crossing.positive == is_positive;
     }
 }
 

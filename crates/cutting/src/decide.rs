@@ -91,30 +91,21 @@ fn first_fate(
 ) -> Fate {
     let least = settings.least_fraction;
     let fraction = crossing.fraction.clamp(least, 1.0 - least);
-    let on_path = edge.map(|node| stroke.path.contains(&node) || topology.front.contains(&node));
-    let end = match on_path {
-        [false, false] => {
+    let on_path = edge.map(|node| stroke.is_on_path(node) || topology.front.contains(&node));
+    // An end that lies on the other side as was found when the blade passed it: the path has come around it.
+    let contradicts =
+        |end: usize| crossing.is_certain && stroke.side(edge[end]) == -crossing.side_of_end(end);
+    let end = match (on_path, [contradicts(0), contradicts(1)]) {
+        ([true, true], _) => Some(nearer(crossing, edge)),
+        ([false, false], [true, false]) => Some(edge[0]),
+        ([false, false], [false, true]) => Some(edge[1]),
+        ([false, false], _) => {
             let touched = crossing.fraction.min(1.0 - crossing.fraction) <= TOUCHING;
             touched.then(|| nearer(crossing, edge))
         }
-        [true, true] => Some(nearer(crossing, edge)),
-        // The path goes on past its own node, unless what is behind the edge lies on the other side of it: then the blade comes
-        // a second time.
-        [first, _] => {
-            let (node, far, distance) = if first {
-                (edge[0], edge[1], crossing.fraction)
-            } else {
-                (edge[1], edge[0], 1.0 - crossing.fraction)
-            };
-            let side = if crossing.positive == first { 1 } else { -1 };
-            let is_second = distance > least
-                && topology.elements_at_edge(edge).any(|element| {
-                    let tet = &topology.tets[element as usize];
-                    let corner = tet.iter().position(|&n| n == far);
-                    corner.is_some_and(|k| stroke.sides_of(element)[k] == -side)
-                });
-            (!is_second).then_some(node)
-        }
+        // The path goes on past its own node.
+        ([true, false], [_, second]) => Some(edge[usize::from(second)]),
+        ([false, true], [first, _]) => Some(edge[usize::from(!first)]),
     };
     if let Some(node) = end {
         decisions.joined += 1;

@@ -18,10 +18,14 @@
 //! A stroke that ends inside tissue leaves the edge of its cut in the topology, and the next goes on from there: a blade may be drawn back
 //! and set in again, in any number of strokes, without a bridge between them.
 //!
+//! A hand trembles and turns back. Which nodes lie on which side of a stroke's path is found at the edges that it crosses, and remembered around the
+//! blade; where the path comes around a node that it had passed, that node is on the path; elements that come to lie in the cut itself are given to one
+//! side. So a stroke separates what it has swept between, and does not shed what lies in the cut.
+//!
 //! Limitations: a blade that meets no edge, as it is narrower than an element, cuts nothing. Where elements have become too small to be divided
-//! ([`Settings`]) the cut goes through nodes nearby. A cut that comes within an element of the edge of an older one goes through its nodes. Two legs
-//! of one stroke that turns by less than 45° are one cut: so near each other that they cross the same edges, parts may hang together between
-//! them until another stroke.
+//! ([`Settings`]) the cut goes through nodes nearby. A cut that comes within an element of the edge of an older one goes through its nodes. What another
+//! cut would take off the lips of an older one in less than 0.4 of an element or thinner than 0.05 of an edge stays on. A single stroke
+//! that turns by more than a right angle within about four edges, as a loop does that crosses its own path, may leave its parts joined until another stroke.
 
 #![forbid(unsafe_code)]
 
@@ -53,6 +57,6 @@ pub use pattern::{EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide};
 pub use report::{Cut, Opened, Rejected, SurfaceChange};
 pub use settings::Settings;
 pub use sheet::Sheet;
-pub use stroke::Stroke;
+pub use stroke::{PassedNode, Stroke};
 pub use sweep::Sweep;
 pub use topology::{SurfaceTriangle, Topology, TopologyState};

@@ -3,30 +3,40 @@
 use crate::editor::Editor;
 use crate::settings::Settings;
 use crate::stroke::Stroke;
-use crate::topology::Topology;
-use std::collections::BTreeSet;
+use crate::topology::{NONE, Topology};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Elements of a flake, at most.
-const FLAKE: usize = 8;
+const FLAKE: usize = 128;
 
 /// A face to open: element, opposite corner, and whether the element is on the negative side.
 pub(crate) type FaceToOpen = (u32, usize, bool);
 
-/// The inner faces of `elements` that the blade has passed: all nodes on the path, and the elements not on the same side. Each
+/// The inner faces of `elements` that the blade has passed: all nodes on the path, and the elements on different sides. Each
 /// once, with whether the element is on the negative side.
 pub(crate) fn faces_to_open(
-    topology: &Topology,
+    editor: &Editor,
     stroke: &Stroke,
     elements: &BTreeSet<u32>,
 ) -> Vec<FaceToOpen> {
+    let topology = &*editor.topology;
+    let given = give_flat_ones(editor, stroke, elements);
+    let elements: BTreeSet<u32> = elements.iter().chain(given.keys()).copied().collect();
     let mut faces = Vec::new();
-    for &element in elements {
+    for &element in &elements {
         for (corner, other) in closed_faces(topology, element) {
             let face = topology.face(element, corner);
             let once = other > element || !elements.contains(&other);
-            if once && face.iter().all(|node| stroke.path.contains(node)) {
-                let mine = side(topology, stroke, element, corner);
-                let theirs = side(topology, stroke, other, topology.back(element, other));
+            if once && face.iter().all(|node| stroke.is_on_path(*node)) {
+                let pair = [(element, corner), (other, topology.back(element, other))];
+                let given = pair.map(|(element, _)| given.get(&element).copied());
+                let [mine, theirs] = [0, 1].map(|k| {
+                    let (element, corner) = pair[k];
+                    let node = topology.tets[element as usize][corner];
+                    given[k].unwrap_or_else(|| stroke.side(node))
+                });
+                // What lies beyond a face on the path and is not known lies on the other side.
                 if mine != theirs {
                     faces.push((element, corner, mine < theirs));
                 }
@@ -45,48 +55,50 @@ fn closed_faces(topology: &Topology, element: u32) -> impl Iterator<Item = (usiz
     })
 }
 
-/// The side on which an element lies that has its face opposite to `corner` on the path: that of the corner; of an element with all
-/// corners on the path the one to which it was given.
-fn side(topology: &Topology, stroke: &Stroke, element: u32, corner: usize) -> i8 {
-    let node = topology.tets[element as usize][corner];
-    if stroke.path.contains(&node) {
-        stroke.given.get(&element).copied().unwrap_or_default()
-    } else {
-        stroke.sides_of(element)[corner]
-    }
+/// The side of `node` by its position, as seen from a face on the path.
+fn estimated_side(editor: &Editor, stroke: &Stroke, face: &[u32; 3], node: u32) -> i8 {
+    let centroid: Vector3<f64> = face
+        .iter()
+        .map(|&n| editor.place(n)[1])
+        .sum::<Vector3<f64>>()
+        / 3.0;
+    let height = (editor.place(node)[1] - centroid).dot(&stroke.across);
+    if height < 0.0 { -1 } else { 1 }
 }
 
-/// Elements with all corners on the path lie in the cut itself, as flat as what was clamped leaves them. They are given to a side
-/// that they have a face to, together with all such that they hang together with: so nothing comes off that the blade has not
-/// cut out.
-pub(crate) fn give_flat_ones(topology: &Topology, stroke: &mut Stroke, elements: &BTreeSet<u32>) {
-    let is_flat = |stroke: &Stroke, element: u32| {
-        let tet = &topology.tets[element as usize];
-        tet.iter().all(|node| stroke.path.contains(node)) && !stroke.given.contains_key(&element)
-    };
+/// Elements with all corners on the path lie in the cut itself, as flat as what was clamped leaves them. All such that hang together are given to the
+/// side at which the larger area of them hangs: so nothing comes off that the blade has not cut out. 1, −1, or 0 where no side is known.
+fn give_flat_ones(editor: &Editor, stroke: &Stroke, elements: &BTreeSet<u32>) -> BTreeMap<u32, i8> {
+    let topology = &*editor.topology;
+    let is_flat = |element: u32| is_flat(topology, stroke, element);
+    let mut given: BTreeMap<u32, i8> = BTreeMap::new();
     for &start in elements {
-        if !is_flat(stroke, start) {
+        if given.contains_key(&start) || !is_flat(start) {
             continue;
         }
         let mut group = vec![start];
-        let mut votes = 0;
+        // Of faces to known sides, and to others.
+        let (mut area, mut estimated) = (0.0, 0.0);
         let mut next = 0;
         while let Some(&element) = group.get(next) {
             next += 1;
-            votes += stroke.sides_of(element).iter().sum::<i8>().signum() as i32;
-            for (_, other) in closed_faces(topology, element) {
-                if !is_flat(stroke, other) {
-                    // One face weighs more than what the group itself was divided from.
-                    let theirs = side(topology, stroke, other, topology.back(element, other));
-                    votes += 1000 * i32::from(theirs);
+            for (corner, other) in closed_faces(topology, element) {
+                if !is_flat(other) {
+                    let far = topology.tets[other as usize][topology.back(element, other)];
+                    let face = topology.face(element, corner);
+                    let of_face = editor.face_area(element, corner);
+                    area += f64::from(stroke.side(far)) * of_face;
+                    estimated += f64::from(estimated_side(editor, stroke, &face, far)) * of_face;
                 } else if !group.contains(&other) {
                     group.push(other);
                 }
             }
         }
-        let given = if votes < 0 { -1 } else { 1 };
-        stroke.given.extend(group.into_iter().map(|e| (e, given)));
+        let area = if area == 0.0 { estimated } else { area };
+        let side = if area < 0.0 { -1 } else { 1 };
+        given.extend(group.into_iter().map(|element| (element, side)));
     }
+    given
 }
 
 /// Whether the blade has passed a node of its path: no element there on one side hangs together with one on the other. Of an element that it
@@ -96,17 +108,14 @@ fn is_passed(editor: &Editor, stroke: &Stroke, node: u32) -> bool {
     let here = editor.place(node)[1];
     let (mut negative, mut positive) = (false, false);
     for &element in topology.elements_at(node) {
-        if stroke.given.contains_key(&element) {
-            continue;
-        }
-        let tet = &topology.tets[element as usize];
         let (mut known, mut height) = (false, 0.0);
-        for (&corner, side) in tet.iter().zip(stroke.sides_of(element)) {
-            if !stroke.path.contains(&corner) {
+        for &corner in &topology.tets[element as usize] {
+            if !stroke.is_on_path(corner) {
+                let side = stroke.side(corner);
                 negative |= side < 0;
                 positive |= side > 0;
                 known |= side != 0;
-                height += (editor.place(corner)[1] - here).dot(&stroke.normal);
+                height += (editor.place(corner)[1] - here).dot(&stroke.across);
             }
         }
         if !known {
@@ -132,11 +141,11 @@ pub(crate) fn leave_front(editor: &mut Editor, stroke: &Stroke, elements: &BTree
     }
 }
 
-/// Takes faces out of the list that would set flakes free: a few small elements on the lip of an older cut. A flake keeps the
-/// largest of its faces, and with it hangs on one side; it is no bridge to another.
+/// Takes faces out of the list that would set flakes free: a few small elements on the lip of an older cut, or elements that lie in the cut itself. A
+/// flake keeps the largest of its faces, and with it hangs on one side; it is no bridge to another.
 pub(crate) fn retain_flakes(
     editor: &Editor,
-    sheet: u32,
+    stroke: &Stroke,
     faces: &mut Vec<FaceToOpen>,
     settings: &Settings,
 ) {
@@ -150,16 +159,15 @@ pub(crate) fn retain_flakes(
     }
     let starts: Vec<u32> = open.iter().map(|&(element, _)| element).collect();
     for start in starts {
-        let Some(flake) = small_part(editor, start, &open, settings) else {
-            continue;
-        };
         let is_old = |&element: &u32| {
             let mut triangles = topology.triangles_of(element);
-            triangles.any(|t| t.sheet != 0 && t.sheet != sheet)
+            triangles.any(|t| t.sheet != 0 && t.sheet != stroke.sheet)
         };
-        if !flake.iter().any(is_old) {
+        let on_lip = || small_part(editor, start, &open, settings);
+        let on_lip = || on_lip().filter(|part| part.iter().any(is_old));
+        let Some(flake) = flat_part(topology, stroke, start, &open).or_else(on_lip) else {
             continue;
-        }
+        };
         let own = open.iter().filter(|(element, _)| flake.contains(element));
         let largest = own.max_by(|a, b| {
             let area = |&&(element, corner): &&(u32, usize)| editor.face_area(element, corner);
@@ -176,7 +184,36 @@ pub(crate) fn retain_flakes(
     faces.retain(|&(element, corner, _)| open.contains(&(element, corner)));
 }
 
-/// All that `start` will hang together with, if that is little.
+/// All that `start` will hang together with, if all of it lies in the cut.
+fn flat_part(
+    topology: &Topology,
+    stroke: &Stroke,
+    start: u32,
+    open: &BTreeSet<(u32, usize)>,
+) -> Option<Vec<u32>> {
+    let mut part = vec![start];
+    let mut next = 0;
+    while let Some(&element) = part.get(next) {
+        next += 1;
+        if !is_flat(topology, stroke, element) {
+            return None;
+        }
+        for (corner, other) in closed_faces(topology, element) {
+            if !open.contains(&(element, corner)) && !part.contains(&other) {
+                part.push(other);
+            }
+        }
+    }
+    Some(part)
+}
+
+/// Whether all corners of an element are on the path.
+fn is_flat(topology: &Topology, stroke: &Stroke, element: u32) -> bool {
+    let tet = &topology.tets[element as usize];
+    tet.iter().all(|node| stroke.is_on_path(*node))
+}
+
+/// All that `start` will hang together with, if that is little or thin.
 fn small_part(
     editor: &Editor,
     start: u32,
@@ -184,21 +221,32 @@ fn small_part(
     settings: &Settings,
 ) -> Option<Vec<u32>> {
     let topology = &*editor.topology;
-    let least = settings.flake_volume * topology.mean_volume;
     let mut part = vec![start];
-    let mut volume = 0.0;
+    let (mut volume, mut area) = (0.0, 0.0);
     let mut next = 0;
     while let Some(&element) = part.get(next) {
         next += 1;
         volume += editor.rest_volume(element);
-        for (corner, other) in closed_faces(topology, element) {
-            if !open.contains(&(element, corner)) && !part.contains(&other) {
+        let is_inside = |corner: usize, other: u32| {
+            let is_closed = topology.marks[element as usize][corner] == 0;
+            is_closed && !open.contains(&(element, corner)) && other != NONE
+        };
+        for (corner, other) in topology.neighbours[element as usize]
+            .into_iter()
+            .enumerate()
+        {
+            if !is_inside(corner, other) {
+                area += editor.face_area(element, corner);
+            } else if !part.contains(&other) {
                 part.push(other);
             }
         }
-        if volume > least || part.len() > FLAKE {
+        if part.len() > FLAKE {
             return None;
         }
     }
-    Some(part)
+    let thickness = 2.0 * volume / area;
+    let is_flake = volume <= settings.flake_volume * topology.mean_volume
+        || thickness <= settings.flake_thickness * topology.mean_edge;
+    is_flake.then_some(part)
 }

@@ -10,9 +10,11 @@ pub struct Settings {
     pub least_edge: f64,
     /// No division leaves an element with less than this fraction of the mean volume of the whole mesh (NUMERICS 3.5 e).
     pub least_volume: f64,
-    /// The teeth that clamped nodes leave on the lips of a cut: what another cut would take off them in a few elements with less than
-    /// this fraction of the mean volume stays on.
+    /// The teeth that clamped nodes leave on the lips of a cut: what another cut would take off them with less than this fraction of the
+    /// mean volume stays on.
     pub flake_volume: f64,
+    /// So does what is thinner, on the mean, than this fraction of the mean edge: less than the least fraction, within which a cut strays.
+    pub flake_thickness: f64,
     /// What comes off with less than this fraction of the mean volume is a crumb and is taken away.
     pub crumb_volume: f64,
 }
@@ -23,7 +25,8 @@ impl Default for Settings {
             least_fraction: 0.15,
             least_edge: 0.3,
             least_volume: 1e-3,
-            flake_volume: 0.05,
+            flake_volume: 0.4,
+            flake_thickness: 0.05,
             crumb_volume: 1e-3,
         }
     }

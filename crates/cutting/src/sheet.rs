@@ -131,6 +131,7 @@ impl Sheet {
                 0.5
             },
             positive: at_v >= 0.0,
+            is_certain: true,
             normal: (b - a).cross(&(c - a)),
         })
     }

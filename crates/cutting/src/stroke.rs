@@ -1,29 +1,46 @@
-//! What a blade has cut so far on its path.
+//! What a blade has passed so far on its path.
 //!
 //! A crossed edge gets a node on the blade's path. What the mesh needs to open is a face with all three nodes on it and
 //! elements on both sides; while a blade is in progress such faces come one after another. A stroke remembers the nodes on the
-//! path and, for the elements there, on which side their other corners lie, until the blade has left the tissue.
+//! path and the side of the nodes beside it, until the blade has left the tissue or has gone on far enough.
+//!
+//! A hand trembles. Within a reversal the sheet that the blade sweeps turns round, so which side is positive follows from the
+//! steady direction: the sum of the last displacements across the blade.
 
 use crate::path::PathPoints;
 use microsim_mesh::TopologyEdit;
 use nalgebra::Vector3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-/// One pass of a blade through one body. Plain data: it is saved with the mesh between two generations. It begins again by itself when the blade
-/// is clear of all elements, or turns by more than 45°; a caller may begin a new one at any time.
+/// Displacement across the blade that its steady direction is the sum of, over the mean edge: the amplitude of a tremor (49 to 133 µm rms:
+/// Riviere, Rader and Khosla 1997), reversals of 1 mm included, stays below it on meshes of levels.
+const STEADY: f64 = 2.0;
+
+/// How far a blade advances, over the mean edge, until it meets nodes as if it had never passed them: farther than any element beside
+/// its path reaches, nearer than where a path that turns round comes again.
+const MEMORY: f64 = 4.0;
+
+/// A node that a stroke has passed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassedNode {
+    /// Side of the path: 1 positive, −1 negative, 0 on the path.
+    pub side: i8,
+    /// How far the stroke had advanced when it came here \[m\].
+    pub advance: f64,
+}
+
+/// One pass of a blade through one body. Plain data: it is saved with the mesh between two generations. It ends by itself when the
+/// blade is clear of all elements; a caller may begin a new one at any time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stroke {
     /// Number of its sheet in the body, from 1; 0 before the first crossing.
     pub sheet: u32,
-    /// Nodes on the path.
-    pub path: BTreeSet<u32>,
-    /// For elements at the path: on which side each corner lies. 1 positive, −1 negative, 0 not known. Of a corner on the path
-    /// the side of what it was divided from.
-    pub sides: BTreeMap<u32, [i8; 4]>,
-    /// The side to which elements with all corners on the path were given.
-    pub given: BTreeMap<u32, i8>,
-    /// Towards the positive side, where the blade was last \[-\]; zero before the first crossing.
-    pub normal: Vector3<f64>,
+    /// Nodes on the path and beside it.
+    pub nodes: BTreeMap<u32, PassedNode>,
+    /// Normal of the path towards the positive side: blade direction × displacement, summed over the last steps \[m\].
+    pub across: Vector3<f64>,
+    /// Displacement along the steady direction so far \[m\].
+    pub advance: f64,
     /// Where the blade crossed edges since something was last opened.
     pub points: PathPoints,
 }
@@ -34,46 +51,94 @@ impl Stroke {
         Self::default()
     }
 
-    /// The sides of the corners of `element`.
-    pub(crate) fn sides_of(&self, element: u32) -> [i8; 4] {
-        self.sides.get(&element).copied().unwrap_or_default()
+    /// Whether a node is on the path.
+    pub(crate) fn is_on_path(&self, node: u32) -> bool {
+        matches!(self.nodes.get(&node), Some(passed) if passed.side == 0)
     }
 
-    /// Updates the stroke after an edit of another one, of a mesh that had so many nodes and elements: copies of nodes on the path are on it,
-    /// children know no sides of their own. Its own edits are part of it already.
-    pub fn update_after_edit(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
+    /// The side of a node; 0 on the path, or where it is not known.
+    pub(crate) fn side(&self, node: u32) -> i8 {
+        self.nodes.get(&node).map_or(0, |passed| passed.side)
+    }
+
+    /// Puts a node on the path; whether it was not there.
+    pub(crate) fn put_on_path(&mut self, node: u32) -> bool {
+        let advance = self.advance;
+        let old = self.nodes.insert(node, PassedNode { side: 0, advance });
+        !matches!(old, Some(passed) if passed.side == 0)
+    }
+
+    /// Learns the side of a node. What was found first counts: later the blade may come from elsewhere. Whether it was not known.
+    pub(crate) fn learn(&mut self, node: u32, side: i8) -> bool {
+        let advance = self.advance;
+        let mut is_new = false;
+        self.nodes.entry(node).or_insert_with(|| {
+            is_new = true;
+            PassedNode { side, advance }
+        });
+        is_new
+    }
+
+    /// A node has been doubled.
+    pub(crate) fn copied(&mut self, node: u32, copy: u32) {
+        if let Some(passed) = self.nodes.get(&node).copied() {
+            self.nodes.insert(copy, passed);
+        }
+    }
+
+    /// The blade has moved: `normal` is blade direction × displacement \[m\].
+    pub(crate) fn advance_by(&mut self, normal: &Vector3<f64>, mean_edge: f64) {
+        let direction = self.across.try_normalize(0.0);
+        self.advance += direction.map_or(normal.norm(), |direction| direction.dot(normal));
+        self.across += normal;
+        if direction.is_some_and(|direction| direction.dot(&self.across) < 0.0) {
+            self.turn_round();
+        }
+        let (length, most) = (self.across.norm(), STEADY * mean_edge);
+        if length > most {
+            self.across *= most / length;
+        }
+        let advance = self.advance;
+        self.nodes
+            .retain(|_, passed| (advance - passed.advance).abs() <= MEMORY * mean_edge);
+    }
+
+    /// The steady direction turns out to be the opposite of what it was: the blade began with a step back.
+    fn turn_round(&mut self) {
+        self.advance = -self.advance;
+        for passed in self.nodes.values_mut() {
+            passed.side = -passed.side;
+            passed.advance = -passed.advance;
+        }
+    }
+
+    /// The blade has left the tissue. Its steady direction remains, as it may come back at once.
+    pub(crate) fn end(&mut self) {
+        *self = Self {
+            across: self.across,
+            ..Self::default()
+        };
+    }
+
+    /// Updates the stroke after an edit of another one, of a mesh that had so many nodes: copies of nodes are where these are. Its own
+    /// edits are part of it already.
+    pub fn update_after_edit(&mut self, edit: &TopologyEdit, nodes: usize) {
         for (k, new) in edit.nodes.iter().enumerate() {
-            if new.fraction == 0.0 && self.path.contains(&new.between[0]) {
-                self.path.insert((nodes + k) as u32);
+            if new.fraction == 0.0 {
+                self.copied(new.between[0], (nodes + k) as u32);
             }
         }
-        for replaced in edit.elements.iter().filter(|r| r.children.len() > 1) {
-            self.sides.remove(&replaced.element);
-            self.given.remove(&replaced.element);
-        }
-        self.leave(edit, nodes, elements);
+        self.leave(edit, nodes);
     }
 
     /// Removes what an edit removes.
-    pub(crate) fn leave(&mut self, edit: &TopologyEdit, nodes: usize, elements: usize) {
-        for gone in &edit.removed {
-            self.sides.remove(gone);
-            self.given.remove(gone);
-        }
-        for (from, to) in edit.element_moves(elements) {
-            if let Some(sides) = self.sides.remove(&from) {
-                self.sides.insert(to, sides);
-            }
-            if let Some(side) = self.given.remove(&from) {
-                self.given.insert(to, side);
-            }
-        }
+    pub(crate) fn leave(&mut self, edit: &TopologyEdit, nodes: usize) {
         for gone in &edit.removed_nodes {
-            self.path.remove(gone);
+            self.nodes.remove(gone);
         }
         for (from, to) in edit.node_moves(nodes) {
-            if self.path.remove(&from) {
-                self.path.insert(to);
+            if let Some(passed) = self.nodes.remove(&from) {
+                self.nodes.insert(to, passed);
             }
         }
     }

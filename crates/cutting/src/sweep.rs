@@ -41,6 +41,13 @@ impl Sweep {
         Aabb::of(self.before.iter().chain(&self.now))
     }
 
+    /// Its direction × the displacement of its middle relative to tissue that is displaced by `tissue` \[m\].
+    pub(crate) fn displacement_across(&self, tissue: &Vector3<f64>) -> Vector3<f64> {
+        let [before, now] = [&self.before, &self.now].map(|[a, b]| (b - a, (a + b) * 0.5));
+        let direction = (before.0 + now.0).try_normalize(0.0).unwrap_or_default();
+        direction.cross(&(now.1 - before.1 - tissue))
+    }
+
     fn at(&self, time: f64) -> [Vector3<f64>; 2] {
         [0, 1].map(|k| self.before[k] + (self.now[k] - self.before[k]) * time)
     }
@@ -108,10 +115,13 @@ impl Sweep {
             let [from, to] = [0, 1].map(|k| sweep.now[k] - sweep.before[k]);
             from + (to - from) * at
         };
-        let normal = d.cross(&(moved(self, along) - moved(edge, fraction)));
+        let length = d.norm();
+        let unit = if length > 0.0 { d / length } else { d };
+        let normal = unit.cross(&(moved(self, along) - moved(edge, fraction)));
         Some(Crossing {
             fraction,
             positive: e.dot(&normal) >= 0.0,
+            is_certain: true,
             normal,
         })
     }

@@ -232,14 +232,14 @@ impl Scene {
         edit: &TopologyEdit,
     ) {
         let mesh = &self.bodies[body].mesh;
-        let (nodes, elements) = (mesh.positions.len(), mesh.tets.len());
+        let nodes = mesh.positions.len();
         for (cut, blade) in self.state.blades.iter_mut().enumerate() {
             if self.cuts[cut].body != body {
                 continue;
             }
             let others = blade.strokes.iter_mut();
             for (_, stroke) in others.filter(|(line, _)| Some((cut, *line)) != own) {
-                stroke.update_after_edit(edit, nodes, elements);
+                stroke.update_after_edit(edit, nodes);
             }
         }
     }

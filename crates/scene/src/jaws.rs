@@ -70,11 +70,18 @@ pub(crate) fn sweeps(
         if is_end(still) && !is_end(closed) {
             return;
         }
+        // All ends sweep one sheet, so they have one positive side: as if all went to the tips.
+        let is_reversed = from < to;
         let mut sweep = |from, to| {
-            sweeps.push(Sweep {
+            let mut sweep = Sweep {
                 before: jaws[0].across(from),
                 now: jaws[1].across(to),
-            });
+            };
+            if is_reversed {
+                sweep.before.reverse();
+                sweep.now.reverse();
+            }
+            sweeps.push(sweep);
         };
         // Around a bend the path is not straight: it stops there, and the bend itself is swept along with the jaws.
         let mut from = from;
@@ -272,8 +279,14 @@ mod tests {
         let sweeps = sweeps(&jaws, &[closed, still, now].map(parts));
         for sweep in &sweeps {
             // From beyond one capsule to beyond the other.
+            // To the hinge from right to left.
+            let left = if sweep.before[0].y < sweep.now[0].y {
+                1.1e-2
+            } else {
+                -1.1e-2
+            };
             for [a, b] in [sweep.before, sweep.now] {
-                assert!((a.x + 1.1e-2).abs() < 1e-15 && (b.x - 1.1e-2).abs() < 1e-15);
+                assert!((a.x - left).abs() < 1e-15 && (b.x + left).abs() < 1e-15);
                 assert_eq!(a.y, b.y);
             }
         }

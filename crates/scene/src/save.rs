@@ -22,7 +22,7 @@ use microsim_tissue::State;
 use nalgebra::Vector3;
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

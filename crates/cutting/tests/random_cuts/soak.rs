@@ -140,6 +140,7 @@ pub fn cut_body(
             least_edge: 0.01,
             least_volume: 1e-4,
             flake_volume: 0.0,
+            flake_thickness: 0.0,
             crumb_volume: 1e-2,
             ..Settings::default()
         };
@@ -220,8 +221,8 @@ pub fn cut_body(
                         before: &before,
                         now: &now,
                     };
-                    body.step(&mut stroke, &blade, summary, watch)
-                        .map_err(|e| context(format!("step {k} of {}: {e}", times.len())))?;
+                    let result = body.step(&mut stroke, &blade, summary, watch);
+                    result.map_err(|e| context(format!("step {k} of {}: {e}", times.len())))?;
                 }
             }
         }
@@ -229,11 +230,11 @@ pub fn cut_body(
         if complete && plane {
             summary.complete += 1;
             // Edges of the first stroke are separated exactly but for those that are too short to be divided, where the
-            // path strays by half an edge. Later on flakes stay on, of an edge at most.
+            // path strays by half an edge. Later on flakes stay on, on lips that may be oblique: of an edge, half as long again.
             let snapped = match (number, summary.snapped - snapped_before) {
                 (0, 0) => 0.0,
                 (0, _) => 0.5 * body.longest_edge(),
-                _ => body.longest_edge(),
+                _ => 1.5 * body.longest_edge(),
             };
             let tolerance = snapped + off;
             body.separated(&path.center, &path.normal, tolerance, number == 0)

@@ -5,9 +5,9 @@ use crate::body::{Body, CutTally};
 use crate::edits::Edit;
 use crate::lonor::BladeState;
 use crate::pieces::Pieces;
-use microsim_cutting::{PathPoints, Stroke, Topology, TopologyState, check};
+use microsim_cutting::{PassedNode, PathPoints, Stroke, Topology, TopologyState, check};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// An edit: body u32, nodes before it u32, generation u64; then lists, each behind its length u32: new nodes
 /// (2 × u32, f64), replaced elements (u32, list of 4 × u32), removed elements and nodes (u32), renumbered elements (5 × u32), cut faces (5 × u32, side
@@ -98,19 +98,14 @@ pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState) {
     put_list(bytes, &blade.strokes, |bytes, (line, stroke)| {
         put_u32(bytes, *line);
         put_u32(bytes, stroke.sheet);
-        let path: Vec<u32> = stroke.path.iter().copied().collect();
-        put_list(bytes, &path, |bytes, node| put_u32(bytes, *node));
-        let sides: Vec<_> = stroke.sides.iter().collect();
-        put_list(bytes, &sides, |bytes, (element, sides)| {
-            put_u32(bytes, **element);
-            bytes.extend(sides.iter().flat_map(|side| side.to_le_bytes()));
+        let nodes: Vec<_> = stroke.nodes.iter().collect();
+        put_list(bytes, &nodes, |bytes, (node, passed)| {
+            put_u32(bytes, **node);
+            bytes.extend(passed.side.to_le_bytes());
+            put_f64(bytes, passed.advance);
         });
-        let given: Vec<_> = stroke.given.iter().collect();
-        put_list(bytes, &given, |bytes, (element, side)| {
-            put_u32(bytes, **element);
-            bytes.extend(side.to_le_bytes());
-        });
-        put_vector(bytes, &stroke.normal);
+        put_vector(bytes, &stroke.across);
+        put_f64(bytes, stroke.advance);
         put_u32(bytes, stroke.points.count);
         put_vector(bytes, &stroke.points.sum);
         let products = stroke.points.products.iter();
@@ -130,16 +125,17 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeState, RestoreError>
             let line = r.u32()?;
             let stroke = Stroke {
                 sheet: r.u32()?,
-                path: r.list(Reader::u32)?.into_iter().collect::<BTreeSet<_>>(),
-                sides: r
-                    .list(|r| Ok((r.u32()?, r.array()?.map(|side: u8| side as i8))))?
+                nodes: r
+                    .list(|r| {
+                        let node = r.u32()?;
+                        let side = i8::from_le_bytes(r.array()?);
+                        let advance = r.f64()?;
+                        Ok((node, PassedNode { side, advance }))
+                    })?
                     .into_iter()
                     .collect::<BTreeMap<_, _>>(),
-                given: r
-                    .list(|r| Ok((r.u32()?, i8::from_le_bytes(r.array()?))))?
-                    .into_iter()
-                    .collect::<BTreeMap<_, _>>(),
-                normal: r.vector()?,
+                across: r.vector()?,
+                advance: r.f64()?,
                 points: PathPoints {
                     count: r.u32()?,
                     sum: r.vector()?,
