@@ -115,7 +115,7 @@ pub const SOAKS: &[Program] = &[
         name: "tremor",
         package: "microsim-cutting",
         example: "soak_tremor",
-        shows: "1,000 strokes of a trembling hand right through a body: what still hangs together",
+        shows: "1,000 strokes of a trembling hand through a body: what still hangs together",
     },
     Program {
         name: "followers",
@@ -235,7 +235,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, followers, stability, scenes, trainees"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees"
                     .into()
             )
         );
