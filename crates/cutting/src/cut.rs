@@ -222,15 +222,17 @@ impl Topology {
         edges
     }
 
-    /// Enters into the stroke on which sides the ends of crossed edges lie that are not on its path; the nodes of which that was not known.
-    fn learn_sides(stroke: &mut Stroke, decisions: &Decisions) -> Vec<u32> {
+    /// Enters into the stroke on which sides the ends of crossed edges lie that are not on its path; the nodes of which that was not known. A node on
+    /// the edge of an older cut lies on no side: the path may pass it on either, and would leave a bridge there.
+    fn learn_sides(&self, stroke: &mut Stroke, decisions: &Decisions) -> Vec<u32> {
         let mut learned = Vec::new();
         for (edge, crossed) in &decisions.edges {
             if !crossed.crossing.is_certain {
                 continue;
             }
             for (end, &node) in edge.iter().enumerate() {
-                if stroke.learn(node, crossed.crossing.side_of_end(end)) {
+                let is_free = !self.front.contains(&node);
+                if is_free && stroke.learn(node, crossed.crossing.side_of_end(end)) {
                     learned.push(node);
                 }
             }
@@ -275,7 +277,7 @@ impl Topology {
                 self.front.insert(node);
             }
         }
-        for node in Self::learn_sides(stroke, decisions) {
+        for node in self.learn_sides(stroke, decisions) {
             touched.extend(self.elements_at(node));
         }
         for node in self.continued(stroke, &touched) {
