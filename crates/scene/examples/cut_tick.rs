@@ -122,6 +122,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
                 )
             }],
             sharpness: 1.0,
+            youngs_modulus: None,
             motion: Vec::new(),
         }],
         obstacles: vec![ObstacleSpec {

@@ -155,6 +155,7 @@ pub fn level_spec(
             name: slot.name.clone(),
             capsules: contact::capsules(&model.capsule, model.hinge, model.opening_angle),
             sharpness: model.sharpness,
+            youngs_modulus: model.youngs_modulus,
             motion: Vec::new(),
         });
     }

@@ -81,6 +81,7 @@ mod member;
 mod overlap;
 mod pairs;
 mod pieces;
+mod placement;
 mod report;
 mod run;
 mod save;

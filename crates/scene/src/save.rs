@@ -1,6 +1,6 @@
 //! Exact bytes of all that evolves.
 //!
-//! Little-endian, in this order: magic, version u32, time f64, whether the last tick was not valid u32, number of contact pairs u32, per pair the number of ticks in its window u32 and these (length, force, grip), number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
+//! Little-endian, in this order: magic, version u32, time f64, whether the last tick was not valid u32, number of contact pairs u32, per pair the number of ticks in its window u32 and these (length, force, grip), the part of the way that instruments go in a tick f64, number of tools u32, per tool whether it is there u32 and if so its position 3 × f64, orientation x, y, z, w 4 × f64, target, opening, moment and stiffness f64 each and whether it is where the hand holds it u32, number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
 //! step f64, longest stable step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
 //! f64 and f64 each); number of groups of bodies that touch one another u32; per group the number of last normals u32 and per
 //! normal partner, node u32, 3 × f64; the number of contact forces u32 and per force body u32, partner, five nodes u32, force along
@@ -15,14 +15,16 @@ use crate::force_window::{ForceWindow, WindowTick};
 use crate::group::Group;
 use crate::group_contact::{ContactForce, ContactState};
 use crate::member::Member;
+use crate::placement::{Placement, Placements};
 use crate::scene::Scene;
 use crate::state::SceneState;
 use microsim_contact::{Key, Partner, Sides};
+use microsim_geometry::Pose;
 use microsim_tissue::State;
-use nalgebra::Vector3;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +106,14 @@ impl Scene {
                 put_f64(&mut bytes, tick.grip);
             }
         }
+        put_f64(&mut bytes, self.state.placements.pace);
+        put_u32(&mut bytes, self.state.placements.tools.len() as u32);
+        for placement in &self.state.placements.tools {
+            put_u32(&mut bytes, u32::from(placement.is_some()));
+            if let Some(placement) = placement {
+                put_placement(&mut bytes, placement);
+            }
+        }
         put_u32(&mut bytes, self.edits.len() as u32);
         self.edits
             .iter()
@@ -164,14 +174,20 @@ impl Scene {
             return Err(RestoreError::Version { found });
         }
         let time = reader.f64()?;
-        let doubtful = match reader.u32()? {
-            0 => false,
-            1 => true,
-            _ => return Err(RestoreError::OtherScene),
-        };
+        let doubtful = reader.bool()?;
         reader.expect(self.pairs.len())?;
         let windows = self.pairs.iter().map(|_| reader.window());
         let windows = windows.collect::<Result<_, _>>()?;
+        let pace = reader.f64()?;
+        if !(pace > 0.0 && pace <= 1.0) {
+            return Err(RestoreError::OtherScene);
+        }
+        reader.expect(self.tools.len())?;
+        let tools = self.tools.iter().map(|_| reader.placement());
+        let placements = Placements {
+            tools: tools.collect::<Result<_, _>>()?,
+            pace,
+        };
         let edits = reader.list(edits::edit)?;
         let mut cut = self.cut_by(&edits)?;
         reader.expect(self.cuts.len())?;
@@ -264,6 +280,7 @@ impl Scene {
             stable_steps,
             blades,
             windows,
+            placements,
             doubtful,
             time,
         };
@@ -300,6 +317,20 @@ fn put_f64(bytes: &mut Vec<u8>, value: f64) {
 
 fn put_vector(bytes: &mut Vec<u8>, vector: &Vector3<f64>) {
     vector.iter().for_each(|&c| put_f64(bytes, c));
+}
+
+fn put_placement(bytes: &mut Vec<u8>, placement: &Placement) {
+    put_vector(bytes, &placement.pose.position);
+    let orientation = placement.pose.orientation.coords;
+    orientation.iter().for_each(|&c| put_f64(bytes, c));
+    let numbers = [
+        placement.target,
+        placement.opening,
+        placement.moment,
+        placement.stiffness,
+    ];
+    numbers.iter().for_each(|&number| put_f64(bytes, number));
+    put_u32(bytes, u32::from(placement.is_free));
 }
 
 fn put_partner(bytes: &mut Vec<u8>, partner: &Partner) {
@@ -356,6 +387,38 @@ impl<'a> Reader<'a> {
 
     fn vector(&mut self) -> Result<Vector3<f64>, RestoreError> {
         Ok(Vector3::new(self.f64()?, self.f64()?, self.f64()?))
+    }
+
+    fn bool(&mut self) -> Result<bool, RestoreError> {
+        match self.u32()? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err(RestoreError::OtherScene),
+        }
+    }
+
+    fn placement(&mut self) -> Result<Option<Placement>, RestoreError> {
+        if !self.bool()? {
+            return Ok(None);
+        }
+        let position = self.vector()?;
+        let [x, y, z, w] = [self.f64()?, self.f64()?, self.f64()?, self.f64()?];
+        let orientation = Quaternion::new(w, x, y, z);
+        if (orientation.norm() - 1.0).abs() > 1e-9 {
+            return Err(RestoreError::OtherScene);
+        }
+        Ok(Some(Placement {
+            pose: Pose {
+                position,
+                // As it was saved, to the bit.
+                orientation: UnitQuaternion::new_unchecked(orientation),
+            },
+            target: self.f64()?,
+            opening: self.f64()?,
+            moment: self.f64()?,
+            stiffness: self.f64()?,
+            is_free: self.bool()?,
+        }))
     }
 
     fn partner(&mut self) -> Result<Partner, RestoreError> {

@@ -8,6 +8,7 @@ use crate::force_window::ForceWindow;
 use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::lonor::BladeState;
+use crate::placement::Placements;
 use crate::pairs::{Obstacle, Pair, PairPartner, find_obstacles, find_pairs};
 use crate::report::ContactPartner;
 use crate::spec::{BodySpec, PartnerSpec, SceneSpec};
@@ -97,6 +98,7 @@ impl Scene {
             stable_steps: bodies.iter().map(|body| body.stable_step).collect(),
             blades: vec![BladeState::default(); cuts.len()],
             windows: vec![ForceWindow::default(); pairs.len()],
+            placements: Placements::new(tools.len()),
             doubtful: false,
             time: 0.0,
         };
@@ -136,6 +138,7 @@ impl Scene {
         self.state.stable_steps = self.bodies.iter().map(|body| body.stable_step).collect();
         let windows = self.state.windows.iter_mut();
         windows.for_each(|window| window.ticks.clear());
+        self.state.placements = Placements::new(self.tools.len());
         self.state.doubtful = false;
         self.state.time = 0.0;
     }

@@ -221,6 +221,8 @@ pub struct ToolSpec {
     pub capsules: Vec<CapsuleSpec>,
     /// From 0, blunt, to 1: see [`CutSpec`].
     pub sharpness: f64,
+    /// Of the material of its jaws \[Pa\], which bend as beams with the sections of their capsules; `None` where they are rigid.
+    pub youngs_modulus: Option<f64>,
     /// Where it is in a scene that runs by itself, by ascending time; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
 }

@@ -3,6 +3,7 @@
 use crate::force_window::ForceWindow;
 use crate::group_contact::ContactState;
 use crate::lonor::BladeState;
+use crate::placement::Placements;
 use microsim_tissue::State;
 
 /// All that evolves. A copy of it is all that is needed to go back.
@@ -18,6 +19,8 @@ pub(crate) struct SceneState {
     pub blades: Vec<BladeState>,
     /// One per contact pair.
     pub windows: Vec<ForceWindow>,
+    /// Of the tools.
+    pub placements: Placements,
     /// Whether the last tick was not valid.
     pub doubtful: bool,
     /// Simulated time \[s\].

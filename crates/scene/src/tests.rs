@@ -9,6 +9,7 @@ mod boundary;
 mod cutting;
 mod forces;
 mod hard;
+mod instruments;
 mod limits;
 mod tearing;
 
@@ -42,6 +43,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
             name: "probe".into(),
             capsules: vec![CapsuleSpec::new(reach.0, reach.1, RADIUS)],
             sharpness: 0.0,
+            youngs_modulus: None,
             motion: Vec::new(),
         }],
         contacts: vec![ContactSpec {

@@ -9,6 +9,7 @@ use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::lonor::EdgeLoads;
 use crate::pairs::{Pair, PairPartner};
+use crate::placement::Course;
 use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
 use crate::scene::Scene;
 use crate::tally::{Tally, Work, sum_up};
@@ -59,7 +60,7 @@ impl Scene {
     ///
     /// // A sphere of 0.5 mm goes 0.2 mm down onto the cube, which falls meanwhile.
     /// let sphere = CapsuleSpec::new([0.0; 3], [0.0; 3], 0.5e-3);
-    /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, motion: vec![] };
+    /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, youngs_modulus: None, motion: vec![] };
     /// let with = PartnerSpec::Tool("probe".into());
     /// let contact = ContactSpec { body: "cube".into(), with, friction: 0.0, force_limit: f64::INFINITY };
     /// let mut scene = Scene::new(&SceneSpec {
@@ -107,11 +108,16 @@ impl Scene {
         let mut repetitions = 0;
         // Without containment only what did not converge is repeated.
         let mut doubted = start.doubtful || !self.repeat_invalid || !self.containment;
-        let tries = if self.containment || self.repeat_unconverged {
+        // Instruments that are slowed down already are not tried at length.
+        let is_slowed = start.placements.pace < 1.0;
+        let tries = if (self.containment || self.repeat_unconverged) && !is_slowed {
             &TRIES[..]
         } else {
             &TRIES[..1]
         };
+        // What cannot be computed as the hand moves is computed with the instruments where they are.
+        let standing = self.containment.then_some(1);
+        let all = || tries.iter().copied().chain(standing);
         let (mut torn, mut ruptured) = (TornBodies::default(), 0);
         let mut rounds = match (self.repeat_invalid && self.containment, start.doubtful) {
             (false, _) => 0,
@@ -119,12 +125,16 @@ impl Scene {
             (true, true) => 1,
         };
         let mut index = 0;
-        while let Some(&factor) = tries.get(index) {
+        while let Some(factor) = all().nth(index) {
+            let stands = index == tries.len();
             let count = steps.saturating_mul(substeps).saturating_mul(factor);
             let effort = if index == 0 { 1 } else { REPEATED_EFFORT };
             let groups = self.groups.iter_mut();
             groups.for_each(|group| group.set_effort(effort));
-            match self.attempt(&motions, tick_s, count, exec) {
+            let moved = motions.iter().filter(|m| !stands || !jumped.contains(&m.tool));
+            let moved: Vec<ToolMotion> = moved.copied().collect();
+            let mut course = Course::new(&moved, &self.state.placements, stands);
+            match self.attempt(&mut course, tick_s, count, exec) {
                 Ok((mut contacts, loads, solver)) => {
                     let valid = self.is_meaningful(&solver, &contacts);
                     if !valid && rounds > 0 {
@@ -140,7 +150,7 @@ impl Scene {
                             continue;
                         }
                     }
-                    if !(valid || doubted || index + 1 == tries.len()) {
+                    if !(valid || doubted || index + 1 >= tries.len()) {
                         doubted = true;
                         repetitions += 1;
                         self.state.clone_from(&start);
@@ -149,9 +159,16 @@ impl Scene {
                         continue;
                     }
                     self.state.doubtful = !valid;
+                    let placements = &mut self.state.placements;
+                    course.store(placements);
+                    match stands {
+                        true => placements.slow_down(),
+                        false => placements.speed_up(),
+                    }
                     self.update_windows(&mut contacts, tick_s, valid);
+                    let (start_bodies, moved) = (&start.bodies, course.motions());
                     let (mut cuts, rejected) =
-                        self.cut(&motions, &start.bodies, &loads, &contacts, tick_s, valid);
+                        self.cut(&moved, start_bodies, &loads, &contacts, tick_s, valid);
                     if valid {
                         self.tear_bodies(&mut torn);
                     }
@@ -171,6 +188,8 @@ impl Scene {
                         ruptured,
                         solver,
                         valid,
+                        stands,
+                        touching: course.touched,
                         invalid_motions,
                     });
                 }
@@ -220,6 +239,7 @@ impl Scene {
             let contacts = self.state.contacts.iter_mut();
             contacts.for_each(|contact_state| contact_state.remove_tool(tool as u32));
         }
+        self.state.placements.forget(tools);
     }
 
     /// Computes the longest stable step of a body with its internal variables as they are now. It never grows again.
@@ -295,16 +315,17 @@ impl Scene {
     /// One try of a tick in `count` steps.
     fn attempt(
         &mut self,
-        motions: &[ToolMotion],
+        course: &mut Course,
         tick_s: f64,
         count: u32,
         exec: &dyn Executor,
     ) -> Result<(Vec<ContactReport>, EdgeLoads, SolverReport), Failure> {
         let start = self.state.bodies.clone();
-        let edges = self.edges(motions);
+        let planned = course.planned();
+        let edges = self.edges(&planned);
         let mut loads = EdgeLoads::default();
         let mut solver = SolverReport::default();
-        self.exempt_blades(motions);
+        self.exempt_blades(&planned);
         // Without containment nobody asks what was there at the start: energies of all elements are not free.
         let watched = match self.containment {
             true => self.bodies.as_slice(),
@@ -322,11 +343,7 @@ impl Scene {
         let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
         let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
         for step in 0..count {
-            let t0 = f64::from(step) / f64::from(count);
-            let t1 = f64::from(step + 1) / f64::from(count);
-            for motion in motions {
-                tools[motion.tool] = Some(self.tools[motion.tool].step(motion, t0, t1));
-            }
+            course.advance(&self.tools, step, count, &mut tools);
             let end = self.state.time + f64::from(step + 1) * h;
             for (index, state) in joined.iter_mut().enumerate() {
                 let group = &mut self.groups[index];
@@ -361,9 +378,12 @@ impl Scene {
                                 watch.add(work, &self.bodies[member.body]);
                             }
                         }
-                        if let Some(contact) = group.contact.as_ref().filter(|_| !edges.is_empty())
-                        {
-                            loads.add(index, contact, &tools, &edges, h);
+                        if let Some(contact) = &group.contact {
+                            let (points, contacts) = (&contact.points, &contact.contacts);
+                            course.load(&self.tools, points, contacts, &state.positions);
+                            if !edges.is_empty() {
+                                loads.add(index, contact, &tools, &edges, h);
+                            }
                         }
                         continue;
                     }
@@ -372,6 +392,7 @@ impl Scene {
                 };
                 return Err(Failure { body, step, what });
             }
+            course.finish_step(&self.tools);
         }
         for (group, state) in self.groups.iter().zip(joined) {
             group.split(state, &self.bodies, &mut self.state.bodies);
@@ -402,7 +423,7 @@ impl Scene {
             }
         }
         Ok((
-            self.contact_reports(&tallies, motions, tick_s),
+            self.contact_reports(&tallies, &course.motions(), tick_s),
             loads,
             solver,
         ))

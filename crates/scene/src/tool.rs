@@ -1,6 +1,7 @@
 //! Tools: capsules posed by a pose and an opening.
 
 use crate::error::SceneError;
+use crate::placement::jaw_stiffness;
 use crate::spec::{Jaw, ToolKeySpec, ToolSpec};
 use microsim_contact::CapsuleMotion;
 use microsim_geometry::{Aabb, Capsule, Joint, JointBounds, Pose};
@@ -38,6 +39,8 @@ impl ToolMotion {
 pub(crate) struct Tool {
     pub name: String,
     parts: Vec<Part>,
+    /// Of both jaws against what opens or closes them, per unit of opening \[J\]; infinite where they are rigid.
+    pub jaw_stiffness: f64,
     /// Its own motion; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
 }
@@ -72,7 +75,8 @@ impl Tool {
             tool: spec.name.clone(),
             part,
         };
-        if spec.capsules.is_empty() || !(0.0..=1.0).contains(&spec.sharpness) {
+        let stiffness_fits = spec.youngs_modulus.is_none_or(|e| e > 0.0 && e.is_finite());
+        if spec.capsules.is_empty() || !(0.0..=1.0).contains(&spec.sharpness) || !stiffness_fits {
             return Err(wrong(None));
         }
         let parts = spec.capsules.iter().enumerate().map(|(index, part)| {
@@ -105,7 +109,7 @@ impl Tool {
                 edge,
             })
         });
-        let parts = parts.collect::<Result<_, _>>()?;
+        let parts = parts.collect::<Result<Vec<_>, _>>()?;
         let mut latest = f64::NEG_INFINITY;
         for (index, key) in spec.motion.iter().enumerate() {
             let finite = key.time.is_finite() && key.pose.is_finite() && key.opening.is_finite();
@@ -117,9 +121,15 @@ impl Tool {
             }
             latest = key.time;
         }
+        let of_left = |part: &&Part| part.jaw == Some(Jaw::Left);
+        let left = parts.iter().filter(of_left);
+        let left: Vec<_> = left.map(|part| (part.capsule, part.joint)).collect();
         Ok(Self {
             name: spec.name.clone(),
             parts,
+            jaw_stiffness: spec
+                .youngs_modulus
+                .map_or(f64::INFINITY, |e| jaw_stiffness(&left, e)),
             motion: spec.motion.clone(),
         })
     }
@@ -158,9 +168,35 @@ impl Tool {
     ) -> impl Iterator<Item = Capsule> + 'a {
         let world_from_tool = motion.from.interpolate(&motion.to, t);
         let opening = motion.opening_from + (motion.opening_to - motion.opening_from) * t;
+        self.capsules_of(&world_from_tool, opening)
+    }
+
+    /// The capsules in the world at a pose and an opening.
+    pub fn capsules_of<'a>(
+        &'a self,
+        world_from_tool: &Pose,
+        opening: f64,
+    ) -> impl Iterator<Item = Capsule> + use<'a> {
+        let world_from_tool = *world_from_tool;
         self.parts
             .iter()
             .map(move |part| part.at(opening).posed(&world_from_tool))
+    }
+
+    /// How a place of a capsule in the world \[m\] moves as the tool opens, per unit of opening \[m\].
+    pub fn path_of_opening(
+        &self,
+        capsule: u32,
+        world_from_tool: &Pose,
+        place: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        match self.parts[capsule as usize].joint {
+            Joint::Fixed => Vector3::zeros(),
+            Joint::Hinge(hinge) => {
+                let axis = world_from_tool.orientation * hinge.axis.into_inner();
+                axis.cross(&(place - world_from_tool.apply(&hinge.pivot))) * hinge.angle
+            }
+        }
     }
 
     /// Its lines of no return in the world at the fraction `t` (0..1) of a motion.
@@ -255,6 +291,7 @@ mod tests {
             name: "jaw".into(),
             capsules: vec![capsule],
             sharpness: 0.0,
+            youngs_modulus: None,
             motion: Vec::new(),
         })
         .unwrap()

@@ -101,6 +101,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
                 RADIUS,
             )],
             sharpness: 0.0,
+            youngs_modulus: None,
             motion: Vec::new(),
         }],
         obstacles: Vec::new(),

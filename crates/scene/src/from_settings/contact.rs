@@ -46,15 +46,15 @@ pub(super) fn tools(
 ) -> Result<Vec<ToolSpec>, FromSettingsError> {
     let specs = tools.iter().enumerate().map(|(index, tool)| {
         let key = KeyPath::root().key("tool").at(index).key("model");
-        let (parts, sharpness) = match &tool.model {
+        let (parts, sharpness, youngs_modulus) = match &tool.model {
             Some(name) => {
                 let model = model(name, &key, load)?;
                 let parts = capsules(&model.capsule, model.hinge, model.opening_angle);
-                (parts, model.sharpness)
+                (parts, model.sharpness, model.youngs_modulus)
             }
             None => {
                 let parts = capsules(&tool.capsule, tool.hinge, tool.opening_angle);
-                (parts, tool.sharpness)
+                (parts, tool.sharpness, None)
             }
         };
         let keys = tool.motion.iter().map(|key| ToolKeySpec {
@@ -66,6 +66,7 @@ pub(super) fn tools(
             name: tool.name.clone(),
             capsules: parts,
             sharpness,
+            youngs_modulus,
             motion: keys.collect(),
         })
     });

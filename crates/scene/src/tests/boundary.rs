@@ -62,6 +62,7 @@ fn bars() -> SceneSpec {
                 ..CapsuleSpec::new([0.0, -1.5e-3, 0.0], [0.0, 1.5e-3, 0.0], 5e-5)
             }],
             sharpness: 1.0,
+            youngs_modulus: None,
             motion: Vec::new(),
         }],
         obstacles: vec![ObstacleSpec {

@@ -78,6 +78,7 @@ fn tool(name: &str, sharpness: f64, capsules: Vec<CapsuleSpec>) -> ToolSpec {
         name: name.into(),
         capsules,
         sharpness,
+        youngs_modulus: None,
         motion: Vec::new(),
     }
 }

@@ -1,0 +1,431 @@
+//! Where instruments are: between where a hand holds them and where what they touch lets them be.
+//!
+//! A tracked pose and opening are a target, not a wall. Three things hold an instrument back from it:
+//!
+//! - **Jaws bend.** Opening q, its target T and the moment Q of the contact forces on the jaws, per unit of opening, are in equilibrium,
+//!   k (q − T) = Q, with the stiffness k of both jaws as beams ([`jaw_stiffness`]). The solver has the jaws at rest in a step; the moment of the next one is
+//!   predicted from that of the last and its secant stiffness K, so q' = (k T' + Q + K q) / (k + K). Without force q is T, to the bit.
+//! - **Instruments do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both give way by half; jaws
+//!   open where that is how they give way.
+//! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the instruments where they were. From then on they go only
+//!   a part of what is left to their targets in a tick, a part that doubles whenever a tick succeeds.
+//!
+//! Limitations: of a jaw the tip's compliance counts wherever it is touched; shafts do not bend under tissue.
+
+use crate::tool::{Tool, ToolMotion};
+use microsim_contact::{CapsuleMotion, Partner, Point};
+use microsim_geometry::{Capsule, Joint, Motion, Pose, closest_segments, first_contact_edges};
+use microsim_tissue::Contact;
+use nalgebra::Vector3;
+
+/// The part of the way to its target that an instrument goes in a tick after one that could not be computed.
+const SLOWED: f64 = 0.25;
+
+/// It becomes no smaller.
+const SLOWEST: f64 = 1.0 / 64.0;
+
+/// The secant stiffness is at most so many times that of the jaws: what moves tissue besides the jaws would make it arbitrary.
+const STIFFEST: f64 = 100.0;
+
+/// A change of the opening that is too small to tell a stiffness by.
+const STILL: f64 = 1e-7;
+
+/// Passes over all pairs of capsules of two instruments.
+const PASSES: usize = 8;
+
+/// An instrument at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Placement {
+    /// `world_from_tool`.
+    pub pose: Pose,
+    /// Target of the opening.
+    pub target: f64,
+    /// The opening itself.
+    pub opening: f64,
+    /// Moment of the contact forces on the jaws that opens them, per unit of opening \[J\].
+    pub moment: f64,
+    /// Secant stiffness of what is between the jaws \[J\].
+    pub stiffness: f64,
+    /// Whether it is where the hand holds it.
+    pub is_free: bool,
+}
+
+/// What evolves of the instruments.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Placements {
+    /// Per tool; `None` while it is away.
+    pub tools: Vec<Option<Placement>>,
+    /// The part of the way to their targets that instruments go in a tick.
+    pub pace: f64,
+}
+
+impl Placements {
+    pub fn new(tools: usize) -> Self {
+        Self {
+            tools: vec![None; tools],
+            pace: 1.0,
+        }
+    }
+
+    /// After a tick that could not be computed but with the instruments where they were.
+    pub fn slow_down(&mut self) {
+        self.pace = (self.pace * SLOWED).max(SLOWEST);
+    }
+
+    /// After one that could be computed.
+    pub fn speed_up(&mut self) {
+        self.pace = (2.0 * self.pace).min(1.0);
+    }
+
+    /// A tool that has jumped is not led on from where it was.
+    pub fn forget(&mut self, tools: &[usize]) {
+        tools.iter().for_each(|&tool| self.tools[tool] = None);
+    }
+}
+
+/// The course of all instruments over a tick.
+#[derive(Clone, Debug)]
+pub(crate) struct Course {
+    instruments: Vec<Instrument>,
+    /// Pairs of tools that touched, the smaller index first, ascending.
+    pub touched: Vec<[usize; 2]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Instrument {
+    /// From where it was to what it is to come to in this tick.
+    motion: ToolMotion,
+    /// At the start of the tick, at that of the step, and now.
+    start: Placement,
+    before: Placement,
+    now: Placement,
+    /// Whether nothing has pushed it off the straight line of its motion.
+    is_straight: bool,
+    /// Whether the motion goes the whole way to the target.
+    is_whole: bool,
+    /// Moment of the contact forces of the step \[J\].
+    moment: f64,
+}
+
+impl Course {
+    /// The course towards these poses; with the instruments where they were if `standing`.
+    pub fn new(motions: &[ToolMotion], placements: &Placements, standing: bool) -> Self {
+        let instruments = motions.iter().map(|motion| {
+            let held = placements.tools[motion.tool].filter(|placement| !placement.is_free);
+            let start = held.unwrap_or(Placement {
+                pose: motion.from,
+                target: motion.opening_from,
+                opening: motion.opening_from,
+                moment: 0.0,
+                stiffness: 0.0,
+                is_free: true,
+            });
+            let mut motion = *motion;
+            (motion.from, motion.opening_from) = (start.pose, start.target);
+            let is_whole = !standing && placements.pace >= 1.0;
+            if standing {
+                (motion.to, motion.opening_to) = (motion.from, motion.opening_from);
+            } else if !is_whole {
+                motion.to = motion.from.interpolate(&motion.to, placements.pace);
+                let left = motion.opening_to - motion.opening_from;
+                motion.opening_to = motion.opening_from + left * placements.pace;
+            }
+            Instrument {
+                motion,
+                start,
+                before: start,
+                now: start,
+                is_straight: true,
+                is_whole,
+                moment: 0.0,
+            }
+        });
+        Self {
+            instruments: instruments.collect(),
+            touched: Vec::new(),
+        }
+    }
+
+    /// The motions as they are planned: to the targets of this tick, with jaws bent as they are.
+    pub fn planned(&self) -> Vec<ToolMotion> {
+        let plan = |one: &Instrument| ToolMotion {
+            opening_from: one.start.opening,
+            opening_to: one.motion.opening_to + (one.start.opening - one.start.target),
+            ..one.motion
+        };
+        self.instruments.iter().map(plan).collect()
+    }
+
+    /// The motions from the start of the tick to where the instruments are now.
+    pub fn motions(&self) -> Vec<ToolMotion> {
+        let motion = |one: &Instrument| ToolMotion {
+            from: one.start.pose,
+            to: one.now.pose,
+            opening_from: one.start.opening,
+            opening_to: one.now.opening,
+            ..one.motion
+        };
+        self.instruments.iter().map(motion).collect()
+    }
+
+    /// Moves the instruments in the step of this number out of `count`, and sets the motions of their capsules.
+    pub fn advance(
+        &mut self,
+        tools: &[Tool],
+        step: u32,
+        count: u32,
+        capsules: &mut [Option<Vec<CapsuleMotion>>],
+    ) {
+        for one in &mut self.instruments {
+            one.advance(&tools[one.motion.tool], step, count);
+        }
+        self.separate(tools);
+        for one in &self.instruments {
+            let motions = one.capsules(&tools[one.motion.tool], step, count);
+            capsules[one.motion.tool] = Some(motions);
+        }
+    }
+
+    /// Adds the forces with which the contacts of a group of bodies ended a step at `positions` \[m\].
+    pub fn load(
+        &mut self,
+        tools: &[Tool],
+        points: &[Point],
+        contacts: &[Contact],
+        positions: &[Vector3<f64>],
+    ) {
+        for (point, contact) in points.iter().zip(contacts) {
+            let Partner::Tool { tool, capsule } = point.key.partner else {
+                continue;
+            };
+            let tool = tool as usize;
+            let of_tool = |one: &&mut Instrument| one.motion.tool == tool;
+            if contact.normal_force <= 0.0 {
+                continue;
+            }
+            if let Some(one) = self.instruments.iter_mut().find(of_tool) {
+                let place = contact.interpolate(positions);
+                let path = tools[tool].path_of_opening(capsule, &one.now.pose, &place);
+                one.moment -= contact.force().dot(&path);
+            }
+        }
+    }
+
+    /// Ends a step whose contacts have been added: what is between jaws is as stiff as it has shown.
+    pub fn finish_step(&mut self, tools: &[Tool]) {
+        for one in &mut self.instruments {
+            let moment = std::mem::take(&mut one.moment);
+            let jaws = tools[one.motion.tool].jaw_stiffness;
+            if !jaws.is_finite() {
+                continue;
+            }
+            let change = one.now.opening - one.before.opening;
+            if moment == 0.0 {
+                one.now.stiffness = 0.0;
+            } else if change.abs() > STILL {
+                let secant = (one.now.moment - moment) / change;
+                let least = 0.5 * one.now.stiffness;
+                one.now.stiffness = secant.clamp(least, STIFFEST * jaws);
+            }
+            one.now.moment = moment;
+        }
+    }
+
+    /// Stores where the instruments are; the others are away.
+    pub fn store(&self, placements: &mut Placements) {
+        placements.tools.fill(None);
+        for one in &self.instruments {
+            let is_free = one.is_whole && one.is_straight && one.now.opening == one.now.target;
+            let is_free = is_free && one.now.moment == 0.0;
+            placements.tools[one.motion.tool] = Some(Placement { is_free, ..one.now });
+        }
+    }
+
+    /// Pushes instruments apart that overlap, or have gone through each other in this step.
+    fn separate(&mut self, tools: &[Tool]) {
+        for first in 0..self.instruments.len() {
+            for second in first + 1..self.instruments.len() {
+                let touched = (0..PASSES).take_while(|_| self.push_apart(tools, [first, second]));
+                if touched.count() > 0 {
+                    let both = [first, second].map(|k| self.instruments[k].motion.tool);
+                    let pair = [both[0].min(both[1]), both[0].max(both[1])];
+                    if let Err(place) = self.touched.binary_search(&pair) {
+                        self.touched.insert(place, pair);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Undoes the deepest overlap of two instruments; whether there was any.
+    fn push_apart(&mut self, tools: &[Tool], pair: [usize; 2]) -> bool {
+        let [first, second] = pair.map(|k| {
+            let one = &self.instruments[k];
+            one.ends(&tools[one.motion.tool])
+        });
+        let mut deepest: Option<Overlap> = None;
+        for (i, a) in first.iter().enumerate() {
+            for (j, b) in second.iter().enumerate() {
+                if let Some(found) = Overlap::of([a, b], [i as u32, j as u32])
+                    && deepest.as_ref().is_none_or(|most| found.depth > most.depth)
+                {
+                    deepest = Some(found);
+                }
+            }
+        }
+        let Some(overlap) = deepest else {
+            return false;
+        };
+        for (k, sign) in [(0, 0.5), (1, -0.5)] {
+            let one = &mut self.instruments[pair[k]];
+            let tool = &tools[one.motion.tool];
+            let shift = overlap.normal * (sign * overlap.depth);
+            one.give_way(tool, overlap.capsules[k], &overlap.places[k], &shift);
+        }
+        true
+    }
+}
+
+impl Instrument {
+    /// Goes on in a step.
+    fn advance(&mut self, tool: &Tool, step: u32, count: u32) {
+        self.before = self.now;
+        let Self { motion, now, .. } = self;
+        if self.is_straight {
+            let t = f64::from(step + 1) / f64::from(count);
+            now.target =
+                motion.opening_from + (motion.opening_to - motion.opening_from) * t;
+            now.pose = match step + 1 == count {
+                true => motion.to,
+                false => motion.from.interpolate(&motion.to, t),
+            };
+        } else {
+            let t = 1.0 / f64::from(count - step);
+            now.target += (motion.opening_to - now.target) * t;
+            now.pose = now.pose.interpolate(&motion.to, t);
+        }
+        now.opening = if now.moment == 0.0 {
+            now.target
+        } else {
+            let (jaws, tissue) = (tool.jaw_stiffness, now.stiffness);
+            (jaws * now.target + now.moment + tissue * self.before.opening) / (jaws + tissue)
+        };
+    }
+
+    /// The motions of its capsules in a step.
+    fn capsules(&self, tool: &Tool, step: u32, count: u32) -> Vec<CapsuleMotion> {
+        let unbent = [&self.before, &self.now].map(|placement| placement.opening == placement.target);
+        if self.is_straight && unbent == [true; 2] {
+            let t = |step: u32| f64::from(step) / f64::from(count);
+            return tool.step(&self.motion, t(step), t(step + 1));
+        }
+        let motion = ToolMotion {
+            from: self.before.pose,
+            to: self.now.pose,
+            opening_from: self.before.opening,
+            opening_to: self.now.opening,
+            ..self.motion
+        };
+        tool.step(&motion, 0.0, 1.0)
+    }
+
+    /// Its capsules at the start and at the end of the step.
+    fn ends(&self, tool: &Tool) -> Vec<[Capsule; 2]> {
+        let [before, now] = [&self.before, &self.now]
+            .map(|placement| tool.capsules_of(&placement.pose, placement.opening));
+        before.zip(now).map(|(before, now)| [before, now]).collect()
+    }
+
+    /// Gives way by `shift` \[m\] where something pushes a capsule at `place` \[m\]: its jaws open where that is how the jaw gives way.
+    fn give_way(&mut self, tool: &Tool, capsule: u32, place: &Vector3<f64>, shift: &Vector3<f64>) {
+        let path = tool.path_of_opening(capsule, &self.now.pose, place);
+        let along = path.dot(shift);
+        let opens = tool.jaw_stiffness.is_finite() && along > 0.5 * path.norm() * shift.norm();
+        if opens {
+            self.now.opening += shift.norm_squared() / along;
+        } else {
+            self.now.pose.position += shift;
+            self.is_straight = false;
+        }
+    }
+}
+
+/// Two capsules of different instruments that overlap at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Overlap {
+    capsules: [u32; 2],
+    /// Where, on the axes \[m\].
+    places: [Vector3<f64>; 2],
+    /// From the second to the first.
+    normal: Vector3<f64>,
+    depth: f64,
+}
+
+impl Overlap {
+    /// Of two capsules, each at the start and at the end of a step; `None` where they are apart on the side on which they were.
+    fn of(both: [&[Capsule; 2]; 2], capsules: [u32; 2]) -> Option<Self> {
+        let [a, b] = both.map(|ends| ends[0].bounds().union(&ends[1].bounds()));
+        if !a.overlaps(&b) {
+            return None;
+        }
+        let reach = both[0][0].radius + both[1][0].radius;
+        let axes = both.map(|[before, now]| Motion {
+            start: [before.a, before.b],
+            end: [now.a, now.b],
+        });
+        let contact = first_contact_edges(&axes[0], &axes[1], reach)?;
+        let normal = contact.normal?;
+        let [[p, q], [r, s]] = [axes[0].end, axes[1].end];
+        let closest = closest_segments(&p, &q, &r, &s);
+        let apart = closest.first.point - closest.second.point;
+        let distance = apart.norm();
+        if apart.dot(&normal) > 0.0 {
+            // On the side on which they were.
+            return (distance < reach).then(|| Self {
+                capsules,
+                places: [closest.first.point, closest.second.point],
+                normal: apart / distance,
+                depth: reach - distance,
+            });
+        }
+        let place = |[a, b]: [Vector3<f64>; 2], weights: [f64; 2]| a * weights[0] + b * weights[1];
+        let places = [place([p, q], contact.first), place([r, s], contact.second)];
+        let depth = reach - (places[0] - places[1]).dot(&normal);
+        (depth > 0.0).then_some(Self {
+            capsules,
+            places,
+            normal,
+            depth,
+        })
+    }
+}
+
+/// Stiffness of two equal jaws that bend as beams, per unit of opening \[J\]: k = 2 (l α)² / c, with the distance l from the hinge to the tip, the
+/// angle α by which each turns, and the compliance of the tip c = ∫ s² / (E I) ds, s from the tip, I = π r⁴/4 (Euler and Bernoulli). `parts` are the
+/// capsules of one jaw, which is built in at its hinge; E in Pa. Infinite without jaws.
+pub(crate) fn jaw_stiffness(parts: &[(Capsule, Joint)], youngs_modulus: f64) -> f64 {
+    let mut hinged = parts.iter().filter_map(|(capsule, joint)| match joint {
+        Joint::Hinge(hinge) => Some((capsule, hinge)),
+        Joint::Fixed => None,
+    });
+    let Some((_, hinge)) = hinged.clone().next() else {
+        return f64::INFINITY;
+    };
+    let from_hinge = |point: &Vector3<f64>| (point - hinge.pivot).norm();
+    let ends = hinged
+        .clone()
+        .flat_map(|(capsule, _)| [from_hinge(&capsule.a), from_hinge(&capsule.b)]);
+    let length = ends.fold(0.0, f64::max);
+    let compliance: f64 = hinged
+        .by_ref()
+        .map(|(capsule, _)| {
+            let ends = [&capsule.a, &capsule.b].map(|end| length - from_hinge(end));
+            let [one, other] = ends.map(|s| s * s * s / 3.0);
+            let square = capsule.radius * capsule.radius;
+            let inertia = std::f64::consts::FRAC_PI_4 * square * square;
+            (one - other).abs() / (youngs_modulus * inertia)
+        })
+        .sum();
+    let path = length * hinge.angle;
+    2.0 * path * path / compliance
+}

@@ -1,0 +1,248 @@
+//! Instruments between where a hand holds them and where tissue, and one another, let them be.
+
+use super::*;
+use crate::tool::Tool;
+use microsim_geometry::{Hinge, Joint};
+use microsim_tissue::law::LawName;
+use microsim_tissue::{ContinuumConstants, Discretisation};
+
+const STEEL: f64 = 200e9;
+
+/// From hinge to tip \[m\], radius \[m\], and turn of each jaw per unit of opening \[rad\].
+const LENGTH: f64 = 15e-3;
+const THIN: f64 = 0.25e-3;
+const TURN: f64 = 0.1;
+
+/// Thickness of the block between the jaws \[m\].
+const THICK: f64 = 0.6e-3;
+
+/// Jaws along −y from a hinge at y = `LENGTH`, that open along z.
+fn forceps(name: &str) -> ToolSpec {
+    let jaw = |side: f64, jaw| CapsuleSpec {
+        joint: Joint::Hinge(Hinge {
+            pivot: Vector3::new(0.0, LENGTH, THIN * side),
+            axis: Vector3::x_axis(),
+            angle: -TURN * side,
+        }),
+        jaw: Some(jaw),
+        ..CapsuleSpec::new([0.0, 0.0, THIN * side], [0.0, LENGTH, THIN * side], THIN)
+    };
+    ToolSpec {
+        name: name.into(),
+        capsules: vec![jaw(1.0, Jaw::Left), jaw(-1.0, Jaw::Right)],
+        sharpness: 0.0,
+        youngs_modulus: Some(STEEL),
+        motion: Vec::new(),
+    }
+}
+
+/// A block of soft tissue, held at its far side, between the jaws of forceps.
+fn gripped() -> SceneSpec {
+    let block = Block {
+        center: [0.0; 3],
+        size: [3e-3, 2e-3, THICK],
+        cells: [6, 4, 2],
+        split: CellSplit::Kuhn,
+    };
+    let law = ContinuumConstants {
+        law: LawName::StableNeoHookean.into(),
+        young: 50e3,
+        poisson: 0.4,
+        discretisation: Discretisation::Tetrahedra,
+    };
+    let material = Material {
+        density: 1060.0,
+        relaxation_time: 0.0,
+        behaviour: Behaviour::Continuum(law),
+    };
+    let clamp = ClampSpec {
+        nodes: Selection::Box(BoxSpec {
+            min: [-1.0, -1e-3, -1.0],
+            max: [1.0, -1e-3, 1.0],
+        }),
+        motion: None,
+        release: None,
+    };
+    let body = BodySpec {
+        clamps: vec![clamp],
+        ..BodySpec::new("block", block.mesh().unwrap(), material)
+    };
+    let contact = ContactSpec {
+        body: "block".into(),
+        with: PartnerSpec::Tool("forceps".into()),
+        friction: 0.3,
+        force_limit: f64::INFINITY,
+    };
+    SceneSpec {
+        tools: vec![forceps("forceps")],
+        contacts: vec![contact],
+        gravity: [0.0; 3],
+        ..SceneSpec::new(
+            vec![body],
+            Method::QuasiStatic(Newton {
+                iterations: 4,
+                tolerance: 1e-3,
+                must_converge: false,
+            }),
+        )
+    }
+}
+
+/// With the tip so far from the middle of the field, and the opening.
+fn at(y: f64, opening: [f64; 2]) -> ToolMotion {
+    let pose = Pose {
+        position: Vector3::new(0.1e-3, y, 0.03e-3),
+        ..Pose::identity()
+    };
+    ToolMotion {
+        tool: 0,
+        from: pose,
+        to: pose,
+        opening_from: opening[0],
+        opening_to: opening[1],
+        active: true,
+    }
+}
+
+/// Closes in so many ticks from 0.5, and then stays closed.
+fn closing(tick: usize, ticks: usize) -> [f64; 2] {
+    [tick, tick + 1].map(|k| 0.5 * (1.0 - k as f64 / ticks as f64).max(0.0))
+}
+
+/// Of the tip of a jaw \[N/m\].
+fn tip_stiffness() -> f64 {
+    let inertia = std::f64::consts::PI * THIN * THIN * THIN * THIN / 4.0;
+    3.0 * STEEL * inertia / (LENGTH * LENGTH * LENGTH)
+}
+
+/// A cantilever of length l gives way by F l³/(3 E I) at its end (Euler and Bernoulli); energy of two of them, each of which moves by l α per unit.
+#[test]
+fn jaws_are_as_stiff_as_beams() {
+    let scene = Scene::new(&gripped()).unwrap();
+    let expected = 2.0 * tip_stiffness() * (LENGTH * TURN) * (LENGTH * TURN);
+    let found = scene.tools[0].jaw_stiffness;
+    assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    let rigid = ToolSpec {
+        youngs_modulus: None,
+        ..forceps("rigid")
+    };
+    assert_eq!(Tool::new(&rigid).unwrap().jaw_stiffness, f64::INFINITY);
+}
+
+/// Forceps that are closed completely squeeze what is between them: every tick is computed, the jaws are in equilibrium with what they press, and it stays so.
+#[test]
+fn what_is_between_jaws_that_close_completely_is_squeezed() {
+    // Bent by half the thickness of the block at most, and what it takes to turn them where they touch.
+    let most = 1.5 * tip_stiffness() * 0.5 * THICK;
+    for ticks in [4, 30] {
+        let mut scene = Scene::new(&gripped()).unwrap();
+        let (mut stands, mut last) = (0, 0.0);
+        for tick in 0..ticks + 40 {
+            let report = scene.tick(&[at(-0.4e-3, closing(tick, ticks))], TICK, 4, &Serial);
+            let report = report.unwrap_or_else(|diverged| panic!("tick {tick}: {diverged}"));
+            stands += usize::from(report.stands);
+            let parts = report.contacts.iter().flat_map(|contact| &contact.parts);
+            last = parts.map(|part| 0.5 * part.normal_force_n).sum();
+            assert!(last < most, "{ticks}, tick {tick}: {last} N of {most} N");
+        }
+        let placement = scene.state.placements.tools[0].unwrap();
+        let bent = scene.tools[0].jaw_stiffness * (placement.opening - placement.target);
+        assert!(placement.opening > 0.05, "{placement:?}");
+        assert!(last > 0.1 * most, "{last} N of {most} N");
+        assert!(
+            (bent / placement.moment - 1.0).abs() < 0.02,
+            "{ticks}: {bent} {placement:?}, stands {stands}"
+        );
+        assert!(stands <= 2, "{ticks}: {stands}");
+    }
+}
+
+/// Without any force an instrument is where the hand holds it, to the bit.
+#[test]
+fn an_instrument_that_touches_nothing_is_where_it_is_held() {
+    let mut scene = Scene::new(&gripped()).unwrap();
+    for tick in 0..6 {
+        let motion = at(5e-3, closing(tick, 6));
+        scene.tick(&[motion], TICK, 4, &Serial).unwrap();
+        let placement = scene.state.placements.tools[0].unwrap();
+        assert!(placement.is_free);
+        assert_eq!((placement.pose, placement.opening), (motion.to, motion.opening_to));
+    }
+}
+
+/// A scene that is saved while jaws are bent goes on as if it had not been.
+#[test]
+fn bent_jaws_are_saved() {
+    let mut scene = Scene::new(&gripped()).unwrap();
+    let mut other = scene.clone();
+    for tick in 0..20 {
+        let motion = at(-0.4e-3, closing(tick, 10));
+        scene.tick(&[motion], TICK, 4, &Serial).unwrap();
+        if tick == 9 {
+            other.restore(&scene.save()).unwrap();
+        } else if tick > 9 {
+            other.tick(&[motion], TICK, 4, &Serial).unwrap();
+        }
+    }
+    assert!(!scene.state.placements.tools[0].unwrap().is_free);
+    assert_eq!(scene.digest(), other.digest());
+}
+
+/// Two rods, one along x and one along y, without any tissue near.
+fn rods() -> Scene {
+    let rod = |name: &str, end: [f64; 3]| ToolSpec {
+        name: name.into(),
+        capsules: vec![CapsuleSpec::new(end.map(|x| -x), end, 0.2e-3)],
+        youngs_modulus: None,
+        sharpness: 0.0,
+        motion: Vec::new(),
+    };
+    let mut spec = gripped();
+    spec.tools = vec![
+        forceps("forceps"),
+        rod("along", [5e-3, 0.0, 0.0]),
+        rod("across", [0.0, 5e-3, 0.0]),
+    ];
+    Scene::new(&spec).unwrap()
+}
+
+/// The height of a rod \[m\].
+fn height(scene: &Scene, tool: usize) -> f64 {
+    scene.state.placements.tools[tool].unwrap().pose.position.z
+}
+
+/// However fast they are, and wherever the hands go, rods stay on the side on which they were, as near as they are thick, and part again.
+#[test]
+fn instruments_do_not_pass_through_each_other() {
+    for speed in [0.05e-3, 0.7e-3, 9e-3] {
+        let mut scene = rods();
+        let place = |tool: usize, from: f64, to: f64| {
+            let pose = |z: f64| Pose {
+                position: Vector3::new(0.3e-3, 0.2e-3, 20e-3 + z),
+                ..Pose::identity()
+            };
+            ToolMotion {
+                tool,
+                from: pose(from),
+                to: pose(to),
+                opening_from: 0.0,
+                opening_to: 0.0,
+                active: true,
+            }
+        };
+        let mut touched = 0;
+        let ticks = (4e-3 / speed) as usize + 2;
+        let path = |k: usize| 2e-3 - speed * k as f64;
+        for k in 0..2 * ticks {
+            // Down through the other one, and back.
+            let [from, to] = [k, k + 1].map(|k| path(k.min(2 * ticks - k)));
+            let motions = [place(1, 0.0, 0.0), place(2, from, to)];
+            let report = scene.tick(&motions, TICK, 4, &Serial).unwrap();
+            touched += usize::from(report.touching == [[1, 2]]);
+            let gap = height(&scene, 2) - height(&scene, 1);
+            assert!(gap > 0.4e-3 - 1e-9, "speed {speed}, tick {k}: {gap}");
+        }
+        assert!(touched >= 2, "{touched}");
+        assert!(scene.state.placements.tools.iter().flatten().all(|p| p.is_free));
+    }
+}
