@@ -35,7 +35,7 @@ pub use setup::{
 pub use solver::SolverTick;
 pub use tool::{
     ContactForce, ContactForces, GRIP_MIN, PartForce, PathPoints, RegionForce, TissueCut,
-    TissueRecovery, ToolPose, ToolSample, ToolState, ToolStates,
+    TissueRecovery, ToolPlacement, ToolPlacements, ToolPose, ToolSample, ToolState, ToolStates,
 };
 pub use wire::{DecodeError, Message, decode, decode_bytes, encode, push, to_json};
 
@@ -58,6 +58,7 @@ pub fn core_kinds() -> Vec<KindInfo> {
         wire::info::<InputEnd>(),
         wire::info::<ToolSample>(),
         wire::info::<ToolStates>(),
+        wire::info::<ToolPlacements>(),
         wire::info::<ContactForces>(),
         wire::info::<TissueRecovery>(),
         wire::info::<TissueCut>(),

@@ -27,6 +27,15 @@ pub struct SolverTick {
     /// Shreds of cut tissue that were taken away so that the forces of the tick mean anything.
     #[serde(default)]
     pub ruptured: u32,
+    /// Whether the tick could only be computed with the tools where they were before it.
+    #[serde(default)]
+    pub tools_stood: bool,
+    /// Whether the work of the tick was bounded by its budget.
+    #[serde(default)]
+    pub over_budget: bool,
+    /// Pairs of tools that touched each other.
+    #[serde(default)]
+    pub tool_contacts: u32,
     /// Whether the forces of the tick mean anything: the residuals are within their bounds (`microsim_scene::SolverBounds`), no force has jumped in a step above the tolerance,
     /// and the bodies were not held. From any other tick no metric takes a force or a cut.
     pub valid: bool,

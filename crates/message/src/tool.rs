@@ -86,6 +86,31 @@ impl Message for ToolStates {
     const OVERFLOW: Overflow = Overflow::DropOldest;
 }
 
+/// Where tissue and other tools let the tools be, at the end of a tick in which one of them is not where its hand holds it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ToolPlacements {
+    /// The tick; in others the tools are where they are tracked.
+    pub tick: u64,
+    /// The tools that touch tissue, in the level's order.
+    pub tools: Vec<ToolPlacement>,
+}
+
+/// Where a tool is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolPlacement {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// Pose of the tip in the field.
+    pub pose: Pose,
+    /// Opening, 0 closed … 1 open.
+    pub opening: f64,
+}
+
+impl Message for ToolPlacements {
+    const KIND: &'static str = "tool.placements";
+    const OVERFLOW: Overflow = Overflow::DropOldest;
+}
+
 /// Force of a tool, a rigid obstacle or another body on one body, mean over a tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactForce {

@@ -14,6 +14,15 @@ pub struct SolverRecord {
     pub invalid: u32,
     /// Ticks in which the bodies were held at their last good state.
     pub held: u32,
+    /// Ticks that could only be computed with the tools where they were before.
+    #[serde(default)]
+    pub tools_stood: u32,
+    /// Ticks whose work was bounded by their budget.
+    #[serde(default)]
+    pub over_budget: u32,
+    /// Ticks in which two tools touched each other.
+    #[serde(default)]
+    pub tool_contacts: u32,
     /// Ticks that were computed again, because a body diverged or their forces meant nothing.
     pub repeated: u32,
     /// Shreds of cut tissue that were taken away so that forces mean anything.
@@ -76,6 +85,9 @@ impl SolverCollector {
         record.unconverged += u32::from(tick.unconverged > 0);
         record.invalid += u32::from(!tick.valid);
         record.held += u32::from(tick.steps == 0);
+        record.tools_stood += u32::from(tick.tools_stood);
+        record.over_budget += u32::from(tick.over_budget);
+        record.tool_contacts += u32::from(tick.tool_contacts > 0);
         record.repeated += u32::from(tick.repetitions > 0);
         record.ruptured += tick.ruptured;
         record.iterations += u64::from(tick.iterations);
@@ -113,6 +125,9 @@ mod tests {
             contact_failures: 0,
             repetitions: 0,
             ruptured: 1,
+            tools_stood: false,
+            over_budget: false,
+            tool_contacts: u32::from(residual > 150.5),
             valid: true,
         }
     }
@@ -128,8 +143,13 @@ mod tests {
         let Quantiles { p50, p99, max } = record.residual;
         assert_eq!([p50, p99, max], [100.0, 198.0, 200.0]);
         assert_eq!(
-            (record.ticks, record.iterations, record.ruptured),
-            (200, 600, 200)
+            (
+                record.ticks,
+                record.iterations,
+                record.ruptured,
+                record.tool_contacts
+            ),
+            (200, 600, 200, 50)
         );
     }
 

@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         name: "blade".into(),
         capsules: vec![line],
         sharpness: 1.0,
-        youngs_modulus: None,
+        jaw_stiffness: f64::INFINITY,
         motion: Vec::new(),
     };
     let cut = CutSpec {

@@ -122,7 +122,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
                 )
             }],
             sharpness: 1.0,
-            youngs_modulus: None,
+            jaw_stiffness: f64::INFINITY,
             motion: Vec::new(),
         }],
         obstacles: vec![ObstacleSpec {
@@ -145,6 +145,8 @@ fn measure(cells: [usize; 3], touches: Touches) {
         repeat_invalid: true,
         containment: false,
         repeat_unconverged: false,
+        tools_touch: false,
+        budget: None,
     };
     let runs: Vec<Vec<Tick>> = (0..RUNS)
         .map(|_| run(&spec, edge, size[2], touches))

@@ -76,6 +76,8 @@ pub fn scene_spec(
         containment: scene.run.containment,
         repeat_invalid: scene.method.repeat_invalid.unwrap_or(true),
         repeat_unconverged: true,
+        tools_touch: scene.run.tools_touch,
+        budget: None,
     };
     Ok(Described { spec, notes })
 }
@@ -127,7 +129,7 @@ pub struct LevelParts<'a> {
 /// "#;
 /// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
 /// let level = LevelParts {
-///     physics: &microsim_settings::Physics { gravity: settings.run.gravity },
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, ..microsim_settings::Physics::default() },
 ///     method: &settings.method,
 ///     bodies: &settings.body,
 ///     rigid: &[],
@@ -155,7 +157,7 @@ pub fn level_spec(
             name: slot.name.clone(),
             capsules: contact::capsules(&model.capsule, model.hinge, model.opening_angle),
             sharpness: model.sharpness,
-            youngs_modulus: model.youngs_modulus,
+            jaw_stiffness: model.jaw_stiffness.unwrap_or(f64::INFINITY),
             motion: Vec::new(),
         });
     }
@@ -170,6 +172,8 @@ pub fn level_spec(
         containment: true,
         repeat_invalid: level.method.repeat_invalid.unwrap_or(true),
         repeat_unconverged: true,
+        tools_touch: level.physics.tools_touch,
+        budget: Some(level.physics.budget),
     };
     Ok(Described { spec, notes })
 }

@@ -60,6 +60,7 @@
 #![forbid(unsafe_code)]
 
 mod body;
+mod budget;
 mod check;
 mod containment;
 mod cut_pairs;

@@ -3,7 +3,7 @@
 //! A tracked pose and opening are a target, not a wall. Three things hold an instrument back from it:
 //!
 //! - **Jaws bend.** Opening q, its target T and the moment Q of the contact forces on the jaws, per unit of opening, are in equilibrium,
-//!   k (q − T) = Q, with the stiffness k of both jaws as beams ([`jaw_stiffness`]). The solver has the jaws at rest in a step; the moment of the next one is
+//!   k (q − T) = Q, with the stiffness k of both jaws. The solver has the jaws at rest in a step; the moment of the next one is
 //!   predicted from that of the last and its secant stiffness K, so q' = (k T' + Q + K q) / (k + K). Without force q is T, to the bit.
 //! - **Instruments do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both give way by half; jaws
 //!   open where that is how they give way.
@@ -14,7 +14,7 @@
 
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::{CapsuleMotion, Partner, Point};
-use microsim_geometry::{Capsule, Joint, Motion, Pose, closest_segments, first_contact_edges};
+use microsim_geometry::{Capsule, Motion, Pose, closest_segments, first_contact_edges};
 use microsim_tissue::Contact;
 use nalgebra::Vector3;
 
@@ -108,8 +108,8 @@ struct Instrument {
 }
 
 impl Course {
-    /// The course towards these poses; with the instruments where they were if `standing`.
-    pub fn new(motions: &[ToolMotion], placements: &Placements, standing: bool) -> Self {
+    /// The course towards these poses, of which it goes the part `pace` of the way, 0..1.
+    pub fn new(motions: &[ToolMotion], placements: &Placements, pace: f64) -> Self {
         let instruments = motions.iter().map(|motion| {
             let held = placements.tools[motion.tool].filter(|placement| !placement.is_free);
             let start = held.unwrap_or(Placement {
@@ -122,13 +122,11 @@ impl Course {
             });
             let mut motion = *motion;
             (motion.from, motion.opening_from) = (start.pose, start.target);
-            let is_whole = !standing && placements.pace >= 1.0;
-            if standing {
-                (motion.to, motion.opening_to) = (motion.from, motion.opening_from);
-            } else if !is_whole {
-                motion.to = motion.from.interpolate(&motion.to, placements.pace);
+            let is_whole = pace >= 1.0;
+            if !is_whole {
+                motion.to = motion.from.interpolate(&motion.to, pace);
                 let left = motion.opening_to - motion.opening_from;
-                motion.opening_to = motion.opening_from + left * placements.pace;
+                motion.opening_to = motion.opening_from + left * pace;
             }
             Instrument {
                 motion,
@@ -168,18 +166,22 @@ impl Course {
         self.instruments.iter().map(motion).collect()
     }
 
-    /// Moves the instruments in the step of this number out of `count`, and sets the motions of their capsules.
+    /// Moves the instruments in the step of this number out of `count`, without passing through each other if they `do_touch`, and sets the motions of their
+    /// capsules.
     pub fn advance(
         &mut self,
         tools: &[Tool],
         step: u32,
         count: u32,
+        do_touch: bool,
         capsules: &mut [Option<Vec<CapsuleMotion>>],
     ) {
         for one in &mut self.instruments {
             one.advance(&tools[one.motion.tool], step, count);
         }
-        self.separate(tools);
+        if do_touch {
+            self.separate(tools);
+        }
         for one in &self.instruments {
             let motions = one.capsules(&tools[one.motion.tool], step, count);
             capsules[one.motion.tool] = Some(motions);
@@ -293,8 +295,7 @@ impl Instrument {
         let Self { motion, now, .. } = self;
         if self.is_straight {
             let t = f64::from(step + 1) / f64::from(count);
-            now.target =
-                motion.opening_from + (motion.opening_to - motion.opening_from) * t;
+            now.target = motion.opening_from + (motion.opening_to - motion.opening_from) * t;
             now.pose = match step + 1 == count {
                 true => motion.to,
                 false => motion.from.interpolate(&motion.to, t),
@@ -314,7 +315,8 @@ impl Instrument {
 
     /// The motions of its capsules in a step.
     fn capsules(&self, tool: &Tool, step: u32, count: u32) -> Vec<CapsuleMotion> {
-        let unbent = [&self.before, &self.now].map(|placement| placement.opening == placement.target);
+        let unbent =
+            [&self.before, &self.now].map(|placement| placement.opening == placement.target);
         if self.is_straight && unbent == [true; 2] {
             let t = |step: u32| f64::from(step) / f64::from(count);
             return tool.step(&self.motion, t(step), t(step + 1));
@@ -398,34 +400,4 @@ impl Overlap {
             depth,
         })
     }
-}
-
-/// Stiffness of two equal jaws that bend as beams, per unit of opening \[J\]: k = 2 (l α)² / c, with the distance l from the hinge to the tip, the
-/// angle α by which each turns, and the compliance of the tip c = ∫ s² / (E I) ds, s from the tip, I = π r⁴/4 (Euler and Bernoulli). `parts` are the
-/// capsules of one jaw, which is built in at its hinge; E in Pa. Infinite without jaws.
-pub(crate) fn jaw_stiffness(parts: &[(Capsule, Joint)], youngs_modulus: f64) -> f64 {
-    let mut hinged = parts.iter().filter_map(|(capsule, joint)| match joint {
-        Joint::Hinge(hinge) => Some((capsule, hinge)),
-        Joint::Fixed => None,
-    });
-    let Some((_, hinge)) = hinged.clone().next() else {
-        return f64::INFINITY;
-    };
-    let from_hinge = |point: &Vector3<f64>| (point - hinge.pivot).norm();
-    let ends = hinged
-        .clone()
-        .flat_map(|(capsule, _)| [from_hinge(&capsule.a), from_hinge(&capsule.b)]);
-    let length = ends.fold(0.0, f64::max);
-    let compliance: f64 = hinged
-        .by_ref()
-        .map(|(capsule, _)| {
-            let ends = [&capsule.a, &capsule.b].map(|end| length - from_hinge(end));
-            let [one, other] = ends.map(|s| s * s * s / 3.0);
-            let square = capsule.radius * capsule.radius;
-            let inertia = std::f64::consts::FRAC_PI_4 * square * square;
-            (one - other).abs() / (youngs_modulus * inertia)
-        })
-        .sum();
-    let path = length * hinge.angle;
-    2.0 * path * path / compliance
 }

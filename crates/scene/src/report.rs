@@ -34,6 +34,8 @@ pub struct TickReport {
     pub valid: bool,
     /// Whether the tick could only be computed with the instruments where they were; then they follow the hand more slowly for a while.
     pub stands: bool,
+    /// Whether its work was bounded by its budget.
+    pub over_budget: bool,
     /// Pairs of tools that touched each other, the smaller index first, ascending.
     pub touching: Vec<[usize; 2]>,
     /// Indices of motions that were left out: unknown tool, a second motion of one tool, or a number that is not finite.

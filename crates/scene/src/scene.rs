@@ -8,13 +8,14 @@ use crate::force_window::ForceWindow;
 use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::lonor::BladeState;
-use crate::placement::Placements;
 use crate::pairs::{Obstacle, Pair, PairPartner, find_obstacles, find_pairs};
+use crate::placement::Placements;
 use crate::report::ContactPartner;
 use crate::spec::{BodySpec, PartnerSpec, SceneSpec};
 use crate::state::SceneState;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::ObstaclePart;
+use microsim_geometry::Pose;
 use microsim_tissue::Method;
 use nalgebra::Vector3;
 
@@ -37,6 +38,8 @@ pub struct Scene {
     pub(crate) containment: bool,
     pub(crate) repeat_invalid: bool,
     pub(crate) repeat_unconverged: bool,
+    pub(crate) tools_touch: bool,
+    pub(crate) budget: Option<u32>,
     pub(crate) state: SceneState,
 }
 
@@ -120,6 +123,8 @@ impl Scene {
             containment: spec.containment,
             repeat_invalid: spec.repeat_invalid,
             repeat_unconverged: spec.repeat_unconverged,
+            tools_touch: spec.tools_touch,
+            budget: spec.budget,
             state,
             bodies,
         })
@@ -251,6 +256,16 @@ impl Scene {
             })
         });
         motions.collect()
+    }
+
+    /// The tools that are not where their hands hold them, with `world_from_tool` and opening.
+    pub fn placed_tools(&self) -> Vec<(usize, Pose, f64)> {
+        let tools = self.state.placements.tools.iter().enumerate();
+        let placed = tools.filter_map(|(tool, placement)| Some((tool, placement.as_ref()?)));
+        let held_off = placed.filter(|(_, placement)| !placement.is_free);
+        held_off
+            .map(|(tool, placement)| (tool, placement.pose, placement.opening))
+            .collect()
     }
 
     /// Number of pairs that can touch.

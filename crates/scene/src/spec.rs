@@ -30,6 +30,11 @@ pub struct SceneSpec {
     /// Whether, without containment too, a tick in which an implicit step did not converge is computed again with shorter steps; the
     /// report of the tick lists it. A tick that converges is not changed by it.
     pub repeat_unconverged: bool,
+    /// Whether tools touch each other.
+    pub tools_touch: bool,
+    /// The work that a tick may take, over that of one without repetitions and fast tools, at least 2; any if `None`. What does not fit is left to the next
+    /// tick.
+    pub budget: Option<u32>,
 }
 
 impl SceneSpec {
@@ -46,6 +51,8 @@ impl SceneSpec {
             containment: true,
             repeat_invalid: true,
             repeat_unconverged: true,
+            tools_touch: false,
+            budget: None,
         }
     }
 }
@@ -221,8 +228,8 @@ pub struct ToolSpec {
     pub capsules: Vec<CapsuleSpec>,
     /// From 0, blunt, to 1: see [`CutSpec`].
     pub sharpness: f64,
-    /// Of the material of its jaws \[Pa\], which bend as beams with the sections of their capsules; `None` where they are rigid.
-    pub youngs_modulus: Option<f64>,
+    /// Of the tip of a jaw against what opens or closes it \[N/m\], > 0; infinite where jaws are rigid.
+    pub jaw_stiffness: f64,
     /// Where it is in a scene that runs by itself, by ascending time; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
 }

@@ -43,7 +43,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
             name: "probe".into(),
             capsules: vec![CapsuleSpec::new(reach.0, reach.1, RADIUS)],
             sharpness: 0.0,
-            youngs_modulus: None,
+            jaw_stiffness: f64::INFINITY,
             motion: Vec::new(),
         }],
         contacts: vec![ContactSpec {

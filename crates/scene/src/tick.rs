@@ -1,6 +1,7 @@
 //! One tick: sub-steps, contact, solver, containment.
 
 use crate::body::{Body, stable_step};
+use crate::budget::Budget;
 use crate::containment::{self, Failure, Watch};
 use crate::cut_report::CutReport;
 use crate::cutting::TornBodies;
@@ -60,7 +61,7 @@ impl Scene {
     ///
     /// // A sphere of 0.5 mm goes 0.2 mm down onto the cube, which falls meanwhile.
     /// let sphere = CapsuleSpec::new([0.0; 3], [0.0; 3], 0.5e-3);
-    /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, youngs_modulus: None, motion: vec![] };
+    /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, jaw_stiffness: f64::INFINITY, motion: vec![] };
     /// let with = PartnerSpec::Tool("probe".into());
     /// let contact = ContactSpec { body: "cube".into(), with, friction: 0.0, force_limit: f64::INFINITY };
     /// let mut scene = Scene::new(&SceneSpec {
@@ -100,7 +101,9 @@ impl Scene {
         let stiffened = self.has_stiffened() && steps < required;
         let steps = if stiffened { required } else { steps };
         let (mut motions, invalid_motions) = self.valid_motions(motions);
-        let (substeps, jumped) = self.substeps(&mut motions, tick_s, steps);
+        let (needed, jumped) = self.substeps(&mut motions, tick_s, steps);
+        let mut budget = Budget::new(self.budget);
+        let (substeps, reached) = budget.substeps(needed);
         let mut start = self.state.clone();
         self.forget(&jumped);
         let mut recoveries = Vec::new();
@@ -109,6 +112,7 @@ impl Scene {
         // Without containment only what did not converge is repeated.
         let mut doubted = start.doubtful || !self.repeat_invalid || !self.containment;
         // Instruments that are slowed down already are not tried at length.
+        let pace = start.placements.pace.min(reached);
         let is_slowed = start.placements.pace < 1.0;
         let tries = if (self.containment || self.repeat_unconverged) && !is_slowed {
             &TRIES[..]
@@ -124,22 +128,31 @@ impl Scene {
             (true, false) => MAX_ROUNDS,
             (true, true) => 1,
         };
+        let effort_of = |index: usize| if index == 0 { 1 } else { REPEATED_EFFORT };
+        let work_of = |index: usize| [substeps, tries[index], effort_of(index)];
+        budget.take(work_of(0));
         let mut index = 0;
         while let Some(factor) = all().nth(index) {
             let stands = index == tries.len();
-            let count = steps.saturating_mul(substeps).saturating_mul(factor);
-            let effort = if index == 0 { 1 } else { REPEATED_EFFORT };
+            let count = match stands {
+                true => steps,
+                false => steps.saturating_mul(substeps).saturating_mul(factor),
+            };
+            let effort = if stands { 1 } else { effort_of(index) };
             let groups = self.groups.iter_mut();
             groups.for_each(|group| group.set_effort(effort));
-            let moved = motions.iter().filter(|m| !stands || !jumped.contains(&m.tool));
+            let moved = motions
+                .iter()
+                .filter(|m| !stands || !jumped.contains(&m.tool));
             let moved: Vec<ToolMotion> = moved.copied().collect();
-            let mut course = Course::new(&moved, &self.state.placements, stands);
+            let pace = if stands { 0.0 } else { pace };
+            let mut course = Course::new(&moved, &self.state.placements, pace);
             match self.attempt(&mut course, tick_s, count, exec) {
                 Ok((mut contacts, loads, solver)) => {
                     let valid = self.is_meaningful(&solver, &contacts);
-                    if !valid && rounds > 0 {
+                    if !valid && rounds > 0 && !stands {
                         let shreds = self.failing_shreds();
-                        if !shreds.is_empty() {
+                        if !shreds.is_empty() && budget.take(work_of(index)) {
                             rounds -= 1;
                             repetitions += 1;
                             ruptured += shreds.iter().map(|(_, of)| of.len() as u32).sum::<u32>();
@@ -150,7 +163,8 @@ impl Scene {
                             continue;
                         }
                     }
-                    if !(valid || doubted || index + 1 >= tries.len()) {
+                    let is_last = valid || doubted || index + 1 >= tries.len();
+                    if !is_last && budget.take(work_of(index + 1)) {
                         doubted = true;
                         repetitions += 1;
                         self.state.clone_from(&start);
@@ -189,6 +203,7 @@ impl Scene {
                         solver,
                         valid,
                         stands,
+                        over_budget: budget.is_exceeded,
                         touching: course.touched,
                         invalid_motions,
                     });
@@ -201,8 +216,12 @@ impl Scene {
                         break;
                     }
                     index += 1;
+                    let fits = index >= tries.len() || budget.take(work_of(index));
+                    if !fits {
+                        index = tries.len();
+                    }
+                    repetitions += u32::from(all().nth(index).is_some());
                     if let Some(&next) = tries.get(index) {
-                        repetitions += 1;
                         recoveries.push(Recovery {
                             body: found.body,
                             what: found.what,
@@ -274,12 +293,12 @@ impl Scene {
 
     /// Number of sub-steps for the fastest tool near a body that it may touch. A tool that needs too many is placed at the end of its
     /// motion, and listed.
-    fn substeps(&self, motions: &mut [ToolMotion], tick_s: f64, steps: u32) -> (u32, Vec<usize>) {
+    fn substeps(&self, motions: &mut [ToolMotion], tick_s: f64, steps: u32) -> (f64, Vec<usize>) {
         let travel = match self.method.is_explicit() {
             true => TRAVEL_EXPLICIT,
             false => TRAVEL_IMPLICIT,
         };
-        let (mut most, mut jumped) = (1, Vec::new());
+        let (mut most, mut jumped) = (1.0f64, Vec::new());
         for motion in motions {
             let tool = &self.tools[motion.tool];
             let swept = tool.swept_bounds(motion);
@@ -306,7 +325,7 @@ impl Scene {
                 motion.from = motion.to;
                 motion.opening_from = motion.opening_to;
             } else {
-                most = most.max(needed.ceil() as u32);
+                most = most.max(needed);
             }
         }
         (most, jumped)
@@ -343,7 +362,7 @@ impl Scene {
         let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
         let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
         for step in 0..count {
-            course.advance(&self.tools, step, count, &mut tools);
+            course.advance(&self.tools, step, count, self.tools_touch, &mut tools);
             let end = self.state.time + f64::from(step + 1) * h;
             for (index, state) in joined.iter_mut().enumerate() {
                 let group = &mut self.groups[index];

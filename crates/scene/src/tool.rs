@@ -1,8 +1,7 @@
 //! Tools: capsules posed by a pose and an opening.
 
 use crate::error::SceneError;
-use crate::placement::jaw_stiffness;
-use crate::spec::{Jaw, ToolKeySpec, ToolSpec};
+use crate::spec::{CapsuleSpec, Jaw, ToolKeySpec, ToolSpec};
 use microsim_contact::CapsuleMotion;
 use microsim_geometry::{Aabb, Capsule, Joint, JointBounds, Pose};
 use nalgebra::{Unit, Vector3};
@@ -75,8 +74,9 @@ impl Tool {
             tool: spec.name.clone(),
             part,
         };
-        let stiffness_fits = spec.youngs_modulus.is_none_or(|e| e > 0.0 && e.is_finite());
-        if spec.capsules.is_empty() || !(0.0..=1.0).contains(&spec.sharpness) || !stiffness_fits {
+        let is_sharp = (0.0..=1.0).contains(&spec.sharpness);
+        let is_stiff = spec.jaw_stiffness > 0.0;
+        if spec.capsules.is_empty() || !is_sharp || !is_stiff {
             return Err(wrong(None));
         }
         let parts = spec.capsules.iter().enumerate().map(|(index, part)| {
@@ -121,15 +121,10 @@ impl Tool {
             }
             latest = key.time;
         }
-        let of_left = |part: &&Part| part.jaw == Some(Jaw::Left);
-        let left = parts.iter().filter(of_left);
-        let left: Vec<_> = left.map(|part| (part.capsule, part.joint)).collect();
         Ok(Self {
             name: spec.name.clone(),
             parts,
-            jaw_stiffness: spec
-                .youngs_modulus
-                .map_or(f64::INFINITY, |e| jaw_stiffness(&left, e)),
+            jaw_stiffness: spec.jaw_stiffness * path_of_tips(&spec.capsules),
             motion: spec.motion.clone(),
         })
     }
@@ -263,6 +258,27 @@ impl Tool {
     }
 }
 
+/// Σ (l α)² over the jaws \[m²\], with the distance l of the tip from the hinge and the turn α per unit of opening: times the stiffness of a tip it is
+/// that of the opening. Infinite without jaws, which nothing opens.
+fn path_of_tips(capsules: &[CapsuleSpec]) -> f64 {
+    let of_jaw = |jaw: Jaw| {
+        let parts = capsules.iter().filter(|part| part.jaw == Some(jaw));
+        let paths = parts.filter_map(|part| match part.joint {
+            Joint::Hinge(hinge) => {
+                let reach = |end: [f64; 3]| (Vector3::from(end) - hinge.pivot).norm();
+                Some(reach(part.a).max(reach(part.b)) * hinge.angle.abs())
+            }
+            Joint::Fixed => None,
+        });
+        paths.fold(0.0, f64::max)
+    };
+    let sum: f64 = [Jaw::Left, Jaw::Right]
+        .map(|jaw| of_jaw(jaw) * of_jaw(jaw))
+        .iter()
+        .sum();
+    if sum > 0.0 { sum } else { f64::INFINITY }
+}
+
 impl Part {
     /// The part in the tool's frame at an opening.
     fn at(&self, opening: f64) -> Capsule {
@@ -291,7 +307,7 @@ mod tests {
             name: "jaw".into(),
             capsules: vec![capsule],
             sharpness: 0.0,
-            youngs_modulus: None,
+            jaw_stiffness: f64::INFINITY,
             motion: Vec::new(),
         })
         .unwrap()

@@ -305,6 +305,11 @@ table! {
     pub struct Physics {
         /// Acceleration of free fall, in the field frame \[m/s²\].
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
+        /// Whether tools touch each other; else they pass through each other.
+        tools_touch: bool => false,
+        /// The work that a tick may take, over that of one without repetitions and fast tools. What does not fit is left to the next tick: tools follow the
+        /// hand as far as it goes.
+        budget: u32 [2, 1000] => 16,
     }
 }
 

@@ -71,6 +71,8 @@ table! {
         rest_speed: Option<f64> = quantity(Unit::Speed, 1e-12, 1.0),
         /// Acceleration of free fall \[m/s²\].
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
+        /// Whether tools touch each other; else they pass through each other.
+        tools_touch: bool => false,
         /// Whether a body that diverges is rolled back and computed again with shorter steps; without it the run ends
         /// there, unless it is only that an implicit step did not converge.
         containment: bool => false,

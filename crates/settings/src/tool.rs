@@ -33,9 +33,8 @@ table! {
         finish: Finish => "metal",
         /// How well its edges and jaws cut, from 0, blunt, to 1.
         sharpness: f64 = ratio(1.0) => 0.0,
-        /// Of the material of its jaws \[Pa\]: they bend as beams with the round sections of their capsules, built in at the hinge. Without it they are
-        /// rigid. Only with jaws.
-        youngs_modulus: Option<f64> = quantity(Unit::Pressure, 1e8, 1e12),
+        /// Of the tip of a jaw against what opens or closes it \[N/m\]: it bends. Without it jaws are rigid. Only with jaws.
+        jaw_stiffness: Option<f64> = quantity(Unit::LengthStiffness, 1.0, 1e9),
         /// Its parts.
         capsule: Vec<ToolCapsule> [1, 32],
     }
@@ -146,10 +145,10 @@ pub(crate) fn check_jaws(reading: &mut Reading, tool: &KeyPath) {
             reading.complain(&key, "`edge`", "no `edge` without `lonor = true`");
         }
     }
-    let elastic = tool.key("youngs_modulus");
+    let elastic = tool.key("jaw_stiffness");
     if !jaws && reading.is_written(&elastic) {
-        let expected = "no `youngs_modulus`, as there are no jaws";
-        reading.complain(&elastic, "`youngs_modulus`", expected);
+        let expected = "no `jaw_stiffness`, as there are no jaws";
+        reading.complain(&elastic, "`jaw_stiffness`", expected);
     }
     for field in ["hinge", "opening_angle"] {
         let key = tool.key(field);

@@ -9,8 +9,8 @@ use microsim_scene::{
 };
 use microsim_sdk::message::{
     self, ContactForce, ContactForces, PartForce, PathPoints, RegionForce, SolverTick, TISSUE_REST,
-    TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolState, ToolStates, ToolStatus, decode_bytes,
-    encode,
+    TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolPlacement, ToolPlacements, ToolState,
+    ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -225,6 +225,9 @@ fn tissue_cut(scene: &Scene, cut: &CutReport) -> TissueCut {
 /// The solver's report as a message.
 fn solver_tick(report: &SolverReport, repetitions: u32, ruptured: u32, valid: bool) -> SolverTick {
     SolverTick {
+        tools_stood: false,
+        over_budget: false,
+        tool_contacts: 0,
         steps: report.steps,
         unconverged: report.unconverged,
         iterations: report.iterations,
@@ -325,12 +328,17 @@ impl Plugin for Physics {
                 return self.publish_bodies(tick);
             }
         };
-        tick.publish(&solver_tick(
-            &report.solver,
-            report.repetitions,
-            report.ruptured,
-            report.valid,
-        ));
+        tick.publish(&SolverTick {
+            tools_stood: report.stands,
+            over_budget: report.over_budget,
+            tool_contacts: report.touching.len() as u32,
+            ..solver_tick(
+                &report.solver,
+                report.repetitions,
+                report.ruptured,
+                report.valid,
+            )
+        });
         let mut invalid = Vec::new();
         let mut forces = ContactForces::default();
         for contact in &report.contacts {
@@ -379,6 +387,23 @@ impl Plugin for Physics {
                 scene.tool_name(*tool)
             );
             tick.log(LogLevel::Warn, text);
+        }
+        let placed = scene.placed_tools();
+        if !placed.is_empty() {
+            let placed = placed
+                .into_iter()
+                .map(|(tool, pose, opening)| ToolPlacement {
+                    tool: scene.tool_name(tool).to_owned(),
+                    pose: message::Pose {
+                        position: pose.position.into(),
+                        orientation: pose.orientation.coords.into(),
+                    },
+                    opening,
+                });
+            tick.publish(&ToolPlacements {
+                tick: tick.index(),
+                tools: placed.collect(),
+            });
         }
         let touching = !(forces.contacts.is_empty() && forces.between.is_empty());
         if touching || self.memory.touching {

@@ -9,8 +9,8 @@ use microsim_geometry::{Capsule, Pose as Place};
 use microsim_gpu::Gpu;
 use microsim_render::{DRAPE, Item, Picture, Renderer, Shape, View};
 use microsim_sdk::message::{
-    self, ObjectScene, ObjectState, PictureRequest, TISSUE_SNAPSHOT, ToolState, ToolStates,
-    ToolStatus,
+    self, ObjectScene, ObjectState, PictureRequest, TISSUE_SNAPSHOT, ToolPlacements, ToolState,
+    ToolStates, ToolStatus,
 };
 use microsim_sdk::{BlockView, Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{self as settings, BodyLook, RendererConfig};
@@ -108,7 +108,18 @@ fn body(block: &BlockView<'_>, bodies: &[BodyLook]) -> Option<Vec<Item>> {
 impl PictureRenderer {
     fn picture(config: &RendererConfig, tick: &Tick<'_>) -> Result<Picture, Fault> {
         let scene = tick.latest::<ObjectScene>()?.unwrap_or_default();
-        let tools = tick.latest::<ToolStates>()?.unwrap_or_default();
+        let mut tools = tick.latest::<ToolStates>()?.unwrap_or_default();
+        let placed = tick.latest::<ToolPlacements>()?;
+        for placed in placed
+            .filter(|p| p.tick == tick.index())
+            .iter()
+            .flat_map(|p| &p.tools)
+        {
+            let of_slot = |state: &&mut ToolState| state.tool == placed.tool;
+            if let Some(state) = tools.tools.iter_mut().find(of_slot) {
+                (state.pose, state.opening) = (placed.pose, placed.opening);
+            }
+        }
         let mut items: Vec<Item> = scene
             .objects
             .iter()

@@ -101,7 +101,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
                 RADIUS,
             )],
             sharpness: 0.0,
-            youngs_modulus: None,
+            jaw_stiffness: f64::INFINITY,
             motion: Vec::new(),
         }],
         obstacles: Vec::new(),

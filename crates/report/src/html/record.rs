@@ -174,7 +174,28 @@ fn computation(out: &mut String, report: &Report) {
             )
         }),
     ];
-    for sentence in sentences.into_iter().flatten() {
+    let held_off = [
+        (solver.tools_stood > 0).then(|| {
+            bilingual(
+                &format!(
+                    "In {} Schritten blieben die Instrumente, wo sie waren: Wohin die Hand sie führte, ließ das Gewebe sich nicht berechnen.",
+                    solver.tools_stood
+                ),
+                &format!(
+                    "In {} ticks the instruments stayed where they were: where the hand led them the tissue could not be computed.",
+                    solver.tools_stood
+                ),
+            )
+        }),
+        (solver.tool_contacts > 0).then(|| {
+            let time = shown(f64::from(solver.tool_contacts) * report.session.tick_s, "s");
+            bilingual(
+                &format!("Die Instrumente berührten einander, {} lang.", time.de),
+                &format!("The instruments touched each other, for {}.", time.en),
+            )
+        }),
+    ];
+    for sentence in sentences.into_iter().chain(held_off).flatten() {
         let _ = writeln!(out, "<p>{sentence}</p>");
     }
     out.push_str("</section>\n");

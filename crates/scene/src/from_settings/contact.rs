@@ -46,11 +46,11 @@ pub(super) fn tools(
 ) -> Result<Vec<ToolSpec>, FromSettingsError> {
     let specs = tools.iter().enumerate().map(|(index, tool)| {
         let key = KeyPath::root().key("tool").at(index).key("model");
-        let (parts, sharpness, youngs_modulus) = match &tool.model {
+        let (parts, sharpness, jaw_stiffness) = match &tool.model {
             Some(name) => {
                 let model = model(name, &key, load)?;
                 let parts = capsules(&model.capsule, model.hinge, model.opening_angle);
-                (parts, model.sharpness, model.youngs_modulus)
+                (parts, model.sharpness, model.jaw_stiffness)
             }
             None => {
                 let parts = capsules(&tool.capsule, tool.hinge, tool.opening_angle);
@@ -66,7 +66,7 @@ pub(super) fn tools(
             name: tool.name.clone(),
             capsules: parts,
             sharpness,
-            youngs_modulus,
+            jaw_stiffness: jaw_stiffness.unwrap_or(f64::INFINITY),
             motion: keys.collect(),
         })
     });

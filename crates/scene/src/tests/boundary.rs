@@ -62,7 +62,7 @@ fn bars() -> SceneSpec {
                 ..CapsuleSpec::new([0.0, -1.5e-3, 0.0], [0.0, 1.5e-3, 0.0], 5e-5)
             }],
             sharpness: 1.0,
-            youngs_modulus: None,
+            jaw_stiffness: f64::INFINITY,
             motion: Vec::new(),
         }],
         obstacles: vec![ObstacleSpec {
@@ -86,6 +86,8 @@ fn bars() -> SceneSpec {
         containment: true,
         repeat_invalid: true,
         repeat_unconverged: true,
+        tools_touch: false,
+        budget: None,
     }
 }
 

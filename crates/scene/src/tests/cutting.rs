@@ -78,7 +78,7 @@ fn tool(name: &str, sharpness: f64, capsules: Vec<CapsuleSpec>) -> ToolSpec {
         name: name.into(),
         capsules,
         sharpness,
-        youngs_modulus: None,
+        jaw_stiffness: f64::INFINITY,
         motion: Vec::new(),
     }
 }
@@ -108,6 +108,8 @@ fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneS
         containment: true,
         repeat_invalid: true,
         repeat_unconverged: true,
+        tools_touch: false,
+        budget: None,
     }
 }
 

@@ -43,7 +43,7 @@ fn squeezed(newton: Newton, gap: f64) -> SceneSpec {
                 jaw("right-tip", -1.0, Jaw::Right),
             ],
             sharpness: 0.0,
-            youngs_modulus: None,
+            jaw_stiffness: f64::INFINITY,
             motion: Vec::new(),
         }],
         contacts: vec![ContactSpec {

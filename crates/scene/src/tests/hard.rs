@@ -101,7 +101,7 @@ fn rod(name: &str, radius: f64) -> ToolSpec {
             radius,
         )],
         sharpness: 0.0,
-        youngs_modulus: None,
+        jaw_stiffness: f64::INFINITY,
         motion: Vec::new(),
     }
 }

@@ -6,7 +6,8 @@ use microsim_geometry::{Hinge, Joint};
 use microsim_tissue::law::LawName;
 use microsim_tissue::{ContinuumConstants, Discretisation};
 
-const STEEL: f64 = 200e9;
+/// Of the tip of a jaw \[N/m\].
+const STIFFNESS: f64 = 500.0;
 
 /// From hinge to tip \[m\], radius \[m\], and turn of each jaw per unit of opening \[rad\].
 const LENGTH: f64 = 15e-3;
@@ -31,7 +32,7 @@ fn forceps(name: &str) -> ToolSpec {
         name: name.into(),
         capsules: vec![jaw(1.0, Jaw::Left), jaw(-1.0, Jaw::Right)],
         sharpness: 0.0,
-        youngs_modulus: Some(STEEL),
+        jaw_stiffness: STIFFNESS,
         motion: Vec::new(),
     }
 }
@@ -109,21 +110,15 @@ fn closing(tick: usize, ticks: usize) -> [f64; 2] {
     [tick, tick + 1].map(|k| 0.5 * (1.0 - k as f64 / ticks as f64).max(0.0))
 }
 
-/// Of the tip of a jaw \[N/m\].
-fn tip_stiffness() -> f64 {
-    let inertia = std::f64::consts::PI * THIN * THIN * THIN * THIN / 4.0;
-    3.0 * STEEL * inertia / (LENGTH * LENGTH * LENGTH)
-}
-
-/// A cantilever of length l gives way by F l³/(3 E I) at its end (Euler and Bernoulli); energy of two of them, each of which moves by l α per unit.
+/// Both tips move by l α per unit of opening: twice the energy of a spring of that stretch.
 #[test]
-fn jaws_are_as_stiff_as_beams() {
+fn both_tips_give_the_stiffness_of_the_opening() {
     let scene = Scene::new(&gripped()).unwrap();
-    let expected = 2.0 * tip_stiffness() * (LENGTH * TURN) * (LENGTH * TURN);
+    let expected = 2.0 * STIFFNESS * (LENGTH * TURN) * (LENGTH * TURN);
     let found = scene.tools[0].jaw_stiffness;
     assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     let rigid = ToolSpec {
-        youngs_modulus: None,
+        jaw_stiffness: f64::INFINITY,
         ..forceps("rigid")
     };
     assert_eq!(Tool::new(&rigid).unwrap().jaw_stiffness, f64::INFINITY);
@@ -133,7 +128,7 @@ fn jaws_are_as_stiff_as_beams() {
 #[test]
 fn what_is_between_jaws_that_close_completely_is_squeezed() {
     // Bent by half the thickness of the block at most, and what it takes to turn them where they touch.
-    let most = 1.5 * tip_stiffness() * 0.5 * THICK;
+    let most = 1.5 * STIFFNESS * 0.5 * THICK;
     for ticks in [4, 30] {
         let mut scene = Scene::new(&gripped()).unwrap();
         let (mut stands, mut last) = (0, 0.0);
@@ -166,7 +161,10 @@ fn an_instrument_that_touches_nothing_is_where_it_is_held() {
         scene.tick(&[motion], TICK, 4, &Serial).unwrap();
         let placement = scene.state.placements.tools[0].unwrap();
         assert!(placement.is_free);
-        assert_eq!((placement.pose, placement.opening), (motion.to, motion.opening_to));
+        assert_eq!(
+            (placement.pose, placement.opening),
+            (motion.to, motion.opening_to)
+        );
     }
 }
 
@@ -193,11 +191,12 @@ fn rods() -> Scene {
     let rod = |name: &str, end: [f64; 3]| ToolSpec {
         name: name.into(),
         capsules: vec![CapsuleSpec::new(end.map(|x| -x), end, 0.2e-3)],
-        youngs_modulus: None,
+        jaw_stiffness: f64::INFINITY,
         sharpness: 0.0,
         motion: Vec::new(),
     };
     let mut spec = gripped();
+    spec.tools_touch = true;
     spec.tools = vec![
         forceps("forceps"),
         rod("along", [5e-3, 0.0, 0.0]),
@@ -243,6 +242,42 @@ fn instruments_do_not_pass_through_each_other() {
             assert!(gap > 0.4e-3 - 1e-9, "speed {speed}, tick {k}: {gap}");
         }
         assert!(touched >= 2, "{touched}");
-        assert!(scene.state.placements.tools.iter().flatten().all(|p| p.is_free));
+        assert!(
+            scene
+                .state
+                .placements
+                .tools
+                .iter()
+                .flatten()
+                .all(|p| p.is_free)
+        );
     }
+}
+
+/// An instrument that is too fast for the budget of a tick is followed as far as that goes, and comes to where it is led.
+#[test]
+fn a_fast_instrument_is_followed_within_the_budget() {
+    let mut spec = gripped();
+    spec.budget = Some(4);
+    let mut scene = Scene::new(&spec).unwrap();
+    let place = |y: f64| at(y, [0.6; 2]).to;
+    let motion = |from: f64, to: f64| ToolMotion {
+        from: place(from),
+        to: place(to),
+        ..at(from, [0.6; 2])
+    };
+    let report = scene.tick(&[motion(3e-3, -1e-3)], TICK, 1, &Serial).unwrap();
+    assert!(report.over_budget && report.substeps == 2, "{report:?}");
+    let placement = |scene: &Scene| scene.state.placements.tools[0].unwrap();
+    let first = placement(&scene).pose.position.y;
+    assert!(first > 1e-3 && first < 3e-3, "{first}");
+    let mut ticks = 0;
+    while !placement(&scene).is_free {
+        let report = scene.tick(&[motion(-1e-3, -1e-3)], TICK, 1, &Serial).unwrap();
+        assert!(report.substeps <= 2);
+        ticks += 1;
+        assert!(ticks < 60);
+    }
+    assert_eq!(placement(&scene).pose, place(-1e-3));
+    assert!(ticks > 1);
 }
