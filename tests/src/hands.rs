@@ -130,7 +130,7 @@ impl Player {
         format!("{}-{}-{profile}-{seed}", self.module, self.level)
     }
 
-    /// Random numbers of its own; `stream` tells those of the tools apart.
+    /// Random numbers of its own; each tool has another `stream`.
     fn random(&self, stream: u64) -> SplitMix64 {
         // FNV-1a over the names, so that players of one seed differ from level to level.
         let words = [self.module.as_str(), self.profile.name()];

@@ -29,7 +29,7 @@ pub(crate) fn of_call(call: &str, kind: PluginKind, plugin: &str) -> Span {
 }
 
 /// The span of a tick, which holds those of its stages. When it ends it is given the CPU time of the thread that computed the tick:
-/// where other programs take the processor, the time from begin to end says nothing about the tick.
+/// where other programs take the processor, the time from begin to end is no measure of the tick.
 pub(crate) struct TickSpan {
     span: EnteredSpan,
     begin: f64,

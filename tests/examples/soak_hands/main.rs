@@ -1,5 +1,5 @@
 //! `cargo xtask soak hands [-- SECONDS SEED SLOWEST]`: random players ([`microsim_tests::hands`]) of every level and every profile that it permits, SECONDS of simulated time
-//! in all, 36,000 if not given, each in a process of its own, one at a time. What the solver said, forces, CPU time per picture, and what was really done. Writes
+//! in all, 36,000 if not given, each in a process of its own, one at a time. What the solver reported, forces, CPU time per picture, and what was really done. Writes
 //! `tests/results/hands.md` and `hands.csv`.
 //!
 //! A run that takes more than SLOWEST times real time in CPU time, 20 if not given, is ended and counts as stalled.

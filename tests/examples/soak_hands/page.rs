@@ -11,9 +11,9 @@ const PAGE: &str = include_str!("page.md");
 
 /// A picture may take so long \[ms\], by `p99.9` of all.
 const PICTURE: f64 = 16.0;
-/// Share of ticks that may go over their budget.
+/// Fraction of ticks that may go over their budget.
 const OVER_BUDGET: f64 = 1e-3;
-/// A profile does what it is named for: on tissue so often an hour, or in contact for so large a share of the ticks.
+/// A profile does what it is named for: on tissue so often an hour, or in contact for so large a fraction of the ticks.
 const ACTS: f64 = 100.0;
 const CONTACT: f64 = 0.05;
 /// Cases that are named.

@@ -170,7 +170,7 @@ fn drag(hand: &mut Hand<'_>) {
     hand.open(hand.tool.open, [0.1, 0.3]);
 }
 
-/// Opens and closes one to eight times a second on the way from one place to another.
+/// Opens and closes one to eight times a second while it moves from one place to another.
 fn snip(hand: &mut Hand<'_>) {
     if !hand.tool.jaws {
         return touch(hand);

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 /// Pause between two looks at a running process.
 const LOOK: Duration = Duration::from_millis(20);
-/// How long a run that was told to end may take to close its session and to write its report.
+/// How long a run that was asked to end may take to close its session and to write its report.
 const GRACE: Duration = Duration::from_secs(90);
 /// Before the first tick and after the last one a run may take so much CPU time \[s\].
 const AROUND: f64 = 3.0;
@@ -50,18 +50,18 @@ impl Default for Guard {
 pub enum Ended {
     /// With a report.
     Report,
-    /// It was too slow and was told to end.
+    /// It was too slow and was ended.
     Stalled,
     /// Otherwise: status and the end of standard error.
     Broken(String),
 }
 
-/// What the solver said, in ticks.
+/// What the solver reported, in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Solver {
     /// Ticks that were computed.
     pub ticks: u64,
-    /// Ticks that left work to the next ones; `None` where the program does not say.
+    /// Ticks that left work to the next ones; `None` where the program does not report them.
     pub over_budget: Option<u64>,
     /// Ticks in which the bodies were held.
     pub held: u64,
@@ -110,7 +110,7 @@ pub struct Outcome {
     pub closures: [u64; 2],
     /// Ticks and tools that cut, from the session.
     pub cuts: u64,
-    /// Contacts of tool with tool; `None` where the program does not say.
+    /// Contacts of tool with tool; `None` where the program does not report them.
     pub tools_touched: Option<u64>,
     /// CPU time of pictures.
     pub costs: Costs,
@@ -158,7 +158,7 @@ pub fn write(
 /// Plays a player in a process of its own, all files in `folder`; what came of it, and its session.
 ///
 /// # Errors
-/// What kept the run from being begun.
+/// Why the run could not begin.
 pub fn play(
     player: &Player,
     stage: &Stage,
@@ -220,7 +220,7 @@ pub fn play(
     Ok((outcome, session))
 }
 
-/// Waits for a run; its status, -1 for a signal, or `None` if it was told to end because it was too slow; and its CPU time \[s\].
+/// Waits for a run; its status, -1 for a signal, or `None` if it was ended because it was too slow; and its CPU time \[s\].
 fn watch(child: &mut Child, seconds: f64, guard: Guard) -> Result<(Option<i32>, f64), String> {
     let start = Instant::now();
     let mut told: Option<Instant> = None;

@@ -120,7 +120,7 @@ impl Stage {
         let list = |key: &str| file.get(key).and_then(Value::as_array);
         let tables = |key: &str| list(key).into_iter().flatten().filter_map(Value::as_table);
         let tissue = tables("body").next().map(|body| {
-            let point = |key: &str| body.get(key).and_then(|v| lengths(v));
+            let point = |key: &str| body.get(key).and_then(lengths);
             point("size").zip(point("centre").or(Some(Vector3::zeros())))
         });
         let tissue = match tissue {
