@@ -208,7 +208,7 @@ fn not_met(stages: &[(Stage, Vec<Profile>)], outcomes: &[Outcome], all: &Sum) ->
             let sum = Sum::of(outcomes.iter().filter(of), stage.tick);
             let acts = sum.hourly(sum.acts[1]);
             check(
-                acts >= ACTS || sum.contact_share() >= CONTACT,
+                sum.runs == 0 || acts >= ACTS || sum.contact_share() >= CONTACT,
                 format!(
                     "{}, level {}, {} does what it is named for",
                     stage.module,
