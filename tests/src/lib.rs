@@ -8,6 +8,7 @@
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
 //! - [`detected`]: contact for a solver without a scene;
 //! - [`digests`]: physics digests of shipped runs, recorded and compared;
+//! - [`hands`]: random players, and what comes of their runs;
 //! - [`in_process`]: a run in the test's own process;
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
 //! - [`live`]: a tree with a source that has a timer of its own;
@@ -26,6 +27,7 @@ pub mod comb;
 pub mod counts;
 pub mod detected;
 pub mod digests;
+pub mod hands;
 pub mod in_process;
 pub mod kill;
 pub mod live;

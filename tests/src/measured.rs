@@ -28,15 +28,10 @@ pub fn cost(command: &mut Command) -> Cost {
     let mut child = quiet.spawn().expect("the program starts");
     let folder = format!("/proc/{}", child.id());
     let mut memory = 0.0;
-    // What has ended is not reaped until `wait`, so that its times can still be read.
-    let times = loop {
-        let stat = fs::read_to_string(format!("{folder}/stat")).expect("a Linux");
-        // Behind the name, which stands in parentheses: the state is the third field, user and system time the 14th and 15th.
-        let fields = stat.rsplit(')').next().unwrap_or_default();
-        let fields: Vec<&str> = fields.split_whitespace().collect();
-        if fields[0] == "Z" {
-            let ticks = |n: usize| -> f64 { fields[n - 3].parse().expect("a number") };
-            break ticks(14) + ticks(15);
+    let cpu = loop {
+        let (cpu, has_ended) = cpu_time(child.id()).expect("a Linux");
+        if has_ended {
+            break cpu;
         }
         let status = fs::read_to_string(format!("{folder}/status")).unwrap_or_default();
         let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -46,8 +41,15 @@ pub fn cost(command: &mut Command) -> Cost {
     };
     let status = child.wait().expect("the program ends");
     assert!(status.success(), "{command:?}: {status}");
-    Cost {
-        cpu: times / HERTZ,
-        memory,
-    }
+    Cost { cpu, memory }
+}
+
+/// CPU time of all threads of a process that this one started and has not waited for \[s\], and whether it has ended. What has ended is not
+/// reaped until then, so that its times can still be read. `None` where this is no Linux.
+pub fn cpu_time(process: u32) -> Option<(f64, bool)> {
+    let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // Behind the name, which stands in parentheses: the state is the third field, user and system time the 14th and 15th.
+    let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
+    let ticks = |n: usize| fields.get(n - 3)?.parse::<f64>().ok();
+    Some(((ticks(14)? + ticks(15)?) / HERTZ, *fields.first()? == "Z"))
 }

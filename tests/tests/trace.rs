@@ -15,6 +15,17 @@ const STAGES: [&str; 6] = [
     "record",
 ];
 
+/// CPU time of each tick in a trace \[µs\].
+fn cpu_times(trace: &Path) -> Vec<f64> {
+    let text = std::fs::read_to_string(trace).expect("a trace");
+    let events: Vec<Value> = serde_json::from_str(&text).expect("JSON");
+    let ends = events
+        .iter()
+        .filter(|event| event["name"] == "tick" && event["ph"] == "E");
+    ends.filter_map(|event| event["args"]["cpu_us"].as_str()?.parse().ok())
+        .collect()
+}
+
 /// How often each span begins directly inside of another one, or of none, by the names of both.
 fn spans(trace: &Path) -> BTreeMap<(String, String), usize> {
     let text = std::fs::read_to_string(trace).expect("a trace");
@@ -75,6 +86,11 @@ fn every_tick_of_a_run_has_its_stages() {
     assert!(count(&spans, "tick", "save") > 0);
     assert_eq!(count(&spans, "", "stop"), STAGES.len());
 
+    // The thread that computes has worked in every tick.
+    let cpu = cpu_times(&trace);
+    assert_eq!(cpu.len(), ticks);
+    assert!(cpu.iter().all(|us| us.is_finite() && *us > 0.0), "{cpu:?}");
+
     // Nothing is overwritten, and a replay has the same stages but for the input, which is recorded.
     let path = session.to_str().expect("UTF-8");
     let again = microsim(["replay", path, "--trace", trace.to_str().expect("UTF-8")]);
@@ -85,6 +101,7 @@ fn every_tick_of_a_run_has_its_stages() {
     let spans = self::spans(&second);
     assert_eq!(count(&spans, "tick", "physics"), ticks);
     assert_eq!(count(&spans, "tick", "input"), 0);
+    assert_eq!(cpu_times(&second).len(), ticks);
 }
 
 #[test]

@@ -141,6 +141,12 @@ pub const SOAKS: &[Program] = &[
         example: "soak_trainees",
         shows: "synthetic experts and novices on a level (-- MODULE LEVEL N)",
     },
+    Program {
+        name: "hands",
+        package: TESTS,
+        example: "soak_hands",
+        shows: "10 hours of random hands on every level (-- SECONDS SEED): held, too slow",
+    },
 ];
 
 /// The program of a name; all of them without one. The error of an unknown name lists the known ones.
@@ -235,7 +241,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees, hands"
                     .into()
             )
         );

@@ -146,7 +146,7 @@ fn recompute_tick(
         let what = format!("the recording goes on at tick {tick}, tick {missing} is missing");
         return differs(tick, what);
     }
-    let _tick = span::of_tick(tick).entered();
+    let _tick = span::of_tick(tick);
     let output = match engine.tick(Feed::Recorded { log: &recorded.log }) {
         Ok(output) => output,
         Err(failure) => return failed(&failure),

@@ -270,7 +270,7 @@ impl RunLoop<'_> {
                 Some(pace) => base_ns.saturating_add(pace.start.elapsed().as_nanos() as u64),
                 None => self.engine.time_ns(),
             };
-            let _tick = span::of_tick(tick).entered();
+            let _tick = span::of_tick(tick);
             let controls = std::mem::take(&mut host.controls);
             let output = match self.engine.tick(Feed::Live { control: &controls }) {
                 Ok(output) => output,

@@ -4,6 +4,9 @@
 //! its calls from outside.
 
 use crate::plan::PluginKind;
+use rustix::time::{ClockId, clock_gettime};
+use tracing::field::Empty;
+use tracing::span::EnteredSpan;
 use tracing::{Span, debug_span};
 
 /// The span of a call of the life cycle. That of `process` has the name of its stage in the tick.
@@ -25,7 +28,33 @@ pub(crate) fn of_call(call: &str, kind: PluginKind, plugin: &str) -> Span {
     }
 }
 
-/// The span of a tick, which holds those of its stages.
-pub(crate) fn of_tick(tick: u64) -> Span {
-    debug_span!("tick", tick)
+/// The span of a tick, which holds those of its stages. When it ends it is given the CPU time of the thread that computed the tick:
+/// where other programs take the processor, the time from begin to end is no measure of the tick.
+pub(crate) struct TickSpan {
+    span: EnteredSpan,
+    begin: f64,
+}
+
+/// Begins the span of a tick.
+pub(crate) fn of_tick(tick: u64) -> TickSpan {
+    let span = debug_span!("tick", tick, cpu_us = Empty).entered();
+    let begin = match span.is_disabled() {
+        true => 0.0,
+        false => cpu_time(),
+    };
+    TickSpan { span, begin }
+}
+
+impl Drop for TickSpan {
+    fn drop(&mut self) {
+        if !self.span.is_disabled() {
+            self.span.record("cpu_us", cpu_time() - self.begin);
+        }
+    }
+}
+
+/// CPU time of this thread \[µs\].
+fn cpu_time() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    1e6 * time.tv_sec as f64 + 1e-3 * time.tv_nsec as f64
 }

@@ -1,0 +1,262 @@
+//! What of a level a random player has to know: its tools, where the tissue is, and poses in which the script that passes works on it.
+
+use crate::tree;
+use microsim_settings::{Unit, load_script, load_tool};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Poses with the tip no farther from the tissue than this are at work on it \[m\]. Blades reach beyond the edge that they cut.
+const NEAR: f64 = 1.5e-3;
+
+/// Jaws that grip are open no farther: a tool that the script does not use grips like that of the levels where it does.
+const LOOSE: f64 = 0.43;
+
+/// A pose of a tool and how far it is open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Of the tip, in the field \[m\].
+    pub position: Vector3<f64>,
+    /// From the tool's frame to the field; +z of the tool is from tip to handle.
+    pub orientation: UnitQuaternion<f64>,
+    /// 0 closed to 1 open.
+    pub opening: f64,
+}
+
+impl Pose {
+    /// Moved back along the tool, out of the tissue; forth for negative distances \[m\].
+    pub fn back(self, distance: f64) -> Self {
+        let axis = self.orientation * Vector3::z();
+        self.shifted(distance * axis)
+    }
+
+    /// Moved in the field \[m\].
+    pub fn shifted(mut self, by: Vector3<f64>) -> Self {
+        self.position += by;
+        self
+    }
+
+    /// With another opening.
+    pub fn opened(mut self, opening: f64) -> Self {
+        self.opening = opening.clamp(0.0, 1.0);
+        self
+    }
+
+    /// Turned about its tip by the small rotation vector `by` \[rad\].
+    pub fn turned(mut self, by: Vector3<f64>) -> Self {
+        let half = 0.5 * by;
+        let turn = Quaternion::new(1.0, half.x, half.y, half.z);
+        self.orientation = UnitQuaternion::from_quaternion(turn) * self.orientation;
+        self
+    }
+
+    /// Between this and another pose. Straight, the orientation by the normalised mean: no function of the system's library.
+    pub fn mixed(&self, to: &Self, fraction: f64, opening: f64) -> Self {
+        let [a, b] = [self, to].map(|pose| pose.orientation.into_inner());
+        let b = if a.dot(&b) < 0.0 { -b } else { b };
+        let orientation = a * (1.0 - fraction) + b * fraction;
+        Self {
+            position: self.position + fraction * (to.position - self.position),
+            orientation: UnitQuaternion::from_quaternion(orientation),
+            opening: self.opening + opening * (to.opening - self.opening),
+        }
+    }
+}
+
+/// A tool of a level.
+#[derive(Clone, Debug)]
+pub struct Tool {
+    /// Its slot.
+    pub name: String,
+    /// Whether it can be closed.
+    pub jaws: bool,
+    /// Whether the level lets it cut.
+    pub cuts: bool,
+    /// The keys of the script that passes: time \[s\] and pose.
+    pub passing: Vec<(f64, Pose)>,
+    /// Those of its poses that are at work.
+    pub at_work: Vec<Pose>,
+    /// How far it is open when it reaches for something.
+    pub open: f64,
+    /// How far it is closed when it has a sure grip, or has cut.
+    pub grip: f64,
+}
+
+/// A level as a player sees it.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The module.
+    pub module: String,
+    /// The level, from 1.
+    pub level: u32,
+    /// Time of a tick \[s\].
+    pub tick: f64,
+    /// Its tools.
+    pub tools: Vec<Tool>,
+    /// Middle and half of the sides of the first body \[m\]; `None` without tissue.
+    pub tissue: Option<[Vector3<f64>; 2]>,
+}
+
+/// The file of a level in the built tree.
+pub fn level_file(module: &str, level: u32) -> PathBuf {
+    tree().join(format!("modules/{module}/levels/level{level}.toml"))
+}
+
+/// The script that passes it.
+pub fn passing_script(module: &str, level: u32) -> PathBuf {
+    tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"))
+}
+
+impl Stage {
+    /// Of a level of the built tree.
+    ///
+    /// # Errors
+    /// The file that cannot be read, and why.
+    pub fn read(module: &str, level: u32) -> Result<Self, String> {
+        let path = level_file(module, level);
+        let wrong = |what: &str| format!("{}: {what}", path.display());
+        let text = std::fs::read_to_string(&path).map_err(|e| wrong(&e.to_string()))?;
+        let file: Table = text.parse().map_err(|e| wrong(&format!("{e}")))?;
+        let list = |key: &str| file.get(key).and_then(Value::as_array);
+        let tables = |key: &str| list(key).into_iter().flatten().filter_map(Value::as_table);
+        let tissue = tables("body").next().map(|body| {
+            let point = |key: &str| body.get(key).and_then(lengths);
+            point("size").zip(point("centre").or(Some(Vector3::zeros())))
+        });
+        let tissue = match tissue {
+            None => None,
+            Some(Some((size, centre))) => Some([centre, 0.5 * size]),
+            Some(None) => {
+                return Err(wrong(
+                    "its body is no block, of which players know the place",
+                ));
+            }
+        };
+        let tick = file
+            .get("clock")
+            .and_then(|clock| clock.get("tick")?.as_str());
+        let tick = tick.and_then(|tick| Unit::Time.parse(tick).ok());
+        let script = passing_script(module, level);
+        let script = load_script(&script).map_err(|e| e.to_string())?.settings;
+        let mut tools = Vec::new();
+        for slot in tables("tool") {
+            let text = |key: &str| slot.get(key).and_then(Value::as_str).unwrap_or_default();
+            let (name, model) = (text("name"), text("model"));
+            let shape = tree().join(format!("config/tools/{model}.toml"));
+            let shape = load_tool(Path::new(&shape)).map_err(|e| e.to_string())?;
+            let cuts = tables("cut").any(|c| c.get("tool").and_then(Value::as_str) == Some(name));
+            let track = script.tool.iter().find(|track| track.name == name);
+            let track = track.ok_or_else(|| wrong(&format!("its script does not move {name}")))?;
+            let passing: Vec<(f64, Pose)> = track
+                .key
+                .iter()
+                .map(|key| {
+                    let [x, y, z, w] = key.0.orientation;
+                    let pose = Pose {
+                        position: key.0.position.into(),
+                        orientation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+                        opening: key.0.opening,
+                    };
+                    (key.0.time_s, pose)
+                })
+                .collect();
+            tools.push(Tool::new(
+                name,
+                shape.settings.hinge.is_some(),
+                cuts,
+                passing,
+                tissue,
+            ));
+        }
+        Ok(Self {
+            module: module.to_owned(),
+            level,
+            tick: tick.ok_or_else(|| wrong("no tick"))?,
+            tools,
+            tissue,
+        })
+    }
+}
+
+impl Tool {
+    fn new(
+        name: &str,
+        jaws: bool,
+        cuts: bool,
+        passing: Vec<(f64, Pose)>,
+        tissue: Option<[Vector3<f64>; 2]>,
+    ) -> Self {
+        let all = || passing.iter().map(|(_, pose)| *pose);
+        let is_near = |pose: &Pose| {
+            tissue.is_none_or(|[centre, half]| {
+                let beyond = (pose.position - centre).abs() - half;
+                beyond.sup(&Vector3::zeros()).norm() <= NEAR
+            })
+        };
+        let near: Vec<Pose> = all().filter(is_near).collect();
+        let at_work = match tissue {
+            // What only waits in that script would have its tip in the middle of the tissue.
+            Some([centre, _]) if near.is_empty() => vec![Pose {
+                position: centre,
+                ..all().next().expect("a script has keys")
+            }],
+            _ => near,
+        };
+        let openings = || at_work.iter().map(|pose| pose.opening);
+        let open = openings().fold(0.0, f64::max);
+        let grip = openings().fold(1.0, f64::min);
+        Self {
+            name: name.to_owned(),
+            jaws,
+            cuts,
+            open: if jaws { open.max(0.5) } else { open },
+            grip: if jaws { grip.min(LOOSE) } else { grip },
+            passing,
+            at_work,
+        }
+    }
+}
+
+/// Three lengths \[m\]: numbers or texts with a unit.
+fn lengths(value: &Value) -> Option<Vector3<f64>> {
+    let length = |value: &Value| match value {
+        Value::String(text) => Unit::Length.parse(text).ok(),
+        Value::Integer(number) => Some(*number as f64),
+        Value::Float(number) => Some(*number),
+        _ => None,
+    };
+    let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(length).collect();
+    <[f64; 3]>::try_from(numbers?).ok().map(Vector3::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tool that points down has its handle above: back is up. Turned by 0.2 rad about x it comes back along −y as well.
+    #[test]
+    fn back_is_along_the_handle() {
+        let pose = Pose {
+            position: Vector3::new(1.0, 2.0, 3.0),
+            orientation: UnitQuaternion::identity(),
+            opening: 0.5,
+        };
+        assert_eq!(pose.back(2.0).position, Vector3::new(1.0, 2.0, 5.0));
+        let back = pose.turned(Vector3::x() * 0.2).back(1.0).position - pose.position;
+        // The turn of a quaternion (1, 0.1, 0, 0): 2·atan 0.1.
+        let angle = 2.0 * libm::atan(0.1);
+        assert!(
+            (back.y + libm::sin(angle)).abs() < 1e-14 && back.x == 0.0,
+            "{back}"
+        );
+        assert_eq!(pose.opened(1.5).opening, 1.0);
+    }
+
+    #[test]
+    fn lengths_have_units_or_are_zero() {
+        let value: Table = "a = [\"8 mm\", 0, \"-1 mm\"]".parse().expect("TOML");
+        let found = lengths(&value["a"]).expect("three lengths");
+        assert!((found - Vector3::new(8e-3, 0.0, -1e-3)).norm() < 1e-15);
+        assert_eq!(lengths(&Value::Boolean(true)), None);
+    }
+}

@@ -1,0 +1,156 @@
+//! A sample of the soak of random hands (`cargo xtask soak hands`): players that keep to no script, on levels of every module. What is asked of all of them
+//! in the end stands in the limits below; what the simulator does not keep yet has the value of today beside it, and may only become stricter.
+
+use microsim_tests::hands::hand::script;
+use microsim_tests::hands::played::{Ended, Guard, Outcome, play};
+use microsim_tests::hands::stage::Stage;
+use microsim_tests::hands::{Player, Profile, stages};
+use microsim_tests::trainees::ABSURD_FORCE;
+use microsim_tests::{assert_verified, scratch};
+use std::path::PathBuf;
+
+/// The sample: module, level, profile, all of one seed and length; and what is allowed today.
+const SAMPLE: [(&str, u32, Profile, Today); 9] = [
+    ("touch-spheres", 5, Profile::Outliers, MET),
+    ("push-strip", 3, Profile::Dragging, MET),
+    ("push-strip", 3, Profile::Swapping, MET),
+    ("push-strip", 4, Profile::Calm, MET),
+    ("coordination", 1, Profile::Stabbing, held(0.006)),
+    ("coordination", 1, Profile::Jittery, MET),
+    ("coordination", 1, Profile::Snipping, held(0.12)),
+    ("coordination", 3, Profile::Closing, held(0.48)),
+    ("coordination", 6, Profile::Clumsy, MET),
+];
+const SEED: u64 = 1;
+/// Length of each run \[s\].
+const SECONDS: f64 = 3.0;
+/// Those whose sessions are verified: they cost least.
+const VERIFIED: usize = 2;
+
+/// What a run may do at most.
+#[derive(Clone, Copy)]
+struct Today {
+    /// Fraction of ticks in which the bodies are held.
+    held: f64,
+    /// Ticks and tools with a force above the limit.
+    too_strong: u64,
+    /// Whether it may be ended because it is too slow.
+    stalled: bool,
+}
+
+/// What is wanted of all.
+const MET: Today = Today {
+    held: 0.0,
+    too_strong: 0,
+    stalled: false,
+};
+/// Not met today: bodies are held, in at most this fraction of the ticks, twice what was measured (1, 23 and 90 of 377 ticks).
+const fn held(held: f64) -> Today {
+    Today { held, ..MET }
+}
+
+/// Fraction of ticks over their budget. Wanted: 0.001, and that the program reports it; it has no budget yet.
+const OVER_BUDGET: Option<f64> = None;
+
+fn player(module: &str, level: u32, profile: Profile) -> Player {
+    Player {
+        module: module.to_owned(),
+        level,
+        profile,
+        seed: SEED,
+        seconds: SECONDS,
+    }
+}
+
+/// What holds for every run, whatever the hands did.
+fn check(outcome: &Outcome, stage: &Stage, today: Today) {
+    let name = outcome.player.name();
+    assert!(
+        !matches!(outcome.ended, Ended::Broken(_)),
+        "{name}: {:?}",
+        outcome.ended
+    );
+    assert!(!outcome.verdict.is_empty(), "{name}: no report");
+    assert!(outcome.is_finite, "{name}: a force is not finite");
+    assert!(outcome.costs.count() > 0, "{name}: no CPU times");
+    assert_eq!(outcome.solver.is_some(), stage.tissue.is_some(), "{name}");
+    if let Some(solver) = outcome.solver {
+        assert!(solver.worst_residual.is_finite(), "{name}");
+        // One record a tick.
+        assert_eq!(solver.ticks, outcome.ticks(stage), "{name}");
+        let share = |count: u64| count as f64 / solver.ticks as f64;
+        let held = solver.held;
+        assert!(share(held) <= today.held, "{name}: {held} held");
+        if let Some(most) = OVER_BUDGET {
+            let over = solver.over_budget;
+            assert!(
+                over.is_some_and(|over| share(over) <= most),
+                "{name}: {over:?}"
+            );
+        }
+    }
+    assert!(
+        outcome.too_strong <= today.too_strong,
+        "{name}: {} forces above {ABSURD_FORCE} N",
+        outcome.too_strong
+    );
+    let is_stalled = outcome.ended == Ended::Stalled;
+    assert!(!is_stalled || today.stalled, "{name}: too slow");
+    // What passes has done the task.
+    if outcome.verdict == "passed" {
+        assert_eq!(outcome.targets[0], outcome.targets[1], "{name}");
+    }
+}
+
+/// Every run ends with a report, its forces are finite, the solver speaks in every tick, and sessions verify.
+#[test]
+fn random_hands_end_with_a_report() {
+    for (number, (module, level, profile, today)) in SAMPLE.into_iter().enumerate() {
+        let player = player(module, level, profile);
+        let stage = Stage::read(module, level).expect("a level");
+        let folder = scratch();
+        let (outcome, session): (Outcome, PathBuf) =
+            play(&player, &stage, folder.path(), Guard::default()).expect("a run");
+        eprintln!("{outcome:?}");
+        check(&outcome, &stage, today);
+        // A player that hovers shows nothing.
+        let has_touched = outcome.contact > 0 && outcome.acts[1] > 0;
+        assert_eq!(has_touched, stage.tissue.is_some(), "{}", player.name());
+        if number < VERIFIED {
+            assert_verified(&session);
+        }
+    }
+}
+
+/// Every level of every module with tools has its players; the same player writes the same script, another seed another one, and full closures are
+/// where jaws close.
+#[test]
+fn players_are_functions_of_their_seed() {
+    let stages = stages().expect("levels");
+    let mut modules: Vec<&str> = stages
+        .iter()
+        .map(|(stage, _)| stage.module.as_str())
+        .collect();
+    modules.dedup();
+    assert_eq!(modules, ["coordination", "push-strip", "touch-spheres"]);
+    for (stage, permitted) in &stages {
+        for profile in permitted {
+            let player = player(&stage.module, stage.level, *profile);
+            let (text, tracks) = script(&player, stage);
+            assert!(text == script(&player, stage).0, "{}", player.name());
+            let other = Player {
+                seed: SEED + 1,
+                ..player.clone()
+            };
+            assert!(text != script(&other, stage).0, "{}", player.name());
+            let acts: usize = tracks.iter().map(|track| track.acts.len()).sum();
+            assert!(acts > 0, "{}: it does nothing", player.name());
+            let closures: usize = tracks.iter().map(|track| track.closures.len()).sum();
+            assert!(
+                *profile != Profile::Closing || closures > 0,
+                "{}",
+                player.name()
+            );
+        }
+    }
+}
