@@ -27,7 +27,7 @@ pub struct SolverTick {
     /// Shreds of cut tissue that were taken away so that the forces of the tick mean anything.
     #[serde(default)]
     pub ruptured: u32,
-    /// Whether the tick could only be computed with the tools where they were before it.
+    /// Whether the tick could only be computed with the tools where they were before it, or touching nothing.
     #[serde(default)]
     pub tools_stood: bool,
     /// Whether the work of the tick was bounded by its budget.

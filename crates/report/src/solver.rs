@@ -14,7 +14,7 @@ pub struct SolverRecord {
     pub invalid: u32,
     /// Ticks in which the bodies were held at their last good state.
     pub held: u32,
-    /// Ticks that could only be computed with the tools where they were before.
+    /// Ticks that could only be computed with the tools where they were before, or touching nothing.
     #[serde(default)]
     pub tools_stood: u32,
     /// Ticks whose work was bounded by their budget.

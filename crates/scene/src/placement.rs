@@ -7,8 +7,8 @@
 //!   predicted from that of the last and its secant stiffness K, so q' = (k T' + Q + K q) / (k + K). Without force q is T, to the bit.
 //! - **Instruments do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both give way by half; jaws
 //!   open where that is how they give way.
-//! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the instruments where they were. From then on they go only
-//!   a part of what is left to their targets in a tick, a part that doubles whenever a tick succeeds.
+//! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the instruments where they were, and if that diverges too with
+//!   instruments that touch nothing. From then on they go only a part of what is left to their targets in a tick, a part that doubles whenever a tick succeeds.
 //!
 //! Limitations: of a jaw the tip's compliance counts wherever it is touched; shafts do not bend under tissue.
 

@@ -29,9 +29,26 @@ const TRAVEL_IMPLICIT: f64 = 1.0;
 /// A tool that needs more sub-steps than this has jumped.
 const MAX_SUBSTEPS: u32 = 256;
 
-/// By how much the steps of a tick are divided when a body diverged: first try, then the repetitions. A tick whose forces mean nothing is
-/// repeated so once.
-const TRIES: [u32; 4] = [1, 2, 4, 8];
+/// How a tick is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Try {
+    /// Tools follow their hands, in steps that are divided by this.
+    Follow(u32),
+    /// Tools stay where they were.
+    Stand,
+    /// Tools touch nothing.
+    LetGo,
+}
+
+/// The tries when a body diverged. A tick whose forces mean nothing is repeated as the second one.
+const TRIES: [Try; 6] = [
+    Try::Follow(1),
+    Try::Follow(2),
+    Try::Follow(4),
+    Try::Follow(8),
+    Try::Stand,
+    Try::LetGo,
+];
 
 /// The steps of a repeated tick may take so many times the iterations of the method.
 const REPEATED_EFFORT: u32 = 4;
@@ -114,14 +131,15 @@ impl Scene {
         // Instruments that are slowed down already are not tried at length.
         let pace = start.placements.pace.min(reached);
         let is_slowed = start.placements.pace < 1.0;
-        let tries = if (self.containment || self.repeat_unconverged) && !is_slowed {
-            &TRIES[..]
-        } else {
-            &TRIES[..1]
+        let repeats = (self.containment || self.repeat_unconverged) && !is_slowed;
+        let is_tried = |(index, of): &(usize, Try)| match of {
+            Try::Follow(_) => *index == 0 || repeats,
+            Try::Stand | Try::LetGo => self.containment,
         };
-        // What cannot be computed as the hand moves is computed with the instruments where they are.
-        let standing = self.containment.then_some(1);
-        let all = || tries.iter().copied().chain(standing);
+        let tries = TRIES.into_iter().enumerate().filter(is_tried);
+        let tries: Vec<Try> = tries.map(|(_, of)| of).collect();
+        let follows = tries.iter().filter(|of| matches!(of, Try::Follow(_)));
+        let follows = follows.count();
         let (mut torn, mut ruptured) = (TornBodies::default(), 0);
         let mut rounds = match (self.repeat_invalid && self.containment, start.doubtful) {
             (false, _) => 0,
@@ -129,28 +147,33 @@ impl Scene {
             (true, true) => 1,
         };
         let effort_of = |index: usize| if index == 0 { 1 } else { REPEATED_EFFORT };
-        let work_of = |index: usize| [substeps, tries[index], effort_of(index)];
+        let work_of = |index: usize| match tries[index] {
+            Try::Follow(factor) => [substeps, factor, effort_of(index)],
+            Try::Stand | Try::LetGo => [0; 3],
+        };
         budget.take(work_of(0));
         let mut index = 0;
-        while let Some(factor) = all().nth(index) {
-            let stands = index == tries.len();
-            let count = match stands {
-                true => steps,
-                false => steps.saturating_mul(substeps).saturating_mul(factor),
+        while let Some(&this) = tries.get(index) {
+            let (count, effort, pace) = match this {
+                Try::Follow(factor) => {
+                    let count = steps.saturating_mul(substeps).saturating_mul(factor);
+                    (count, effort_of(index), pace)
+                }
+                Try::Stand | Try::LetGo => (steps, 1, 0.0),
             };
-            let effort = if stands { 1 } else { effort_of(index) };
             let groups = self.groups.iter_mut();
             groups.for_each(|group| group.set_effort(effort));
-            let moved = motions
-                .iter()
-                .filter(|m| !stands || !jumped.contains(&m.tool));
-            let moved: Vec<ToolMotion> = moved.copied().collect();
-            let pace = if stands { 0.0 } else { pace };
+            let touches = |motion: &&ToolMotion| match this {
+                Try::Follow(_) => true,
+                Try::Stand => !jumped.contains(&motion.tool),
+                Try::LetGo => false,
+            };
+            let moved: Vec<ToolMotion> = motions.iter().filter(touches).copied().collect();
             let mut course = Course::new(&moved, &self.state.placements, pace);
             match self.attempt(&mut course, tick_s, count, exec) {
                 Ok((mut contacts, loads, solver)) => {
-                    let valid = self.is_meaningful(&solver, &contacts);
-                    if !valid && rounds > 0 && !stands {
+                    let valid = this != Try::LetGo && self.is_meaningful(&solver, &contacts);
+                    if !valid && rounds > 0 && index < follows {
                         let shreds = self.failing_shreds();
                         if !shreds.is_empty() && budget.take(work_of(index)) {
                             rounds -= 1;
@@ -163,7 +186,7 @@ impl Scene {
                             continue;
                         }
                     }
-                    let is_last = valid || doubted || index + 1 >= tries.len();
+                    let is_last = valid || doubted || index + 1 >= follows;
                     if !is_last && budget.take(work_of(index + 1)) {
                         doubted = true;
                         repetitions += 1;
@@ -175,9 +198,9 @@ impl Scene {
                     self.state.doubtful = !valid;
                     let placements = &mut self.state.placements;
                     course.store(placements);
-                    match stands {
-                        true => placements.slow_down(),
-                        false => placements.speed_up(),
+                    match this {
+                        Try::Follow(_) => placements.speed_up(),
+                        Try::Stand | Try::LetGo => placements.slow_down(),
                     }
                     self.update_windows(&mut contacts, tick_s, valid);
                     let (start_bodies, moved) = (&start.bodies, course.motions());
@@ -202,7 +225,7 @@ impl Scene {
                         ruptured,
                         solver,
                         valid,
-                        stands,
+                        stands: index >= follows,
                         over_budget: budget.is_exceeded,
                         touching: course.touched,
                         invalid_motions,
@@ -216,16 +239,15 @@ impl Scene {
                         break;
                     }
                     index += 1;
-                    let fits = index >= tries.len() || budget.take(work_of(index));
-                    if !fits {
-                        index = tries.len();
+                    if index < follows && !budget.take(work_of(index)) {
+                        index = follows;
                     }
-                    repetitions += u32::from(all().nth(index).is_some());
-                    if let Some(&next) = tries.get(index) {
+                    repetitions += u32::from(index < tries.len());
+                    if let Some(&Try::Follow(factor)) = tries.get(index) {
                         recoveries.push(Recovery {
                             body: found.body,
                             what: found.what,
-                            factor: next,
+                            factor,
                         });
                     }
                 }

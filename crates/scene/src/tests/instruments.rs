@@ -266,14 +266,18 @@ fn a_fast_instrument_is_followed_within_the_budget() {
         to: place(to),
         ..at(from, [0.6; 2])
     };
-    let report = scene.tick(&[motion(3e-3, -1e-3)], TICK, 1, &Serial).unwrap();
+    let report = scene
+        .tick(&[motion(3e-3, -1e-3)], TICK, 1, &Serial)
+        .unwrap();
     assert!(report.over_budget && report.substeps == 2, "{report:?}");
     let placement = |scene: &Scene| scene.state.placements.tools[0].unwrap();
     let first = placement(&scene).pose.position.y;
     assert!(first > 1e-3 && first < 3e-3, "{first}");
     let mut ticks = 0;
     while !placement(&scene).is_free {
-        let report = scene.tick(&[motion(-1e-3, -1e-3)], TICK, 1, &Serial).unwrap();
+        let report = scene
+            .tick(&[motion(-1e-3, -1e-3)], TICK, 1, &Serial)
+            .unwrap();
         assert!(report.substeps <= 2);
         ticks += 1;
         assert!(ticks < 60);
