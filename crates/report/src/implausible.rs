@@ -80,7 +80,8 @@ impl ImplausibleCollector {
                 samples: 0,
                 duration: 0.0,
                 limit: sample.limit,
-                value: sample.value,
+                // One that overflows is a number all the same, which JSON can state.
+                value: sample.value.min(f64::MAX),
                 bound: sample.bound,
             };
             (counted.unwrap_or(sample.device_time), stretch)

@@ -93,22 +93,33 @@ impl HandLimits {
             };
             (amount / (bound * h + 2.0 * error), excess)
         };
-        let mut ratios = [None; 4];
-        ratios[0] = Some(rate(
-            MotionLimit::Speed,
-            self.speed,
-            distance(&to, &from),
-            self.position_error,
-        ));
-        ratios[1] = track.before().map(|before| {
-            // A track has this point only where it is as long before.
-            let h0 = (last.time_s - before.time_s).max(SHORTEST_INTERVAL_S);
+        let rates = [
+            rate(
+                MotionLimit::Speed,
+                self.speed,
+                distance(&to, &from),
+                self.position_error,
+            ),
+            rate(
+                MotionLimit::TurnRate,
+                self.turn_rate,
+                angle(last.orientation, next.orientation),
+                self.turn_error,
+            ),
+            rate(
+                MotionLimit::OpeningRate,
+                self.opening_rate,
+                (next.opening - last.opening).abs(),
+                self.opening_error,
+            ),
+        ];
+        // Where no velocity is known there is no acceleration.
+        let acceleration = track.before().map(|before| {
+            let h0 = last.time_s - before.time_s;
             let velocity = (from - Vector3::from(before.position)) / h0;
             let off = distance(&to, &(from + velocity * elapsed));
-            let (reach, error) = (
-                h * (h + h0) / 2.0,
-                2.0 * self.position_error * (1.0 + h / h0),
-            );
+            let reach = h * (h + h0) / 2.0;
+            let error = 2.0 * self.position_error * (1.0 + h / h0);
             let excess = Excess {
                 limit: MotionLimit::Acceleration,
                 value: (off - error).max(0.0) / reach,
@@ -116,21 +127,9 @@ impl HandLimits {
             };
             (off / (self.acceleration * reach + error), excess)
         });
-        ratios[2] = Some(rate(
-            MotionLimit::TurnRate,
-            self.turn_rate,
-            angle(last.orientation, next.orientation),
-            self.turn_error,
-        ));
-        ratios[3] = Some(rate(
-            MotionLimit::OpeningRate,
-            self.opening_rate,
-            (next.opening - last.opening).abs(),
-            self.opening_error,
-        ));
         // What is no number is no motion of a hand.
         let size = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
-        let ratios = ratios.into_iter().flatten();
+        let ratios = rates.into_iter().chain(acceleration);
         let worst = ratios.map(|(ratio, excess)| (size(ratio), excess));
         let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0));
         worst.expect("three ratios at least")

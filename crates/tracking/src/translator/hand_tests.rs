@@ -259,7 +259,7 @@ fn a_jump_that_lasts_counts_after_a_gap() {
     }
 }
 
-/// Several samples of a tick of 0.1 s share its time: the tool is lost at the end of a tick all the same.
+/// Several samples of a tick of 0.1 s arrive at its time: the tool is lost at the end of a tick all the same.
 #[test]
 fn a_jump_is_a_gap_of_a_tick_at_least() {
     let mut translator = translator();
