@@ -122,7 +122,8 @@ fn each_limit_is_where_it_is_said_to_be() {
         ..at(time_s, 0.0)
     };
     let h = INTERVAL_S;
-    let cases: [(MotionLimit, f64, &dyn Fn(f64) -> Vec<InputSample>); 4] = [
+    type Samples<'a> = &'a dyn Fn(f64) -> Vec<InputSample>;
+    let cases: [(MotionLimit, f64, Samples<'_>); 4] = [
         // Without a velocity before, only the speed counts.
         (MotionLimit::Speed, h + 5e-4, &|d| {
             vec![at(0.0, 0.0), at(h, d)]
