@@ -530,6 +530,7 @@ fn the_json_of_a_run_has_its_fields() {
         "counts",
         "failed",
         "failure",
+        "implausible",
         "late_ticks",
         "level",
         "module",

@@ -121,6 +121,9 @@ pub fn summary(report: &Report) -> String {
     if let (Verdict::Failed, Some(text)) = (report.verdict, s.foreign_hand()) {
         lines.push(format!("    {}", text.en));
     }
+    if let Some(text) = report.left_out() {
+        lines.push(format!("    {}", text.en));
+    }
     if report.verdict == Verdict::NotJudged {
         let reasons = report.reasons.iter();
         lines.extend(reasons.map(|why| format!("    {}", why.en)));

@@ -390,6 +390,7 @@ fn tell_json(
         "targets": report.targets,
         "ticks": outcome.ticks,
         "solver": report.solver,
+        "implausible": report.implausible,
         "late_ticks": outcome.late_ticks,
         "state_hash": outcome.state_hash,
         "physics_digest": outcome.physics_digest,

@@ -2,6 +2,7 @@
 
 use crate::pose::Pose;
 use crate::wire::Message;
+use microsim_vocabulary::MotionLimit;
 use serde::{Deserialize, Serialize};
 
 /// One sample of one tracked instrument. An external input: recorded, and fed by tick when a session is replayed.
@@ -34,6 +35,28 @@ impl InputSample {
 
 impl Message for InputSample {
     const KIND: &'static str = "input.sample";
+}
+
+/// A sample that no hand makes: published by the translator, which leaves it out. For those who record; the tool that it would have moved
+/// is not tracked at its time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImplausibleSample {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// Name of the device.
+    pub device: String,
+    /// Time of the sample by the device's clock \[s\].
+    pub device_time: f64,
+    /// What of its motion is beyond the limits of a hand; of a sample that goes on from another one that was left out, what that one was.
+    pub limit: MotionLimit,
+    /// The value, in the limit's unit.
+    pub value: f64,
+    /// The limit itself, in the same unit.
+    pub bound: f64,
+}
+
+impl Message for ImplausibleSample {
+    const KIND: &'static str = "input.implausible";
 }
 
 /// A source has nothing more to give.

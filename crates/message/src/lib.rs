@@ -21,12 +21,12 @@ mod tests;
 mod tool;
 mod wire;
 
-pub use input::{InputEnd, InputSample};
+pub use input::{ImplausibleSample, InputEnd, InputSample};
 pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,
 };
-pub use microsim_vocabulary::{Finish, LocalText, ToolStatus};
+pub use microsim_vocabulary::{Finish, LocalText, MotionLimit, ToolStatus};
 pub use object::{Colour, ObjectScene, ObjectSet, ObjectState, Shape};
 pub use pose::Pose;
 pub use setup::{
@@ -56,6 +56,7 @@ pub fn core_kinds() -> Vec<KindInfo> {
     vec![
         wire::info::<InputSample>(),
         wire::info::<InputEnd>(),
+        wire::info::<ImplausibleSample>(),
         wire::info::<ToolSample>(),
         wire::info::<ToolStates>(),
         wire::info::<ToolPlacements>(),

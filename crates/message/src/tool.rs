@@ -25,7 +25,7 @@ pub struct ToolSample {
     pub tool: String,
     /// Device time \[s\].
     pub time: f64,
-    /// Whether the instrument was visible; if not, the pose is the last valid one.
+    /// Whether the instrument was visible, and a hand can have moved it so; if not, the pose is the last valid one.
     pub tracked: bool,
     /// Pose of the tip in the field.
     pub pose: Pose,

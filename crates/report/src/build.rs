@@ -2,6 +2,7 @@
 
 use crate::device::DeviceCollector;
 use crate::force::ForceCollector;
+use crate::implausible::ImplausibleCollector;
 use crate::input::ReportInput;
 use crate::moment::MomentCollector;
 use crate::motion::{MotionCollector, PresenceCollector};
@@ -9,8 +10,9 @@ use crate::report::{EventRecord, MetricEntry, RecoveryRecord, Report, Verdict, W
 use crate::solver::SolverCollector;
 use microsim_bus::{Frame, Frames};
 use microsim_message::{
-    ContactForces, DecodeError, InputSample, LevelEvent, LevelState, Log, LogLevel, Message,
-    SolverTick, TissueCut, TissueRecovery, ToolSample, ToolStates, TrainingResult, decode,
+    ContactForces, DecodeError, ImplausibleSample, InputSample, LevelEvent, LevelState, Log,
+    LogLevel, Message, SolverTick, TissueCut, TissueRecovery, ToolSample, ToolStates,
+    TrainingResult, decode,
 };
 use std::collections::BTreeMap;
 
@@ -87,6 +89,7 @@ impl<'a> ReportBuilder<'a> {
 /// What has been read so far.
 struct Reading<'a> {
     devices: DeviceCollector,
+    implausible: ImplausibleCollector,
     motion: MotionCollector,
     presence: PresenceCollector,
     forces: ForceCollector,
@@ -105,6 +108,7 @@ impl<'a> Reading<'a> {
     fn new(input: &'a ReportInput) -> Self {
         Self {
             devices: DeviceCollector::default(),
+            implausible: ImplausibleCollector::default(),
             motion: MotionCollector::default(),
             presence: PresenceCollector::default(),
             forces: ForceCollector::default(),
@@ -123,7 +127,10 @@ impl<'a> Reading<'a> {
         if let Some(sample) = read::<InputSample>(frame)? {
             self.devices.add(sample);
         } else if let Some(sample) = read::<ToolSample>(frame)? {
+            self.implausible.add_sample(&sample);
             self.motion.add(now, sample);
+        } else if let Some(sample) = read::<ImplausibleSample>(frame)? {
+            self.implausible.add(now, &sample);
         } else if let Some(states) = read::<ToolStates>(frame)? {
             self.presence.add(tick, states);
         } else if let Some(forces) = read::<ContactForces>(frame)? {
@@ -200,6 +207,7 @@ impl<'a> Reading<'a> {
             categories: Vec::new(),
             metrics: Vec::new(),
             input: self.devices.finish(),
+            implausible: self.implausible.finish(),
             presence: self.presence.finish(ticks_end, input.tick_s),
             series: self.motion.finish(),
             forces: self.forces.finish(),

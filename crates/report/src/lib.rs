@@ -7,6 +7,7 @@
 //! - [`Report`]: what a session holds; its JSON form has the field names of the struct.
 //! - `device`, `motion`, `force`: what is read from the raw input, the tools and the contacts.
 //! - `solver`: how far the solver of the tissue came.
+//! - `implausible`: samples that no hand makes.
 //! - `moment`: what happened when.
 //! - `input`: what is known besides the messages.
 //! - `table`: CSV. `html`: the page. `text`: its texts in both languages. `plot`: its drawings. `number`: how numbers are shown.
@@ -22,6 +23,7 @@ mod build;
 mod device;
 mod force;
 mod html;
+mod implausible;
 mod input;
 mod moment;
 mod motion;
@@ -38,6 +40,7 @@ pub use build::ReportBuilder;
 pub use device::DeviceRecord;
 pub use force::ForceSeries;
 pub use html::{Page, Pictures};
+pub use implausible::{ImplausibleRecord, ImplausibleStretch};
 pub use input::ReportInput;
 pub use microsim_vocabulary::Language;
 pub use moment::{Moment, MomentKind};

@@ -1,7 +1,9 @@
 //! The report as data.
 
+use crate::implausible::ImplausibleRecord;
 use crate::input::ReportInput;
 use crate::solver::SolverRecord;
+use crate::text::in_both;
 use crate::{DeviceRecord, ForceSeries, Moment, ToolPresence, ToolSeries};
 use microsim_message::{CategoryScore, LevelPhase, LocalText, LogLevel, MetricRecord};
 use serde::{Deserialize, Serialize};
@@ -55,6 +57,9 @@ pub struct Report {
     pub metrics: Vec<MetricEntry>,
     /// The raw input, device by device.
     pub input: Vec<DeviceRecord>,
+    /// Samples that no hand makes, of each tool that had any; they were left out.
+    #[serde(default)]
+    pub implausible: Vec<ImplausibleRecord>,
     /// How long each tool was tracked.
     pub presence: Vec<ToolPresence>,
     /// Motion of each tool in the field.
@@ -72,6 +77,38 @@ pub struct Report {
     pub recoveries: Vec<RecoveryRecord>,
     /// Warnings and errors of the plugins, and messages that could not be read.
     pub warnings: Vec<Warning>,
+}
+
+impl Report {
+    /// A sentence for beside the verdict, if there were samples that no hand makes.
+    pub fn left_out(&self) -> Option<LocalText> {
+        let samples: u64 = self.implausible.iter().map(|record| record.samples).sum();
+        if samples == 0 {
+            return None;
+        }
+        let records = self.implausible.iter();
+        let words = records.map(|record| record.words(&self.session));
+        let (de, en): (Vec<_>, Vec<_>) = words.map(|words| (words.de, words.en)).unzip();
+        let (de, en) = (de.join("; "), en.join("; "));
+        Some(match samples {
+            1 => in_both(
+                &format!(
+                    "Der Tracker meldete einen Messwert, den keine Hand macht; er wurde weggelassen ({de})."
+                ),
+                &format!(
+                    "The tracker reported 1 sample that no hand makes; it was left out ({en})."
+                ),
+            ),
+            n => in_both(
+                &format!(
+                    "Der Tracker meldete {n} Messwerte, die keine Hand macht; sie wurden weggelassen ({de})."
+                ),
+                &format!(
+                    "The tracker reported {n} samples that no hand makes; they were left out ({en})."
+                ),
+            ),
+        })
+    }
 }
 
 /// A metric of the result, with its numbers in the unit that people read.

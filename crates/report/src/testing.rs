@@ -2,9 +2,9 @@
 
 use crate::ReportInput;
 use microsim_message::{
-    CategoryScore, ContactForce, ContactForces, InputSample, LevelEvent, LevelState, LimitRecord,
-    LocalText, Log, MetricRecord, TissueCut, TissueRecovery, ToolSample, ToolStates,
-    TrainingResult, push,
+    CategoryScore, ContactForce, ContactForces, ImplausibleSample, InputSample, LevelEvent,
+    LevelState, LimitRecord, LocalText, Log, MetricRecord, TissueCut, TissueRecovery, ToolSample,
+    ToolStates, TrainingResult, push,
 };
 
 /// A message of any kind, as an item of a list.
@@ -23,7 +23,7 @@ macro_rules! any_message {
     };
 }
 
-any_message!(InputSample ToolSample ToolStates ContactForces TissueCut TissueRecovery LevelState LevelEvent TrainingResult Log);
+any_message!(ImplausibleSample InputSample ToolSample ToolStates ContactForces TissueCut TissueRecovery LevelState LevelEvent TrainingResult Log);
 
 /// The frames of messages.
 pub fn log(messages: &[&dyn AnyMessage]) -> Vec<u8> {

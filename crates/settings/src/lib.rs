@@ -105,7 +105,7 @@ pub use script::{
 pub use tool::{Jaw, Tool, ToolCapsule, load_tool, read_tool};
 pub use trainees::{Sourced, TraineeProfile, Trainees, load_trainees, read_trainees};
 pub use translator::{
-    DeviceMap, OpeningName, OpeningSource, Translator, load_translator, read_translator,
+    DeviceMap, Hand, OpeningName, OpeningSource, Translator, load_translator, read_translator,
 };
 
 /// The schema of a kind of file by its name in [`KINDS`]. That of a level leaves the keys of the module open; see

@@ -12,7 +12,7 @@ use crate::recording::RecordingMap;
 use crate::rigid::Rigid;
 use crate::script::Script;
 use crate::tool::Tool;
-use crate::translator::{DeviceMap, OpeningName, OpeningSource, Translator};
+use crate::translator::{DeviceMap, Hand, OpeningName, OpeningSource, Translator};
 use microsim_vocabulary::Finish;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -51,6 +51,8 @@ pub enum RecordingConfig {
 pub struct TranslatorConfig {
     /// A tool whose last sample is older is stale \[s\].
     pub stale_after: f64,
+    /// What no hand goes beyond.
+    pub hand: Hand,
     /// The devices that drive tools of the level, one per tool at most.
     pub devices: Vec<DeviceMap>,
     /// All tools of the level.
@@ -84,6 +86,7 @@ impl TranslatorConfig {
         };
         Self {
             stale_after: translator.stale_after,
+            hand: translator.hand,
             devices: maps,
             tools: tools.to_vec(),
         }

@@ -34,6 +34,6 @@ pub use script::{Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
 pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics, distance};
 pub use trainee::{Profile, Trainee};
 pub use translator::{
-    Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch, TrackedTool, Translator,
-    TranslatorError, TranslatorState,
+    Excess, HandLimits, Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch,
+    TrackedTool, Translator, TranslatorError, TranslatorState,
 };

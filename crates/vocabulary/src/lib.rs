@@ -15,7 +15,7 @@ mod text;
 mod unit;
 
 pub use mechanics::{CellSplit, Discretisation, LawName, MethodName};
-pub use platform::{Finish, Interpolation, Overflow, PluginKind, ToolStatus};
+pub use platform::{Finish, Interpolation, MotionLimit, Overflow, PluginKind, ToolStatus};
 pub use results::{Category, Direction};
 pub use term::{Term, UnknownTerm};
 pub use text::{Language, LocalText};

@@ -48,14 +48,41 @@ terms! {
     /// How well the pose of a tool is known. "Connected" is not "tracked": a tool whose pose is old or missing never looks
     /// fine.
     pub enum ToolStatus {
-        /// The last sample is recent and valid.
+        /// The last valid sample is recent, and the device has not reported since then that it does not see the instrument.
         Tracked = "tracked",
-        /// The last sample is recent, but its device was not visible or its values were refused; the pose is the last valid one.
+        /// Samples are recent, but the device was not visible, their values were refused, or for too long none was of a motion
+        /// that a hand makes; the pose is the last valid one.
         Occluded = "occluded",
         /// No valid sample has arrived yet.
         NeverSeen = "never-seen",
         /// No sample has arrived for too long.
         Stale = "stale",
+    }
+}
+
+terms! {
+    /// What of a motion can be beyond the limits of a hand.
+    pub enum MotionLimit {
+        /// Speed of the tip \[m/s\].
+        Speed = "speed",
+        /// Acceleration of the tip \[m/s²\].
+        Acceleration = "acceleration",
+        /// Speed of turning \[rad/s\].
+        TurnRate = "turn-rate",
+        /// Change of the opening per time \[1/s\], from 0 closed to 1 open.
+        OpeningRate = "opening-rate",
+    }
+}
+
+impl MotionLimit {
+    /// The unit of its values.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Speed => "m/s",
+            Self::Acceleration => "m/s²",
+            Self::TurnRate => "rad/s",
+            Self::OpeningRate => "1/s",
+        }
     }
 }
 

@@ -6,11 +6,13 @@
 #![forbid(unsafe_code)]
 
 use microsim_sdk::message::{
-    InputSample, Pose, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    ImplausibleSample, InputSample, Pose, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{DeviceMap, ToolSlot, TranslatorConfig};
-use microsim_tracking::{Mapping, Opening, TrackedTool, Translator, TranslatorState};
+use microsim_tracking::{
+    Excess, Mapping, Opening, Refusal, SampleFault, TrackedTool, Translator, TranslatorState,
+};
 use std::collections::BTreeSet;
 
 /// The translator of a run.
@@ -36,6 +38,17 @@ fn mapping(device: &DeviceMap) -> Mapping {
             .opening
             .fixed()
             .map_or(Opening::DEVICE, Opening::Constant),
+    }
+}
+
+fn implausible(refusal: &Refusal, excess: Excess) -> ImplausibleSample {
+    ImplausibleSample {
+        tool: refusal.tool.clone(),
+        device: refusal.device.clone(),
+        device_time: refusal.time_s,
+        limit: excess.limit,
+        value: excess.value,
+        bound: excess.bound,
     }
 }
 
@@ -66,6 +79,9 @@ impl TranslatorPlugin {
                 if refusal.count % 1000 == 1 {
                     let text = format!("{refusal} (refused so far: {})", refusal.count);
                     tick.log(LogLevel::Warn, text);
+                }
+                if let SampleFault::Implausible(excess) = refusal.fault {
+                    tick.publish(&implausible(&refusal, excess));
                 }
                 translator.lost(&message)
             }
@@ -105,7 +121,7 @@ impl Plugin for TranslatorPlugin {
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         let config: TranslatorConfig = setup.configuration()?;
         let mappings = config.devices.iter().map(mapping).collect();
-        let translator = Translator::new(mappings, config.stale_after);
+        let translator = Translator::new(mappings, config.stale_after, config.hand.limits());
         self.translator = Some(translator.map_err(|error| Fault::new(error.to_string()))?);
         self.devices = config.devices.iter().map(|d| d.name.clone()).collect();
         self.tools = config.tools;

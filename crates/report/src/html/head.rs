@@ -36,6 +36,9 @@ pub fn head(out: &mut String, report: &Report) {
     if let (Verdict::Failed, Some(text)) = (report.verdict, session.foreign_hand()) {
         let _ = writeln!(out, "<p class=\"banner warn\">{}</p>", spans(&text));
     }
+    if let Some(text) = report.left_out() {
+        let _ = writeln!(out, "<p class=\"banner warn\">{}</p>", spans(&text));
+    }
     better(out, report);
     categories(out, report);
 }
@@ -59,11 +62,25 @@ fn better(out: &mut String, report: &Report) {
         advised.extend(lost.min_by(|a, b| points(a).total_cmp(&points(b))));
     }
     let reasons = report.reasons.iter().filter(|_| missing);
-    if advised.is_empty() && reasons.clone().next().is_none() {
+    let tracker = !report.implausible.is_empty();
+    if advised.is_empty() && reasons.clone().next().is_none() && !tracker {
         return;
     }
     super::section(out, "So wird es besser", "What to do better");
     out.push_str("<ul class=\"better\">");
+    if tracker {
+        let _ = write!(
+            out,
+            "<li><b>{}</b> {}</li>",
+            bilingual("Tracker:", "Tracker:"),
+            bilingual(
+                "Prüfen Sie Sicht, Licht und Befestigung der Marker, bevor Sie weiterüben; was der Tracker falsch meldet, \
+                 ist kein Fehler der Hand.",
+                "Check view, light and how the markers are fixed before the next run; what the tracker reports wrongly is no mistake \
+                 of the hand.",
+            )
+        );
+    }
     for reason in reasons {
         let first = bilingual(
             "Nehmen Sie sich das zuerst vor; danach kommt es auf die Messgrößen an.",

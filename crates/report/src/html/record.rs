@@ -10,6 +10,8 @@ use std::fmt::Write;
 
 /// Lines of warnings that are shown; the JSON form has all.
 const MAX_WARNINGS: usize = 100;
+/// Stretches of samples that no hand makes that are shown; the JSON form has all.
+const MAX_STRETCHES: usize = 20;
 
 /// The raw input of each device and how long each tool was tracked.
 pub fn input(out: &mut String, report: &Report) {
@@ -26,6 +28,7 @@ pub fn input(out: &mut String, report: &Report) {
     if !report.presence.is_empty() {
         presence(out, report);
     }
+    implausible(out, report);
     out.push_str("</section>\n");
 }
 
@@ -124,6 +127,42 @@ fn presence(out: &mut String, report: &Report) {
         out.push_str("</span></div>\n");
     }
     out.push_str("</div>\n");
+}
+
+/// What was left out as no hand makes it.
+fn implausible(out: &mut String, report: &Report) {
+    if report.implausible.is_empty() {
+        return;
+    }
+    let _ = write!(
+        out,
+        "<h3>{}</h3>\n<p class=\"note\">{}</p>\n<ul>\n",
+        bilingual("Was keine Hand macht", "What no hand makes"),
+        bilingual(
+            "Diese Messwerte gingen über das hinaus, was eine Hand kann. Sie wurden weggelassen: Das Instrument blieb stehen, wo es \
+             zuletzt war, oder galt nach kurzer Zeit als verdeckt; kein Messwert verbindet, was vor und nach ihnen liegt.",
+            "These samples were beyond what a hand can do. They were left out: the tool stood where it was last, or was taken for occluded after \
+             a short time; no metric connects what lies before and after them.",
+        )
+    );
+    let all = report.implausible.iter();
+    let all = all.flat_map(|record| record.stretches.iter().map(move |s| (record, s)));
+    let count = all.clone().count();
+    for (record, stretch) in all.take(MAX_STRETCHES) {
+        let _ = writeln!(
+            out,
+            "<li><time>{}</time> <b>{}</b>: {} <span class=\"tag\">× {}</span>, {}</li>",
+            spans(&shown(stretch.session_time, "s")),
+            spans(&report.session.tool_name(&record.tool)),
+            spans(&stretch.words()),
+            stretch.samples,
+            spans(&shown(stretch.duration, "s")),
+        );
+    }
+    if let Some(more) = count.checked_sub(MAX_STRETCHES).filter(|&n| n > 0) {
+        let _ = writeln!(out, "<li>… {more} {}</li>", bilingual("weitere", "more"));
+    }
+    out.push_str("</ul>\n");
 }
 
 /// How far the solver of the tissue came.

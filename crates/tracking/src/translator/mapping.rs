@@ -71,6 +71,8 @@ impl Mapping {
 pub enum TranslatorError {
     /// The time after which a tool is stale is not a finite positive number `[s]`.
     StaleAfter(f64),
+    /// The limit of a hand of this name is not a finite positive number, or an error below 0.
+    HandLimit(&'static str, f64),
     /// A mapping is wrong.
     Mapping {
         /// The tool of the mapping.
@@ -157,6 +159,12 @@ impl fmt::Display for TranslatorError {
                 write!(
                     f,
                     "tools are stale after {time} s, expected a finite positive number"
+                )
+            }
+            Self::HandLimit(name, value) => {
+                write!(
+                    f,
+                    "{name} of a hand is {value}, expected a finite positive number"
                 )
             }
             Self::Mapping { tool, problem } => write!(f, "mapping of tool \"{tool}\": {problem}"),

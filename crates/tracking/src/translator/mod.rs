@@ -12,16 +12,25 @@
 //! position of a sample is taken as that of the tip; where a tracker follows another point of the instrument, the
 //! lever to the tip has to be applied before.
 //!
+//! # Samples that no hand makes
+//! A sample that no hand can have come to from those before it ([`HandLimits`]) is left out: as if it had not arrived, so that the tool stands where it
+//! was last, and for whoever counts motion the tool is lost at its time. One that stands so for as long as makes a tool stale is occluded, and touches nothing.
+//! A jump that lasts is accepted after a time, and the tool is occluded before, so that it does not sweep from one place to the other.
+//!
 //! # Clocks
 //! Samples carry the time of their device. Whether a tool still receives samples follows from when they *arrive* in the session's
 //! time, since the two clocks need not agree.
 
+mod hand;
 mod mapping;
+mod plausible;
 mod state;
+mod track;
 
 use std::error::Error;
 use std::fmt;
 
+pub use hand::{Excess, HandLimits};
 pub use mapping::{Mapping, MappingProblem, Opening, TranslatorError};
 pub use state::{StateMismatch, TrackedTool, TranslatorState};
 
@@ -29,6 +38,7 @@ use crate::QuaternionError;
 use crate::rotation::{checked_unit, product, rotated};
 use microsim_message::{InputSample, Pose, ToolPose, ToolSample};
 use microsim_vocabulary::ToolStatus;
+use track::Point;
 
 /// Turns samples of devices into poses of tools, and remembers the last of each.
 ///
@@ -37,6 +47,7 @@ use microsim_vocabulary::ToolStatus;
 pub struct Translator {
     mappings: Vec<Mapping>,
     stale_after_s: f64,
+    hand: HandLimits,
     state: TranslatorState,
 }
 
@@ -51,7 +62,7 @@ pub struct Refusal {
     pub time_s: f64,
     /// What is wrong with it.
     pub fault: SampleFault,
-    /// How many samples of the tool have been refused so far, with this one.
+    /// How many samples of the tool have been refused so far for what is wrong with them, or left out as no hand makes them, with this one.
     pub count: u64,
 }
 
@@ -66,24 +77,34 @@ pub enum SampleFault {
     Opening,
     /// Its orientation is none.
     Orientation(QuaternionError),
+    /// No hand makes such a motion.
+    Implausible(Excess),
 }
 
 impl Translator {
     /// A translator whose tools stand in the order of their mappings and have not been seen yet. A tool is stale when
-    /// for more than `stale_after_s` `[s]` no sample of its device has arrived.
+    /// for more than `stale_after_s` `[s]` no sample of its device has arrived. All devices are in hands of these limits.
     ///
     /// # Errors
-    /// [`TranslatorError`] if a mapping breaks a rule of [`Mapping`], if two have the same tool or device, or if
-    /// `stale_after_s` is not a finite positive number.
-    pub fn new(mut mappings: Vec<Mapping>, stale_after_s: f64) -> Result<Self, TranslatorError> {
+    /// [`TranslatorError`] if a mapping breaks a rule of [`Mapping`], if two have the same tool or device, if
+    /// `stale_after_s` is not a finite positive number, or a limit breaks a rule of [`HandLimits`].
+    pub fn new(
+        mut mappings: Vec<Mapping>,
+        stale_after_s: f64,
+        hand: HandLimits,
+    ) -> Result<Self, TranslatorError> {
         if !(stale_after_s.is_finite() && stale_after_s > 0.0) {
             return Err(TranslatorError::StaleAfter(stale_after_s));
+        }
+        if let Some((name, value)) = hand.fault() {
+            return Err(TranslatorError::HandLimit(name, value));
         }
         mapping::check(&mut mappings)?;
         let state = TranslatorState::new(&mappings);
         Ok(Self {
             mappings,
             stale_after_s,
+            hand,
             state,
         })
     }
@@ -93,7 +114,8 @@ impl Translator {
     /// Gives the sample of the tool that the device drives; [`Translator::lost`] if it was not visible.
     ///
     /// # Errors
-    /// [`Refusal`] for a visible sample with values that are no pose. Its tool is then occluded and keeps its last pose.
+    /// [`Refusal`] for a visible sample with values that are no pose: its tool is then occluded and keeps its last pose. The same for one that no hand
+    /// makes, whose tool stands where it was.
     pub fn feed(
         &mut self,
         sample: &InputSample,
@@ -108,22 +130,29 @@ impl Translator {
             memory.arrived(now_s, self.stale_after_s, TrackedTool::lose);
             return Ok(self.lost(sample));
         }
-        match translate(mapping, sample, memory.opening()) {
-            Ok(pose) => {
-                memory.arrived(now_s, self.stale_after_s, |memory| memory.see(pose));
-                Ok(Some(ToolSample::new(&mapping.tool, true, pose)))
+        let refused = match translate(mapping, sample, memory.opening()) {
+            Ok((point, pose)) => {
+                let hand = &self.hand;
+                let left_out = memory.arrived(now_s, self.stale_after_s, |memory| {
+                    memory.see(point, pose, now_s, hand)
+                });
+                match left_out {
+                    None => return Ok(Some(ToolSample::new(&mapping.tool, true, pose))),
+                    Some(excess) => (SampleFault::Implausible(excess), memory.implausible()),
+                }
             }
             Err(fault) => {
                 memory.arrived(now_s, self.stale_after_s, TrackedTool::refuse);
-                Err(Refusal {
-                    tool: mapping.tool.clone(),
-                    device: mapping.device.clone(),
-                    time_s: sample.device_time,
-                    fault,
-                    count: memory.refused(),
-                })
+                (fault, memory.refused())
             }
-        }
+        };
+        Err(Refusal {
+            tool: mapping.tool.clone(),
+            device: mapping.device.clone(),
+            time_s: sample.device_time,
+            fault: refused.0,
+            count: refused.1,
+        })
     }
 
     /// The tool that the device of a sample drives, not tracked at the time of the sample, with its last valid pose: for whoever
@@ -180,12 +209,13 @@ impl Translator {
     }
 }
 
-/// The pose of the mapped tool for a visible sample; `opening` is retained where the device should measure it and does not.
+/// A visible sample as one of a hand's motion, and the pose of the mapped tool for it; `opening` is retained where the device should measure it and does
+/// not.
 fn translate(
     mapping: &Mapping,
     sample: &InputSample,
     opening: f64,
-) -> Result<ToolPose, SampleFault> {
+) -> Result<(Point, ToolPose), SampleFault> {
     if !sample.device_time.is_finite() {
         return Err(SampleFault::Time);
     }
@@ -212,14 +242,21 @@ fn translate(
             opening.clamp(0.0, 1.0)
         }
     };
-    Ok(ToolPose {
+    let point = Point {
+        time_s: sample.device_time,
+        position: sample.pose.position,
+        orientation: device_from_body,
+        opening,
+    };
+    let pose = ToolPose {
         pose: Pose {
             position,
             orientation: product(field_from_body, mapping.body_from_tool),
         },
         opening,
         time: sample.device_time,
-    })
+    };
+    Ok((point, pose))
 }
 
 impl fmt::Display for Refusal {
@@ -234,11 +271,14 @@ impl fmt::Display for Refusal {
             SampleFault::Position => write!(f, "position is not finite"),
             SampleFault::Opening => write!(f, "opening is not finite"),
             SampleFault::Orientation(error) => write!(f, "{error}"),
+            SampleFault::Implausible(excess) => write!(f, "{excess}"),
         }
     }
 }
 
 impl Error for Refusal {}
 
+#[cfg(test)]
+mod hand_tests;
 #[cfg(test)]
 mod tests;

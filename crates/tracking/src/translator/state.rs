@@ -7,7 +7,10 @@ use microsim_message::ToolPose;
 use microsim_vocabulary::ToolStatus;
 use serde::{Deserialize, Serialize};
 
-use super::Mapping;
+use super::hand::{Excess, HandLimits};
+use super::mapping::Mapping;
+use super::plausible::{Assessment, Plausible};
+use super::track::Point;
 
 /// All that a translator remembers, to be saved and restored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,11 +34,15 @@ pub struct TrackedTool {
     pose: Option<ToolPose>,
     /// When the last sample of any sort arrived, in the session's time `[s]`.
     last_arrival_s: Option<f64>,
-    /// Whether that sample was valid.
+    /// When the last sample arrived that counts, so `[s]`.
+    last_valid_s: Option<f64>,
+    /// Whether the tool is at its last valid pose as far as is known: no sample since then has denied it.
     seen: bool,
     /// Since when the status that `seen` stands for has held, in the session's time `[s]`.
     since_s: f64,
     refused: u64,
+    implausible: u64,
+    plausible: Plausible,
 }
 
 impl TranslatorState {
@@ -46,9 +53,12 @@ impl TranslatorState {
                 tool: mapping.tool.clone(),
                 pose: None,
                 last_arrival_s: None,
+                last_valid_s: None,
                 seen: false,
                 since_s: 0.0,
                 refused: 0,
+                implausible: 0,
+                plausible: Plausible::default(),
             })
             .collect();
         Self { tools }
@@ -83,9 +93,14 @@ impl TrackedTool {
         self.pose
     }
 
-    /// Number of samples refused so far.
+    /// Number of samples refused so far, as their values are no pose.
     pub fn refused(&self) -> u64 {
         self.refused
+    }
+
+    /// Number of samples left out so far, as no hand makes them.
+    pub fn implausible(&self) -> u64 {
+        self.implausible
     }
 
     /// The last opening; open before any.
@@ -94,51 +109,79 @@ impl TrackedTool {
     }
 
     /// Records the arrival of a sample, and by `change` its contents.
-    pub(super) fn arrived(
+    pub(super) fn arrived<T>(
         &mut self,
         now_s: f64,
         stale_after_s: f64,
-        change: impl FnOnce(&mut Self),
-    ) {
+        change: impl FnOnce(&mut Self) -> T,
+    ) -> T {
         let before = self.status(now_s, stale_after_s);
+        let since_s = self.since(now_s, stale_after_s);
         self.last_arrival_s = Some(now_s);
-        change(self);
-        if self.status(now_s, stale_after_s) != before {
-            self.since_s = now_s;
-        }
+        let changed = change(self);
+        let is_same = self.status(now_s, stale_after_s) == before;
+        self.since_s = if is_same { since_s } else { now_s };
+        changed
     }
 
-    pub(super) fn see(&mut self, pose: ToolPose) {
-        self.seen = true;
-        self.pose = Some(pose);
+    /// A visible sample: it counts, or by how much it is beyond the limits of a hand.
+    pub(super) fn see(
+        &mut self,
+        point: Point,
+        pose: ToolPose,
+        now_s: f64,
+        hand: &HandLimits,
+    ) -> Option<Excess> {
+        match self.plausible.assess(point, now_s, hand) {
+            Assessment::Counts => {
+                self.seen = true;
+                self.last_valid_s = Some(now_s);
+                self.pose = Some(pose);
+                None
+            }
+            Assessment::LeftOut(excess) => {
+                self.implausible += 1;
+                Some(excess)
+            }
+            Assessment::Lost(excess) => {
+                self.seen = false;
+                self.implausible += 1;
+                Some(excess)
+            }
+        }
     }
 
     pub(super) fn lose(&mut self) {
         self.seen = false;
+        self.plausible.interrupt();
     }
 
     pub(super) fn refuse(&mut self) {
-        self.seen = false;
+        self.lose();
         self.refused += 1;
     }
 
     /// When the status that it has at `now_s` began.
     pub(super) fn since(&self, now_s: f64, stale_after_s: f64) -> f64 {
-        match (self.status(now_s, stale_after_s), self.last_arrival_s) {
-            (ToolStatus::Stale, Some(arrival_s)) => arrival_s + stale_after_s,
-            _ => self.since_s,
-        }
+        let too_long = |since_s: Option<f64>| since_s.map(|since_s| since_s + stale_after_s);
+        let since_s = match self.status(now_s, stale_after_s) {
+            ToolStatus::Stale => too_long(self.last_arrival_s),
+            // No sample has denied the last pose, but none has confirmed it for too long.
+            ToolStatus::Occluded if self.seen => too_long(self.last_valid_s),
+            _ => None,
+        };
+        since_s.unwrap_or(self.since_s)
     }
 
     pub(super) fn status(&self, now_s: f64, stale_after_s: f64) -> ToolStatus {
-        let is_stale = self
-            .last_arrival_s
-            .is_some_and(|arrival_s| now_s - arrival_s > stale_after_s);
-        match (self.pose, is_stale, self.seen) {
-            (None, _, _) => ToolStatus::NeverSeen,
-            (Some(_), true, _) => ToolStatus::Stale,
-            (Some(_), false, true) => ToolStatus::Tracked,
-            (Some(_), false, false) => ToolStatus::Occluded,
+        let is_old = |arrival_s: Option<f64>| {
+            arrival_s.is_some_and(|arrival_s| now_s - arrival_s > stale_after_s)
+        };
+        match self.pose {
+            None => ToolStatus::NeverSeen,
+            Some(_) if is_old(self.last_arrival_s) => ToolStatus::Stale,
+            Some(_) if self.seen && !is_old(self.last_valid_s) => ToolStatus::Tracked,
+            Some(_) => ToolStatus::Occluded,
         }
     }
 }

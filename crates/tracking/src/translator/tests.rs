@@ -12,6 +12,18 @@ const QUARTER_X: [f64; 4] = [FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2];
 /// A quarter turn about z: x goes to y.
 const QUARTER_Z: [f64; 4] = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
 
+/// Limits that nothing here is beyond.
+const ANY: HandLimits = HandLimits {
+    speed: 1e6,
+    acceleration: 1e6,
+    turn_rate: 1e6,
+    opening_rate: 1e6,
+    position_error: 1e6,
+    turn_error: 1e6,
+    opening_error: 1e6,
+    accept_after_s: 0.1,
+};
+
 fn sample(time_s: f64, position: [f64; 3], orientation: [f64; 4]) -> InputSample {
     InputSample {
         visible: true,
@@ -28,7 +40,7 @@ fn hidden(time_s: f64) -> InputSample {
 }
 
 fn translator(mapping: Mapping) -> Translator {
-    Translator::new(vec![mapping], 0.5).unwrap()
+    Translator::new(vec![mapping], 0.5, ANY).unwrap()
 }
 
 fn translated(mapping: &Mapping, sample: &InputSample) -> ToolSample {
@@ -320,7 +332,7 @@ fn devices_and_tools_meet_in_the_mapping() {
         Mapping::identity("other", "scissors"),
         Mapping::identity("stylus", "forceps"),
     ];
-    let mut translator = Translator::new(mappings, 0.5).unwrap();
+    let mut translator = Translator::new(mappings, 0.5, ANY).unwrap();
     translator
         .feed(&sample(0.0, [1.0; 3], IDENTITY), 0.0)
         .unwrap();
@@ -444,13 +456,13 @@ fn bad_mappings_are_refused_in_words() {
         ),
     ];
     for (mappings, expected) in cases {
-        let error = Translator::new(mappings, 0.5).unwrap_err();
+        let error = Translator::new(mappings, 0.5, ANY).unwrap_err();
         assert_eq!(
             error.to_string(),
             format!("mapping of tool \"forceps\": {expected}")
         );
     }
-    let error = Translator::new(vec![good], 0.0).unwrap_err();
+    let error = Translator::new(vec![good], 0.0, ANY).unwrap_err();
     assert_eq!(
         error.to_string(),
         "tools are stale after 0 s, expected a finite positive number"
