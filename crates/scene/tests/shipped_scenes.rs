@@ -66,12 +66,13 @@ fn statics_meets_references_and_closed_forms() {
 
 #[test]
 fn a_tube_under_pressure_meets_lame() {
-    assert_met(&["tube-pressure"]);
+    assert_met(&["tube-pressure", "tube-quadratic"]);
 }
 
 #[test]
 fn dynamics_meets_references_and_closed_forms() {
-    assert_met(&["cantilever-dynamic", "bending-frequency", "drop"]);
+    assert_met(&["cantilever-dynamic", "cantilever-quadratic"]);
+    assert_met(&["bending-frequency", "drop"]);
 }
 
 #[test]

@@ -156,7 +156,10 @@ fn a_blade_leaves_two_pieces_and_loses_nothing() {
             iterations: 1,
         },
     ];
-    for (index, discretisation) in Discretisation::ALL.into_iter().enumerate() {
+    let cut = Discretisation::ALL
+        .into_iter()
+        .filter(|one| !one.is_quadratic());
+    for (index, discretisation) in cut.enumerate() {
         let method = methods[index % (methods.len() - 1)];
         check_blade(bar(discretisation, 0.0), method);
     }
