@@ -55,7 +55,7 @@ impl Refined {
         refined
     }
 
-    /// Moves the middle of each edge to where `place` says, by its ends \[m\]: onto a curved surface, for example.
+    /// Moves the middle of each edge to the place that `place` gives for its ends \[m\]: onto a curved surface, for example.
     pub fn place_middles(&mut self, place: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>) {
         let corners = self.mesh.positions.len() - self.edges.len();
         let (ends, middles) = self.mesh.positions.split_at_mut(corners);

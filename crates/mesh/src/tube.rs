@@ -238,8 +238,8 @@ impl Tube {
         [first, axis.cross(&first), axis]
     }
 
-    /// The point between two others \[m\]: of the mean of their radii, half-way around and along, where its wall is round. Two that face each other
-    /// across the axis have none around; theirs is on the line.
+    /// The point between two others where the wall is round \[m\]: of the mean of their radii, in the middle around and along. Two that face each
+    /// other across the axis have none around; theirs is on the line.
     pub fn between(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let [_, _, axis] = self.frame();
         let center = Vector3::from(self.center);

@@ -90,6 +90,16 @@ fn deformed_meshes_recover() {
     ]);
 }
 
+/// Contact on the parts of quadratic faces, with half as many cells; meshes turned inside out that come back.
+#[test]
+fn quadratic_tetrahedra_are_touched_and_recover() {
+    let quadratic = "body.0.material.0.discretisation=quadratic-pressure";
+    assert_one_met("sphere-on-block", &["body.0.cells=[12,12,9]", quadratic]);
+    for name in ["recovery-tip", "recovery-flat", "recovery-inverted"] {
+        assert_one_met(name, &["body.0.cells=[4,2,2]", quadratic]);
+    }
+}
+
 /// What levels use for tissue that is held: equilibrium once per picture, one iteration, elements that do not lock. And the method of the
 /// first peak with large steps, on the same elements.
 #[test]

@@ -31,7 +31,8 @@ pub enum BuildError {
         /// The first element without one.
         element: u32,
     },
-    /// The discretisation of a region is quadratic, and its elements are not the parts of tetrahedra with ten nodes, or one of these is too curved.
+    /// The discretisation of a region is quadratic, and its elements are not the parts of tetrahedra with ten nodes, or one is too
+    /// curved.
     Quadratic {
         /// The region.
         region: u32,

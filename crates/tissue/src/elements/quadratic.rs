@@ -23,7 +23,7 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 /// (Hammer & Stroud 1956).
 const COORDINATES: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
 
-/// Points at which F = Σ x_i ⊗ b_i of ten nodes, each with a share of the volume: as many of each element.
+/// Points at which F = Σ x_i ⊗ b_i of ten nodes, each with a fraction of the volume: as many of each element.
 #[derive(Clone, Debug)]
 pub struct QuadraturePoints {
     /// Nodes of the elements.
@@ -32,7 +32,7 @@ pub struct QuadraturePoints {
     points: usize,
     /// b_i of the points \[1/m\].
     gradients: Vec<[Vector3<f64>; NODES]>,
-    /// Shares of the volume \[m³\].
+    /// Fractions of the volume \[m³\].
     volumes: Vec<f64>,
     /// Fibre directions, if the mesh has any.
     directions: Vec<Vector3<f64>>,
@@ -113,7 +113,7 @@ impl QuadraturePoints {
     }
 }
 
-/// Gradients of the shape functions at a point \[1/m\], and its share of the volume \[m³\].
+/// Gradients of the shape functions at a point \[1/m\], and its fraction of the volume \[m³\].
 fn shape(nodes: &[Vector3<f64>; NODES], point: usize) -> ([Vector3<f64>; NODES], f64) {
     let at: [f64; 4] = std::array::from_fn(|corner| COORDINATES[usize::from(corner != point)]);
     // By the barycentric coordinates 1 to 3; that of 0 is one minus their sum.

@@ -79,7 +79,7 @@ impl ContinuumConstants {
         let lame = self.lame();
         // Without pressure nothing locks, so nothing is split.
         let split = with_law!(&self.law, L, p => L::constants(&lame, p).split().is_some());
-        let excess = with_law!(&self.law, L, p => excess_share(&L::constants(&lame, p)) > 0.0);
+        let excess = with_law!(&self.law, L, p => excess_fraction(&L::constants(&lame, p)) > 0.0);
         match self.discretisation {
             Discretisation::EdgeSmoothed => vec![Carried::Edges(Whole)],
             Discretisation::NodeSmoothed => vec![Carried::Nodes(Whole)],
@@ -228,16 +228,16 @@ fn of_part<C: Constants>(constants: C, part: EnergyPart) -> C {
     match (part, constants.split()) {
         (EnergyPart::Isochoric, Some([isochoric, _])) => isochoric,
         (EnergyPart::Volumetric, Some([_, volumetric])) => volumetric,
-        (EnergyPart::Moderate, _) => constants.with_volumetric(1.0 - excess_share(&constants)),
+        (EnergyPart::Moderate, _) => constants.with_volumetric(1.0 - excess_fraction(&constants)),
         (EnergyPart::Excess, Some([_, volumetric])) => {
-            volumetric.with_volumetric(excess_share(&constants))
+            volumetric.with_volumetric(excess_fraction(&constants))
         }
         _ => constants,
     }
 }
 
-/// The share of the volumetric part of the energy without which λ is μ, or as near to it as can be.
-fn excess_share<C: Constants>(constants: &C) -> f64 {
+/// The fraction of the volumetric part of the energy without which λ is μ, or as near to it as can be.
+fn excess_fraction<C: Constants>(constants: &C) -> f64 {
     let Some([_, volumetric]) = constants.split() else {
         return 0.0;
     };
