@@ -171,10 +171,12 @@ impl Body {
             relaxation_time,
             behaviour,
         };
+        let refined = material.is_quadratic().then(|| mesh.refined().mesh);
+        let mesh = refined.as_ref().unwrap_or(mesh);
         let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();
         let model = build_model(mesh, &[(0, material)], &clamped, 0.0, Vec::new())
             .expect("a material in range on a block");
-        drop(clamped);
+        drop((clamped, refined));
         let mut state = State::at_rest(&model);
         for (position, velocity) in state.positions.iter_mut().zip(&mut state.velocities) {
             let rest = *position;

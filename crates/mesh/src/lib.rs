@@ -17,6 +17,7 @@ mod fill;
 pub mod format;
 #[cfg(test)]
 mod quality;
+mod refine;
 mod surface;
 mod surface_defect;
 mod tet_mesh;
@@ -30,6 +31,7 @@ pub use edit::{Applied, CutFace, EditError, NewNode, Replaced, Replacement, Side
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
 pub use microsim_geometry::signed_volume;
 pub use microsim_vocabulary::CellSplit;
+pub use refine::{PARTS, Refined};
 pub use surface::Surface;
 pub use surface_defect::SurfaceDefect;
 pub use tet_mesh::TetMesh;

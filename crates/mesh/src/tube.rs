@@ -238,6 +238,23 @@ impl Tube {
         [first, axis.cross(&first), axis]
     }
 
+    /// The point between two others where the wall is round \[m\]: of the mean of their radii, in the middle around and along. Two that face each
+    /// other across the axis have none around; theirs is on the line.
+    pub fn between(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+        let [_, _, axis] = self.frame();
+        let center = Vector3::from(self.center);
+        let across = |p: &Vector3<f64>| {
+            let from = p - center;
+            from - axis * axis.dot(&from)
+        };
+        let middle = (a + b) * 0.5;
+        let (radius, towards) = (0.5 * (across(a).norm() + across(b).norm()), across(&middle));
+        match towards.norm() > 1e-9 * radius {
+            true => middle - towards + towards * (radius / towards.norm()),
+            false => middle,
+        }
+    }
+
     /// The triangles on `side` of the boundary of `mesh`, which this tube has made, outward.
     pub fn side(&self, mesh: &TetMesh, side: TubeSide) -> Surface {
         let through = 1 + self.layers.iter().map(|layer| layer.cells).sum::<usize>();

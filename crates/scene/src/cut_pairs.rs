@@ -15,8 +15,13 @@ pub(crate) struct CutPair {
     pub ability: Ability,
 }
 
-/// Why tissue cannot be cut with a method.
-fn uncuttable(method: &Method) -> Option<&'static str> {
+/// Why a body cannot be cut with a method.
+fn uncuttable(method: &Method, body: &BodySpec) -> Option<&'static str> {
+    if body.materials.iter().any(|(_, m)| m.is_quadratic()) {
+        return Some(
+            "quadratic tetrahedra are not cut, as their eight parts belong together: take another discretisation",
+        );
+    }
     match method {
         Method::QuasiStatic(_) => Some(
             "quasi-static tissue has no inertia, so that a piece which comes off could not fall: use another method",
@@ -30,9 +35,10 @@ fn uncuttable(method: &Method) -> Option<&'static str> {
 
 /// The cuts of a description.
 pub(crate) fn find_cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<CutPair>, SceneError> {
-    let uncuttable = uncuttable(&spec.method);
     let torn = |body: &&BodySpec| !body.tear_strains.is_empty();
-    if let (Some(reason), Some(body)) = (uncuttable, spec.bodies.iter().find(torn)) {
+    let mut torn = spec.bodies.iter().filter(torn);
+    let found = torn.find_map(|body| Some((body, uncuttable(&spec.method, body)?)));
+    if let Some((body, reason)) = found {
         return Err(SceneError::Value {
             body: body.name.clone(),
             what: "cutting",
@@ -63,7 +69,7 @@ pub(crate) fn find_cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<CutPair>
                 "lines of no return of both jaws must be as many, from the tips to the hinge, and b of one must meet a of the next",
             ));
         }
-        if let Some(reason) = uncuttable {
+        if let Some(reason) = uncuttable(&spec.method, &spec.bodies[body]) {
             return Err(wrong(reason));
         }
         let touch = |pair: &Pair| pair.body == body && pair.with == PairPartner::Tool(tool);

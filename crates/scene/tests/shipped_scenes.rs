@@ -66,12 +66,13 @@ fn statics_meets_references_and_closed_forms() {
 
 #[test]
 fn a_tube_under_pressure_meets_lame() {
-    assert_met(&["tube-pressure"]);
+    assert_met(&["tube-pressure", "tube-quadratic"]);
 }
 
 #[test]
 fn dynamics_meets_references_and_closed_forms() {
-    assert_met(&["cantilever-dynamic", "bending-frequency", "drop"]);
+    assert_met(&["cantilever-dynamic", "cantilever-quadratic"]);
+    assert_met(&["bending-frequency", "drop"]);
 }
 
 #[test]
@@ -87,6 +88,16 @@ fn deformed_meshes_recover() {
         "recovery-inverted",
         "recovery-teleport",
     ]);
+}
+
+/// Contact on the parts of quadratic faces, with half as many cells; meshes turned inside out that come back.
+#[test]
+fn quadratic_tetrahedra_are_touched_and_recover() {
+    let quadratic = "body.0.material.0.discretisation=quadratic-pressure";
+    assert_one_met("sphere-on-block", &["body.0.cells=[12,12,9]", quadratic]);
+    for name in ["recovery-tip", "recovery-flat", "recovery-inverted"] {
+        assert_one_met(name, &["body.0.cells=[4,2,2]", quadratic]);
+    }
 }
 
 /// What levels use for tissue that is held: equilibrium once per picture, one iteration, elements that do not lock. And the method of the

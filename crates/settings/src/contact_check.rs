@@ -4,7 +4,7 @@ use crate::check::{items, refers, texts, unique};
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::tool::check_jaws;
-use microsim_vocabulary::Unit;
+use microsim_vocabulary::{Discretisation, Unit};
 use serde_json::Value;
 
 /// Sizes of obstacles: which shape needs them, and which may have them.
@@ -141,6 +141,7 @@ pub(crate) fn check_cuts(reading: &mut Reading) {
             refers(reading, &key, &name, item, &known);
         }
     }
+    check_cut_bodies(reading);
     let cuts: Vec<(usize, Value)> = items(reading.value(), "cut")
         .map(|(i, cut)| (i, cut.clone()))
         .collect();
@@ -149,6 +150,29 @@ pub(crate) fn check_cuts(reading: &mut Reading) {
             let key = KeyPath::root().key("cut").at(*i);
             reading.complain(&key, "the same pair a second time", "each pair once");
         }
+    }
+}
+
+/// Complains about bodies that are cut, or tear, with a discretisation that is not.
+fn check_cut_bodies(reading: &mut Reading) {
+    let mut wrong = Vec::new();
+    for (b, body) in items(reading.value(), "body") {
+        let cut = items(reading.value(), "cut").any(|(_, cut)| cut["body"] == body["name"]);
+        let tears = items(body, "material").any(|(_, m)| !m["tear_strain"].is_null());
+        for (m, material) in items(body, "material").filter(|_| cut || tears) {
+            let name = material["discretisation"].as_str().unwrap_or_default();
+            if Discretisation::from_name(name).is_some_and(Discretisation::is_quadratic) {
+                let key = KeyPath::root().key("body").at(b).key("material").at(m);
+                wrong.push((
+                    key.key("discretisation"),
+                    format!("`{name}` of a body that is cut or tears"),
+                ));
+            }
+        }
+    }
+    for (key, found) in wrong {
+        let expected = "another one, as the eight parts of a quadratic tetrahedron belong together: `selective` or `edge-smoothed`";
+        reading.complain(&key, &found, expected);
     }
 }
 

@@ -37,7 +37,8 @@ table! {
         /// out.
         fibres: Option<Fibres>,
         /// How the mesh carries a continuum; `tetrahedra` if left out. From a Poisson's ratio of 0.4 on, `selective`,
-        /// `patch-pressure` or `nodal-pressure` keep it from locking.
+        /// `patch-pressure` or `nodal-pressure` keep it from locking. What is not cut may have `quadratic` or `quadratic-pressure`
+        /// tetrahedra on far fewer cells, which are then refined once.
         discretisation: Option<Discretisation>,
         /// What the constants of springs mean: `scaled` moduli (if left out), `plain` constants of equations 4.1 and
         /// 4.2, `normalised` ones of 3.5 to 3.8, or moduli `fitted` to Young's.

@@ -1,6 +1,6 @@
 //! The model of a body from a mesh and the materials of its regions.
 
-use crate::elements::Elements;
+use crate::elements::{Elements, QuadraturePoints};
 use crate::material::{Material, Part};
 use crate::model::{ModelError, TissueModel};
 use crate::range::MaterialError;
@@ -31,6 +31,12 @@ pub enum BuildError {
         /// The first element without one.
         element: u32,
     },
+    /// The discretisation of a region is quadratic, and its elements are not the parts of tetrahedra with ten nodes, or one is too
+    /// curved.
+    Quadratic {
+        /// The region.
+        region: u32,
+    },
     /// The mesh cannot be a body.
     Model(ModelError),
 }
@@ -48,6 +54,10 @@ impl std::fmt::Display for BuildError {
             Self::Direction { region, element } => write!(
                 f,
                 "the law of region {region} needs a fibre direction in each element, and element {element} has none"
+            ),
+            Self::Quadratic { region } => write!(
+                f,
+                "quadratic tetrahedra of region {region} are the parts of a refined mesh, eight each and whole, with middles of edges near their straight places"
             ),
             Self::Model(source) => write!(f, "{source}"),
         }
@@ -91,6 +101,9 @@ pub fn build_model(
                 .find(|e| mesh.direction(**e as usize).is_none())
         {
             return Err(BuildError::Direction { region, element });
+        }
+        if material.is_quadratic() && !QuadraturePoints::fit(mesh, &elements) {
+            return Err(BuildError::Quadratic { region });
         }
         for &element in &elements {
             densities[element as usize] = material.density;

@@ -14,17 +14,19 @@ pub mod key;
 mod matrix;
 mod measure;
 mod plasticity;
+mod quadratic;
 mod smoothed;
 pub mod splice;
 
 pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
-pub use continuum::{Continuum, ContinuumSet, Smoothed};
+pub use continuum::{Continuum, ContinuumSet, Quadratic, Smoothed};
 pub(crate) use coupling::Followed;
 pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
 pub use domains::{Domains, Tetrahedra};
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plasticity::Plasticity;
+pub use quadratic::QuadraturePoints;
 pub use smoothed::SmoothingDomains;
 pub(crate) use smoothed::{EDGE_FRACTION, NODE_FRACTION, patches};
 

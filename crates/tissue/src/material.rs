@@ -58,6 +58,14 @@ impl Material {
         }
     }
 
+    /// Whether its elements are [quadratic](microsim_vocabulary::Discretisation::is_quadratic).
+    pub fn is_quadratic(&self) -> bool {
+        match &self.behaviour {
+            Behaviour::Springs(_) => false,
+            Behaviour::Continuum(constants) => constants.discretisation.is_quadratic(),
+        }
+    }
+
     /// The elements of `mesh` with the indices `elements`, made of this material, part by part.
     pub(crate) fn build(
         &self,

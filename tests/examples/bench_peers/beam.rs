@@ -14,14 +14,27 @@ use std::path::Path;
 /// Names of the meshes.
 pub const MESHES: [&str; 3] = ["S", "M", "L"];
 
+/// Cells along the beam of the meshes that quadratic tetrahedra are measured on, one cell high.
+pub const FEW: [&str; 5] = ["3", "4", "5", "6", "8"];
+
 /// Their tetrahedra.
 pub const TETRAHEDRA: [usize; 3] = [810, 10_290, 51_840];
 
 /// Length, height and depth \[m\].
 const SIZE: [f64; 3] = [0.1, 0.02, 0.02];
 
-/// A mesh by its name: S and M from the files of the reference, L as described there.
+/// A mesh by its name: S and M from the files of the reference, L as described there, or that of a number of cells, refined.
 pub fn mesh(name: &str) -> TetMesh {
+    if let Ok(cells) = name.parse() {
+        let block = Block {
+            center: SIZE.map(|size| size / 2.0),
+            size: SIZE,
+            cells: [cells, 1, 1],
+            split: CellSplit::Kuhn,
+        };
+        let mesh = block.mesh().expect("a block with positive sizes");
+        return mesh.refined().mesh;
+    }
     if name == "L" {
         let block = Block {
             center: SIZE.map(|size| size / 2.0),

@@ -1,6 +1,6 @@
 //! Our methods. One more is one line in [`ENTRIES`].
 
-use crate::beam::{Beam, MESHES, mesh};
+use crate::beam::{Beam, FEW, MESHES, mesh};
 use crate::exact;
 use crate::measure::{first_peak, repeated, to_rest};
 use crate::row::Row;
@@ -102,6 +102,12 @@ const ENTRIES: &[Entry] = &[
     Entry::new("xpbd, 10 iterations", POLYNOMIAL, xpbd(10), Peak, "SM", Milliseconds(&[1.0])).law(LawName::NeoHookeanPolynomial),
     Entry::new("implicit-midpoint, edge-smoothed", ONE, Method::ImplicitMidpoint(newton(1)), Peak, "SM", Milliseconds(&[10.0]))
         .discretisation(Discretisation::EdgeSmoothed),
+    Entry::new("implicit-midpoint, quadratic-pressure", ONE, Method::ImplicitMidpoint(newton(1)), Peak, "3456", Milliseconds(&[10.0, 20.0]))
+        .law(LawName::StVenantKirchhoff).discretisation(Discretisation::QuadraticPressure),
+    Entry::new("implicit-midpoint, quadratic-pressure", ONE, Method::ImplicitMidpoint(newton(1)), Peak, "8", Milliseconds(&[5.0, 10.0]))
+        .law(LawName::StVenantKirchhoff).discretisation(Discretisation::QuadraticPressure),
+    Entry::new("quasi-static, quadratic-pressure", DIRECT, Method::QuasiStatic(newton(3)), Rest, "568", Milliseconds(&[100.0]))
+        .law(LawName::StVenantKirchhoff).discretisation(Discretisation::QuadraticPressure),
 ];
 
 /// Newton's method of a number of iterations, converged or not.
@@ -127,7 +133,7 @@ const CAPS: [f64; 2] = [60.0, 600.0];
 /// Measures all methods.
 pub fn measure(all: bool) -> Vec<Row> {
     let mut rows = Vec::new();
-    for name in MESHES {
+    for name in MESHES.into_iter().chain(FEW) {
         let mesh = mesh(name);
         for entry in ENTRIES.iter().filter(|entry| entry.meshes.contains(name)) {
             let beam = Beam::new(&mesh, entry.law, entry.discretisation);
@@ -161,7 +167,10 @@ fn run(entry: &Entry, mesh: &str, beam: &Beam, step: f64, cap: f64) -> Vec<Row> 
     };
     let exact = if own {
         // Another discretisation has other exact solutions; what it adds and what it removes is told together.
-        row.method = format!("{}, mesh {mesh}", entry.name);
+        row.method = match FEW.contains(&mesh) {
+            true => format!("{}, {mesh} × 1 × 1 cells", entry.name),
+            false => format!("{}, mesh {mesh}", entry.name),
+        };
         row.mesh = exact::BEAM.1.into();
         row.settings += "; errors are against the exact beam";
         exact::read(exact::BEAM.0, exact::BEAM.1)

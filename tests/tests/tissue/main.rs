@@ -6,6 +6,7 @@
 mod beam;
 mod foreign;
 mod locking;
+mod quadratic;
 mod refinement;
 mod released;
 mod still;

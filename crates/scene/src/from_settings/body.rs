@@ -8,9 +8,9 @@ use crate::spec::{
     StartSpec,
 };
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
-use microsim_mesh::{Arc, Block, Layer, TetMesh, Tube, TubeSide, fill};
+use microsim_mesh::{Arc, Block, Layer, PARTS, TetMesh, Tube, TubeSide, fill};
 use microsim_settings as settings;
-use microsim_tissue::Material;
+use microsim_tissue::{Discretisation, Material};
 use nalgebra::Vector3;
 use settings::KeyPath;
 use std::path::Path;
@@ -22,7 +22,14 @@ pub(super) fn body(
     load: &mut Load<'_>,
     notes: &mut Vec<String>,
 ) -> Result<BodySpec, FromSettingsError> {
-    let (mut mesh, ends) = mesh(body, key, load, notes)?;
+    let mut made = mesh(body, key, load, notes)?;
+    if body.material.iter().any(is_quadratic) {
+        let tets = PARTS * made.mesh.tets.len();
+        allowed(tets as f64)
+            .map_err(|cause| FromSettingsError::new(key.key("generator"), cause))?;
+        made = made.refined();
+    }
+    let Made { mut mesh, ends, .. } = made;
     set_directions(&mut mesh, body, key, |material, region| {
         let named = |m: &settings::Material| m.region == Some(region);
         named(material) || material.region.is_none() && !body.material.iter().any(named)
@@ -108,13 +115,51 @@ fn clamp(clamp: &settings::Clamp) -> ClampSpec {
 /// Outward triangles.
 type Face = Vec<[u32; 3]>;
 
-/// The mesh of a body, and the faces at the open ends of a tube.
+/// The mesh of a body.
+struct Made {
+    mesh: TetMesh,
+    /// The tube that it is.
+    tube: Option<Tube>,
+    /// The faces at the open ends of a tube.
+    ends: Vec<Face>,
+}
+
+impl Made {
+    fn new(mesh: TetMesh) -> Self {
+        Self {
+            mesh,
+            tube: None,
+            ends: Vec::new(),
+        }
+    }
+
+    /// Refined once, for quadratic tetrahedra; those of a tube are curved.
+    fn refined(self) -> Self {
+        let mut refined = self.mesh.refined();
+        if let Some(tube) = &self.tube {
+            refined.place_middles(|a, b| tube.between(a, b));
+        }
+        Self {
+            ends: self.ends.iter().map(|face| refined.faces(face)).collect(),
+            mesh: refined.mesh,
+            tube: self.tube,
+        }
+    }
+}
+
+/// Whether a material asks for quadratic tetrahedra.
+fn is_quadratic(material: &settings::Material) -> bool {
+    let discretisation = material.discretisation;
+    discretisation.is_some_and(Discretisation::is_quadratic)
+}
+
+/// Makes the mesh of a body.
 fn mesh(
     body: &settings::Body,
     key: &KeyPath,
     load: &mut Load<'_>,
     notes: &mut Vec<String>,
-) -> Result<(TetMesh, Vec<Face>), FromSettingsError> {
+) -> Result<Made, FromSettingsError> {
     let wrong = |cause| FromSettingsError::new(key.key("generator"), cause);
     let split = body.split.unwrap_or_default();
     match body.generator {
@@ -134,7 +179,7 @@ fn mesh(
             let mesh = block
                 .mesh()
                 .map_err(|e| wrong(FromSettingsCause::Block(e)))?;
-            Ok((mesh, Vec::new()))
+            Ok(Made::new(mesh))
         }
         settings::Generator::Tube => {
             let size = |name: &'static str, value: Option<f64>| {
@@ -168,9 +213,13 @@ fn mesh(
             let mesh = tube.mesh().map_err(|e| wrong(FromSettingsCause::Tube(e)))?;
             let ends =
                 [TubeSide::Start, TubeSide::End].map(|side| tube.side(&mesh, side).triangles);
-            Ok((mesh, ends.into()))
+            Ok(Made {
+                mesh,
+                ends: ends.into(),
+                tube: Some(tube),
+            })
         }
-        settings::Generator::File => Ok((from_file(body, key, load, notes)?, Vec::new())),
+        settings::Generator::File => Ok(Made::new(from_file(body, key, load, notes)?)),
     }
 }
 

@@ -302,8 +302,10 @@ pub fn block(variation: Variation) -> TetMesh {
     mesh
 }
 
-/// The body of a block mesh, clamped where x is 0.
+/// The body of a block mesh, refined for quadratic tetrahedra, clamped where x is 0.
 pub fn body(mesh: &TetMesh, material: &Material, drag: f64) -> Result<TissueModel, BuildError> {
+    let refined = material.is_quadratic().then(|| mesh.refined().mesh);
+    let mesh = refined.as_ref().unwrap_or(mesh);
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < 1e-3 * CELL).collect();
     build_model(mesh, &[(0, *material)], &clamped, drag, Vec::new())
 }

@@ -10,6 +10,11 @@ pub enum EditError {
         /// The set.
         set: usize,
     },
+    /// A region has quadratic tetrahedra: their parts belong together.
+    Quadratic {
+        /// The region.
+        region: u32,
+    },
     /// The mesh has another number of nodes or elements than the edit leaves.
     Count {
         /// Of what.
@@ -63,6 +68,10 @@ impl std::fmt::Display for EditError {
             Self::Foreign { set } => write!(
                 f,
                 "set {set} was not made of a material: what it is after an edit is not known"
+            ),
+            Self::Quadratic { region } => write!(
+                f,
+                "region {region} has quadratic tetrahedra, which are not cut: take another discretisation"
             ),
             Self::Count {
                 of,

@@ -81,11 +81,13 @@ impl Plan {
         if model.drags().len() > 1 {
             return Err(EditError::Union);
         }
-        let foreign = model
-            .sets()
-            .iter()
-            .enumerate()
-            .skip(model.parts_made().len());
+        let made = model.parts_made();
+        if let Some(part) = made.iter().find(|part| part.material.is_quadratic()) {
+            return Err(EditError::Quadratic {
+                region: part.region,
+            });
+        }
+        let foreign = model.sets().iter().enumerate().skip(made.len());
         for (set, elements) in foreign {
             let elements: &dyn Any = &**elements;
             if !elements.is::<Coupling>() {

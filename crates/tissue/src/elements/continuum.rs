@@ -7,6 +7,7 @@
 use super::continuum_matrix::{CornerTangent, DomainTangent, set_tangent};
 use super::domains::{Domains, Tetrahedra, constants_at};
 use super::key::Key;
+use super::quadratic::QuadraturePoints;
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
@@ -40,6 +41,12 @@ pub type Continuum<L> = ContinuumSet<L, Tetrahedra>;
 /// cantilever M at ν = 0.49 with the discretisation selective). Matrices couple the neighbours of neighbours: a static solution
 /// of M takes six times as long as with tetrahedra.
 pub type Smoothed<L> = ContinuumSet<L, SmoothingDomains>;
+
+/// Points of quadrature of quadratic tetrahedra, or one mean of each.
+///
+/// # Limitations
+/// It does not follow edits of the mesh.
+pub type Quadratic<L> = ContinuumSet<L, QuadraturePoints>;
 
 /// Domains of one law with the same constants.
 #[derive(Clone, Debug)]

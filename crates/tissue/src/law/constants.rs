@@ -29,6 +29,9 @@ pub trait Constants: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// a pressure that the other one balances (no law here has one). Neither has λ < 0 at small strain; `None` where nothing is left
     /// for the volumetric part.
     fn split(self) -> Option<[Self; 2]>;
+
+    /// The same with the volumetric part of the energy times a factor, ≥ 0.
+    fn with_volumetric(self, factor: f64) -> Self;
 }
 
 impl Constants for Lame {
@@ -45,6 +48,13 @@ impl Constants for Lame {
         };
         let pressure = Self { mu: 0.0, ..self };
         (self.lambda > 0.0).then_some([shear, pressure])
+    }
+
+    fn with_volumetric(self, factor: f64) -> Self {
+        Self {
+            lambda: factor * self.lambda,
+            ..self
+        }
     }
 }
 

@@ -147,6 +147,11 @@ fn parts<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
     assert!((energy - L::energy(f, c)).abs() < ROUNDING * scale);
     assert!((stress - L::stress(f, c)).amax() < ROUNDING * scale);
     assert!((tangent - L::tangent(f, c)).amax() < ROUNDING * scale);
+    // A part of the volumetric part may go elsewhere.
+    let shares = [c.with_volumetric(0.25), parts[1].with_volumetric(0.75)];
+    let stress: Matrix3<f64> = shares.iter().map(|part| L::stress(f, part)).sum();
+    assert!((stress - L::stress(f, c)).amax() < ROUNDING * scale);
+    assert_eq!(c.with_volumetric(0.0), parts[0]);
     let [isochoric, volumetric] = parts.map(|part| part.elasticity());
     assert_eq!(
         (volumetric.lame.mu, isochoric.lame.mu),

@@ -76,6 +76,10 @@ use std::fmt::Debug;
 ///         let [isochoric, volumetric] = self.lame.split()?;
 ///         Some([isochoric, volumetric].map(|lame| Self { lame, ..self }))
 ///     }
+///
+///     fn with_volumetric(self, factor: f64) -> Self {
+///         Self { lame: self.lame.with_volumetric(factor), ..self }
+///     }
 /// }
 ///
 /// impl Law for Stiffening {

@@ -87,6 +87,13 @@ impl Constants for MooneyRivlinConstants {
         };
         (self.volumetric > 0.0).then_some([isochoric, volumetric])
     }
+
+    fn with_volumetric(self, factor: f64) -> Self {
+        Self {
+            volumetric: factor * self.volumetric,
+            ..self
+        }
+    }
 }
 
 impl MooneyRivlinConstants {

@@ -104,6 +104,13 @@ impl Constants for FibreConstants {
             },
         ])
     }
+
+    fn with_volumetric(self, factor: f64) -> Self {
+        Self {
+            lame: self.lame.with_volumetric(factor),
+            ..self
+        }
+    }
 }
 
 impl FibreConstants {

@@ -3,7 +3,8 @@
 use super::{Carried, EnergyPart};
 use crate::elements::key::Key;
 use crate::elements::{
-    Continuum, EDGE_FRACTION, Elements, NODE_FRACTION, Smoothed, SmoothingDomains, Tetrahedra,
+    Continuum, EDGE_FRACTION, Elements, NODE_FRACTION, Quadratic, QuadraturePoints, Smoothed,
+    SmoothingDomains, Tetrahedra,
 };
 use crate::law::{Constants, Lame, Law, MaterialLaw, with_law};
 use crate::range::{MaterialError, positive, require};
@@ -74,10 +75,11 @@ impl ContinuumConstants {
 
     /// The parts, one or two, each of one set.
     fn parts(&self) -> Vec<Carried> {
-        use EnergyPart::{Isochoric, Volumetric, Whole};
+        use EnergyPart::{Excess, Isochoric, Moderate, Volumetric, Whole};
         let lame = self.lame();
         // Without pressure nothing locks, so nothing is split.
         let split = with_law!(&self.law, L, p => L::constants(&lame, p).split().is_some());
+        let excess = with_law!(&self.law, L, p => excess_fraction(&L::constants(&lame, p)) > 0.0);
         match self.discretisation {
             Discretisation::EdgeSmoothed => vec![Carried::Edges(Whole)],
             Discretisation::NodeSmoothed => vec![Carried::Nodes(Whole)],
@@ -90,6 +92,15 @@ impl ContinuumConstants {
             }
             Discretisation::PatchPressure if split => {
                 vec![Carried::Tetrahedra(Isochoric), Carried::Patches(Volumetric)]
+            }
+            Discretisation::QuadraticPressure if excess => {
+                vec![
+                    Carried::Quadratic(Moderate),
+                    Carried::QuadraticMeans(Excess),
+                ]
+            }
+            Discretisation::Quadratic | Discretisation::QuadraticPressure => {
+                vec![Carried::Quadratic(Whole)]
             }
             Discretisation::Tetrahedra
             | Discretisation::NodalPressure
@@ -116,6 +127,14 @@ impl ContinuumConstants {
             Carried::Patches(part) => {
                 let domains = SmoothingDomains::of_patches(mesh, elements);
                 self.smoothed(domains, part, relaxation_time)
+            }
+            Carried::Quadratic(part) => {
+                let points = QuadraturePoints::of(mesh, elements);
+                self.quadratic(points, part, relaxation_time)
+            }
+            Carried::QuadraticMeans(part) => {
+                let means = QuadraturePoints::of(mesh, elements).means();
+                self.quadratic(means, part, relaxation_time)
             }
             _ => self.tetrahedra(mesh, elements, carried, relaxation_time),
         };
@@ -171,6 +190,19 @@ impl ContinuumConstants {
         })
     }
 
+    fn quadratic(
+        &self,
+        points: QuadraturePoints,
+        part: EnergyPart,
+        relaxation_time: f64,
+    ) -> Arc<dyn Elements> {
+        let lame = self.lame();
+        with_law!(&self.law, L, p => {
+            let constants = of_part(L::constants(&lame, p), part);
+            Arc::new(Quadratic::<L>::new(points, constants, relaxation_time))
+        })
+    }
+
     fn tetrahedra(
         &self,
         mesh: &TetMesh,
@@ -196,8 +228,21 @@ fn of_part<C: Constants>(constants: C, part: EnergyPart) -> C {
     match (part, constants.split()) {
         (EnergyPart::Isochoric, Some([isochoric, _])) => isochoric,
         (EnergyPart::Volumetric, Some([_, volumetric])) => volumetric,
+        (EnergyPart::Moderate, _) => constants.with_volumetric(1.0 - excess_fraction(&constants)),
+        (EnergyPart::Excess, Some([_, volumetric])) => {
+            volumetric.with_volumetric(excess_fraction(&constants))
+        }
         _ => constants,
     }
+}
+
+/// The fraction of the volumetric part of the energy without which λ is μ, or as near to it as can be.
+fn excess_fraction<C: Constants>(constants: &C) -> f64 {
+    let Some([_, volumetric]) = constants.split() else {
+        return 0.0;
+    };
+    let Lame { mu, lambda } = constants.elasticity().lame;
+    ((lambda - mu) / volumetric.elasticity().lame.lambda).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -274,7 +319,7 @@ mod tests {
         assert_eq!(none.split(), None);
         let c01_fraction = 0.5;
         let law = MaterialLaw::MooneyRivlin(MooneyRivlinParameters { c01_fraction });
-        let mesh = block_mesh([1.0; 3], [2; 3]);
+        let mesh = block_mesh([1.0; 3], [1; 3]).refined().mesh;
         let all: Vec<u32> = (0..mesh.tets.len() as u32).collect();
         let place = |p: &Vector3<f64>| Vector3::new(1.1 * p.x, p.y + 0.2 * p.x * p.z, 0.9 * p.z);
         let positions: Vec<_> = mesh.positions.iter().map(place).collect();

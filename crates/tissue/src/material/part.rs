@@ -15,6 +15,10 @@ pub(crate) enum EnergyPart {
     Isochoric,
     /// The term with λ or κ.
     Volumetric,
+    /// All but [`Excess`](Self::Excess).
+    Moderate,
+    /// Of the term with λ or κ what is above μ: the modulus λ − μ.
+    Excess,
 }
 
 /// By what a part of a material is carried.
@@ -34,6 +38,10 @@ pub(crate) enum Carried {
     Nodes(EnergyPart),
     /// A continuum in patches of tetrahedra.
     Patches(EnergyPart),
+    /// A continuum at the points of quadrature of quadratic tetrahedra.
+    Quadratic(EnergyPart),
+    /// A continuum of the mean deformation of each quadratic tetrahedron.
+    QuadraticMeans(EnergyPart),
 }
 
 impl Carried {
@@ -52,7 +60,11 @@ impl Carried {
                 }
             }
             Self::Nodes(_) => tet.iter().for_each(|node| visit(Key::new(&[*node]))),
-            Self::Volumes | Self::Tetrahedra(_) | Self::Patches(_) => visit(Key::new(tet)),
+            Self::Volumes
+            | Self::Tetrahedra(_)
+            | Self::Patches(_)
+            | Self::Quadratic(_)
+            | Self::QuadraticMeans(_) => visit(Key::new(tet)),
         }
     }
 }
