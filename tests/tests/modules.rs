@@ -246,8 +246,7 @@ fn a_strip_that_does_not_answer_is_neither_pushed_nor_held_nor_cut() {
 }
 
 /// What passes coordination passes because the tissue answers: every script that passes fails without physics; one that has to hold
-/// tissue fails without friction, and one that has to cut without lines of no return. Level 2 has two: with the scissors, and pinched
-/// off.
+/// tissue fails without friction, and one that has to cut without lines of no return.
 #[test]
 fn coordination_is_not_passed_without_what_its_levels_use() {
     let folder = scratch();
@@ -280,7 +279,7 @@ fn coordination_is_not_passed_without_what_its_levels_use() {
             }
         }
     }
-    assert_eq!(tried.len(), 7 + HOLDS.len() + 6, "{tried:?}");
+    assert_eq!(tried.len(), 6 + HOLDS.len() + 5, "{tried:?}");
 }
 
 /// Samples, segments, gaps and path of the file, counted by hand from its rows when the project was set up (the issue
@@ -479,7 +478,7 @@ fn explain_lists_the_parts_of_every_level_of_coordination() {
         }
         match level {
             1 => {}
-            // It may be pinched off.
+            // Forceps may pinch into it.
             2 => expected.extend(["cut left through tissue".to_owned()]),
             _ => expected.extend(two()),
         }

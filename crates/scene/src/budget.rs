@@ -22,7 +22,7 @@ impl Budget {
         }
     }
 
-    /// The sub-steps of a step for tools that need so many, at least 1, and the part of their way that they go with these.
+    /// The sub-steps of a step for tools that need so many, at least 1, and the fraction of their motion that these allow.
     pub fn substeps(&mut self, needed: f64) -> (u32, f64) {
         let most = self
             .left

@@ -1,14 +1,14 @@
-//! Where instruments are: between where a hand holds them and where what they touch lets them be.
+//! Where tools are: between where a hand holds them and where what they touch lets them be.
 //!
-//! A tracked pose and opening are a target, not a wall. Three things hold an instrument back from it:
+//! A tracked pose and opening are a target, not a wall. Three causes keep a tool from it:
 //!
 //! - **Jaws bend.** Opening q, its target T and the moment Q of the contact forces on the jaws, per unit of opening, are in equilibrium,
 //!   k (q − T) = Q, with the stiffness k of both jaws. The solver has the jaws at rest in a step; the moment of the next one is
 //!   predicted from that of the last and its secant stiffness K, so q' = (k T' + Q + K q) / (k + K). Without force q is T, to the bit.
-//! - **Instruments do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both give way by half; jaws
-//!   open where that is how they give way.
-//! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the instruments where they were, and if that diverges too with
-//!   instruments that touch nothing. From then on they go only a part of what is left to their targets in a tick, a part that doubles whenever a tick succeeds.
+//! - **Tools do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both yield by half; jaws
+//!   open where that is how they yield.
+//! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
+//!   tools that touch nothing. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
 //!
 //! Limitations: of a jaw the tip's compliance counts wherever it is touched; shafts do not bend under tissue.
 
@@ -18,7 +18,7 @@ use microsim_geometry::{Capsule, Motion, Pose, closest_segments, first_contact_e
 use microsim_tissue::Contact;
 use nalgebra::Vector3;
 
-/// The part of the way to its target that an instrument goes in a tick after one that could not be computed.
+/// The fraction of the motion to its target that a tool makes in a tick after one that could not be computed.
 const SLOWED: f64 = 0.25;
 
 /// It becomes no smaller.
@@ -27,13 +27,13 @@ const SLOWEST: f64 = 1.0 / 64.0;
 /// The secant stiffness is at most so many times that of the jaws: what moves tissue besides the jaws would make it arbitrary.
 const STIFFEST: f64 = 100.0;
 
-/// A change of the opening that is too small to tell a stiffness by.
+/// A change of the opening that is too small for an estimate of stiffness.
 const STILL: f64 = 1e-7;
 
-/// Passes over all pairs of capsules of two instruments.
+/// Passes over all pairs of capsules of two tools.
 const PASSES: usize = 8;
 
-/// An instrument at the end of a step.
+/// A tool at the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Placement {
     /// `world_from_tool`.
@@ -50,12 +50,12 @@ pub(crate) struct Placement {
     pub is_free: bool,
 }
 
-/// What evolves of the instruments.
+/// What evolves of the tools.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Placements {
     /// Per tool; `None` while it is away.
     pub tools: Vec<Option<Placement>>,
-    /// The part of the way to their targets that instruments go in a tick.
+    /// The fraction of the motion to their targets that tools make in a tick.
     pub pace: f64,
 }
 
@@ -67,7 +67,7 @@ impl Placements {
         }
     }
 
-    /// After a tick that could not be computed but with the instruments where they were.
+    /// After a tick that could not be computed but with the tools where they were.
     pub fn slow_down(&mut self) {
         self.pace = (self.pace * SLOWED).max(SLOWEST);
     }
@@ -77,22 +77,22 @@ impl Placements {
         self.pace = (2.0 * self.pace).min(1.0);
     }
 
-    /// A tool that has jumped is not led on from where it was.
+    /// A tool that has jumped does not go on from where it was.
     pub fn forget(&mut self, tools: &[usize]) {
         tools.iter().for_each(|&tool| self.tools[tool] = None);
     }
 }
 
-/// The course of all instruments over a tick.
+/// The course of all tools over a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Course {
-    instruments: Vec<Instrument>,
+    tools: Vec<PlacedTool>,
     /// Pairs of tools that touched, the smaller index first, ascending.
     pub touched: Vec<[usize; 2]>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Instrument {
+struct PlacedTool {
     /// From where it was to what it is to come to in this tick.
     motion: ToolMotion,
     /// At the start of the tick, at that of the step, and now.
@@ -101,16 +101,16 @@ struct Instrument {
     now: Placement,
     /// Whether nothing has pushed it off the straight line of its motion.
     is_straight: bool,
-    /// Whether the motion goes the whole way to the target.
+    /// Whether the motion ends at the target.
     is_whole: bool,
     /// Moment of the contact forces of the step \[J\].
     moment: f64,
 }
 
 impl Course {
-    /// The course towards these poses, of which it goes the part `pace` of the way, 0..1.
+    /// The course towards these poses, of which it makes the fraction `pace`, 0..1.
     pub fn new(motions: &[ToolMotion], placements: &Placements, pace: f64) -> Self {
-        let instruments = motions.iter().map(|motion| {
+        let tools = motions.iter().map(|motion| {
             let held = placements.tools[motion.tool].filter(|placement| !placement.is_free);
             let start = held.unwrap_or(Placement {
                 pose: motion.from,
@@ -128,7 +128,7 @@ impl Course {
                 let left = motion.opening_to - motion.opening_from;
                 motion.opening_to = motion.opening_from + left * pace;
             }
-            Instrument {
+            PlacedTool {
                 motion,
                 start,
                 before: start,
@@ -139,34 +139,34 @@ impl Course {
             }
         });
         Self {
-            instruments: instruments.collect(),
+            tools: tools.collect(),
             touched: Vec::new(),
         }
     }
 
     /// The motions as they are planned: to the targets of this tick, with jaws bent as they are.
     pub fn planned(&self) -> Vec<ToolMotion> {
-        let plan = |one: &Instrument| ToolMotion {
+        let plan = |one: &PlacedTool| ToolMotion {
             opening_from: one.start.opening,
             opening_to: one.motion.opening_to + (one.start.opening - one.start.target),
             ..one.motion
         };
-        self.instruments.iter().map(plan).collect()
+        self.tools.iter().map(plan).collect()
     }
 
-    /// The motions from the start of the tick to where the instruments are now.
+    /// The motions from the start of the tick to where the tools are now.
     pub fn motions(&self) -> Vec<ToolMotion> {
-        let motion = |one: &Instrument| ToolMotion {
+        let motion = |one: &PlacedTool| ToolMotion {
             from: one.start.pose,
             to: one.now.pose,
             opening_from: one.start.opening,
             opening_to: one.now.opening,
             ..one.motion
         };
-        self.instruments.iter().map(motion).collect()
+        self.tools.iter().map(motion).collect()
     }
 
-    /// Moves the instruments in the step of this number out of `count`, without passing through each other if they `do_touch`, and sets the motions of their
+    /// Moves the tools in the step of this number out of `count`, without passing through each other if they `do_touch`, and sets the motions of their
     /// capsules.
     pub fn advance(
         &mut self,
@@ -176,13 +176,13 @@ impl Course {
         do_touch: bool,
         capsules: &mut [Option<Vec<CapsuleMotion>>],
     ) {
-        for one in &mut self.instruments {
+        for one in &mut self.tools {
             one.advance(&tools[one.motion.tool], step, count);
         }
         if do_touch {
             self.separate(tools);
         }
-        for one in &self.instruments {
+        for one in &self.tools {
             let motions = one.capsules(&tools[one.motion.tool], step, count);
             capsules[one.motion.tool] = Some(motions);
         }
@@ -201,11 +201,11 @@ impl Course {
                 continue;
             };
             let tool = tool as usize;
-            let of_tool = |one: &&mut Instrument| one.motion.tool == tool;
+            let of_tool = |one: &&mut PlacedTool| one.motion.tool == tool;
             if contact.normal_force <= 0.0 {
                 continue;
             }
-            if let Some(one) = self.instruments.iter_mut().find(of_tool) {
+            if let Some(one) = self.tools.iter_mut().find(of_tool) {
                 let place = contact.interpolate(positions);
                 let path = tools[tool].path_of_opening(capsule, &one.now.pose, &place);
                 one.moment -= contact.force().dot(&path);
@@ -215,7 +215,7 @@ impl Course {
 
     /// Ends a step whose contacts have been added: what is between jaws is as stiff as it has shown.
     pub fn finish_step(&mut self, tools: &[Tool]) {
-        for one in &mut self.instruments {
+        for one in &mut self.tools {
             let moment = std::mem::take(&mut one.moment);
             let jaws = tools[one.motion.tool].jaw_stiffness;
             if !jaws.is_finite() {
@@ -233,23 +233,23 @@ impl Course {
         }
     }
 
-    /// Stores where the instruments are; the others are away.
+    /// Stores where the tools are; the others are away.
     pub fn store(&self, placements: &mut Placements) {
         placements.tools.fill(None);
-        for one in &self.instruments {
+        for one in &self.tools {
             let is_free = one.is_whole && one.is_straight && one.now.opening == one.now.target;
             let is_free = is_free && one.now.moment == 0.0;
             placements.tools[one.motion.tool] = Some(Placement { is_free, ..one.now });
         }
     }
 
-    /// Pushes instruments apart that overlap, or have gone through each other in this step.
+    /// Pushes tools apart that overlap, or have gone through each other in this step.
     fn separate(&mut self, tools: &[Tool]) {
-        for first in 0..self.instruments.len() {
-            for second in first + 1..self.instruments.len() {
+        for first in 0..self.tools.len() {
+            for second in first + 1..self.tools.len() {
                 let touched = (0..PASSES).take_while(|_| self.push_apart(tools, [first, second]));
                 if touched.count() > 0 {
-                    let both = [first, second].map(|k| self.instruments[k].motion.tool);
+                    let both = [first, second].map(|k| self.tools[k].motion.tool);
                     let pair = [both[0].min(both[1]), both[0].max(both[1])];
                     if let Err(place) = self.touched.binary_search(&pair) {
                         self.touched.insert(place, pair);
@@ -259,10 +259,10 @@ impl Course {
         }
     }
 
-    /// Undoes the deepest overlap of two instruments; whether there was any.
+    /// Undoes the deepest overlap of two tools; whether there was any.
     fn push_apart(&mut self, tools: &[Tool], pair: [usize; 2]) -> bool {
         let [first, second] = pair.map(|k| {
-            let one = &self.instruments[k];
+            let one = &self.tools[k];
             one.ends(&tools[one.motion.tool])
         });
         let mut deepest: Option<Overlap> = None;
@@ -279,16 +279,16 @@ impl Course {
             return false;
         };
         for (k, sign) in [(0, 0.5), (1, -0.5)] {
-            let one = &mut self.instruments[pair[k]];
+            let one = &mut self.tools[pair[k]];
             let tool = &tools[one.motion.tool];
             let shift = overlap.normal * (sign * overlap.depth);
-            one.give_way(tool, overlap.capsules[k], &overlap.places[k], &shift);
+            one.yield_by(tool, overlap.capsules[k], &overlap.places[k], &shift);
         }
         true
     }
 }
 
-impl Instrument {
+impl PlacedTool {
     /// Goes on in a step.
     fn advance(&mut self, tool: &Tool, step: u32, count: u32) {
         self.before = self.now;
@@ -338,8 +338,8 @@ impl Instrument {
         before.zip(now).map(|(before, now)| [before, now]).collect()
     }
 
-    /// Gives way by `shift` \[m\] where something pushes a capsule at `place` \[m\]: its jaws open where that is how the jaw gives way.
-    fn give_way(&mut self, tool: &Tool, capsule: u32, place: &Vector3<f64>, shift: &Vector3<f64>) {
+    /// Yields by `shift` \[m\] where something pushes a capsule at `place` \[m\]: its jaws open where that is how the jaw yields.
+    fn yield_by(&mut self, tool: &Tool, capsule: u32, place: &Vector3<f64>, shift: &Vector3<f64>) {
         let path = tool.path_of_opening(capsule, &self.now.pose, place);
         let along = path.dot(shift);
         let opens = tool.jaw_stiffness.is_finite() && along > 0.5 * path.norm() * shift.norm();
@@ -352,7 +352,7 @@ impl Instrument {
     }
 }
 
-/// Two capsules of different instruments that overlap at the end of a step.
+/// Two capsules of different tools that overlap at the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Overlap {
     capsules: [u32; 2],

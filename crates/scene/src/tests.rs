@@ -9,8 +9,9 @@ mod boundary;
 mod cutting;
 mod forces;
 mod hard;
-mod instruments;
+
 mod limits;
+mod placements;
 mod tearing;
 
 const TICK: f64 = 8e-3;

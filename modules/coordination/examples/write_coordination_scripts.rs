@@ -42,9 +42,6 @@ const BETWEEN: f64 = 0.0003;
 const ACROSS: f64 = 0.0007;
 const BEYOND: f64 = 0.0013;
 
-/// And those that pinch it off \[m\]: what lies near their tips is pinched in bits and may slip out before it is through.
-const THROUGH: f64 = 0.0018;
-
 /// A level as its trainees see it. Everything is written for a right-handed trainee; `side` is −1 where the hands are exchanged.
 struct Place {
     level: u32,
@@ -231,23 +228,6 @@ impl<'a> Hands<'a> {
         self.key(0.3);
     }
 
-    /// Closes the forceps completely on the tissue at `x`.
-    fn pinch(&mut self, x: f64) {
-        self.towards = [0.0, -1.0, 0.0];
-        self.scissors.0[0] += 0.006;
-        self.forceps = ([x, AWAY, 0.0], OPEN);
-        self.key(0.5);
-        self.forceps.0[1] = THROUGH;
-        self.key(0.8);
-        // Closed slowly a sliver stays between the jaws that no pull parts.
-        self.forceps.1 = 0.0;
-        self.key(0.7);
-        self.forceps.1 = OPEN;
-        self.key(0.5);
-        self.forceps.0[1] = AWAY;
-        self.key(0.5);
-    }
-
     /// Goes to and fro with what the forceps hold, for more than `seconds`.
     fn wander(&mut self, seconds: f64) {
         let begin = self.time;
@@ -357,13 +337,6 @@ fn cut_once(folder: &Path, place: &Place) {
     let mut pass = Hands::new(place, "Cuts at the mark.");
     pass.cut(x, 0.0);
     pass.write(folder, "pass", stay);
-
-    let mut pinched = Hands::new(
-        place,
-        "Pinches the tissue off with the forceps at the mark.",
-    );
-    pinched.pinch(x);
-    pinched.write(folder, "pass-pinched", stay);
 
     let mut beside = Hands::new(place, "Cuts 0.7 mm beside the mark.");
     beside.cut(x + 0.0007, 0.0);

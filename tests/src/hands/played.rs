@@ -356,7 +356,7 @@ fn touched(player: &Player, report: &Value, tracks: &[Track]) -> Outcome {
         acts: [0; 2],
         closures: [0; 2],
         cuts: 0,
-        tools_touched: report["tools_touched"].as_u64(),
+        tools_touched: report["solver"]["tool_contacts"].as_u64(),
         costs: Costs::default(),
         cpu: 0.0,
         process_cpu: 0.0,

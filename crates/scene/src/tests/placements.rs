@@ -1,4 +1,4 @@
-//! Instruments between where a hand holds them and where tissue, and one another, let them be.
+//! Tools between where a hand holds them and where tissue, and one another, let them be.
 
 use super::*;
 use crate::tool::Tool;
@@ -152,9 +152,9 @@ fn what_is_between_jaws_that_close_completely_is_squeezed() {
     }
 }
 
-/// Without any force an instrument is where the hand holds it, to the bit.
+/// Without any force a tool is where the hand holds it, to the bit.
 #[test]
-fn an_instrument_that_touches_nothing_is_where_it_is_held() {
+fn a_tool_that_touches_nothing_is_where_it_is_held() {
     let mut scene = Scene::new(&gripped()).unwrap();
     for tick in 0..6 {
         let motion = at(5e-3, closing(tick, 6));
@@ -212,7 +212,7 @@ fn height(scene: &Scene, tool: usize) -> f64 {
 
 /// However fast they are, and wherever the hands go, rods stay on the side on which they were, as near as they are thick, and part again.
 #[test]
-fn instruments_do_not_pass_through_each_other() {
+fn tools_do_not_pass_through_each_other() {
     for speed in [0.05e-3, 0.7e-3, 9e-3] {
         let mut scene = rods();
         let place = |tool: usize, from: f64, to: f64| {
@@ -254,9 +254,9 @@ fn instruments_do_not_pass_through_each_other() {
     }
 }
 
-/// An instrument that is too fast for the budget of a tick is followed as far as that goes, and comes to where it is led.
+/// A tool that is too fast for the budget of a tick is followed as far as that goes, and arrives at its target.
 #[test]
-fn a_fast_instrument_is_followed_within_the_budget() {
+fn a_fast_tool_is_followed_within_the_budget() {
     let mut spec = gripped();
     spec.budget = Some(4);
     let mut scene = Scene::new(&spec).unwrap();
