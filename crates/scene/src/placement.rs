@@ -10,7 +10,8 @@
 //! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
 //!   tools that touch nothing. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
 //!
-//! Limitations: of a jaw the tip's compliance counts wherever it is touched; shafts do not bend under tissue.
+//! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand does not yield: what it
+//! pushes against with a whole tool takes any force.
 
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::{CapsuleMotion, Partner, Point};
@@ -309,7 +310,9 @@ impl PlacedTool {
             now.target
         } else {
             let (jaws, tissue) = (tool.jaw_stiffness, now.stiffness);
-            (jaws * now.target + now.moment + tissue * self.before.opening) / (jaws + tissue)
+            let moments = jaws * now.target + now.moment + tissue * self.before.opening;
+            // Closed jaws hold each other up.
+            (moments / (jaws + tissue)).max(now.target.min(0.0))
         };
     }
 
