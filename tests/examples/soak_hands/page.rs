@@ -107,7 +107,9 @@ pub fn page(
     let all = Sum::of(outcomes.iter(), tick(stages));
     let touched = match all.tools_touched {
         None => "not reported by the simulator: tools pass through each other".to_owned(),
-        Some(count) => format!("reported: {count}"),
+        Some(count) => format!(
+            "reported: {count} ticks, of levels whose tools touch each other (`tools_touch`); in others they pass through each other"
+        ),
     };
     let simulated = format!("{:.0}", all.simulated);
     let values: [(&str, String); 13] = [
