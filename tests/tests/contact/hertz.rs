@@ -121,6 +121,8 @@ fn spec(mesh: TetMesh) -> SceneSpec {
         containment: false,
         repeat_invalid: true,
         repeat_unconverged: false,
+        tools_touch: false,
+        budget: None,
     }
 }
 
