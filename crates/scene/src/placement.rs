@@ -78,6 +78,16 @@ impl Placements {
         self.pace = (2.0 * self.pace).min(1.0);
     }
 
+    /// Motions begin where tools are, not where they were to be.
+    pub fn resume(&self, motions: &mut [ToolMotion]) {
+        for motion in motions {
+            let held_off = self.tools[motion.tool].filter(|placement| !placement.is_free);
+            if let Some(placement) = held_off {
+                (motion.from, motion.opening_from) = (placement.pose, placement.target);
+            }
+        }
+    }
+
     /// A tool that has jumped does not go on from where it was.
     pub fn forget(&mut self, tools: &[usize]) {
         tools.iter().for_each(|&tool| self.tools[tool] = None);
@@ -109,7 +119,7 @@ struct PlacedTool {
 }
 
 impl Course {
-    /// The course towards these poses, of which it makes the fraction `pace`, 0..1.
+    /// The course of these motions, which begin where tools are ([`Placements::resume`]); of each it makes the fraction `pace`, 0..1.
     pub fn new(motions: &[ToolMotion], placements: &Placements, pace: f64) -> Self {
         let tools = motions.iter().map(|motion| {
             let held = placements.tools[motion.tool].filter(|placement| !placement.is_free);
@@ -122,7 +132,6 @@ impl Course {
                 is_free: true,
             });
             let mut motion = *motion;
-            (motion.from, motion.opening_from) = (start.pose, start.target);
             let is_whole = pace >= 1.0;
             if !is_whole {
                 motion.to = motion.from.interpolate(&motion.to, pace);

@@ -118,6 +118,7 @@ impl Scene {
         let stiffened = self.has_stiffened() && steps < required;
         let steps = if stiffened { required } else { steps };
         let (mut motions, invalid_motions) = self.valid_motions(motions);
+        self.state.placements.resume(&mut motions);
         let (needed, jumped) = self.substeps(&mut motions, tick_s, steps);
         let mut budget = Budget::new(self.budget);
         let (substeps, reached) = budget.substeps(needed);
@@ -134,7 +135,8 @@ impl Scene {
         let repeats = (self.containment || self.repeat_unconverged) && !is_slowed;
         let is_tried = |(index, of): &(usize, Try)| match of {
             Try::Follow(_) => *index == 0 || repeats,
-            Try::Stand | Try::LetGo => self.containment,
+            // Without inertia nothing keeps tissue that is pressed ever further from an equilibrium that is not the right one.
+            Try::Stand | Try::LetGo => self.containment && self.method.has_inertia(),
         };
         let tries = TRIES.into_iter().enumerate().filter(is_tried);
         let tries: Vec<Try> = tries.map(|(_, of)| of).collect();

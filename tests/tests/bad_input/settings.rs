@@ -33,7 +33,7 @@ const CASES: [Case; 16] = [
     Case {
         file: "config/translator.toml",
         edit: ("stale_after = ", "stale_afer = "),
-        says: ":1: key `stale_afer`: found an unknown key, expected `stale_after` or `device` (did you mean `stale_after`?)",
+        says: ":1: key `stale_afer`: found an unknown key, expected `stale_after`, `hand` or `device` (did you mean `stale_after`?)",
     },
     Case {
         file: "config/translator.toml",
