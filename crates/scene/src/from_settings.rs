@@ -129,7 +129,7 @@ pub struct LevelParts<'a> {
 /// "#;
 /// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
 /// let level = LevelParts {
-///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, ..microsim_settings::Physics::default() },
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, budget: 16 },
 ///     method: &settings.method,
 ///     bodies: &settings.body,
 ///     rigid: &[],
