@@ -9,6 +9,7 @@
 //!   open where that is how they yield.
 //! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
 //!   tools that touch nothing. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
+//!   Only methods with inertia do so; a quasi-static tick that diverges is left at its start.
 //!
 //! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand does not yield: what it
 //! pushes against with a whole tool takes any force.
