@@ -52,6 +52,8 @@ pub(crate) struct ConeProgram {
     forces: Vec<f64>,
     motions: Vec<f64>,
     step: Vec<f64>,
+    /// Operations of the factors since they were asked for last.
+    pub operations: f64,
     /// The largest motion without forces \[m\], and the largest force at the start \[N\].
     reach: f64,
     scale: f64,
@@ -96,6 +98,7 @@ impl ConeProgram {
             forces: Vec::new(),
             motions: Vec::new(),
             step: Vec::new(),
+            operations: 0.0,
             reach: 0.0,
             scale: 0.0,
         }
@@ -276,6 +279,8 @@ impl ConeProgram {
     /// Factors W + what the conditions add: s/λ along a normal, z 1 + z/w t tᵀ across it, w = (b² − |t|²)/2.
     fn factorise(&mut self, cones: &[Cone]) -> bool {
         let count = self.unknowns.len();
+        let size = count as f64;
+        self.operations += size * size * (size / 6.0 + 4.0);
         self.matrix.clone_from(&self.compliance);
         for cone in cones {
             self.matrix[cone.at * (count + 1)] += cone.gap / self.forces[cone.at];

@@ -180,6 +180,11 @@ impl InteriorPoint {
         }
     }
 
+    /// Pairs of an addition and a multiplication in the problems of contacts among themselves since this was asked for last.
+    pub fn take_operations(&mut self) -> f64 {
+        std::mem::take(&mut self.program.operations)
+    }
+
     fn clear(&mut self) {
         self.members.clear();
         self.directions.clear();

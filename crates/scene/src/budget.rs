@@ -1,32 +1,40 @@
-//! The work of a tick, bounded by a count and not by a clock, so that a run that is replayed takes the same.
+//! The work of a tick, bounded by the count of its operations and not by a clock, so that a run that is replayed takes the same.
 //!
-//! Its unit is the work of a tick without repetitions and without fast tools: the steps of the solver with the iterations of the method.
+//! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
+//! half of the budget, each step has an even part of what is left, and a repetition begins only where its least work fits. What has to be computed in any
+//! case, a step with one iteration, is computed: a tick exceeds its budget by no more than that.
 
-/// The part of a budget that sub-steps for fast tools may take: the rest is left for a repetition.
-const FAST_PART: u32 = 2;
+/// The part of a budget that sub-steps for fast tools may take: the rest is for their iterations.
+const FAST_PART: f64 = 0.5;
 
 /// What is left of the budget of a tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {
-    /// `None` where there is no bound.
-    left: Option<u32>,
+    /// Infinite where there is no bound \[s\].
+    left: f64,
+    /// The least work of a step \[s\].
+    step: f64,
+    /// All that was spent \[s\].
+    pub spent: f64,
     /// Whether something did not fit.
     pub is_exceeded: bool,
 }
 
 impl Budget {
-    pub fn new(budget: Option<u32>) -> Self {
+    /// So much work \[s\], any if `None`, for steps of which each takes at least `step` \[s\].
+    pub fn new(budget: Option<f64>, step: f64) -> Self {
         Self {
-            left: budget,
+            left: budget.unwrap_or(f64::INFINITY),
+            step,
+            spent: 0.0,
             is_exceeded: false,
         }
     }
 
-    /// The sub-steps of a step for tools that need so many, at least 1, and the fraction of their motion that these allow.
-    pub fn substeps(&mut self, needed: f64) -> (u32, f64) {
-        let most = self
-            .left
-            .map_or(f64::INFINITY, |left| f64::from((left / FAST_PART).max(1)));
+    /// The sub-steps of each of `steps` steps for tools that need so many, at least 1, and the fraction of their motion that these allow.
+    pub fn substeps(&mut self, needed: f64, steps: u32) -> (u32, f64) {
+        let most = (FAST_PART * self.left / (self.step * f64::from(steps))).floor();
+        let most = most.max(1.0);
         if needed.ceil() <= most {
             // The cast saturates.
             return (needed.ceil() as u32, 1.0);
@@ -35,18 +43,22 @@ impl Budget {
         (most as u32, most / needed)
     }
 
-    /// Takes what a try of so many sub-steps, steps and iterations costs; whether it fits.
-    pub fn take(&mut self, factors: [u32; 3]) -> bool {
-        let Some(left) = &mut self.left else {
-            return true;
-        };
-        let work = factors.into_iter().fold(1, u32::saturating_mul);
-        let rest = left.checked_sub(work);
-        match rest {
-            Some(rest) => *left = rest,
-            None => self.is_exceeded = true,
-        }
-        rest.is_some()
+    /// What the next one of so many steps may take \[s\].
+    pub fn part(&self, steps: u32) -> f64 {
+        self.left / f64::from(steps)
+    }
+
+    /// Spends the work of a step \[s\].
+    pub fn spend(&mut self, work: f64) {
+        self.spent += work;
+        self.left = (self.left - work).max(0.0);
+    }
+
+    /// Whether another try of so many steps fits.
+    pub fn allows(&mut self, steps: u32) -> bool {
+        let fits = self.left >= self.step * f64::from(steps);
+        self.is_exceeded |= !fits;
+        fits
     }
 }
 
@@ -56,17 +68,22 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_and_marked() {
-        let mut budget = Budget::new(Some(16));
-        assert_eq!(budget.substeps(1.0), (1, 1.0));
-        assert_eq!(budget.substeps(7.5), (8, 1.0));
-        assert!(budget.take([1, 1, 1]) && budget.take([1, 2, 4]) && !budget.is_exceeded);
-        // Seven are left.
-        assert!(!budget.take([1, 4, 4]) && budget.is_exceeded);
-        let mut fast = Budget::new(Some(16));
-        assert_eq!(fast.substeps(32.0), (8, 0.25));
-        assert!(fast.is_exceeded && fast.take([8, 1, 1]) && !fast.take([9, 1, 1]));
-        let mut any = Budget::new(None);
-        assert_eq!(any.substeps(256.0), (256, 1.0));
-        assert!(any.take([u32::MAX; 3]) && !any.is_exceeded);
+        let mut budget = Budget::new(Some(16.0), 1.0);
+        assert_eq!(budget.substeps(1.0, 1), (1, 1.0));
+        assert_eq!(budget.substeps(7.5, 1), (8, 1.0));
+        assert_eq!(budget.part(8), 2.0);
+        budget.spend(6.0);
+        assert!(budget.allows(10) && !budget.is_exceeded);
+        assert!(!budget.allows(11) && budget.is_exceeded);
+        budget.spend(11.0);
+        assert_eq!((budget.part(1), budget.spent), (0.0, 17.0));
+        let mut fast = Budget::new(Some(16.0), 0.5);
+        assert_eq!(fast.substeps(32.0, 2), (8, 0.25));
+        assert!(fast.is_exceeded);
+        // At least one, however little there is.
+        assert_eq!(Budget::new(Some(0.1), 1.0).substeps(2.0, 1), (1, 0.5));
+        let mut any = Budget::new(None, 1.0);
+        assert_eq!(any.substeps(256.0, 1), (256, 1.0));
+        assert!(any.allows(u32::MAX) && any.part(9) == f64::INFINITY && !any.is_exceeded);
     }
 }

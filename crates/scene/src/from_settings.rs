@@ -129,7 +129,7 @@ pub struct LevelParts<'a> {
 /// "#;
 /// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
 /// let level = LevelParts {
-///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, budget: 16 },
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, budget: 0.8 },
 ///     method: &settings.method,
 ///     bodies: &settings.body,
 ///     rigid: &[],

@@ -137,6 +137,16 @@ impl Group {
         }
     }
 
+    /// The work that a step may take from now on \[s\].
+    pub fn limit_work(&mut self, most: f64) {
+        self.solver.limit_work(most);
+    }
+
+    /// What a step takes at least, but for contact \[s\].
+    pub fn least_work(&self, bodies: &[Body]) -> f64 {
+        self.solver.least_work(self.model(bodies))
+    }
+
     /// How much work steps may take ([`Solver::set_effort`](microsim_tissue::Solver::set_effort)).
     pub fn set_effort(&mut self, multiple: u32) {
         self.solver.set_effort(multiple);

@@ -36,6 +36,8 @@ pub struct TickReport {
     pub stands: bool,
     /// Whether its work was bounded by its budget.
     pub over_budget: bool,
+    /// The work of all its tries \[s\], as [`SolverReport::work`] is that of the last.
+    pub work: f64,
     /// Pairs of tools that touched each other, the smaller index first, ascending.
     pub touching: Vec<[usize; 2]>,
     /// Indices of motions that were left out: unknown tool, a second motion of one tool, or a number that is not finite.
@@ -62,6 +64,10 @@ pub struct SolverReport {
     pub backtracks: u32,
     /// Iterations in which contact forces could not be found and remained those of before.
     pub contact_failures: u32,
+    /// Work \[s\]: what the operations of the steps take on a core of a usual kind, by their count.
+    pub work: f64,
+    /// Steps that ended above the tolerance because they had taken the work that they may take.
+    pub cut_short: u32,
 }
 
 impl SolverReport {
@@ -75,6 +81,8 @@ impl SolverReport {
         self.contact_residual = self.contact_residual.max(step.contact_residual);
         self.backtracks += step.backtracks;
         self.contact_failures += step.contact_failures;
+        self.work += step.work;
+        self.cut_short += u32::from(step.is_cut_short);
     }
 }
 

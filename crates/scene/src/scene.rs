@@ -39,7 +39,7 @@ pub struct Scene {
     pub(crate) repeat_invalid: bool,
     pub(crate) repeat_unconverged: bool,
     pub(crate) tools_touch: bool,
-    pub(crate) budget: Option<u32>,
+    pub(crate) budget: Option<f64>,
     pub(crate) state: SceneState,
 }
 

@@ -32,9 +32,9 @@ pub struct SceneSpec {
     pub repeat_unconverged: bool,
     /// Whether tools touch each other.
     pub tools_touch: bool,
-    /// The work that a tick may take, over that of one without repetitions and fast tools, at least 2; any if `None`. What does not fit is left to the next
-    /// tick.
-    pub budget: Option<u32>,
+    /// The work that a tick may take over its length, by the count of its operations ([`TickReport::work`](crate::TickReport::work)), above 0; any if
+    /// `None`. What does not fit is left to the next tick.
+    pub budget: Option<f64>,
 }
 
 impl SceneSpec {

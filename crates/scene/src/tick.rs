@@ -53,6 +53,9 @@ const TRIES: [Try; 6] = [
 /// The steps of a repeated tick may take so many times the iterations of the method.
 const REPEATED_EFFORT: u32 = 4;
 
+/// Work of a point of contact in a step \[s\]: finding it, and in explicit steps its forces.
+const POINT: f64 = 2e-6;
+
 /// How often a tick whose forces mean nothing is computed again without the shreds that fail in it.
 const MAX_ROUNDS: u32 = 4;
 
@@ -120,8 +123,10 @@ impl Scene {
         let (mut motions, invalid_motions) = self.valid_motions(motions);
         self.state.placements.resume(&mut motions);
         let (needed, jumped) = self.substeps(&mut motions, tick_s, steps);
-        let mut budget = Budget::new(self.budget);
-        let (substeps, reached) = budget.substeps(needed);
+        let groups = self.groups.iter();
+        let least: f64 = groups.map(|group| group.least_work(&self.bodies)).sum();
+        let mut budget = Budget::new(self.budget.map(|part| part * tick_s), least);
+        let (substeps, reached) = budget.substeps(needed, steps);
         let mut start = self.state.clone();
         self.forget(&jumped);
         let mut recoveries = Vec::new();
@@ -149,19 +154,16 @@ impl Scene {
             (true, true) => 1,
         };
         let effort_of = |index: usize| if index == 0 { 1 } else { REPEATED_EFFORT };
-        let work_of = |index: usize| match tries[index] {
-            Try::Follow(factor) => [substeps, factor, effort_of(index)],
-            Try::Stand | Try::LetGo => [0; 3],
+        let count_of = |index: usize| match tries[index] {
+            Try::Follow(factor) => steps.saturating_mul(substeps).saturating_mul(factor),
+            Try::Stand | Try::LetGo => steps,
         };
-        budget.take(work_of(0));
         let mut index = 0;
         while let Some(&this) = tries.get(index) {
-            let (count, effort, pace) = match this {
-                Try::Follow(factor) => {
-                    let count = steps.saturating_mul(substeps).saturating_mul(factor);
-                    (count, effort_of(index), pace)
-                }
-                Try::Stand | Try::LetGo => (steps, 1, 0.0),
+            let count = count_of(index);
+            let (effort, pace) = match this {
+                Try::Follow(_) => (effort_of(index), pace),
+                Try::Stand | Try::LetGo => (1, 0.0),
             };
             let groups = self.groups.iter_mut();
             groups.for_each(|group| group.set_effort(effort));
@@ -172,12 +174,12 @@ impl Scene {
             };
             let moved: Vec<ToolMotion> = motions.iter().filter(touches).copied().collect();
             let mut course = Course::new(&moved, &self.state.placements, pace);
-            match self.attempt(&mut course, tick_s, count, exec) {
+            match self.attempt(&mut course, tick_s, count, &mut budget, exec) {
                 Ok((mut contacts, loads, solver)) => {
                     let valid = this != Try::LetGo && self.is_meaningful(&solver, &contacts);
                     if !valid && rounds > 0 && index < follows {
                         let shreds = self.failing_shreds();
-                        if !shreds.is_empty() && budget.take(work_of(index)) {
+                        if !shreds.is_empty() && budget.allows(count) {
                             rounds -= 1;
                             repetitions += 1;
                             ruptured += shreds.iter().map(|(_, of)| of.len() as u32).sum::<u32>();
@@ -189,7 +191,7 @@ impl Scene {
                         }
                     }
                     let is_last = valid || doubted || index + 1 >= follows;
-                    if !is_last && budget.take(work_of(index + 1)) {
+                    if !is_last && budget.allows(count_of(index + 1)) {
                         doubted = true;
                         repetitions += 1;
                         self.state.clone_from(&start);
@@ -198,6 +200,7 @@ impl Scene {
                         continue;
                     }
                     self.state.doubtful = !valid;
+                    budget.is_exceeded |= solver.cut_short > 0;
                     let placements = &mut self.state.placements;
                     course.store(placements);
                     match this {
@@ -229,6 +232,7 @@ impl Scene {
                         valid,
                         stands: index >= follows,
                         over_budget: budget.is_exceeded,
+                        work: budget.spent,
                         touching: course.touched,
                         invalid_motions,
                     });
@@ -241,7 +245,7 @@ impl Scene {
                         break;
                     }
                     index += 1;
-                    if index < follows && !budget.take(work_of(index)) {
+                    if index < follows && !budget.allows(count_of(index)) {
                         index = follows;
                     }
                     repetitions += u32::from(index < tries.len());
@@ -361,6 +365,7 @@ impl Scene {
         course: &mut Course,
         tick_s: f64,
         count: u32,
+        budget: &mut Budget,
         exec: &dyn Executor,
     ) -> Result<(Vec<ContactReport>, EdgeLoads, SolverReport), Failure> {
         let start = self.state.bodies.clone();
@@ -390,6 +395,7 @@ impl Scene {
             let end = self.state.time + f64::from(step + 1) * h;
             for (index, state) in joined.iter_mut().enumerate() {
                 let group = &mut self.groups[index];
+                group.limit_work(budget.part(count - step));
                 let stepped = step_group(
                     group,
                     &self.bodies,
@@ -403,6 +409,7 @@ impl Scene {
                 );
                 let (body, what) = match stepped {
                     Ok((report, grown)) if state.is_finite() => {
+                        budget.spend(report.work);
                         solver.add(&report);
                         stiffer[index] |= grown;
                         let mut works = vec![Work::default(); group.members.len()];
@@ -431,7 +438,10 @@ impl Scene {
                         continue;
                     }
                     Ok(_) => (group.not_finite(state), Divergence::NotFinite),
-                    Err(failure) => group.failed(failure),
+                    Err(failure) => {
+                        budget.spend(group.least_work(&self.bodies));
+                        group.failed(failure)
+                    }
                 };
                 return Err(Failure { body, step, what });
             }
@@ -520,6 +530,9 @@ fn step_group(
             report
         }
     }?;
+    let points = group.contact.as_ref().map_or(0, |of| of.points.len());
+    let work = report.work.max(group.least_work(bodies)) + POINT * points as f64;
+    let report = StepReport { work, ..report };
     group.iterations += u64::from(report.iterations);
     let grown = flow(group.model(bodies), state, h);
     Ok((report, grown))

@@ -119,3 +119,4 @@ pub use state::{Control, Energies, NodeTarget, Pressure, State};
 
 #[cfg(test)]
 mod testing;
+mod work;

@@ -3,6 +3,7 @@
 use crate::executor::Executor;
 use crate::model::TissueModel;
 use crate::state::{Control, NodeTarget, State};
+use crate::work;
 use microsim_contact_solver::ContactStep;
 use std::fmt::Debug;
 
@@ -86,6 +87,17 @@ pub trait Solver: Debug + Send {
         let _ = multiple;
     }
 
+    /// The work that a step may take from now on \[s\], by the count of its operations and not by a clock: an equation begins no further iteration
+    /// beyond it, and has one in any case. Of no effect on a method without iterations.
+    fn limit_work(&mut self, most: f64) {
+        let _ = most;
+    }
+
+    /// What a step takes at least, but for contact \[s\].
+    fn least_work(&self, model: &TissueModel) -> f64 {
+        work::of_explicit_step(model)
+    }
+
     /// A copy, for a scene that is copied.
     fn boxed_clone(&self) -> Box<dyn Solver>;
 }
@@ -114,6 +126,10 @@ pub struct StepReport {
     pub backtracks: u32,
     /// Iterations in which contact forces could not be found and remained those of before.
     pub contact_failures: u32,
+    /// Work \[s\]: what its operations take on a core of a usual kind, by their count.
+    pub work: f64,
+    /// Whether it ended above the tolerance because it had taken the work that it may take.
+    pub is_cut_short: bool,
 }
 
 impl StepReport {
@@ -127,6 +143,8 @@ impl StepReport {
             converged: true,
             backtracks: 0,
             contact_failures: 0,
+            work: 0.0,
+            is_cut_short: false,
         }
     }
 
@@ -139,6 +157,8 @@ impl StepReport {
         self.converged &= other.converged;
         self.backtracks += other.backtracks;
         self.contact_failures += other.contact_failures;
+        self.work += other.work;
+        self.is_cut_short |= other.is_cut_short;
     }
 }
 

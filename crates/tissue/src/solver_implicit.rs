@@ -488,6 +488,18 @@ impl Solver for SolverImplicit {
         self.solver.effort = multiple;
     }
 
+    fn limit_work(&mut self, most: f64) {
+        let stages = match self.scheme {
+            ImplicitScheme::BackwardEuler | ImplicitScheme::Midpoint => 1.0,
+            ImplicitScheme::Sdirk2 | ImplicitScheme::GuardedMidpoint => 2.0,
+        };
+        self.solver.most_work = most / stages;
+    }
+
+    fn least_work(&self, _: &TissueModel) -> f64 {
+        self.solver.iteration_work()
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

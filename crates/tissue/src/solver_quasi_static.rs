@@ -227,6 +227,7 @@ impl Solver for SolverQuasiStatic {
                         iterations: total.iterations + report.iterations,
                         backtracks: total.backtracks + report.backtracks,
                         contact_failures: total.contact_failures + report.contact_failures,
+                        work: total.work + report.work,
                         ..report
                     };
                     self.solved.copy_from_slice(&self.solver.trial.positions);

@@ -111,6 +111,16 @@ impl System {
         self.matrix.add_diagonal(node, &block);
     }
 
+    /// See [`LinearSolver::take_operations`].
+    pub fn take_operations(&mut self) -> f64 {
+        self.solver.take_operations()
+    }
+
+    /// See [`LinearSolver::factor_operations`].
+    pub fn factor_operations(&self) -> f64 {
+        self.solver.factor_operations(self.matrix.pattern())
+    }
+
     /// The assembled matrix.
     pub fn matrix(&self) -> &BlockMatrix {
         &self.matrix

@@ -258,7 +258,7 @@ fn tools_do_not_pass_through_each_other() {
 #[test]
 fn a_fast_tool_is_followed_within_the_budget() {
     let mut spec = gripped();
-    spec.budget = Some(4);
+    spec.budget = Some(4.0);
     let mut scene = Scene::new(&spec).unwrap();
     let place = |y: f64| at(y, [0.6; 2]).to;
     let motion = |from: f64, to: f64| ToolMotion {

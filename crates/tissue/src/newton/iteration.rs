@@ -39,6 +39,7 @@ impl NewtonSolver {
         self.start(&problem, guesses);
         self.searches = 0;
         self.backtracks = 0;
+        self.work = 0.0;
         self.contacts.failures = 0;
         self.contacts.may_terminate_early = equation.rate > 0.0 && !newton.must_converge;
         self.find(&problem, contact.as_mut());
@@ -70,6 +71,10 @@ impl NewtonSolver {
         let (mut least, mut stagnated) = (f64::INFINITY, 0);
         let most = newton.iterations.saturating_mul(self.effort);
         while report.iterations < most || self.needs_more(most, report.iterations) {
+            if report.iterations > 0 && self.work >= self.most_work {
+                report.is_cut_short = true;
+                break;
+            }
             report.iterations += 1;
             if !report.residual.is_finite() {
                 return Err(StepFailure::NotFinite);
@@ -90,6 +95,8 @@ impl NewtonSolver {
                     self.find(&problem, contact.as_mut());
                 }
             }
+            self.count_iteration();
+            report.work = self.work;
             report.residual = self.evaluate(&problem, self.noise(fixed));
             report.force_residual = self.force_residual;
             report.contact_residual = self.contacts.multiplier_residual();

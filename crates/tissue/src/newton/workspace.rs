@@ -6,6 +6,7 @@ use crate::components::rigid_components;
 use crate::model::TissueModel;
 use crate::state::State;
 use crate::system::System;
+use crate::work;
 use microsim_contact_solver::{
     AugmentedLagrangian, Contact, ContactSet, InteriorPoint, RigidComponents,
 };
@@ -17,6 +18,12 @@ pub(crate) struct NewtonSolver {
     pub(super) options: NewtonOptions,
     /// Multiple of the iterations that an equation may take.
     pub effort: u32,
+    /// The work that an equation may take \[s\]: beyond it no further iteration begins.
+    pub most_work: f64,
+    /// What the present one has taken \[s\].
+    pub(super) work: f64,
+    /// What the elements take in an iteration \[s\].
+    pub(super) element_work: f64,
     pub(super) system: System,
     pub(super) forces: KnownForces,
     pub(super) viscous: bool,
@@ -79,6 +86,9 @@ impl NewtonSolver {
         Self {
             options: *options,
             effort: 1,
+            most_work: f64::INFINITY,
+            work: 0.0,
+            element_work: work::of_iteration(model),
             stiffness: rest_stiffness(model),
             retains_matrix: false,
             contacts: ContactSet::new(nodes, edge, solvers.augmented_lagrangian),
@@ -127,6 +137,17 @@ impl NewtonSolver {
     /// The stiffness of each node by itself at rest \[N/m\].
     pub fn stiffness(&self) -> &[f64] {
         &self.stiffness
+    }
+
+    /// Adds what an iteration has taken.
+    pub(super) fn count_iteration(&mut self) {
+        let operations = self.system.take_operations() + self.interior_point.take_operations();
+        self.work += self.element_work + work::OPERATION * operations;
+    }
+
+    /// What an iteration takes at least, but for contact \[s\].
+    pub fn iteration_work(&self) -> f64 {
+        self.element_work + work::OPERATION * self.system.factor_operations()
     }
 
     /// Whether there are contacts, and the interior-point method is the one for them.
