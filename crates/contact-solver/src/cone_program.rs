@@ -276,11 +276,16 @@ impl ConeProgram {
         sum / count
     }
 
+    /// Pairs of an addition and a multiplication of a factor of so many unknowns, with its solutions and what is copied.
+    pub fn operations_of_a_factor(count: usize) -> f64 {
+        let size = count as f64;
+        size * size * (size / 6.0 + 4.0)
+    }
+
     /// Factors W + what the conditions add: s/λ along a normal, z 1 + z/w t tᵀ across it, w = (b² − |t|²)/2.
     fn factorise(&mut self, cones: &[Cone]) -> bool {
         let count = self.unknowns.len();
-        let size = count as f64;
-        self.operations += size * size * (size / 6.0 + 4.0);
+        self.operations += Self::operations_of_a_factor(count);
         self.matrix.clone_from(&self.compliance);
         for cone in cones {
             self.matrix[cone.at * (count + 1)] += cone.gap / self.forces[cone.at];

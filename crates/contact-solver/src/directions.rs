@@ -19,12 +19,21 @@ pub(crate) struct Member {
 }
 
 impl Member {
-    /// The contact at `contact`, with its directions added to `rows`.
+    /// The contact at `index`, with its directions added to `rows`.
     pub fn new(index: usize, contact: &Contact, rows: &mut Vec<Row>) -> Self {
+        Self::with_count(index, contact, directions(contact), rows)
+    }
+
+    /// One that takes part only along its normal.
+    pub fn along_normal(index: usize, contact: &Contact, rows: &mut Vec<Row>) -> Self {
+        Self::with_count(index, contact, 1, rows)
+    }
+
+    fn with_count(index: usize, contact: &Contact, count: usize, rows: &mut Vec<Row>) -> Self {
         let member = Self {
             contact: index,
             first: rows.len(),
-            count: if contact.friction > 0.0 { 3 } else { 1 },
+            count,
             frame: frame(contact),
         };
         for k in 0..member.count {
@@ -42,6 +51,11 @@ impl Member {
         }
         vector
     }
+}
+
+/// How many directions a contact has.
+pub(crate) fn directions(contact: &Contact) -> usize {
+    if contact.friction > 0.0 { 3 } else { 1 }
 }
 
 /// The normal, and two directions across it.

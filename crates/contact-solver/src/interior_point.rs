@@ -24,6 +24,9 @@ use crate::vectors::{clear_fixed, scatter};
 use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
 
+/// Factors that the forces of a round usually take.
+const USUAL_FACTORS: f64 = 24.0;
+
 /// The method, with its working memory. The matrix must not hold any contact, and must have an f64 Cholesky factor.
 ///
 /// ```
@@ -65,6 +68,8 @@ pub struct InteriorPoint {
     /// Response to contact forces \[m\].
     inner: Vec<Vector3<f64>>,
     members: Vec<Member>,
+    /// The contacts that are to join.
+    candidates: Vec<usize>,
     cones: Vec<Cone>,
     /// J.
     directions: Vec<directions::Row>,
@@ -141,7 +146,11 @@ impl ContactSolver<SystemResponse<'_>> for InteriorPoint {
                 friction: member.vector(&self.forces) - normal,
                 is_sliding: !cone.sticks,
             };
-            row.friction_bound = cone.bound;
+            row.friction_bound = match member.count {
+                // Friction joins when there is room.
+                1 => contacts[member.contact].friction * self.forces[member.first],
+                _ => cone.bound,
+            };
             *row = row.with_force(contact, &contact.interpolate(direction), force);
         }
         set.failures += u32::from(failed);
@@ -169,6 +178,7 @@ impl InteriorPoint {
             left: zeros.clone(),
             inner: zeros,
             members: Vec::new(),
+            candidates: Vec::new(),
             cones: Vec::new(),
             directions: Vec::new(),
             delassus: Vec::new(),
@@ -183,6 +193,12 @@ impl InteriorPoint {
     /// Pairs of an addition and a multiplication in the problems of contacts among themselves since this was asked for last.
     pub fn take_operations(&mut self) -> f64 {
         std::mem::take(&mut self.program.operations)
+    }
+
+    /// About as many in a step with so many directions.
+    pub fn operations_of(&self, directions: usize) -> f64 {
+        let count = directions.min(self.options.directions);
+        USUAL_FACTORS * ConeProgram::operations_of_a_factor(count)
     }
 
     fn clear(&mut self) {
@@ -224,13 +240,34 @@ impl InteriorPoint {
         rows: &[Row],
         is_taken: impl Fn(&[Vector3<f64>], &Contact, &Row) -> bool,
     ) {
-        let before = self.members.len();
+        self.candidates.clear();
+        let mut wanted = self.directions.len();
         for (index, (contact, row)) in contacts.iter().zip(rows).enumerate() {
-            let known = self.members[..before].iter().any(|m| m.contact == index);
-            if row.penalty == 0.0 || known || !is_taken(&self.inner, contact, row) {
-                continue;
+            let known = self.members.iter().any(|m| m.contact == index);
+            if row.penalty > 0.0 && !known && is_taken(&self.inner, contact, row) {
+                self.candidates.push(index);
+                wanted += directions::directions(contact);
             }
-            let member = Member::new(index, contact, &mut self.directions);
+        }
+        let most = self.options.directions;
+        if wanted > most {
+            let pressed = |index: &usize| {
+                let (contact, row) = (&contacts[*index], &rows[*index]);
+                let gap = row.gap + contact.normal.dot(&contact.interpolate(&self.inner));
+                row.force.normal.max((row.floor - gap) * row.penalty)
+            };
+            self.candidates
+                .sort_by(|a, b| pressed(b).total_cmp(&pressed(a)));
+            let room = most.saturating_sub(self.directions.len());
+            self.candidates.truncate(room);
+        }
+        for k in 0..self.candidates.len() {
+            let index = self.candidates[k];
+            let (contact, row) = (&contacts[index], &rows[index]);
+            let member = match wanted > most {
+                true => Member::along_normal(index, contact, &mut self.directions),
+                false => Member::new(index, contact, &mut self.directions),
+            };
             let force = row.force.vector(contact);
             for k in 0..member.count {
                 let own = self.options.regularisation[k.min(1)] / row.penalty;
@@ -254,7 +291,12 @@ impl InteriorPoint {
             let slip = row.slip + motion;
             let across = (1..member.count).map(|k| member.frame.column(k).dot(&slip));
             self.motions.extend(across);
-            self.cones.push(Cone::new(member.first, row.friction_bound));
+            let bound = if member.count > 1 {
+                row.friction_bound
+            } else {
+                0.0
+            };
+            self.cones.push(Cone::new(member.first, bound));
         }
         let motions = self.motions.iter_mut().zip(&self.regularisation);
         for ((motion, own), before) in motions.zip(&self.before) {
@@ -282,7 +324,7 @@ impl InteriorPoint {
                 break;
             }
             for (member, cone) in self.members.iter().zip(&mut self.cones) {
-                if !rows[member.contact].has_fixed_bound {
+                if member.count > 1 && !rows[member.contact].has_fixed_bound {
                     cone.bound = contacts[member.contact].friction * self.forces[member.first];
                 }
             }
@@ -297,7 +339,9 @@ impl InteriorPoint {
         let mut all = self.members.iter().zip(&self.cones);
         all.all(|(member, cone)| {
             let bound = contacts[member.contact].friction * self.forces[member.first];
-            rows[member.contact].has_fixed_bound || (bound - cone.bound).abs() <= enough
+            member.count == 1
+                || rows[member.contact].has_fixed_bound
+                || (bound - cone.bound).abs() <= enough
         })
     }
 }

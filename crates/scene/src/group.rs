@@ -142,9 +142,9 @@ impl Group {
         self.solver.limit_work(most);
     }
 
-    /// What a step takes at least, but for contact \[s\].
-    pub fn least_work(&self, bodies: &[Body]) -> f64 {
-        self.solver.least_work(self.model(bodies))
+    /// What a step in which so many contacts act takes at least, about \[s\].
+    pub fn least_work(&self, bodies: &[Body], contacts: usize) -> f64 {
+        self.solver.least_work(self.model(bodies), contacts)
     }
 
     /// How much work steps may take ([`Solver::set_effort`](microsim_tissue::Solver::set_effort)).

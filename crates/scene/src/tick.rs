@@ -123,8 +123,9 @@ impl Scene {
         let (mut motions, invalid_motions) = self.valid_motions(motions);
         self.state.placements.resume(&mut motions);
         let (needed, jumped) = self.substeps(&mut motions, tick_s, steps);
-        let groups = self.groups.iter();
-        let least: f64 = groups.map(|group| group.least_work(&self.bodies)).sum();
+        let groups = self.groups.iter().zip(&self.state.contacts);
+        let least = groups.map(|(group, of)| group.least_work(&self.bodies, of.forces.len()));
+        let least: f64 = least.sum();
         let mut budget = Budget::new(self.budget.map(|part| part * tick_s), least);
         let (substeps, reached) = budget.substeps(needed, steps);
         let mut start = self.state.clone();
@@ -439,7 +440,7 @@ impl Scene {
                     }
                     Ok(_) => (group.not_finite(state), Divergence::NotFinite),
                     Err(failure) => {
-                        budget.spend(group.least_work(&self.bodies));
+                        budget.spend(group.least_work(&self.bodies, 0));
                         group.failed(failure)
                     }
                 };
@@ -531,7 +532,7 @@ fn step_group(
         }
     }?;
     let points = group.contact.as_ref().map_or(0, |of| of.points.len());
-    let work = report.work.max(group.least_work(bodies)) + POINT * points as f64;
+    let work = report.work.max(group.least_work(bodies, 0)) + POINT * points as f64;
     let report = StepReport { work, ..report };
     group.iterations += u64::from(report.iterations);
     let grown = flow(group.model(bodies), state, h);

@@ -276,11 +276,7 @@ impl LinearSolver {
         rows: &[[(u32, Vector3<f64>); 4]],
         compliance: &mut Vec<f64>,
     ) -> bool {
-        if let Some(symbolic) = self.symbolic.get() {
-            let (count, nodes) = (rows.len() as f64, self.fixed.len() as f64);
-            self.operations +=
-                count * symbolic.factor_entries() as f64 + 1.5 * count * count * nodes;
-        }
+        self.operations += self.compliance_operations(rows.len());
         let fixed = &self.fixed;
         match (self.method, &mut self.single, &mut self.double) {
             (Method::FactorF32, Some(factor), _) => factor.set_compliance(rows, fixed, compliance),
@@ -310,6 +306,17 @@ impl LinearSolver {
         match (self.method, self.symbolic.get(), &self.two_level) {
             (Method::TwoLevel, _, Some(two_level)) => two_level.bytes() as f64 / 4.0,
             (_, Some(symbolic), _) => entries(symbolic),
+            _ => 0.0,
+        }
+    }
+
+    /// Operations of a compliance of so many rows; 0 where the first method has no factor.
+    pub fn compliance_operations(&self, rows: usize) -> f64 {
+        match (self.first, self.symbolic.get()) {
+            (Method::FactorF32 | Method::FactorF64, Some(symbolic)) => {
+                let (count, nodes) = (rows as f64, self.fixed.len() as f64);
+                count * symbolic.factor_entries() as f64 + 1.5 * count * count * nodes
+            }
             _ => 0.0,
         }
     }

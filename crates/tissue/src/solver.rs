@@ -93,8 +93,9 @@ pub trait Solver: Debug + Send {
         let _ = most;
     }
 
-    /// What a step takes at least, but for contact \[s\].
-    fn least_work(&self, model: &TissueModel) -> f64 {
+    /// What a step in which so many contacts act takes at least, about \[s\].
+    fn least_work(&self, model: &TissueModel, contacts: usize) -> f64 {
+        let _ = contacts;
         work::of_explicit_step(model)
     }
 

@@ -496,8 +496,8 @@ impl Solver for SolverImplicit {
         self.solver.most_work = most / stages;
     }
 
-    fn least_work(&self, _: &TissueModel) -> f64 {
-        self.solver.iteration_work()
+    fn least_work(&self, _: &TissueModel, contacts: usize) -> f64 {
+        self.solver.iteration_work(contacts)
     }
 
     fn boxed_clone(&self) -> Box<dyn Solver> {

@@ -121,6 +121,11 @@ impl System {
         self.solver.factor_operations(self.matrix.pattern())
     }
 
+    /// See [`LinearSolver::compliance_operations`].
+    pub fn delassus_operations(&self, rows: usize) -> f64 {
+        self.solver.compliance_operations(rows)
+    }
+
     /// The assembled matrix.
     pub fn matrix(&self) -> &BlockMatrix {
         &self.matrix

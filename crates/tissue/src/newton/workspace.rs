@@ -145,9 +145,12 @@ impl NewtonSolver {
         self.work += self.element_work + work::OPERATION * operations;
     }
 
-    /// What an iteration takes at least, but for contact \[s\].
-    pub fn iteration_work(&self) -> f64 {
-        self.element_work + work::OPERATION * self.system.factor_operations()
+    /// What an iteration in which so many contacts act takes at least, about: with friction, and found in one round \[s\].
+    pub fn iteration_work(&self, contacts: usize) -> f64 {
+        let among = self.interior_point.operations_of(3 * contacts);
+        let operations =
+            self.system.factor_operations() + self.system.delassus_operations(3 * contacts) + among;
+        self.element_work + work::OPERATION * operations
     }
 
     /// Whether there are contacts, and the interior-point method is the one for them.
