@@ -146,6 +146,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
         containment: false,
         repeat_unconverged: false,
         tools_touch: false,
+        hand_force: f64::INFINITY,
         budget: None,
     };
     let runs: Vec<Vec<Tick>> = (0..RUNS)

@@ -1,11 +1,11 @@
 //! The work of a tick, bounded by the count of its operations and not by a clock, so that a run that is replayed takes the same.
 //!
 //! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
-//! half of the budget, each step has an even part of what is left, and a repetition begins only where its least work fits. What has to be computed in any
+//! four fifths of the budget, each step has an even part of what is left, and a repetition begins only where its least work fits. What has to be computed in any
 //! case, a step with one iteration, is computed: a tick exceeds its budget by no more than that.
 
 /// The part of a budget that sub-steps for fast tools may take: the rest is for their iterations.
-const FAST_PART: f64 = 0.5;
+const FAST_PART: f64 = 0.8;
 
 /// What is left of the budget of a tick.
 #[derive(Clone, Copy, Debug)]

@@ -77,6 +77,7 @@ pub fn scene_spec(
         repeat_invalid: scene.method.repeat_invalid.unwrap_or(true),
         repeat_unconverged: true,
         tools_touch: scene.run.tools_touch,
+        hand_force: scene.run.hand_force.unwrap_or(f64::INFINITY),
         budget: None,
     };
     Ok(Described { spec, notes })
@@ -129,7 +130,7 @@ pub struct LevelParts<'a> {
 /// "#;
 /// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
 /// let level = LevelParts {
-///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, budget: 0.8 },
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, hand_force: 1.0, budget: 0.8 },
 ///     method: &settings.method,
 ///     bodies: &settings.body,
 ///     rigid: &[],
@@ -173,6 +174,7 @@ pub fn level_spec(
         repeat_invalid: level.method.repeat_invalid.unwrap_or(true),
         repeat_unconverged: true,
         tools_touch: level.physics.tools_touch,
+        hand_force: level.physics.hand_force,
         budget: Some(level.physics.budget),
     };
     Ok(Described { spec, notes })

@@ -1,18 +1,20 @@
 //! Where tools are: between where a hand holds them and where what they touch lets them be.
 //!
-//! A tracked pose and opening are a target, not a wall. Three causes keep a tool from it:
+//! A tracked pose and opening are a target, not a wall. Four causes keep a tool from it:
 //!
 //! - **Jaws bend.** Opening q, its target T and the moment Q of the contact forces on the jaws, per unit of opening, are in equilibrium,
 //!   k (q − T) = Q, with the stiffness k of both jaws. The solver has the jaws at rest in a step; the moment of the next one is
 //!   predicted from that of the last and its secant stiffness K, so q' = (k T' + Q + K q) / (k + K). Without force q is T, to the bit.
+//! - **A hand yields.** It pushes with at most the force F of the scene: a tool goes against what it touches no further than until that is reached, by
+//!   the force P of the last step and its secant stiffness K a distance of (F − P)/K in a step, and back where P is above F.
 //! - **Tools do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both yield by half; jaws
 //!   open where that is how they yield.
 //! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
 //!   tools that touch nothing. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
 //!   Only methods with inertia do so; a quasi-static tick that diverges is left at its start.
 //!
-//! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand does not yield: what it
-//! pushes against with a whole tool takes any force.
+//! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand yields
+//! along its force and does not turn; where a single step closes on something rigid, its force shows before the hand has yielded.
 
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::{CapsuleMotion, Partner, Point};
@@ -28,6 +30,17 @@ const SLOWEST: f64 = 1.0 / 64.0;
 
 /// The secant stiffness is at most so many times that of the jaws: what moves tissue besides the jaws would make it arbitrary.
 const STIFFEST: f64 = 100.0;
+
+/// Secant stiffness of what a whole tool pushes against \[N/m\]: at least that of soft tissue under a shaft, a judgement, and at most so much. Where it is
+/// taken too large a hand yields more slowly, where too small it is thrown back.
+const RESISTANCE: [f64; 2] = [2e3, 1e7];
+
+/// A force and a displacement that are too small for an estimate of it \[N, m\].
+const FELT: f64 = 0.1;
+const SHIFTED: f64 = 1e-6;
+
+/// A tool is pushed back by at most so much in a step \[m\].
+const RETREAT: f64 = 0.25e-3;
 
 /// A change of the opening that is too small for an estimate of stiffness.
 const STILL: f64 = 1e-7;
@@ -48,6 +61,10 @@ pub(crate) struct Placement {
     pub moment: f64,
     /// Secant stiffness of what is between the jaws \[J\].
     pub stiffness: f64,
+    /// Sum of the contact forces on the whole tool \[N\].
+    pub push: Vector3<f64>,
+    /// Secant stiffness of what it pushes against \[N/m\].
+    pub resistance: f64,
     /// Whether it is where the hand holds it.
     pub is_free: bool,
 }
@@ -115,21 +132,25 @@ struct PlacedTool {
     is_straight: bool,
     /// Whether the motion ends at the target.
     is_whole: bool,
-    /// Moment of the contact forces of the step \[J\].
+    /// Moment \[J\] and sum \[N\] of the contact forces of the step.
     moment: f64,
+    push: Vector3<f64>,
 }
 
 impl Course {
     /// The course of these motions, which begin where tools are ([`Placements::resume`]); of each it makes the fraction `pace`, 0..1.
     pub fn new(motions: &[ToolMotion], placements: &Placements, pace: f64) -> Self {
         let tools = motions.iter().map(|motion| {
-            let held = placements.tools[motion.tool].filter(|placement| !placement.is_free);
+            let last = placements.tools[motion.tool];
+            let held = last.filter(|placement| !placement.is_free);
             let start = held.unwrap_or(Placement {
                 pose: motion.from,
                 target: motion.opening_from,
                 opening: motion.opening_from,
                 moment: 0.0,
                 stiffness: 0.0,
+                push: last.map_or_else(Vector3::zeros, |last| last.push),
+                resistance: last.map_or(RESISTANCE[0], |last| last.resistance),
                 is_free: true,
             });
             let mut motion = *motion;
@@ -147,6 +168,7 @@ impl Course {
                 is_straight: true,
                 is_whole,
                 moment: 0.0,
+                push: Vector3::zeros(),
             }
         });
         Self {
@@ -177,18 +199,19 @@ impl Course {
         self.tools.iter().map(motion).collect()
     }
 
-    /// Moves the tools in the step of this number out of `count`, without passing through each other if they `do_touch`, and sets the motions of their
-    /// capsules.
+    /// Moves the tools in the step of this number out of `count`, pushed with at most `hand_force` \[N\] and without passing through each other if they
+    /// `do_touch`, and sets the motions of their capsules.
     pub fn advance(
         &mut self,
         tools: &[Tool],
-        step: u32,
-        count: u32,
+        [step, count]: [u32; 2],
+        hand_force: f64,
         do_touch: bool,
         capsules: &mut [Option<Vec<CapsuleMotion>>],
     ) {
         for one in &mut self.tools {
             one.advance(&tools[one.motion.tool], step, count);
+            one.hold_back(hand_force);
         }
         if do_touch {
             self.separate(tools);
@@ -220,6 +243,7 @@ impl Course {
                 let place = contact.interpolate(positions);
                 let path = tools[tool].path_of_opening(capsule, &one.now.pose, &place);
                 one.moment -= contact.force().dot(&path);
+                one.push -= contact.force();
             }
         }
     }
@@ -227,6 +251,7 @@ impl Course {
     /// Ends a step whose contacts have been added: what is between jaws is as stiff as it has shown.
     pub fn finish_step(&mut self, tools: &[Tool]) {
         for one in &mut self.tools {
+            one.feel();
             let moment = std::mem::take(&mut one.moment);
             let jaws = tools[one.motion.tool].jaw_stiffness;
             if !jaws.is_finite() {
@@ -324,6 +349,40 @@ impl PlacedTool {
             // Closed jaws hold each other up.
             (moments / (jaws + tissue)).max(now.target.min(0.0))
         };
+    }
+
+    /// Goes less far, or back, where the hand would have to push harder than `most` \[N\].
+    fn hold_back(&mut self, most: f64) {
+        let force = self.now.push.norm();
+        if force == 0.0 || most == f64::INFINITY {
+            return;
+        }
+        let back = self.now.push / force;
+        let advance = (self.before.pose.position - self.now.pose.position).dot(&back);
+        let room = ((most - force) / self.now.resistance).max(-RETREAT);
+        if advance > room {
+            self.now.pose.position += back * (advance - room);
+            self.is_straight = false;
+        }
+    }
+
+    /// Takes over the contact forces of a step: what the tool pushes against is as stiff as it has shown.
+    fn feel(&mut self) {
+        let push = std::mem::take(&mut self.push);
+        let force = push.norm();
+        let now = &mut self.now;
+        if force < FELT {
+            now.resistance = RESISTANCE[0];
+        } else {
+            let back = push / force;
+            let advance = (self.before.pose.position - now.pose.position).dot(&back);
+            if advance.abs() > SHIFTED {
+                let secant = (force - now.push.dot(&back)) / advance;
+                let least = (0.5 * now.resistance).max(RESISTANCE[0]);
+                now.resistance = secant.clamp(least, RESISTANCE[1]);
+            }
+        }
+        now.push = push;
     }
 
     /// The motions of its capsules in a step.

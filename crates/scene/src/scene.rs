@@ -39,6 +39,7 @@ pub struct Scene {
     pub(crate) repeat_invalid: bool,
     pub(crate) repeat_unconverged: bool,
     pub(crate) tools_touch: bool,
+    pub(crate) hand_force: f64,
     pub(crate) budget: Option<f64>,
     pub(crate) state: SceneState,
 }
@@ -124,6 +125,7 @@ impl Scene {
             repeat_invalid: spec.repeat_invalid,
             repeat_unconverged: spec.repeat_unconverged,
             tools_touch: spec.tools_touch,
+            hand_force: spec.hand_force,
             budget: spec.budget,
             state,
             bodies,

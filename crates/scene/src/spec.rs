@@ -32,6 +32,8 @@ pub struct SceneSpec {
     pub repeat_unconverged: bool,
     /// Whether tools touch each other.
     pub tools_touch: bool,
+    /// The largest force with which a hand pushes a tool against what it touches \[N\]; any if infinite.
+    pub hand_force: f64,
     /// The work that a tick may take over its length, by the count of its operations ([`TickReport::work`](crate::TickReport::work)), above 0; any if
     /// `None`. What does not fit is left to the next tick.
     pub budget: Option<f64>,
@@ -52,6 +54,7 @@ impl SceneSpec {
             repeat_invalid: true,
             repeat_unconverged: true,
             tools_touch: false,
+            hand_force: f64::INFINITY,
             budget: None,
         }
     }

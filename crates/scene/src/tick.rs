@@ -392,7 +392,13 @@ impl Scene {
         let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
         let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
         for step in 0..count {
-            course.advance(&self.tools, step, count, self.tools_touch, &mut tools);
+            course.advance(
+                &self.tools,
+                [step, count],
+                self.hand_force,
+                self.tools_touch,
+                &mut tools,
+            );
             let end = self.state.time + f64::from(step + 1) * h;
             for (index, state) in joined.iter_mut().enumerate() {
                 let group = &mut self.groups[index];

@@ -307,6 +307,8 @@ table! {
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
         /// Whether tools touch each other; else they pass through each other.
         tools_touch: bool => false,
+        /// The largest force with which the hand pushes a tool against what it touches \[N\]: beyond, the tool stays behind the hand.
+        hand_force: f64 = quantity(Unit::Force, 0.01, 1e3) => 1.0,
         /// The work that a tick may take over its length, counted in operations of a core of a usual kind. What does not fit is left to the next tick: tools
         /// follow the hand as far as it goes.
         budget: f64 = quantity(Unit::Ratio, 0.01, 1000.0) => 0.8,

@@ -73,6 +73,8 @@ table! {
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
         /// Whether tools touch each other; else they pass through each other.
         tools_touch: bool => false,
+        /// The largest force with which a hand pushes a tool against what it touches \[N\]: beyond, the tool stays behind. Any if it is left out.
+        hand_force: Option<f64> = quantity(Unit::Force, 0.01, 1e3),
         /// Whether a body that diverges is rolled back and computed again with shorter steps; without it the run ends
         /// there, unless it is only that an implicit step did not converge.
         containment: bool => false,

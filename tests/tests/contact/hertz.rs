@@ -122,6 +122,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
         repeat_invalid: true,
         repeat_unconverged: false,
         tools_touch: false,
+        hand_force: f64::INFINITY,
         budget: None,
     }
 }

@@ -87,6 +87,7 @@ fn bars() -> SceneSpec {
         repeat_invalid: true,
         repeat_unconverged: true,
         tools_touch: false,
+        hand_force: f64::INFINITY,
         budget: None,
     }
 }

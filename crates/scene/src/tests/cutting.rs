@@ -109,6 +109,7 @@ fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneS
         repeat_invalid: true,
         repeat_unconverged: true,
         tools_touch: false,
+        hand_force: f64::INFINITY,
         budget: None,
     }
 }
