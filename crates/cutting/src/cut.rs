@@ -4,6 +4,7 @@ use crate::blade::Blade;
 use crate::crossing::Crossing;
 use crate::decide::{self, Decisions, Fate};
 use crate::editor::Editor;
+use crate::mend;
 use crate::opening;
 use crate::pattern::{self, PatternNode};
 use crate::report::{Cut, Rejected};
@@ -65,8 +66,7 @@ impl Topology {
         blade.check(mesh.positions.len())?;
         let mut crossings = self.crossings(blade)?;
         if crossings.is_empty() {
-            self.pass_by(stroke, blade);
-            return Ok(None);
+            return Ok(self.pass_by(mesh, stroke, blade, settings));
         }
         if stroke.sheet == 0 {
             self.sheets += 1;
@@ -76,6 +76,7 @@ impl Topology {
             let normals = crossings.values().map(|crossing| crossing.normal);
             let normal = normals.sum::<Vector3<f64>>() / crossings.len() as f64;
             stroke.advance_by(&normal, self.mean_edge);
+            self.remember_swept(&stroke.across, blade);
             orient(stroke, &mut crossings, blade.now());
         } else {
             let normals = crossings.values().map(|crossing| crossing.normal);
@@ -87,7 +88,7 @@ impl Topology {
             stroke.points.add(&a.lerp(&b, crossing.fraction));
         }
         let decisions = decide::decide(self, mesh, stroke, crossings, settings);
-        let mut cut = self.carry_out(mesh, stroke, blade.now(), &decisions, settings);
+        let mut cut = self.carry_out(mesh, stroke, blade, &decisions, settings);
         if let Some(cut) = &mut cut {
             stroke.leave(&cut.edit, mesh.positions.len());
             if cut.opened[0].area > 0.0 {
@@ -146,15 +147,21 @@ impl Topology {
         Ok(crossings)
     }
 
-    /// A step in which the blade crosses nothing: its motion relative to the tissue around it, and whether it has left that.
-    fn pass_by(&mut self, stroke: &mut Stroke, blade: &Blade) {
+    /// A step in which the blade crosses nothing: its motion relative to the tissue around it, whether it has left that, and bridges.
+    fn pass_by(
+        &mut self,
+        mesh: &TetMesh,
+        stroke: &mut Stroke,
+        blade: &Blade,
+        settings: &Settings,
+    ) -> Option<Cut> {
         let Blade::Sweep {
             sweeps,
             before,
             now,
         } = blade
         else {
-            return;
+            return None;
         };
         let reach = CLEAR * self.mean_edge;
         let mut near: BTreeSet<u32> = BTreeSet::new();
@@ -182,9 +189,20 @@ impl Topology {
             .map(|sweep| sweep.displacement_across(&tissue));
         let normal = across.sum::<Vector3<f64>>() / sweeps.len().max(1) as f64;
         stroke.advance_by(&normal, self.mean_edge);
-        if stroke.sheet != 0 && near.is_empty() {
+        if stroke.sheet == 0 {
+            return None;
+        }
+        self.remember_swept(&stroke.across, blade);
+        let is_clear = near.is_empty();
+        let mut mended = None;
+        if is_clear || stroke.unseen > self.mean_edge {
+            stroke.unseen = 0.0;
+            mended = self.mend(mesh, stroke, now, &near, settings);
+        }
+        if is_clear {
             stroke.end();
         }
+        mended
     }
 
     /// Calls `found` with every element, and its nodes, whose path from the first to the second positions comes into `bounds` \[m\]. Its cost is proportional
@@ -261,7 +279,7 @@ impl Topology {
         &mut self,
         mesh: &TetMesh,
         stroke: &mut Stroke,
-        current: &[Vector3<f64>],
+        blade: &Blade,
         decisions: &Decisions,
         settings: &Settings,
     ) -> Option<Cut> {
@@ -284,7 +302,7 @@ impl Topology {
             stroke.put_on_path(node);
             touched.extend(self.elements_at(node));
         }
-        let mut editor = Editor::new(self, mesh, current);
+        let mut editor = Editor::new(self, mesh, blade.now());
         let mut new_nodes: BTreeMap<[u32; 2], u32> = BTreeMap::new();
         for (edge, crossed) in &decisions.edges {
             if let Fate::Divided(fraction) = crossed.fate {
@@ -326,6 +344,9 @@ impl Topology {
             replaced.push((element, children));
         }
         editor.divide(&replaced);
+        let parents = replaced.iter().map(|(element, _)| *element);
+        let children = parents.chain(mesh.tets.len() as u32..next);
+        mend::remember_children(&mut editor, &stroke.across, blade, children);
         let mut faces = opening::faces_to_open(&editor, stroke, &touched);
         opening::retain_flakes(&editor, stroke, &mut faces, settings);
         for [node, copy] in editor.open(&faces, sheet) {

@@ -54,6 +54,8 @@ pub struct Cut {
     pub snapped: usize,
     /// Crossed edges that were left whole with their nearer end on the path, as all three edges of a face were crossed.
     pub dropped: usize,
+    /// Faces that were opened as they alone held together what blades had swept between.
+    pub mended: usize,
 }
 
 /// Why nothing was cut. Mesh, topology and stroke are as they were.

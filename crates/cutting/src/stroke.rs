@@ -41,6 +41,8 @@ pub struct Stroke {
     pub across: Vector3<f64>,
     /// Displacement along the steady direction so far \[m\].
     pub advance: f64,
+    /// Length of the path since bridges were looked for \[m\].
+    pub unseen: f64,
     /// Where the blade crossed edges since something was last opened.
     pub points: PathPoints,
 }
@@ -89,6 +91,7 @@ impl Stroke {
     /// The blade has moved: `normal` is blade direction × displacement \[m\].
     pub(crate) fn advance_by(&mut self, normal: &Vector3<f64>, mean_edge: f64) {
         let direction = self.across.try_normalize(0.0);
+        self.unseen += normal.norm();
         self.advance += direction.map_or(normal.norm(), |direction| direction.dot(normal));
         self.across += normal;
         if direction.is_some_and(|direction| direction.dot(&self.across) < 0.0) {

@@ -73,7 +73,7 @@ impl Topology {
 
     /// Which side is negative is for a tear to choose, as nothing has come from either: so that the normals at rest of all its faces point to one
     /// side, and by their sum along the axis nearest to it, whichever of its two elements a face is given by.
-    fn turned_alike(&self, mesh: &TetMesh, faces: &[(u32, u8)]) -> Vec<FaceToOpen> {
+    pub(crate) fn turned_alike(&self, mesh: &TetMesh, faces: &[(u32, u8)]) -> Vec<FaceToOpen> {
         let mut sum = Vector3::zeros();
         let mut turned = Vec::with_capacity(faces.len());
         for &(element, corner) in faces {

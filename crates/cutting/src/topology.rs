@@ -8,8 +8,9 @@
 //! and its marks.
 
 use crate::clusters::Clusters;
+use crate::mend::Swept;
 use microsim_mesh::TetMesh;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// No neighbour: the face is on the surface.
 pub const NONE: u32 = u32::MAX;
@@ -33,6 +34,8 @@ pub struct Topology {
     pub(crate) front: BTreeSet<u32>,
     /// Of these the ones that have been doubled, though not all around them may be cut.
     pub(crate) parted: BTreeSet<u32>,
+    /// Elements that blades have come near to, and how.
+    pub(crate) swept: BTreeMap<u32, Swept>,
     /// Mean rest volume of an element of the mesh as it was whole \[m³\].
     pub(crate) mean_volume: f64,
     /// Mean rest length of an edge of the mesh as it was whole \[m\].
@@ -50,6 +53,8 @@ pub struct TopologyState {
     pub front: Vec<u32>,
     /// Of these the ones that have been doubled.
     pub parted: Vec<u32>,
+    /// Elements that blades have come near to, and how.
+    pub swept: Vec<(u32, Swept)>,
     /// Mean rest volume of an element of the mesh as it was whole \[m³\].
     pub mean_volume: f64,
     /// Mean rest length of an edge of the mesh as it was whole \[m\].
@@ -84,6 +89,7 @@ impl Topology {
             clusters: Clusters::new(mesh),
             front: BTreeSet::new(),
             parted: BTreeSet::new(),
+            swept: BTreeMap::new(),
             mean_volume: mesh.volumes().iter().sum::<f64>() / count as f64,
             mean_edge: mesh.mean_edge_length(),
             sheets: 0,
@@ -123,6 +129,7 @@ impl Topology {
         }
         topology.front = state.front.iter().copied().collect();
         topology.parted = state.parted.iter().copied().collect();
+        topology.swept = state.swept.iter().copied().collect();
         topology.mean_volume = state.mean_volume;
         topology.mean_edge = state.mean_edge;
         topology.sheets = state.sheets;
@@ -149,6 +156,7 @@ impl Topology {
                 .collect(),
             front: self.front.iter().copied().collect(),
             parted: self.parted.iter().copied().collect(),
+            swept: self.swept.iter().map(|(&e, &swept)| (e, swept)).collect(),
             mean_volume: self.mean_volume,
             mean_edge: self.mean_edge,
             sheets: self.sheets,
@@ -277,6 +285,7 @@ impl Topology {
         }
         let mut touched = Vec::new();
         for (element, children) in replaced {
+            let swept = self.swept.get(element).copied();
             for (k, child) in children.iter().enumerate() {
                 let slot = if k == 0 {
                     *element
@@ -291,6 +300,9 @@ impl Topology {
                 self.tets[slot as usize] = child.corners;
                 self.marks[slot as usize] = child.marks;
                 touched.push(slot);
+                if let Some(passed) = swept {
+                    self.swept.insert(slot, passed);
+                }
             }
         }
         for &slot in &touched {
@@ -391,6 +403,12 @@ impl Topology {
             self.neighbours.swap_remove(gone as usize);
             self.marks.swap_remove(gone as usize);
             self.clusters.swap_remove(gone);
+            self.swept.remove(&gone);
+            if let Some(passed) = self.swept.remove(&last)
+                && last != gone
+            {
+                self.swept.insert(gone, passed);
+            }
             if last == gone {
                 continue;
             }

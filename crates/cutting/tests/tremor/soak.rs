@@ -18,7 +18,7 @@ const SIZE: [f64; 3] = [6e-3, 4e-3, 3e-3];
 /// A part with less of the mean element's volume is a shard: no region is as small.
 const SHARD: f64 = 0.2;
 
-/// A region has at least so many mean elements.
+/// A region has at least so many mean elements: of the box, and in elements whose centroid lies in it. What the mesh does not resolve is none.
 const REGION: f64 = 3.0;
 
 /// What was cut and how it went.
@@ -33,6 +33,8 @@ pub struct Summary {
     /// Of these, strokes that left one larger than a shard.
     pub crumbled: Vec<u64>,
     pub edits: usize,
+    /// Faces opened as they alone held together what had been swept between.
+    pub mended: usize,
     pub divided: usize,
 }
 
@@ -82,22 +84,29 @@ pub fn cut_body(seed: u64, course: Course, summary: &mut Summary) -> Result<(), 
         check(&mesh, &topology).map_err(|e| format!("seed {seed} tick {tick}: {e:?}"))?;
         summary.edits += 1;
         summary.divided += cut.divided;
+        summary.mended += cut.mended;
     }
     summary.strokes += 1;
     // The path strays by half an edge at most.
     let bounds = Aabb::of(&mesh.positions);
     let regions = Regions::of(&bounds, &hand, 0.5 * mean_edge, REGION * mean_volume);
-    summary.regions += regions.count as usize;
     let volumes = mesh.volumes();
+    let region_of = |element: usize| {
+        let corners = mesh.corners(element);
+        regions.at(&(corners.iter().sum::<V3>() / 4.0))
+    };
+    let mut resolved = vec![0.0; regions.count as usize];
+    let all: Vec<Option<u32>> = (0..mesh.tets.len()).map(region_of).collect();
+    for (region, volume) in all.iter().zip(&volumes) {
+        if let Some(region) = region {
+            resolved[*region as usize] += volume;
+        }
+    }
+    let is_resolved = |region: &u32| resolved[*region as usize] >= REGION * mean_volume;
+    summary.regions += (0..regions.count).filter(|r| is_resolved(r)).count();
     for part in parts(&topology, mesh.tets.len()) {
-        let centroid = |element: &u32| {
-            let tet = mesh.tets[*element as usize];
-            tet.iter().map(|n| mesh.positions[*n as usize]).sum::<V3>() / 4.0
-        };
-        let held: BTreeSet<u32> = part
-            .iter()
-            .filter_map(|element| regions.at(&centroid(element)))
-            .collect();
+        let held = part.iter().filter_map(|element| all[*element as usize]);
+        let held: BTreeSet<u32> = held.filter(|region| is_resolved(region)).collect();
         let volume: f64 = part.iter().map(|e| volumes[*e as usize]).sum();
         match held.len() {
             0 => {

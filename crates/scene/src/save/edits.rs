@@ -5,7 +5,7 @@ use crate::body::{Body, CutTally};
 use crate::edits::Edit;
 use crate::lonor::BladeState;
 use crate::pieces::Pieces;
-use microsim_cutting::{PassedNode, PathPoints, Stroke, Topology, TopologyState, check};
+use microsim_cutting::{PassedNode, PathPoints, Stroke, Swept, Topology, TopologyState, check};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::BTreeMap;
 
@@ -106,6 +106,7 @@ pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState) {
         });
         put_vector(bytes, &stroke.across);
         put_f64(bytes, stroke.advance);
+        put_f64(bytes, stroke.unseen);
         put_u32(bytes, stroke.points.count);
         put_vector(bytes, &stroke.points.sum);
         let products = stroke.points.products.iter();
@@ -136,6 +137,7 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeState, RestoreError>
                     .collect::<BTreeMap<_, _>>(),
                 across: r.vector()?,
                 advance: r.f64()?,
+                unseen: r.f64()?,
                 points: PathPoints {
                     count: r.u32()?,
                     sum: r.vector()?,
@@ -209,6 +211,10 @@ fn put_topology(bytes: &mut Vec<u8>, state: &TopologyState) {
     });
     put_list(bytes, &state.front, |bytes, node| put_u32(bytes, *node));
     put_list(bytes, &state.parted, |bytes, node| put_u32(bytes, *node));
+    put_list(bytes, &state.swept, |bytes, (element, swept)| {
+        put_numbers(bytes, &[*element, u32::from(swept.passed)]);
+        put_vector(bytes, &swept.side);
+    });
     put_f64(bytes, state.mean_volume);
     put_f64(bytes, state.mean_edge);
     put_u32(bytes, state.sheets);
@@ -223,6 +229,12 @@ fn topology(reader: &mut Reader<'_>) -> Result<TopologyState, RestoreError> {
         })?,
         front: reader.list(Reader::u32)?,
         parted: reader.list(Reader::u32)?,
+        swept: reader.list(|r| {
+            let [element, passed] = r.numbers()?;
+            let passed = passed != 0;
+            let side = r.vector()?;
+            Ok((element, Swept { passed, side }))
+        })?,
         mean_volume: reader.f64()?,
         mean_edge: reader.f64()?,
         sheets: reader.u32()?,
