@@ -88,7 +88,7 @@ pub trait Solver: Debug + Send {
     }
 
     /// The work that a step may take from now on \[s\], by the count of its operations and not by a clock: an equation begins no further iteration
-    /// beyond it, and has one in any case. Of no effect on a method without iterations.
+    /// beyond it, and has one in any case. Of no effect where a step must converge, nor on a method without iterations.
     fn limit_work(&mut self, most: f64) {
         let _ = most;
     }

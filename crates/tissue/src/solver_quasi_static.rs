@@ -281,6 +281,14 @@ impl Solver for SolverQuasiStatic {
         *self = Self::with_options(model, self.newton, &newton_options, self.options);
     }
 
+    fn limit_work(&mut self, most: f64) {
+        self.solver.most_work = most;
+    }
+
+    fn least_work(&self, _: &TissueModel, contacts: usize) -> f64 {
+        self.solver.iteration_work(contacts)
+    }
+
     fn boxed_clone(&self) -> Box<dyn Solver> {
         Box::new(self.clone())
     }

@@ -26,6 +26,7 @@ use crate::model::TissueModel;
 use crate::prescribed::Prescribed;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
+use crate::work;
 use microsim_contact_solver::{Contact, ContactStep, GapConstraint, Projection};
 use nalgebra::Vector3;
 
@@ -276,6 +277,10 @@ impl Solver for SolverXpbd {
         Ok(StepReport::without_residual(
             self.substeps * self.iterations,
         ))
+    }
+
+    fn least_work(&self, model: &TissueModel, _: usize) -> f64 {
+        work::of_explicit_step(model) * f64::from(self.substeps * self.iterations)
     }
 
     fn follow(&mut self, model: &TissueModel) {

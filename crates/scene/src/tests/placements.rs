@@ -254,11 +254,11 @@ fn tools_do_not_pass_through_each_other() {
     }
 }
 
-/// A probe that is pushed 3 mm into a block on a floor, by a hand of at most 0.3 N: the force stays near that of the hand once the hand has felt it,
-/// the probe stays behind, and it is back with the hand when that goes back. Without a limit the force is many times as large.
+/// A probe that is pushed 3 mm into a block on a floor, by a hand of at most 80 mN: the force stays near that of the hand once the hand has felt it,
+/// the probe stays behind, and it is back with the hand when that goes back. Without a limit the block is squeezed to nothing.
 #[test]
 fn a_hand_pushes_no_harder_than_it_does() {
-    let most = 0.3;
+    let most = 0.08;
     let push = |hand_force: f64| {
         let mut spec = gripped();
         spec.hand_force = hand_force;
@@ -315,9 +315,9 @@ fn a_hand_pushes_no_harder_than_it_does() {
     assert!(above.len() <= 2, "{above:?}");
     assert!(forces.iter().any(|force| *force > 0.8 * most) && behind > 1e-3);
     assert!(behind.is_finite(), "{forces:?}");
-    let (free, _) = push(f64::INFINITY);
+    let (free, never) = push(f64::INFINITY);
     let largest = free.iter().fold(0.0, |most: f64, force| most.max(*force));
-    assert!(largest > 10.0 * most, "{largest}");
+    assert!(largest > 2.0 * most && never == f64::INFINITY, "{largest}");
 }
 
 /// A tool that is too fast for the budget of a tick is followed as far as that goes, and arrives at its target.

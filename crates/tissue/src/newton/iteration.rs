@@ -71,7 +71,9 @@ impl NewtonSolver {
         let (mut least, mut stagnated) = (f64::INFINITY, 0);
         let most = newton.iterations.saturating_mul(self.effort);
         while report.iterations < most || self.needs_more(most, report.iterations) {
-            if report.iterations > 0 && self.work >= self.most_work {
+            // What must converge fails if it is cut short, and takes more in the end.
+            let may_end = report.iterations > 0 && !newton.must_converge;
+            if may_end && self.work >= self.most_work {
                 report.is_cut_short = true;
                 break;
             }

@@ -18,7 +18,7 @@ pub(crate) struct NewtonSolver {
     pub(super) options: NewtonOptions,
     /// Multiple of the iterations that an equation may take.
     pub effort: u32,
-    /// The work that an equation may take \[s\]: beyond it no further iteration begins.
+    /// The work that an equation may take \[s\]: beyond it no further iteration begins, unless it must converge.
     pub most_work: f64,
     /// What the present one has taken \[s\].
     pub(super) work: f64,
