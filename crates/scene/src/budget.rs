@@ -78,7 +78,7 @@ mod tests {
         budget.spend(11.0);
         assert_eq!((budget.part(1), budget.spent), (0.0, 17.0));
         let mut fast = Budget::new(Some(16.0), 0.5);
-        assert_eq!(fast.substeps(32.0, 2), (8, 0.25));
+        assert_eq!(fast.substeps(32.0, 2), (12, 0.375));
         assert!(fast.is_exceeded);
         // At least one, however little there is.
         assert_eq!(Budget::new(Some(0.1), 1.0).substeps(2.0, 1), (1, 0.5));
