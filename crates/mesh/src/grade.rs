@@ -2,7 +2,8 @@
 //!
 //! What is here: [`TetMesh::graded`], by bisection of marked tetrahedra (Arnold, Mukherjee & Pouly 2000). The result is conforming, fills the same volume, and its
 //! shapes are those of a finite number of descendants of each element, so that no size, however small, makes worse ones than the first few bisections. What is not:
-//! estimates of where small elements are needed; coarsening; curved walls (new nodes lie on the straight edges of the mesh that was there).
+//! estimates of where small elements are needed; coarsening. New nodes lie on the straight edges of the mesh that was there, unless they are
+//! placed elsewhere afterwards ([`Graded::place_middles`]).
 
 mod bisection;
 mod zone;
@@ -45,6 +46,11 @@ pub enum GradeError {
         /// The least that the mesh allows \[m\].
         least: f64,
     },
+    /// Nodes that were placed on a curved surface turn an element inside out.
+    Inverted {
+        /// The element.
+        element: usize,
+    },
     /// More elements than allowed.
     Elements {
         /// How many there were when refinement ended.
@@ -61,6 +67,10 @@ impl std::fmt::Display for GradeError {
             Self::Size { size, least, .. } => write!(
                 f,
                 "elements cannot be of size {size:?} m; expected a finite one of at least {least:.1e} m, a billionth of the mesh"
+            ),
+            Self::Inverted { element } => write!(
+                f,
+                "new nodes on the curved wall turn element {element} inside out, as large elements beside small ones are too flat for it; expected more cells around, or a size that is nearer to theirs"
             ),
             Self::Elements { reached, limit } => write!(
                 f,
@@ -141,6 +151,26 @@ impl TetMesh {
 }
 
 impl Graded {
+    /// Moves each new node to the place that `place` gives for the two that it lies between \[m\], in their order: onto a curved surface, for example.
+    ///
+    /// # Errors
+    /// If an element would not be positive.
+    pub fn place_middles(
+        mut self,
+        place: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>,
+    ) -> Result<Self, GradeError> {
+        let before = self.mesh.positions.len() - self.middles.len();
+        for (new, ends) in self.middles.iter().enumerate() {
+            let [a, b] = ends.map(|end| self.mesh.positions[end as usize]);
+            self.mesh.positions[before + new] = place(&a, &b);
+        }
+        let volumes = self.mesh.volumes().into_iter();
+        match volumes.enumerate().find(|(_, volume)| *volume <= 0.0) {
+            Some((element, _)) => Err(GradeError::Inverted { element }),
+            None => Ok(self),
+        }
+    }
+
     /// Faces of the mesh before, each in the parts that it is divided into, with its orientation and in the order of the elements. One that is no face
     /// of the boundary is left out.
     pub fn faces(&self, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
