@@ -49,7 +49,7 @@ fn refine(args: &MeshRefineArgs) -> Result<Exit, Problem> {
     let name = args.input.display();
     let import = mesh_file::read(&args.input)?;
     for note in &import.notes {
-        print(format!("warning: {name}: {note}"))?;
+        print(format!("note: {name}: {note}"))?;
     }
     let mesh = &import.mesh;
     // A mesh that is wrong already would be refined into one that is wrong everywhere.

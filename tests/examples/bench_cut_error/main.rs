@@ -24,17 +24,24 @@ const CUTS: usize = 20;
 /// Of the random places.
 const SEED: u64 = 2026;
 
-/// The meshes, and the one that stands for the truth in stretched tissue, which is the last.
-const MESHES: [(&str, Mesh); 8] = [
-    ("as shipped, 20 × 2 × 1", Mesh::Cells([20, 2, 1])),
-    ("uniform, 30 × 3 × 2", Mesh::Cells([30, 3, 2])),
-    ("uniform, 40 × 4 × 2", Mesh::Cells([40, 4, 2])),
-    ("uniform, 60 × 6 × 3", Mesh::Cells([60, 6, 3])),
-    ("graded, ½ within 0.5 mm", Mesh::Graded(0.5, 0.5e-3)),
-    ("graded, ¼ within 0.5 mm", Mesh::Graded(0.25, 0.5e-3)),
-    ("graded, ¼ within 0.2 mm", Mesh::Graded(0.25, 0.2e-3)),
-    ("graded, ⅙ within 0.2 mm", Mesh::Graded(1.0 / 6.0, 0.2e-3)),
+/// The meshes, each with the number of players of [`scripts::play`].
+const MESHES: [(&str, Mesh, usize); 8] = [
+    ("as shipped, 20 × 2 × 1", Mesh::Cells([20, 2, 1]), 3),
+    ("uniform, 30 × 3 × 2", Mesh::Cells([30, 3, 2]), 1),
+    ("uniform, 40 × 4 × 2", Mesh::Cells([40, 4, 2]), 3),
+    ("uniform, 60 × 6 × 3", Mesh::Cells([60, 6, 3]), 0),
+    ("graded, ½ within 0.5 mm", Mesh::Graded(0.5, 0.5e-3), 3),
+    ("graded, ¼ within 0.5 mm", Mesh::Graded(0.25, 0.5e-3), 0),
+    ("graded, ¼ within 0.2 mm", Mesh::Graded(0.25, 0.2e-3), 1),
+    (
+        "graded, ⅙ within 0.2 mm",
+        Mesh::Graded(1.0 / 6.0, 0.2e-3),
+        0,
+    ),
 ];
+
+/// The place among them of the mesh with which players on others are compared.
+const FINE: usize = 2;
 
 /// The mesh that stands for the truth where no plane is known.
 const TRUTH: Mesh = Mesh::Cells([80, 8, 4]);
@@ -74,9 +81,10 @@ fn measure(level: u32) -> Result<Vec<Row>, String> {
         .iter()
         .map(|plane| truth.path(plane))
         .collect::<Result<_, _>>()?;
+    let marks = strip.cut_marks(&planes);
     let mut shortest = None;
     let mut rows = Vec::new();
-    for (name, mesh) in MESHES {
+    for (name, mesh, _) in MESHES {
         let body = strip.with(mesh)?;
         let height = body.mesh().shortest_height();
         let lips: Vec<Lips> = planes
@@ -84,7 +92,7 @@ fn measure(level: u32) -> Result<Vec<Row>, String> {
             .map(|plane| blade::lips(body.mesh(), plane))
             .collect::<Result<_, _>>()?;
         let stretched = body.stretched()?;
-        let metric = planes.iter().zip(&truth).zip(&strip.cut_marks(&planes));
+        let metric = planes.iter().zip(&truth).zip(&marks);
         let metric: Vec<(f64, f64)> = metric
             .map(|((plane, truth), mark)| Ok(stretched.path(plane)?.differs(truth, mark)))
             .collect::<Result<_, String>>()?;
@@ -103,11 +111,11 @@ fn measure(level: u32) -> Result<Vec<Row>, String> {
 }
 
 /// The rows of a level as a table.
-fn table(rows: &[Row], scripts: &[Option<scripts::Passed>]) -> String {
+fn table(rows: &[Row], played: &[scripts::Played]) -> String {
     let mut text = String::from(
-        "| mesh | tetrahedra | tick at rest, forceps on it [ms] | shortest height | in two | lips: angle [°] | lips: place [µm] | lips: scatter [µm] | metric: angle [°] | metric: place [µm] | script that passes: angle [°] | place [µm] | CPU [s] |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| mesh | tetrahedra | tick at rest, forceps on it [ms] | shortest height | in two | lips: angle [°] | lips: place [µm] | lips: scatter [µm] | metric: angle [°] | metric: place [µm] | script that passes: angle [°] | place [µm] | time [s] | trainees, against 40 × 4 × 2: angle [°] | place [µm] |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    for (row, script) in rows.iter().zip(scripts) {
+    for (row, players) in rows.iter().zip(played) {
         let degrees = 1f64.to_degrees();
         let within = row.lips.iter().all(|l| l.angle < AIM.0 && l.place < AIM.1);
         let name = if within {
@@ -115,19 +123,32 @@ fn table(rows: &[Row], scripts: &[Option<scripts::Passed>]) -> String {
         } else {
             row.mesh.to_owned()
         };
-        let played = match script {
-            Some(passed) => format!(
+        let script = match players.first() {
+            Some(Some(script)) => format!(
                 "{:.1} | {:.0} | {:.1}{}",
-                passed.angle * degrees,
-                passed.distance * 1e6,
-                passed.cpu,
-                if passed.passed { "" } else { " (not passed)" }
+                script.angle * degrees,
+                script.distance * 1e6,
+                script.time,
+                if script.passed { "" } else { " (not passed)" }
             ),
+            Some(None) => "no cut | – | –".to_owned(),
             None => "– | – | –".to_owned(),
         };
+        let pairs = players.iter().zip(&played[FINE]).skip(1);
+        let pairs = pairs.filter_map(|(here, fine)| Some(((*here)?, (*fine)?)));
+        let (angles, places): (Vec<String>, Vec<String>) = pairs
+            .map(|(here, fine)| {
+                let angle = format!("{:+.1}", (here.angle - fine.angle) * degrees);
+                (
+                    angle,
+                    format!("{:+.0}", (here.distance - fine.distance) * 1e6),
+                )
+            })
+            .unzip();
+        let script = format!("{script} | {} | {}", angles.join(", "), places.join(", "));
         let _ = writeln!(
             text,
-            "| {name} | {} | {:.2} | {:.2} | {} of {} | {} | {} | {} | {} | {} | {played} |",
+            "| {name} | {} | {:.2} | {:.2} | {} of {} | {} | {} | {} | {} | {} | {script} |",
             row.elements,
             row.tick,
             row.height,

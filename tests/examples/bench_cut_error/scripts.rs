@@ -2,9 +2,10 @@
 
 use crate::level::{Mesh, Strip, refined};
 use microsim_tests::changed_levels::ChangedLevels;
-use microsim_tests::{scratch, tree};
+use microsim_tests::{command, finish, scratch, tree};
 use serde_json::Value;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// What the report of a run gives.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +15,7 @@ pub struct Passed {
     /// From its mark \[m\].
     pub distance: f64,
     /// Wall-clock time of the run on one thread \[s\].
-    pub cpu: f64,
+    pub time: f64,
     /// Whether the level was passed.
     pub passed: bool,
 }
@@ -41,49 +42,78 @@ fn changed(level: &str, marks: &[nalgebra::Vector3<f64>], mesh: Mesh) -> String 
     }
 }
 
-/// Each level on each mesh; `None` where a run gives no cut.
-pub fn play(levels: &[u32], meshes: &[(&str, Mesh)]) -> Result<Vec<Vec<Option<Passed>>>, String> {
+/// Synthetic trainees that play besides the script that passes: profile and seed, which are those of the first trainees of `sensitivity.md`.
+const TRAINEES: [(&str, &str); 2] = [("expert", "4001"), ("novice", "4001")];
+
+/// What the script that passes and, where they play, the synthetic trainees come to on a mesh; `None` where a run gives no cut.
+pub type Played = Vec<Option<Passed>>;
+
+/// Each level on each mesh with so many players, of which the first is the script that passes.
+pub fn play(levels: &[u32], meshes: &[(&str, Mesh, usize)]) -> Result<Vec<Vec<Played>>, String> {
     let mut all = Vec::new();
     for level in levels {
         let strip = Strip::open(*level)?;
+        let folder = scratch();
+        let script = tree().join(format!(
+            "modules/coordination/scripts/level{level}-pass.toml"
+        ));
+        let mut players = vec![script.clone()];
+        for (profile, seed) in TRAINEES {
+            let path = folder.path().join(format!("{profile}-{seed}.toml"));
+            let mut made = command(["trainee".as_ref(), script.as_os_str()]);
+            made.args(["--profile", profile, "--seed", seed, "--out"])
+                .arg(&path);
+            finish(&mut made).expect(0);
+            players.push(path);
+        }
         let mut of_level = Vec::new();
-        for (name, mesh) in meshes {
-            let changed = ChangedLevels::new("coordination", |text| {
-                // Of other levels the marks lie elsewhere; they are not played.
-                changed(text, &strip.marks, *mesh)
+        for (name, mesh, count) in meshes {
+            // Of other levels the marks lie elsewhere; they are not played.
+            let changed =
+                ChangedLevels::new("coordination", |text| changed(text, &strip.marks, *mesh));
+            let played = players.iter().take(*count).enumerate();
+            let played = played.map(|(player, script)| {
+                let session = folder
+                    .path()
+                    .join(format!("{}-{player}.session", of_level.len()));
+                run(&changed, *level, script, &session)
             });
-            let folder = scratch();
-            let script = tree().join(format!(
-                "modules/coordination/scripts/level{level}-pass.toml"
-            ));
-            let input = format!("script:{}", script.display());
-            let begin = std::time::Instant::now();
-            let report = changed.run(
-                &folder.path().join("run.session"),
-                &[
-                    "--no-pictures",
-                    "--level",
-                    &level.to_string(),
-                    "--input",
-                    &input,
-                ],
-            );
-            let cpu = begin.elapsed().as_secs_f64();
-            let metrics = report["metrics"].as_array().cloned().unwrap_or_default();
-            let value = |id: &str| {
-                let metric = metrics.iter().find(|metric| metric["id"] == id);
-                metric.and_then(|metric| metric["value"].as_f64())
-            };
-            let found = value("cut-angle").zip(value("cut-distance"));
-            of_level.push(found.map(|(angle, distance)| Passed {
-                angle,
-                distance,
-                cpu,
-                passed: report["verdict"] == Value::from("passed"),
-            }));
-            eprintln!("level {level}: {name}: script");
+            of_level.push(played.collect());
+            eprintln!("level {level}: {name}: played");
         }
         all.push(of_level);
     }
     Ok(all)
+}
+
+/// Runs a script to its end and reads the report of its session.
+fn run(changed: &ChangedLevels, level: u32, script: &Path, session: &Path) -> Option<Passed> {
+    let input = format!("script:{}", script.display());
+    let begin = std::time::Instant::now();
+    changed.run(
+        session,
+        &[
+            "--no-pictures",
+            "--level",
+            &level.to_string(),
+            "--input",
+            &input,
+        ],
+    );
+    let time = begin.elapsed().as_secs_f64();
+    let session = session.to_string_lossy();
+    let report = finish(&mut changed.command(&["report", &session, "--json"]))
+        .expect(0)
+        .json();
+    let metrics = report["metrics"].as_array()?;
+    let value = |id: &str| {
+        let metric = metrics.iter().find(|metric| metric["id"] == id)?;
+        metric["value"].as_f64()
+    };
+    Some(Passed {
+        angle: value("cut-angle")?,
+        distance: value("cut-distance")?,
+        time,
+        passed: report["verdict"] == Value::from("passed"),
+    })
 }
