@@ -1,4 +1,4 @@
-//! `microsim mesh refine`, and what `check` and `simulate` say about scenes that refine their meshes.
+//! `microsim mesh refine`, and what `check` and `simulate` output about scenes that refine their meshes.
 
 use microsim_mesh::format::{MeshFormat, read_tet_mesh, write_gmsh_2};
 use microsim_mesh::{Block, CellSplit, TetMesh};

@@ -207,7 +207,7 @@ fn sorted(mut face: [u32; 3]) -> [u32; 3] {
     face
 }
 
-/// An element on the way.
+/// An element of a mesh that is being refined.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     element: Marked,

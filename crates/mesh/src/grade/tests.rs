@@ -267,7 +267,7 @@ fn parts_keep_region_and_fibres_and_the_same_input_gives_the_same_bits() {
     }
 }
 
-/// The parts of the end face of a tube make it up: their areas sum up to its own, and they face the same way.
+/// The parts of the end face of a tube make it up: their areas sum up to its own, and they face as it does.
 #[test]
 fn faces_of_the_mesh_before_are_found_in_their_parts() {
     let mesh = tube();
