@@ -2,8 +2,7 @@
 
 use crate::level::{Mesh, Strip, refined};
 use microsim_tests::changed_levels::ChangedLevels;
-use microsim_tests::{command, finish, scratch, tree};
-use serde_json::Value;
+use microsim_tests::{finish, scratch, tree};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -42,48 +41,25 @@ fn changed(level: &str, marks: &[nalgebra::Vector3<f64>], mesh: Mesh) -> String 
     }
 }
 
-/// Synthetic trainees that play besides the script that passes: profile and seed, which are those of the first trainees of `sensitivity.md`.
-const TRAINEES: [(&str, &str); 2] = [("expert", "4001"), ("novice", "4001")];
-
-/// What the script that passes and, where they play, the synthetic trainees come to on a mesh; `None` where a run gives no cut.
-pub type Played = Vec<Option<Passed>>;
-
-/// Each level on each mesh with so many players, of which the first is the script that passes.
-pub fn play(levels: &[u32], meshes: &[(&str, Mesh, usize)]) -> Result<Vec<Vec<Played>>, String> {
-    let mut all = Vec::new();
-    for level in levels {
-        let strip = Strip::open(*level)?;
-        let folder = scratch();
-        let script = tree().join(format!(
-            "modules/coordination/scripts/level{level}-pass.toml"
-        ));
-        let mut players = vec![script.clone()];
-        for (profile, seed) in TRAINEES {
-            let path = folder.path().join(format!("{profile}-{seed}.toml"));
-            let mut made = command(["trainee".as_ref(), script.as_os_str()]);
-            made.args(["--profile", profile, "--seed", seed, "--out"])
-                .arg(&path);
-            finish(&mut made).expect(0);
-            players.push(path);
+/// The script that passes a level, on each mesh; `None` where it cuts nothing or is not played.
+pub fn play(level: u32, strip: &Strip, meshes: &[(&str, Mesh, bool)]) -> Vec<Option<Passed>> {
+    let folder = scratch();
+    let script = tree().join(format!(
+        "modules/coordination/scripts/level{level}-pass.toml"
+    ));
+    let meshes = meshes.iter().enumerate();
+    let played = meshes.map(|(index, (name, mesh, is_played))| {
+        if !is_played {
+            return None;
         }
-        let mut of_level = Vec::new();
-        for (name, mesh, count) in meshes {
-            // Of other levels the marks lie elsewhere; they are not played.
-            let changed =
-                ChangedLevels::new("coordination", |text| changed(text, &strip.marks, *mesh));
-            let played = players.iter().take(*count).enumerate();
-            let played = played.map(|(player, script)| {
-                let session = folder
-                    .path()
-                    .join(format!("{}-{player}.session", of_level.len()));
-                run(&changed, *level, script, &session)
-            });
-            of_level.push(played.collect());
-            eprintln!("level {level}: {name}: played");
-        }
-        all.push(of_level);
-    }
-    Ok(all)
+        // Of other levels the marks lie elsewhere; they are not played.
+        let changed = ChangedLevels::new("coordination", |text| changed(text, &strip.marks, *mesh));
+        let session = folder.path().join(format!("{index}.session"));
+        let played = run(&changed, level, &script, &session);
+        eprintln!("level {level}: {name}: played");
+        played
+    });
+    played.collect()
 }
 
 /// Runs a script to its end and reads the report of its session.
@@ -114,6 +90,6 @@ fn run(changed: &ChangedLevels, level: u32, script: &Path, session: &Path) -> Op
         angle: value("cut-angle")?,
         distance: value("cut-distance")?,
         time,
-        passed: report["verdict"] == Value::from("passed"),
+        passed: report["verdict"] == "passed",
     })
 }

@@ -197,9 +197,9 @@ fn sizes_are_reached_in_the_zones_and_nothing_else_is_divided_but_for_neighbours
                 *at_edges.entry(edge).or_default() += 1;
             }
         }
-        for element in 0..mesh.tets.len() {
+        for (element, own) in parts.iter().enumerate() {
             if !divided(element) {
-                assert_eq!(of.tets[parts[element][0]], mesh.tets[element]);
+                assert_eq!(of.tets[own[0]], mesh.tets[element]);
                 untouched += 1;
                 continue;
             }
