@@ -66,6 +66,12 @@ pub const BENCHES: &[Program] = &[
         shows: "CPU time per picture of 16 ms of each level, shares of the plugins",
     },
     Program {
+        name: "cut-error",
+        package: TESTS,
+        example: "bench_cut_error",
+        shows: "what the mesh adds to angle and place of a cut, on other meshes; their cost",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",

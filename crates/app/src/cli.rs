@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use microsim_host::assemble::{Input, Isolate};
+use microsim_mesh::Zone;
 use microsim_settings::Override;
 use std::path::{Path, PathBuf};
 
@@ -66,6 +67,9 @@ pub enum Command {
     Bus(BusArgs),
     /// Validate config, scenes, meshes, modules, levels, scripts and recordings without running them
     Check(CheckArgs),
+    /// Make a mesh file from another
+    #[command(subcommand)]
+    Mesh(MeshCommand),
     /// Print the JSON Schema of a kind of file, for editors
     Schema(SchemaArgs),
     /// Show what this machine has and lacks
@@ -373,6 +377,43 @@ pub struct CheckArgs {
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum MeshCommand {
+    /// Halve tetrahedra where they are to be small, and around there as far as neighbours have to follow
+    Refine(MeshRefineArgs),
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Lengths are in units of the file. Regions and fibre directions stay with the parts of an element.
+
+Examples:
+  microsim mesh refine organ.msh fine.msh --near 0,0,3,1.5 --size 0.2
+  microsim mesh refine organ.vtu fine.vtu --near region:2 --size 0.4 --near plane:0,0,0,1,0,0,0.1 --size 0.2"
+)]
+pub struct MeshRefineArgs {
+    /// Mesh file with tetrahedra
+    #[arg(value_name = "IN", value_parser = utf8_path)]
+    pub input: PathBuf,
+    /// File to write, .msh or .vtu; it must not exist
+    #[arg(value_name = "OUT", value_parser = utf8_path)]
+    pub output: PathBuf,
+    /// Where: X,Y,Z,R (what reaches within R of a point), segment:X,Y,Z,X,Y,Z,R, plane:X,Y,Z,NX,NY,NZ,D or region:N; may be given several times
+    #[arg(long, value_name = "ZONE", required = true, allow_hyphen_values = true, value_parser = crate::zone::parse_zone)]
+    pub near: Vec<Zone>,
+    /// Longest edge of a tetrahedron there: once for all zones, or once for each in their order
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        required = true,
+        allow_hyphen_values = true
+    )]
+    pub size: Vec<f64>,
+    /// Most tetrahedra of the result [default: those that a body may have, 5000000]
+    #[arg(long, value_name = "N")]
+    pub limit: Option<u64>,
 }
 
 #[derive(Debug, Args)]

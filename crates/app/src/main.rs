@@ -22,6 +22,7 @@ mod key_pictures;
 mod list;
 mod listing;
 mod log;
+mod mesh;
 mod mesh_file;
 mod output;
 mod processor;
@@ -37,6 +38,7 @@ mod simulate;
 mod station;
 mod trainee;
 mod tune;
+mod zone;
 
 use clap::Parser;
 use clap::error::ErrorKind;
@@ -84,6 +86,7 @@ fn main() -> ExitCode {
         Command::Trainee(args) => trainee::trainee(&cli.place, args),
         Command::Bus(args) => bus::bus(&cli.place, args),
         Command::Check(args) => check::check(&cli.place, args),
+        Command::Mesh(command) => mesh::mesh(command),
         Command::Schema(args) => schema::schema(&cli.place, args),
         Command::Doctor => doctor::doctor(&cli.place),
         Command::Guest => guest::guest(),

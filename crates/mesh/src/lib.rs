@@ -1,6 +1,6 @@
 //! Tetrahedral meshes: generators, files, connectivity, edits of the topology, validity.
 //!
-//! What is here: the mesh with stable ids and regions; blocks, tubes of layers, closed surfaces filled with tetrahedra;
+//! What is here: the mesh with stable ids and regions; blocks, tubes of layers, closed surfaces filled with tetrahedra; uniform and local refinement;
 //! the boundary and parts of it; reports on what is wrong with a mesh or surface, with place and
 //! remedy. What is not: physics, reading and writing of disks (formats turn bytes into meshes
 //! and back), deciding what is cut (edits of the topology are carried out here, made elsewhere). Pure: same input, same
@@ -15,6 +15,7 @@ mod defects;
 mod edit;
 mod fill;
 pub mod format;
+mod grade;
 #[cfg(test)]
 mod quality;
 mod refine;
@@ -29,6 +30,7 @@ pub use block::{Block, BlockError};
 pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
 pub use edit::{Applied, CutFace, EditError, NewNode, Replaced, Replacement, Side, TopologyEdit};
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
+pub use grade::{GradeError, Graded, Grading, Zone};
 pub use microsim_geometry::signed_volume;
 pub use microsim_vocabulary::CellSplit;
 pub use refine::{PARTS, Refined};

@@ -55,6 +55,8 @@ table! {
         /// Middle of a block or tube, place of the origin of a file, in the frame of the field \[m\]: origin of the
         /// body's frame.
         centre: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Where its mesh is finer than the generator or file makes it; all of them hold.
+        refine: Vec<Refine> [0, 64],
         /// Drag per mass \[1/s\]: a free body loses its speed at this rate.
         drag: f64 = quantity(Unit::Rate, 0.0, 1e5) => 0.0,
         /// Colour in pictures, sRGB.
@@ -93,7 +95,7 @@ impl Body {
         }
     }
 
-    /// Number of tetrahedra, if that stands in the settings: six per cell.
+    /// Number of tetrahedra before any `refine`, if that stands in the settings: six per cell.
     pub fn elements(&self) -> Option<u64> {
         let cells: u64 = match self.generator {
             Generator::Block => self.cells?.into_iter().map(u64::from).product(),
@@ -129,6 +131,26 @@ table! {
         cells: u32 [1, 100],
         /// Region of its elements.
         region: u32 => 0,
+    }
+}
+
+table! {
+    /// A part of a body in which tetrahedra are halved until they are small enough, and around it as far as neighbours have to follow: near a point, a segment
+    /// (`point` and `to`), a plane (`point` and `normal`), or a region. In the body's frame and at rest.
+    #[derive(Copy)]
+    pub struct Refine {
+        /// A point, in the body's frame \[m\].
+        point: Option<[f64; 3]> = point(),
+        /// The other end of a segment from `point` \[m\].
+        to: Option<[f64; 3]> = point(),
+        /// Normal of a plane through `point`.
+        normal: Option<[f64; 3]> = direction(),
+        /// Every tetrahedron that reaches closer to the point, segment or plane than this is made small \[m\].
+        radius: Option<f64> = size(),
+        /// A region of the mesh, instead of a place.
+        region: Option<u32>,
+        /// Longest edge that a tetrahedron may have there \[m\].
+        size: f64 = size(),
     }
 }
 

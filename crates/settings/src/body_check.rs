@@ -125,6 +125,9 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
             }
             check_size(reading, &key, body);
         }
+        for (r, _) in items(body, "refine") {
+            check_refine(reading, &key.key("refine").at(r));
+        }
         for (m, material) in items(body, "material") {
             let key = key.key("material").at(m);
             check_material(reading, &key, material);
@@ -158,6 +161,34 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
                 reading.complain(&key, "the same region", "another region than `from`");
             }
         }
+    }
+}
+
+/// A part to be refined is a region, or within a radius of a point, segment or plane.
+fn check_refine(reading: &mut Reading, key: &KeyPath) {
+    let written = |name: &str| reading.is_written(&key.key(name));
+    let (region, point) = (written("region"), written("point"));
+    let (to, normal, radius) = (written("to"), written("normal"), written("radius"));
+    if region {
+        for name in ["point", "to", "normal", "radius"] {
+            hold(reading, key, name, false, false, "a region to be refined");
+        }
+    } else if !(point || to || normal || radius) {
+        let expected =
+            "`point` with `radius` (and `to` for a segment, `normal` for a plane), or `region`";
+        reading.complain(key, "no part of the body", expected);
+    } else {
+        for name in ["point", "radius"] {
+            hold(reading, key, name, true, true, "a place to be refined");
+        }
+    }
+    if to && normal {
+        let found = "`to` and `normal`";
+        reading.complain(
+            &key.key("normal"),
+            found,
+            "one of them: a segment or a plane",
+        );
     }
 }
 

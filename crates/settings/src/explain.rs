@@ -44,7 +44,13 @@ pub fn level_parts(level: &Level, without: &[String]) -> Vec<LevelPart> {
                 (Some(elements), _) => format!("{elements} tetrahedra"),
                 (None, file) => format!("its mesh from {}", file.as_deref().unwrap_or("a file")),
             };
-            let why = format!("the level names it; {mesh}{}", mesh_reason(level));
+            let refined = match body.refine.len() {
+                0 => String::new(),
+                1 => ", finer in one place".to_owned(),
+                places => format!(", finer in {places} places"),
+            };
+            let reason = mesh_reason(level);
+            let why = format!("the level names it; {mesh}{refined}{reason}");
             parts.push(part("body", &body.name, why));
         }
         for pair in &level.contact {

@@ -50,7 +50,8 @@ mod translator;
 mod tree;
 
 pub use body::{
-    Body, Clamp, Coupling, Generator, Layer, Load, MAX_ELEMENTS, MotionKey, Nodes, Shell, Start,
+    Body, Clamp, Coupling, Generator, Layer, Load, MAX_ELEMENTS, MotionKey, Nodes, Refine, Shell,
+    Start,
 };
 pub use chart::{
     Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution,

@@ -8,7 +8,9 @@ use crate::spec::{
     StartSpec,
 };
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
-use microsim_mesh::{Arc, Block, Layer, PARTS, TetMesh, Tube, TubeSide, fill};
+use microsim_mesh::{
+    Arc, Block, GradeError, Grading, Layer, PARTS, TetMesh, Tube, TubeSide, Zone, fill,
+};
 use microsim_settings as settings;
 use microsim_tissue::{Discretisation, Material};
 use nalgebra::Vector3;
@@ -23,6 +25,9 @@ pub(super) fn body(
     notes: &mut Vec<String>,
 ) -> Result<BodySpec, FromSettingsError> {
     let mut made = mesh(body, key, load, notes)?;
+    if !body.refine.is_empty() {
+        made = made.graded(body, key)?;
+    }
     if body.material.iter().any(is_quadratic) {
         let tets = PARTS * made.mesh.tets.len();
         allowed(tets as f64)
@@ -133,6 +138,39 @@ impl Made {
         }
     }
 
+    /// Refined where the body asks for it; a tube of quadratic tetrahedra, which are curved, stays round.
+    fn graded(self, body: &settings::Body, key: &KeyPath) -> Result<Self, FromSettingsError> {
+        let key = key.key("refine");
+        let gradings = body.refine.iter().enumerate().map(|(index, refine)| {
+            let zone = zone(refine, &Vector3::from(body.centre));
+            let zone =
+                zone.ok_or_else(|| missing(key.at(index), "`point` with `radius`, or `region`,"))?;
+            let size = refine.size;
+            Ok(Grading { zone, size })
+        });
+        let gradings: Vec<Grading> = gradings.collect::<Result<_, _>>()?;
+        let limit = settings::MAX_ELEMENTS as usize;
+        let graded = self.mesh.graded(&gradings, limit);
+        let graded = match &self.tube {
+            Some(tube) if body.material.iter().any(is_quadratic) => {
+                graded.and_then(|graded| graded.place_middles(|a, b| tube.between(a, b)))
+            }
+            _ => graded,
+        };
+        let graded = graded.map_err(|error| {
+            let key = match error {
+                GradeError::Zone { index, .. } | GradeError::Size { index, .. } => key.at(index),
+                GradeError::Inverted { .. } | GradeError::Elements { .. } => key.at(0),
+            };
+            FromSettingsError::new(key, FromSettingsCause::Refine(error))
+        })?;
+        Ok(Self {
+            ends: self.ends.iter().map(|face| graded.faces(face)).collect(),
+            mesh: graded.mesh,
+            tube: self.tube,
+        })
+    }
+
     /// Refined once, for quadratic tetrahedra; those of a tube are curved.
     fn refined(self) -> Self {
         let mut refined = self.mesh.refined();
@@ -145,6 +183,30 @@ impl Made {
             tube: self.tube,
         }
     }
+}
+
+/// The part of a body that is to be refined, in the world; `origin` is that of the body's frame \[m\]. `None` if its keys name none.
+fn zone(refine: &settings::Refine, origin: &Vector3<f64>) -> Option<Zone> {
+    let place = |point: [f64; 3]| (origin + Vector3::from(point)).into();
+    if let Some(region) = refine.region {
+        return Some(Zone::Region(region));
+    }
+    let (point, radius) = (place(refine.point?), refine.radius?);
+    Some(match (refine.to, refine.normal) {
+        (Some(to), _) => Zone::Capsule {
+            ends: [point, place(to)],
+            radius,
+        },
+        (None, Some(normal)) => Zone::Slab {
+            point,
+            normal,
+            distance: radius,
+        },
+        (None, None) => Zone::Ball {
+            center: point,
+            radius,
+        },
+    })
 }
 
 /// Whether a material asks for quadratic tetrahedra.

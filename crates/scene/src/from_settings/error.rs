@@ -2,7 +2,7 @@
 
 use crate::error::SceneError;
 use microsim_mesh::format::FormatError;
-use microsim_mesh::{BlockError, FillError, TubeError};
+use microsim_mesh::{BlockError, FillError, GradeError, TubeError};
 use microsim_settings::KeyPath;
 use microsim_tissue::elements::CoupleError;
 
@@ -50,6 +50,8 @@ pub enum FromSettingsCause {
     Tube(TubeError),
     /// A surface cannot be filled.
     Fill(FillError),
+    /// A mesh cannot be refined.
+    Refine(GradeError),
     /// A material is for a region that the mesh does not have.
     Region {
         /// The region.
@@ -83,6 +85,7 @@ impl std::fmt::Display for FromSettingsCause {
             Self::Block(source) => write!(f, "{source}"),
             Self::Tube(source) => write!(f, "{source}"),
             Self::Fill(source) => write!(f, "{source}"),
+            Self::Refine(source) => write!(f, "{source}"),
             Self::Region { region, regions } => write!(
                 f,
                 "the mesh has no region {region}, only {regions:?}: correct the region of the material or of the mesh"

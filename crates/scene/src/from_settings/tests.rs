@@ -291,3 +291,92 @@ f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
     let volume: f64 = mesh.volumes().iter().sum();
     assert!((volume / 16e-9 - 1.0).abs() < 0.05, "{volume}");
 }
+
+/// A strip is fine across its middle, a region of a tube is fine, and the faces at its ends are still its ends; in the body's frame: the block lies 1 mm beside
+/// the origin of the field.
+#[test]
+fn meshes_are_refined_where_bodies_ask_for_it() {
+    let block = format!("{BLOCK}centre = ['1 mm', 0, 0]\n{MATERIAL}");
+    let plain = describe(&read("quasi-static", &block))
+        .bodies
+        .remove(0)
+        .mesh;
+    let refine =
+        "refine = [{point=[0, '-1 mm', 0], to=[0, '1 mm', 0], radius='0.1 mm', size='0.4 mm'}]\n";
+    let fine = describe(&read("quasi-static", &format!("{block}{refine}")))
+        .bodies
+        .remove(0)
+        .mesh;
+    let longest = |mesh: &microsim_mesh::TetMesh, element: usize| {
+        let edges = mesh
+            .element_edges(element)
+            .map(|[a, b]| (mesh.positions[a as usize] - mesh.positions[b as usize]).norm());
+        edges.into_iter().fold(0.0, f64::max)
+    };
+    let mut small = 0;
+    for element in 0..fine.tets.len() {
+        let middle: Vector3<f64> = fine.corners(element).iter().sum::<Vector3<f64>>() / 4.0;
+        let near = Vector3::new(middle.x - 1e-3, 0.0, middle.z).norm() < 0.1e-3;
+        assert!(!near || longest(&fine, element) <= 0.4e-3);
+        small += usize::from(near);
+    }
+    assert!(small > 0 && fine.tets.len() > 4 * plain.tets.len());
+    let volume = |mesh: &microsim_mesh::TetMesh| mesh.volumes().iter().sum::<f64>();
+    assert!((volume(&fine) / volume(&plain) - 1.0).abs() < 1e-12);
+
+    let tube = "generator='tube'\ninner_radius='0.5 mm'\nlength='2 mm'\naround=12\nalong=4\n\
+                layer=[{thickness='0.1 mm', cells=1}, {thickness='0.1 mm', cells=1, region=1}]\n";
+    for discretisation in ["selective", "quadratic-pressure"] {
+        let material = format!(
+            "material=[{{density=1000, law='stable-neo-hookean', youngs_modulus='1 MPa', poisson_ratio=0.45, discretisation='{discretisation}'}}]\n"
+        );
+        let area = |refine: &str| {
+            let read = read("implicit-euler", &format!("{tube}{material}{refine}"));
+            let body = describe(&read).bodies.remove(0);
+            assert!(body.mesh.volumes().iter().all(|v| *v > 0.0));
+            let areas = body.ends.iter().map(|faces| -> f64 {
+                let of_face = |face: &[u32; 3]| {
+                    let [a, b, c] = face.map(|n| body.mesh.positions[n as usize]);
+                    (b - a).cross(&(c - a)).norm() / 2.0
+                };
+                faces.iter().map(of_face).sum()
+            });
+            (body.ends[0].len(), areas.collect::<Vec<f64>>())
+        };
+        let (coarse, fine) = (area(""), area("refine = [{region=1, size='0.25 mm'}]\n"));
+        assert!(fine.0 > coarse.0);
+        for (before, after) in coarse.1.iter().zip(&fine.1) {
+            // Straight edges are divided. Curved ones have 24 sides before, of 0.98862 of each circle; the outer comes closer to its circle, (0.7² − 0.98862 · 0.5²) /
+            // (0.98862 (0.7² − 0.5²)) = 1.0235 at most.
+            match discretisation {
+                "selective" => assert!((after / before - 1.0).abs() < 1e-12, "{before} {after}"),
+                _ => assert!(
+                    (1.001..1.0235).contains(&(after / before)),
+                    "{before} {after}"
+                ),
+            }
+        }
+    }
+}
+
+/// A region that is not there is known when the mesh is, and so is how many tetrahedra there would be.
+#[test]
+fn refinement_that_cannot_be_made_names_its_key() {
+    let refused = |refine: &str| {
+        let scene = read("quasi-static", &format!("{BLOCK}{MATERIAL}{refine}"));
+        scene_spec(&scene, &mut no_file)
+            .expect_err("refused")
+            .to_string()
+    };
+    let place = "{point=[0, 0, 0], radius='0.1 mm', size='0.3 mm'}";
+    let said = refused(&format!("refine = [{place}, {{region=4, size='1 mm'}}]\n"));
+    assert!(
+        said.contains("`body[0].refine[1]`") && said.contains("region 4"),
+        "{said}"
+    );
+    let said = refused("refine = [{region=0, size='2 um'}]\n");
+    assert!(
+        said.contains("`body[0].refine[0]`") && said.contains("expected 5000000 at most"),
+        "{said}"
+    );
+}
