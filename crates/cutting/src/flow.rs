@@ -85,7 +85,7 @@ impl Flow {
 mod tests {
     use super::*;
 
-    /// Two elements between source and sink in a row, beside a way through a third: the cut goes where it is cheapest.
+    /// Two elements between source and sink in a row, beside a passage through a third: the cut goes where it is cheapest.
     #[test]
     fn a_cut_takes_the_least_capacity() {
         let mut flow = Flow::default();

@@ -14,6 +14,7 @@ use crate::report::Cut;
 use crate::settings::Settings;
 use crate::stroke::Stroke;
 use crate::sweep::Sweep;
+use crate::swept::{ONE_SIDE, Swept};
 use crate::topology::{NONE, Topology};
 use microsim_geometry::{closest_on_triangle, signed_volume};
 use microsim_mesh::TetMesh;
@@ -26,9 +27,6 @@ const REACH: f64 = 0.5;
 /// Regions of which less than so many mean elements lie farther than `REACH` from all sweeps may stay where they hang: shards of a cut.
 const REGION: f64 = 1.0;
 
-/// Cosine of the angle between the directions from a sweep to two elements up to which they lie on one side of it.
-const ONE_SIDE: f64 = 0.5;
-
 /// Cosine of the angle to the normal of the path within which an element at a fold of it lies beside it, not ahead.
 const BESIDE: f64 = 0.7;
 
@@ -38,31 +36,6 @@ const TIP: f64 = 1e-6;
 /// What opening a face costs, by the number of its nodes that are on no cut yet: the path goes through nodes of cuts as far as it can, and through no
 /// face that has none: on both sides of what is whole a blade may have gone by.
 const COSTS: [u32; 4] = [1, 2, 4, 1 << 16];
-
-/// How blades came near to an element.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Swept {
-    /// Whether one has passed its centroid.
-    pub passed: bool,
-    /// Direction from the path to its centroid, of length 1; 0 where blades have passed on several sides, or none has.
-    pub side: Vector3<f64>,
-}
-
-impl Swept {
-    /// Enters another passage at the side from which the element lies in this direction.
-    fn pass(&mut self, side: Vector3<f64>) {
-        if !self.passed {
-            *self = Self { passed: true, side };
-        } else if self.side.dot(&side) <= ONE_SIDE {
-            self.side = Vector3::zeros();
-        }
-    }
-
-    /// Whether blades have passed it on several sides: it lies in the cut itself.
-    fn is_between(&self) -> bool {
-        self.passed && self.side == Vector3::zeros()
-    }
-}
 
 impl Topology {
     /// Remembers the elements whose centroid has passed within reach at the side of the blade in this step.

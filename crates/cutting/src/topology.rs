@@ -8,7 +8,7 @@
 //! and its marks.
 
 use crate::clusters::Clusters;
-use crate::mend::Swept;
+use crate::swept::Swept;
 use microsim_mesh::TetMesh;
 use std::collections::{BTreeMap, BTreeSet};
 
