@@ -19,6 +19,8 @@ pub struct SolverBounds {
     pub jump_force: f64,
     /// By default three: no hand is so fast within the 8 ms of a tick.
     pub jump_ratio: f64,
+    /// A force of a tool so many times that of the hand is one that no hand has pushed with. By default two: a hand yields a step later.
+    pub hand_ratio: f64,
 }
 
 impl Default for SolverBounds {
@@ -29,6 +31,7 @@ impl Default for SolverBounds {
             contact_residual: 0.1,
             jump_force: 0.03,
             jump_ratio: 3.0,
+            hand_ratio: 2.0,
         }
     }
 }
@@ -51,15 +54,19 @@ fn has_jumped(last: Option<&WindowTick>, force: f64, grip: f64, bounds: &SolverB
 }
 
 impl Scene {
-    /// Whether what an attempt of a tick found means anything: its residuals are within the bounds, and no force of a tool has jumped where a step ended
-    /// above its tolerance. A jump that is solved to the tolerance is what the equations have as their solution.
+    /// Whether what an attempt of a tick found means anything: its residuals are within the bounds, no hand has pushed harder than it does, and no force of a tool has
+    /// jumped where a step ended above its tolerance. A jump that is solved to the tolerance is what the equations have as their solution.
     pub(crate) fn is_meaningful(&self, solver: &SolverReport, contacts: &[ContactReport]) -> bool {
         let bounds = SolverBounds::default();
-        let jumps = || {
+        let of_tools = || {
             let tools = self.pair_reports(contacts);
-            let mut tools =
-                tools.filter(|(_, found)| matches!(found.with, ContactPartner::Tool(_)));
-            tools.any(|(pair, found)| {
+            tools.filter(|(_, found)| matches!(found.with, ContactPartner::Tool(_)))
+        };
+        let is_pushed = |(_, found): (usize, &ContactReport)| {
+            Vector3::from(found.force_on_tissue).norm() > bounds.hand_ratio * self.hand_force
+        };
+        let jumps = || {
+            of_tools().any(|(pair, found)| {
                 let force = Vector3::from(found.force_on_tissue).norm();
                 has_jumped(
                     self.state.windows[pair].ticks.last(),
@@ -69,7 +76,9 @@ impl Scene {
                 )
             })
         };
-        solver.is_within(&bounds) && (solver.unconverged == 0 || !jumps())
+        solver.is_within(&bounds)
+            && !of_tools().any(is_pushed)
+            && (solver.unconverged == 0 || !jumps())
     }
 
     /// Adds the forces of a tick of `length` \[s\] to the windows of their pairs, unless they mean nothing, and writes the means over these windows
