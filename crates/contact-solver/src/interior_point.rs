@@ -220,12 +220,12 @@ impl InteriorPoint {
     ) -> bool {
         let before = self.members.len();
         if before == 0 {
-            self.take(contacts, rows, |_, _, row| {
+            self.take(contacts, rows, direction, |_, _, row| {
                 row.force.normal > 0.0 || row.friction_bound > 0.0
             });
         }
         if self.members.len() == before {
-            self.take(contacts, rows, |inner, contact, row| {
+            self.take(contacts, rows, direction, |inner, contact, row| {
                 let motion = contact.interpolate(direction) + contact.interpolate(inner);
                 row.gap + contact.normal.dot(&motion) < row.floor - gap_tolerance
             });
@@ -238,6 +238,7 @@ impl InteriorPoint {
         &mut self,
         contacts: &[Contact],
         rows: &[Row],
+        direction: &[Vector3<f64>],
         is_taken: impl Fn(&[Vector3<f64>], &Contact, &Row) -> bool,
     ) {
         self.candidates.clear();
@@ -253,7 +254,8 @@ impl InteriorPoint {
         if wanted > most {
             let pressed = |index: &usize| {
                 let (contact, row) = (&contacts[*index], &rows[*index]);
-                let gap = row.gap + contact.normal.dot(&contact.interpolate(&self.inner));
+                let motion = contact.interpolate(direction) + contact.interpolate(&self.inner);
+                let gap = row.gap + contact.normal.dot(&motion);
                 row.force.normal.max((row.floor - gap) * row.penalty)
             };
             self.candidates

@@ -2,8 +2,8 @@
 
 use crate::{
     AugmentedLagrangian, Contact, ContactOptions, ContactSet, ContactSolver, GapConstraint,
-    GaussSeidel, InteriorPoint, NodalCompliance, NodalResponse, NodalSystem, SystemResponse,
-    Tolerances,
+    GaussSeidel, InteriorPoint, InteriorPointOptions, NodalCompliance, NodalResponse, NodalSystem,
+    SystemResponse, Tolerances,
 };
 use nalgebra::Vector3;
 
@@ -102,5 +102,51 @@ fn all_solvers_find_the_closed_form() {
             let error = (motion[node] - force / STIFFNESSES[node]).norm();
             assert!(error < 1e-8, "{node}: {error} m");
         }
+    }
+}
+
+/// Ten nodes on a floor are pushed down by 1 to 10 N, and there is room for six directions: the six that press most have their forces, along the
+/// normal alone; the others push as springs of no force yet.
+#[test]
+fn the_contacts_that_press_most_take_part_where_there_is_no_room_for_all() {
+    let stiffness = 1e3;
+    let rest = [Vector3::zeros(); 10];
+    let options = ContactOptions::default();
+    let mut set = ContactSet::new(10, 1e-2, options.augmented_lagrangian);
+    set.contacts = (0..10)
+        .map(|node| Contact {
+            friction: FRICTION,
+            ..Contact::of_node(node, Vector3::z(), 0.0)
+        })
+        .collect();
+    set.linearise(&rest, &rest, false, |_| stiffness);
+    // Not in the order of their nodes.
+    let force = |node: usize| 1.0 + ((7 * node) % 10) as f64;
+    let forces: Vec<Vector3<f64>> = (0..10).map(|n| Vector3::z() * -force(n)).collect();
+    let mut motion = rest.to_vec();
+    let response = SystemResponse {
+        system: &mut NodalSystem::new(vec![stiffness; 10]),
+        forces: &forces,
+        fixed: &[false; 10],
+        tolerances: Tolerances {
+            residual: 1e-10,
+            changes: 1e-10,
+            multipliers: 1e-10,
+        },
+    };
+    let few = InteriorPointOptions {
+        directions: 6,
+        ..options.interior_point
+    };
+    let mut solver = InteriorPoint::new(10, few);
+    solver.solve(&mut set, response, &mut motion).unwrap();
+    set.publish();
+    for (node, contact) in set.contacts.iter().enumerate() {
+        let expected = if force(node) > 4.5 { force(node) } else { 0.0 };
+        // The regularisation of a contact is a thousandth of its compliance over the penalty.
+        assert!((contact.normal_force - expected).abs() <= 1e-3 * force(node));
+        assert_eq!(contact.friction_force, Vector3::zeros());
+        let depth = (force(node) - contact.normal_force) / stiffness;
+        assert!((motion[node].z + depth).abs() < 1e-9, "{node}");
     }
 }

@@ -23,12 +23,12 @@ impl Flow {
     }
 
     /// Joins the source to an element.
-    pub(crate) fn from_source(&mut self, element: u32, capacity: u32) {
+    pub(crate) fn add_source(&mut self, element: u32, capacity: u32) {
         self.join(SOURCE, element, capacity);
     }
 
     /// Joins an element to the sink.
-    pub(crate) fn to_sink(&mut self, element: u32, capacity: u32) {
+    pub(crate) fn add_sink(&mut self, element: u32, capacity: u32) {
         self.join(element, SINK, capacity);
     }
 
@@ -89,14 +89,14 @@ mod tests {
     #[test]
     fn a_cut_takes_the_least_capacity() {
         let mut flow = Flow::default();
-        flow.from_source(0, 4);
-        flow.from_source(2, 2);
+        flow.add_source(0, 4);
+        flow.add_source(2, 2);
         for (a, b, capacity) in [(0, 1, 1), (0, 2, 1)] {
             flow.join(a, b, capacity);
             flow.join(b, a, capacity);
         }
-        flow.to_sink(1, 4);
-        flow.to_sink(2, 1);
+        flow.add_sink(1, 4);
+        flow.add_sink(2, 1);
         // 0–1 and 2–sink: 2; every other cut has 3 or more.
         assert_eq!(flow.source_side(3), Some(BTreeSet::from([0, 2])));
     }
@@ -104,12 +104,12 @@ mod tests {
     #[test]
     fn what_costs_too_much_or_is_not_joined_has_no_cut() {
         let mut flow = Flow::default();
-        flow.from_source(0, 5);
-        flow.to_sink(0, 5);
+        flow.add_source(0, 5);
+        flow.add_sink(0, 5);
         assert_eq!(flow.source_side(5), None);
         let mut flow = Flow::default();
-        flow.from_source(0, 5);
-        flow.to_sink(1, 5);
+        flow.add_source(0, 5);
+        flow.add_sink(1, 5);
         assert_eq!(flow.source_side(5), None);
     }
 }

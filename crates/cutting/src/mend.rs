@@ -153,8 +153,8 @@ impl Topology {
                         let cost = COSTS[nodes.iter().filter(|node| !is_on_cut(**node)).count()];
                         match regions.of(other) {
                             _ if group.contains(&other) => flow.join(element, other, cost),
-                            of if of == region => flow.from_source(element, cost),
-                            of if around.contains(&of) => flow.to_sink(element, cost),
+                            of if of == region => flow.add_source(element, cost),
+                            of if around.contains(&of) => flow.add_sink(element, cost),
                             _ => {}
                         }
                     }

@@ -136,8 +136,9 @@ impl<'a> Reading<'a> {
         } else if let Some(forces) = read::<ContactForces>(frame)? {
             self.moments.add_forces(tick, now, &forces);
             self.forces.add(tick, now, forces);
-        } else if let Some(tick) = read::<SolverTick>(frame)? {
-            self.solver.add(&tick);
+        } else if let Some(solver) = read::<SolverTick>(frame)? {
+            self.forces.add_tick(tick, &solver);
+            self.solver.add(&solver);
         } else if let Some(cut) = read::<TissueCut>(frame)? {
             self.moments.add_cut(tick, now, &cut);
         } else if let Some(state) = read::<LevelState>(frame)? {

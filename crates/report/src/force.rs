@@ -1,6 +1,6 @@
 //! What the tools did to the tissue.
 
-use microsim_message::ContactForces;
+use microsim_message::{ContactForces, SolverTick};
 use serde::{Deserialize, Serialize};
 
 /// Force of one tool on one body: lists of equal length, one entry for each tick in contact.
@@ -14,6 +14,8 @@ pub struct ForceSeries {
     pub time: Vec<f64>,
     /// Number of the contact, from 0; between two contacts there is at least one tick without.
     pub contact: Vec<u32>,
+    /// Whether the forces of the tick mean anything; no metric takes others, and plots leave them out. True in sessions without this record.
+    pub valid: Vec<bool>,
     /// Magnitude of the force, mean over the tick \[N\].
     pub force: Vec<f64>,
     /// Largest magnitude within the tick \[N\].
@@ -29,6 +31,29 @@ pub struct ForceSeries {
 }
 
 impl ForceSeries {
+    /// Those of the ticks whose forces mean anything.
+    pub fn meaningful(&self) -> Self {
+        let mut all = Self {
+            tool: self.tool.clone(),
+            body: self.body.clone(),
+            ..Self::default()
+        };
+        for (k, valid) in self.valid.iter().enumerate() {
+            if *valid {
+                all.time.push(self.time[k]);
+                all.contact.push(self.contact[k]);
+                all.valid.push(true);
+                all.force.push(self.force[k]);
+                all.peak.push(self.peak[k]);
+                all.sustained.push(self.sustained[k]);
+                all.grip.push(self.grip[k]);
+                all.depth.push(self.depth[k]);
+                all.indentation.push(self.indentation[k]);
+            }
+        }
+        all
+    }
+
     /// Whether the session has forces on the time scale of a hand.
     pub fn has_sustained(&self) -> bool {
         self.sustained.iter().any(|force| *force > 0.0)
@@ -40,9 +65,18 @@ impl ForceSeries {
 pub(crate) struct ForceCollector {
     /// Each pair with the tick of its last entry.
     pairs: Vec<(ForceSeries, u64)>,
+    /// The last tick whose forces mean nothing.
+    invalid: Option<u64>,
 }
 
 impl ForceCollector {
+    /// Takes over whether the forces of a tick, which come after, mean anything.
+    pub fn add_tick(&mut self, tick: u64, solver: &SolverTick) {
+        if !solver.valid {
+            self.invalid = Some(tick);
+        }
+    }
+
     pub fn add(&mut self, tick: u64, now: f64, forces: ContactForces) {
         for contact in forces.contacts {
             let same =
@@ -63,6 +97,7 @@ impl ForceCollector {
             let number = series.contact.last().copied().unwrap_or(0);
             let [x, y, z] = contact.force;
             series.time.push(now);
+            series.valid.push(self.invalid != Some(tick));
             series
                 .contact
                 .push(number + u32::from(tick > last.saturating_add(1)));
@@ -85,7 +120,7 @@ impl ForceCollector {
 mod tests {
     use crate::Report;
     use crate::testing::{contact, input, log};
-    use microsim_message::ContactForces;
+    use microsim_message::{ContactForces, SolverTick};
 
     /// Forces (3, 4, 0) and (0, 0, 2) have the magnitudes 5 and 2; ticks 2 and 3 are one contact, tick 5 is another.
     #[test]
@@ -108,6 +143,37 @@ mod tests {
         };
         assert_eq!(series.force, [5.0, 2.0, 2.0]);
         assert_eq!(series.contact, [0, 0, 1]);
+        assert_eq!(series.valid, [true; 3]);
+        assert_eq!(series.meaningful(), *series);
         assert_eq!(series.time, [0.25, 0.375, 0.625]);
+    }
+
+    /// Of three ticks in contact the second means nothing.
+    #[test]
+    fn ticks_that_mean_nothing_are_marked() {
+        let tick = |force, valid| {
+            log(&[
+                &SolverTick {
+                    valid,
+                    ..crate::testing::solver_tick()
+                },
+                &ContactForces {
+                    contacts: vec![contact("right", "strip", force)],
+                    ..ContactForces::default()
+                },
+            ])
+        };
+        let logs = [
+            (2, tick([0.0, 0.0, 1.0], true)),
+            (3, tick([0.0, 0.0, 70.0], false)),
+            (4, tick([0.0, 0.0, 2.0], true)),
+        ];
+        let report = Report::build(&input(), logs.iter().map(|(tick, log)| (*tick, &log[..])));
+        let [series] = &report.forces[..] else {
+            panic!("{:?}", report.forces)
+        };
+        assert_eq!(series.force, [1.0, 70.0, 2.0]);
+        assert_eq!(series.valid, [true, false, true]);
+        assert_eq!(series.meaningful().force, [1.0, 2.0]);
     }
 }

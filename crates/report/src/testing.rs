@@ -3,8 +3,8 @@
 use crate::ReportInput;
 use microsim_message::{
     CategoryScore, ContactForce, ContactForces, ImplausibleSample, InputSample, LevelEvent,
-    LevelState, LimitRecord, LocalText, Log, MetricRecord, TissueCut, TissueRecovery, ToolSample,
-    ToolStates, TrainingResult, push,
+    LevelState, LimitRecord, LocalText, Log, MetricRecord, SolverTick, TissueCut, TissueRecovery,
+    ToolSample, ToolStates, TrainingResult, push,
 };
 
 /// A message of any kind, as an item of a list.
@@ -23,7 +23,7 @@ macro_rules! any_message {
     };
 }
 
-any_message!(ImplausibleSample InputSample ToolSample ToolStates ContactForces TissueCut TissueRecovery LevelState LevelEvent TrainingResult Log);
+any_message!(ImplausibleSample InputSample ToolSample ToolStates ContactForces SolverTick TissueCut TissueRecovery LevelState LevelEvent TrainingResult Log);
 
 /// The frames of messages.
 pub fn log(messages: &[&dyn AnyMessage]) -> Vec<u8> {
@@ -111,6 +111,26 @@ pub fn failed_result(failed: &[&str]) -> TrainingResult {
             score: 50.0,
         }],
         score: 50.0,
+    }
+}
+
+/// A tick that is solved.
+pub fn solver_tick() -> SolverTick {
+    SolverTick {
+        steps: 1,
+        unconverged: 0,
+        iterations: 1,
+        residual: 0.0,
+        force_residual: 0.0,
+        contact_residual: 0.0,
+        backtracks: 0,
+        contact_failures: 0,
+        repetitions: 0,
+        ruptured: 0,
+        tools_stood: false,
+        over_budget: false,
+        tool_contacts: 0,
+        valid: true,
     }
 }
 

@@ -368,14 +368,20 @@ fn touched(player: &Player, report: &Value, tracks: &[Track]) -> Outcome {
             let list = |key: &str| series[key].as_array().cloned().unwrap_or_default();
             let value = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
             touched.extend(list("time").iter().map(|time| number(value(time))));
-            for force in list("peak").iter().map(value) {
+            // What means nothing is in no metric and in no plot, and has to be a number all the same.
+            let valid = list("valid");
+            for (force, valid) in list("peak").iter().map(value).zip(&valid) {
                 outcome.is_finite &= force.is_finite();
-                outcome.too_strong += u64::from(force > ABSURD_FORCE);
-                peak = peak.max(force);
+                if *valid == Value::Bool(true) {
+                    outcome.too_strong += u64::from(force > ABSURD_FORCE);
+                    peak = peak.max(force);
+                }
             }
-            for grip in list("grip").iter().map(value) {
+            for (grip, valid) in list("grip").iter().map(value).zip(&valid) {
                 outcome.is_finite &= grip.is_finite();
-                outcome.grip = outcome.grip.max(grip);
+                if *valid == Value::Bool(true) {
+                    outcome.grip = outcome.grip.max(grip);
+                }
             }
         }
         let end = report["simulated"].as_f64().unwrap_or_default();

@@ -12,7 +12,8 @@ const STRIP: f64 = 110.0;
 
 /// Draws each pair over the session and marks the moments.
 pub fn force_plot(report: &Report) -> String {
-    let (forces, session) = (&report.forces, &report.session);
+    let session = &report.session;
+    let forces: Vec<ForceSeries> = report.forces.iter().map(ForceSeries::meaningful).collect();
     let title = in_both("Kontaktkraft über der Zeit", "Contact force over time");
     let times = forces.iter().flat_map(|s| s.time.iter().copied());
     strips(

@@ -73,6 +73,44 @@ fn effort_is_a_multiple_of_the_iterations() {
     assert_eq!(step(&mut solver), once);
 }
 
+/// A step ends with the iteration in which its work is spent, and says so; it has one in any case. What must converge goes on. The work is that of its
+/// iterations: three take three times as much as one.
+#[test]
+fn a_step_ends_when_its_work_is_spent() {
+    let (model, start) = block(true, 150.0);
+    let newton = Newton {
+        iterations: 5,
+        tolerance: 1e-14,
+        must_converge: false,
+    };
+    let step = |newton: Newton, most: f64| {
+        let mut solver = SolverImplicit::new(&model, SCHEMES[0], newton);
+        solver.limit_work(most);
+        let mut state = start.clone();
+        let control = Control::default();
+        let report = solver.step(&model, &mut state, &control, &[], 1e-3, &Serial);
+        report.unwrap()
+    };
+    let free = step(newton, f64::INFINITY);
+    assert_eq!((free.iterations, free.is_cut_short), (5, false));
+    let once = free.work / 5.0;
+    for (parts, iterations) in [(0.0, 1), (0.9, 1), (2.5, 3)] {
+        let report = step(newton, parts * once);
+        assert_eq!(report.iterations, iterations, "{parts}");
+        assert!(report.is_cut_short && !report.converged);
+        // The factor is the same each time, and solutions end in as many iterations to one.
+        let work = report.work / (f64::from(iterations) * once);
+        assert!((0.8..1.2).contains(&work), "{work}");
+    }
+    let must = Newton {
+        tolerance: 1e-8,
+        iterations: 30,
+        must_converge: true,
+    };
+    let report = step(must, 0.0);
+    assert!(report.converged && !report.is_cut_short && report.iterations > 1);
+}
+
 #[test]
 fn newton_converges_quadratically() {
     let (model, start) = block(true, 150.0);
