@@ -10,7 +10,7 @@
 //! multipliers of the augmented Lagrangian ([`ContactSet`]) are set such that its forces are these.
 //!
 //! # Limitations
-//! What closes only with the last contacts that joined pushes as a spring
+//! Contacts between two bodies that both can move are not here. What closes only with the last contacts that joined pushes as a spring
 //! until the next iteration.
 
 use crate::cone_program::{Cone, ConeProgram};

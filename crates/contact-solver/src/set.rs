@@ -17,10 +17,6 @@ use crate::solver::LinearSystem;
 use crate::vectors::scatter;
 use nalgebra::{Matrix3, Vector3};
 
-/// Contacts that press up to which the interior-point method takes less time than the augmented Lagrangian one where both bodies can move.
-/// Measured (tests/results/solvers_tried.md): stacks and vessel ends have fewer, five bodies in a heap more.
-const FEW_BETWEEN_BODIES: usize = 32;
-
 /// The contacts of an iteration, linearised at its start.
 #[derive(Clone, Debug)]
 pub struct ContactSet {
@@ -246,15 +242,12 @@ impl ContactSet {
         }
     }
 
-    /// Whether the interior-point method is the one for these contacts: in early-terminated steps of small bodies, and between two bodies that
-    /// can move while few contacts press.
+    /// Whether the interior-point method is the one for these contacts: in early-terminated steps of small bodies, with no contact between
+    /// two bodies that can move.
     pub fn takes_interior_point(&self, system: &dyn LinearSystem) -> bool {
-        let presses =
-            |row: &&Row| row.penalty > 0.0 && (row.multiplier > 0.0 || row.gap < row.floor);
-        let are_few = || self.rows.iter().filter(presses).count() <= FEW_BETWEEN_BODIES;
         self.may_terminate_early
             && system.is_small()
-            && (!self.rows.iter().any(|row| row.is_between_bodies) || are_few())
+            && !self.rows.iter().any(|row| row.is_between_bodies)
     }
 
     /// Publishes and stores the contacts for [`restore`](Self::restore).
