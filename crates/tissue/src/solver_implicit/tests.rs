@@ -73,7 +73,7 @@ fn effort_is_a_multiple_of_the_iterations() {
     assert_eq!(step(&mut solver), once);
 }
 
-/// A step ends with the iteration in which its work is spent, and says so; it has one in any case. What must converge goes on. The work is that of its
+/// A step ends with the iteration in which its work is spent, and is marked as cut short; it has one in any case. What must converge goes on. The work is that of its
 /// iterations: three take three times as much as one.
 #[test]
 fn a_step_ends_when_its_work_is_spent() {
