@@ -1,10 +1,13 @@
 //! The work of a tick, bounded by the count of its operations and not by a clock, so that a run that is replayed takes the same.
 //!
 //! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
-//! four fifths of the budget, each step has an even part of what is left, and a repetition begins only where its least work fits. What has to be computed in any
+//! four fifths of the first half, each step has an even part of what is left of it, and a repetition has the other half too and begins only where its least work fits. What has to be computed in any
 //! case, a step with one iteration, is computed: a tick exceeds its budget by no more than that.
 
-/// The part of a budget that sub-steps for fast tools may take: the rest is for their iterations.
+/// The part of a budget that is left for repetitions of a tick whose forces mean nothing: without it they would mean nothing in every tick that is hard to solve.
+const RESERVE: f64 = 0.5;
+
+/// The part of the rest that sub-steps for fast tools may take with an iteration each: what remains is for more of these.
 const FAST_PART: f64 = 0.8;
 
 /// What is left of the budget of a tick.
@@ -12,6 +15,8 @@ const FAST_PART: f64 = 0.8;
 pub(crate) struct Budget {
     /// Infinite where there is no bound \[s\].
     left: f64,
+    /// What of it the first try may not take \[s\].
+    reserve: f64,
     /// The least work of a step \[s\].
     step: f64,
     /// All that was spent \[s\].
@@ -25,6 +30,7 @@ impl Budget {
     pub fn new(budget: Option<f64>, step: f64) -> Self {
         Self {
             left: budget.unwrap_or(f64::INFINITY),
+            reserve: budget.map_or(0.0, |budget| RESERVE * budget),
             step,
             spent: 0.0,
             is_exceeded: false,
@@ -33,7 +39,8 @@ impl Budget {
 
     /// The sub-steps of each of `steps` steps for tools that need so many, at least 1, and the fraction of their motion that these allow.
     pub fn substeps(&mut self, needed: f64, steps: u32) -> (u32, f64) {
-        let most = (FAST_PART * self.left / (self.step * f64::from(steps))).floor();
+        let first = self.left - self.reserve;
+        let most = (FAST_PART * first / (self.step * f64::from(steps))).floor();
         let most = most.max(1.0);
         if needed.ceil() <= most {
             // The cast saturates.
@@ -45,7 +52,7 @@ impl Budget {
 
     /// What the next one of so many steps may take \[s\].
     pub fn part(&self, steps: u32) -> f64 {
-        self.left / f64::from(steps)
+        (self.left - self.reserve).max(0.0) / f64::from(steps)
     }
 
     /// Spends the work of a step \[s\].
@@ -54,8 +61,9 @@ impl Budget {
         self.left = (self.left - work).max(0.0);
     }
 
-    /// Whether another try of so many steps fits.
+    /// Whether another try of so many steps fits, with the reserve.
     pub fn allows(&mut self, steps: u32) -> bool {
+        self.reserve = 0.0;
         let fits = self.left >= self.step * f64::from(steps);
         self.is_exceeded |= !fits;
         fits
@@ -68,16 +76,17 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_and_marked() {
-        let mut budget = Budget::new(Some(16.0), 1.0);
+        let mut budget = Budget::new(Some(32.0), 1.0);
         assert_eq!(budget.substeps(1.0, 1), (1, 1.0));
         assert_eq!(budget.substeps(7.5, 1), (8, 1.0));
         assert_eq!(budget.part(8), 2.0);
         budget.spend(6.0);
         assert!(budget.allows(10) && !budget.is_exceeded);
-        assert!(!budget.allows(11) && budget.is_exceeded);
-        budget.spend(11.0);
-        assert_eq!((budget.part(1), budget.spent), (0.0, 17.0));
-        let mut fast = Budget::new(Some(16.0), 0.5);
+        assert_eq!(budget.part(13), 2.0);
+        assert!(!budget.allows(27) && budget.is_exceeded);
+        budget.spend(27.0);
+        assert_eq!((budget.part(1), budget.spent), (0.0, 33.0));
+        let mut fast = Budget::new(Some(32.0), 0.5);
         assert_eq!(fast.substeps(32.0, 2), (12, 0.375));
         assert!(fast.is_exceeded);
         // At least one, however little there is.

@@ -130,7 +130,7 @@ pub struct LevelParts<'a> {
 /// "#;
 /// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
 /// let level = LevelParts {
-///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, hand_force: 1.0, budget: 0.8 },
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, hand_force: 1.0, budget: 3.0 },
 ///     method: &settings.method,
 ///     bodies: &settings.body,
 ///     rigid: &[],

@@ -309,9 +309,9 @@ table! {
         tools_touch: bool => false,
         /// The largest force with which the hand pushes a tool against what it touches \[N\]: beyond, the tool stays behind the hand.
         hand_force: f64 = quantity(Unit::Force, 0.01, 1e3) => 1.0,
-        /// The work that a tick may take over its length, counted in operations of a core of a usual kind. What does not fit is left to the next tick: tools
+        /// The work that a tick may take over its length, counted in operations of a core of a usual kind; half of it is for repetitions. What does not fit is left to the next tick: tools
         /// follow the hand as far as it goes.
-        budget: f64 = quantity(Unit::Ratio, 0.01, 1000.0) => 0.8,
+        budget: f64 = quantity(Unit::Ratio, 0.01, 1000.0) => 3.0,
     }
 }
 

@@ -324,8 +324,8 @@ fn a_hand_pushes_no_harder_than_it_does() {
 #[test]
 fn a_fast_tool_is_followed_within_the_budget() {
     let mut spec = gripped();
-    // Of steps that take a third of a millisecond, as the block has 288 elements, at most two in four fifths of it.
-    spec.budget = Some(1e-3 / TICK);
+    // Of steps that take a third of a millisecond, as the block has 288 elements, at most two in four fifths of half of it.
+    spec.budget = Some(2e-3 / TICK);
     let mut scene = Scene::new(&spec).unwrap();
     let place = |y: f64| at(y, [0.6; 2]).to;
     let motion = |from: f64, to: f64| ToolMotion {
