@@ -25,13 +25,13 @@ fn a_blade_that_goes_back_once_parts_a_block() {
     parts_in_two("one-reversal");
 }
 
-/// Three parts: what the path goes around, and one on either side. At the crossing, where sheets lie within an element of each other, shards may come off;
-/// none did with two blades on the same path.
+/// Three parts are expected, as with two blades on the same path (trials, E 35): what the path goes around, and one on either side. None of them may hang
+/// together. A known defect: what the path goes around, two to three edges across, falls into three itself, along faces that no blade has passed; the test
+/// shows when that changes.
 #[test]
 fn a_blade_that_crosses_its_own_path_parts_what_it_has_gone_around() {
     let pieces = pieces_of("self-crossing");
-    let last = pieces.last().copied().unwrap_or(0.0);
-    assert!((3.0..=5.0).contains(&last), "{pieces:?}");
+    assert_eq!(pieces.last(), Some(&5.0), "{pieces:?}");
 }
 
 #[test]

@@ -22,12 +22,12 @@ fn main() -> ExitCode {
             println!("{summary:?}");
         }
     };
-    let mut joined = false;
+    let mut failed = false;
     for course in [Course::Straight, Course::Looped] {
         match soak::run(strokes as usize, seed, course, report) {
             Ok(summary) => {
                 println!("{course:?}: {summary:#?}");
-                joined |= !summary.joined.is_empty();
+                failed |= !summary.joined.is_empty() || !summary.split.is_empty();
             }
             Err(error) => {
                 eprintln!("error: {error}");
@@ -35,5 +35,5 @@ fn main() -> ExitCode {
             }
         }
     }
-    ExitCode::from(u8::from(joined))
+    ExitCode::from(u8::from(failed))
 }

@@ -25,8 +25,8 @@
 //! Limitations: a blade that meets no edge, as it is narrower than an element, cuts nothing. Where elements have become too small to be divided
 //! ([`Settings`]) the cut goes through nodes nearby. A cut that comes within an element of the edge of an older one goes through its nodes. What another
 //! cut would take off the lips of an older one in less than 0.4 of an element or thinner than 0.05 of an edge stays on. What a stroke
-//! leaves joined that crosses its own path is parted when the blade has gone on by more than an edge or has left the tissue; of 108 such loops one left a single element on
-//! the wrong lip.
+//! leaves joined that crosses its own path is parted when the blade has gone on by more than an edge or has left the tissue. A loop that is only two or three edges across may then fall into several
+//! parts, along faces that no blade has passed.
 
 #![forbid(unsafe_code)]
 

@@ -2,7 +2,7 @@
 //!
 //! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
 //! four fifths of the first half, each step has an even part of what is left of it, and a repetition has the other half too and begins only where its least work fits. What has to be computed in any
-//! case, a step with one iteration, is computed: a tick exceeds its budget by no more than that.
+//! case is computed: an iteration of each step, whatever contact makes of it, and the tries with tools that stand. By so much a tick may exceed its budget.
 
 /// The part of a budget that is left for repetitions of a tick whose forces mean nothing: without it they would mean nothing in every tick that is hard to solve.
 const RESERVE: f64 = 0.5;

@@ -89,6 +89,7 @@ mod solver_xpbd;
 pub mod stability;
 mod state;
 mod system;
+mod work;
 
 pub use build::{BuildError, build_model};
 pub use edit::{EditError, ModelChange, ModelEdit};
@@ -119,4 +120,3 @@ pub use state::{Control, Energies, NodeTarget, Pressure, State};
 
 #[cfg(test)]
 mod testing;
-mod work;

@@ -28,6 +28,8 @@ pub struct Summary {
     pub regions: usize,
     /// Strokes after which two regions still hang together.
     pub joined: Vec<u64>,
+    /// Strokes after which a region lies in several parts, each with a mean element of it or more: tissue that no blade has passed came apart.
+    pub split: Vec<u64>,
     /// Parts that hold no region.
     pub shards: usize,
     /// Of these, strokes that left one larger than a shard.
@@ -104,7 +106,19 @@ pub fn cut_body(seed: u64, course: Course, summary: &mut Summary) -> Result<(), 
     }
     let is_resolved = |region: &u32| resolved[*region as usize] >= REGION * mean_volume;
     summary.regions += (0..regions.count).filter(|r| is_resolved(r)).count();
+    let mut holders: BTreeMap<u32, usize> = BTreeMap::new();
     for part in parts(&topology, mesh.tets.len()) {
+        let mut of_region: BTreeMap<u32, f64> = BTreeMap::new();
+        for &element in &part {
+            if let Some(region) = all[element as usize] {
+                *of_region.entry(region).or_default() += volumes[element as usize];
+            }
+        }
+        for (region, volume) in of_region {
+            if volume >= mean_volume && is_resolved(&region) {
+                *holders.entry(region).or_default() += 1;
+            }
+        }
         let held = part.iter().filter_map(|element| all[*element as usize]);
         let held: BTreeSet<u32> = held.filter(|region| is_resolved(region)).collect();
         let volume: f64 = part.iter().map(|e| volumes[*e as usize]).sum();
@@ -120,6 +134,9 @@ pub fn cut_body(seed: u64, course: Course, summary: &mut Summary) -> Result<(), 
                 summary.joined.push(seed);
             }
         }
+    }
+    if holders.values().any(|count| *count > 1) {
+        summary.split.push(seed);
     }
     summary.joined.dedup();
     summary.crumbled.dedup();

@@ -39,6 +39,7 @@ impl NewtonSolver {
         self.start(&problem, guesses);
         self.searches = 0;
         self.backtracks = 0;
+        self.forget_operations();
         self.work = 0.0;
         self.contacts.failures = 0;
         self.contacts.may_terminate_early = equation.rate > 0.0 && !newton.must_converge;

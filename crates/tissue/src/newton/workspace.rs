@@ -139,6 +139,12 @@ impl NewtonSolver {
         &self.stiffness
     }
 
+    /// What a failed iteration or the undoing of overlaps has left is none of this equation: its work depends on the state alone.
+    pub(super) fn forget_operations(&mut self) {
+        self.system.take_operations();
+        self.interior_point.take_operations();
+    }
+
     /// Adds what an iteration has taken.
     pub(super) fn count_iteration(&mut self) {
         let operations = self.system.take_operations() + self.interior_point.take_operations();
