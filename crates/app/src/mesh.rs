@@ -3,11 +3,10 @@
 use crate::cli::{MeshCommand, MeshRefineArgs};
 use crate::mesh_file;
 use crate::output::{Exit, Problem, print};
+use crate::replace_file::write_new;
 use microsim_mesh::format::{MeshFormat, VtuEncoding, write_gmsh_2, write_vtu};
 use microsim_mesh::{Grading, Severity, TetMesh, Zone, defects};
-use microsim_settings::{MAX_ELEMENTS, unwritable};
-use std::io::Write;
-use std::path::Path;
+use microsim_settings::MAX_ELEMENTS;
 
 /// Does what is asked for with a mesh file.
 pub fn mesh(command: &MeshCommand) -> Result<Exit, Problem> {
@@ -70,7 +69,7 @@ fn refine(args: &MeshRefineArgs) -> Result<Exit, Problem> {
         };
         format!("{name}: {zone}{error}")
     })?;
-    create(&args.output, &write(&graded.mesh))?;
+    write_new(&args.output, &write(&graded.mesh))?;
     let (before, after) = (mesh.shortest_height(), graded.mesh.shortest_height());
     print(format!(
         "{out}: {} nodes and {} tetrahedra instead of {} and {}; the shortest height of one is {after:.3e} instead of {before:.3e} (in units of the file), so that explicit methods need steps of about {:.0} % of what they were",
@@ -81,12 +80,6 @@ fn refine(args: &MeshRefineArgs) -> Result<Exit, Problem> {
         100.0 * after / before
     ))?;
     Ok(Exit::Done)
-}
-
-/// Writes a file that must not be there.
-fn create(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
-    let written = std::fs::File::create_new(path).and_then(|mut file| file.write_all(bytes));
-    Ok(written.map_err(|error| unwritable(path, error))?)
 }
 
 #[cfg(test)]

@@ -28,6 +28,17 @@ fn is_special(path: &Path) -> bool {
         || fs::metadata(path).is_ok_and(|m| special(m.file_type()))
 }
 
+/// Writes a file that must not be there. After a failure, of a full disk for example, there is none.
+pub fn write_new(path: &Path, content: &[u8]) -> Result<(), Problem> {
+    let named = |e| unwritable(path, e);
+    let mut file = fs::File::create_new(path).map_err(named)?;
+    file.write_all(content).map_err(|e| {
+        let _ = fs::remove_file(path);
+        named(e)
+    })?;
+    Ok(())
+}
+
 /// Puts `content` in the place of what is at `path`. A link is replaced, and what it names stays as it is. After a failure, of a full
 /// disk for example, the old content is still there.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), Problem> {

@@ -4,6 +4,7 @@ use crate::cli::{Place, RunArgs};
 use crate::key_pictures::{key_pictures, not_asked, not_yet};
 use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::progress;
+use crate::replace_file::write_new;
 use crate::report::{files_beside, summary, verdict_word, write_beside, write_page};
 use crate::session_file::{installation, is_session, read_around, report_of};
 use crate::station;
@@ -233,12 +234,6 @@ fn read_checkpoint(path: &Path) -> Result<Checkpoint, Problem> {
     let payload = microsim_session::read_checkpoint(&bytes)
         .map_err(|e| format!("checkpoint {}: {e}", path.display()))?;
     Ok(decode_bytes(payload).map_err(|e| format!("checkpoint {}: {e}", path.display()))?)
-}
-
-fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
-    use std::io::Write;
-    let written = std::fs::File::create_new(path).and_then(|mut file| file.write_all(bytes));
-    Ok(written.map_err(|e| unwritable(path, e))?)
 }
 
 /// Writes what a run leaves behind, and prints it: verdict and page first, pictures of key moments after.

@@ -2,10 +2,9 @@
 
 use crate::cli::{Place, TraineeArgs};
 use crate::output::{Exit, Problem, print};
+use crate::replace_file::write_new;
 use crate::session_file::installation;
-use microsim_settings::{
-    self as settings, Sourced, TraineeProfile, load_script, load_trainees, unwritable,
-};
+use microsim_settings::{self as settings, Sourced, TraineeProfile, load_script, load_trainees};
 use microsim_tracking::{Profile, Script, Trainee};
 use std::fmt::Write;
 
@@ -35,11 +34,7 @@ pub fn trainee(place: &Place, args: &TraineeArgs) -> Result<Exit, Problem> {
     let made = format!("profile {}, seed {}, from {name}", profile.name, args.seed);
     let planned = plan.motion()?;
     let motion = Trainee::new(&numbers(profile), args.seed).follow(&planned, plan.rate)?;
-    let written = std::fs::File::create_new(&args.out);
-    let written = written.and_then(|mut file| {
-        std::io::Write::write_all(&mut file, text(&motion, &plan, &made).as_bytes())
-    });
-    written.map_err(|e| unwritable(&args.out, e))?;
+    write_new(&args.out, text(&motion, &plan, &made).as_bytes())?;
     print(format!(
         "{}: {made}; {:.1} s instead of {:.1} s",
         args.out.display(),
