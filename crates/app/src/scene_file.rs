@@ -426,6 +426,7 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
     match error {
         SceneError::Build { body: name, source } => match source {
             BuildError::Material { region, .. }
+            | BuildError::PrestretchedSprings { region }
             | BuildError::Direction { region, .. }
             | BuildError::Region { region, .. } => {
                 let of = bodies.iter().find(|body| body.name == *name);
@@ -450,6 +451,7 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
         SceneError::Method { .. } | SceneError::Contact { .. } | SceneError::Grip { .. } => {
             root.key("method").key("name")
         }
+        SceneError::Prestretch { body: name, .. } => body(name).key("layer"),
         SceneError::Couple { body: name, .. } => {
             let of = bodies.iter().find(|body| body.name == *name);
             let regions = error.uncoupled();

@@ -301,8 +301,11 @@ impl TetMesh {
                     self.tets.push(*child);
                     self.element_ids.push(new_id);
                     self.regions.push(self.regions[slot]);
-                    if let Some(direction) = self.directions.get(slot).copied() {
-                        self.directions.push(direction);
+                    if let Some(directions) = self.directions.get(slot).copied() {
+                        self.directions.push(directions);
+                    }
+                    if let Some(prestretch) = self.prestretches.get(slot).copied() {
+                        self.prestretches.push(prestretch);
                     }
                 }
             }
@@ -320,6 +323,9 @@ impl TetMesh {
             self.regions.swap_remove(element as usize);
             if !self.directions.is_empty() {
                 self.directions.swap_remove(element as usize);
+            }
+            if !self.prestretches.is_empty() {
+                self.prestretches.swap_remove(element as usize);
             }
             self.element_ids.swap_remove(element as usize);
         }

@@ -324,9 +324,14 @@ impl<'a> Refinement<'a> {
         let of = |parent: &u32| self.mesh.regions[*parent as usize];
         let regions = parents.iter().map(of).collect();
         let mut mesh = TetMesh::new(self.positions, tets.collect(), regions);
-        if !self.mesh.directions.is_empty() {
-            let of = |parent: &u32| self.mesh.directions[*parent as usize];
+        let (directions, prestretches) = (&self.mesh.directions, &self.mesh.prestretches);
+        if !directions.is_empty() {
+            let of = |parent: &u32| directions[*parent as usize];
             mesh.directions = parents.iter().map(of).collect();
+        }
+        if !prestretches.is_empty() {
+            let of = |parent: &u32| prestretches[*parent as usize];
+            mesh.prestretches = parents.iter().map(of).collect();
         }
         Graded {
             mesh,

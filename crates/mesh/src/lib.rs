@@ -36,6 +36,6 @@ pub use microsim_vocabulary::CellSplit;
 pub use refine::{PARTS, Refined};
 pub use surface::Surface;
 pub use surface_defect::SurfaceDefect;
-pub use tet_mesh::TetMesh;
+pub use tet_mesh::{FAMILIES, TetMesh};
 pub use triangle_surface::TriangleSurface;
 pub use tube::{Arc, Layer, Tube, TubeError, TubeSide};

@@ -96,15 +96,9 @@ impl TetMesh {
             }
             tets.extend(parts(&nodes));
         }
-        let each = |values: &[u32]| -> Vec<u32> {
-            let each = values.iter().flat_map(|v| std::iter::repeat_n(*v, PARTS));
-            each.collect()
-        };
-        let mut mesh = Self::new(positions, tets, each(&self.regions));
-        let directions = self.directions.iter();
-        mesh.directions = directions
-            .flat_map(|direction| std::iter::repeat_n(*direction, PARTS))
-            .collect();
+        let mut mesh = Self::new(positions, tets, of_parts(&self.regions));
+        mesh.directions = of_parts(&self.directions);
+        mesh.prestretches = of_parts(&self.prestretches);
         Refined { mesh, edges }
     }
 
@@ -122,6 +116,12 @@ impl TetMesh {
         }
         (parts(&nodes) == *tets).then_some(nodes)
     }
+}
+
+/// Values of elements as those of their parts.
+fn of_parts<T: Copy>(values: &[T]) -> Vec<T> {
+    let each = values.iter().flat_map(|v| std::iter::repeat_n(*v, PARTS));
+    each.collect()
 }
 
 /// The parts of the tetrahedron with these corners and middles.

@@ -2,7 +2,10 @@
 
 use crate::surface::Surface;
 use microsim_geometry::signed_volume;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+
+/// Most families of fibres in an element.
+pub const FAMILIES: usize = 2;
 
 /// The six edges of a tetrahedron as pairs of corners.
 pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
@@ -34,8 +37,12 @@ pub struct TetMesh {
     pub tets: Vec<[u32; 4]>,
     /// Region of each element: layers of a wall, physical groups of a file. Materials are given by region.
     pub regions: Vec<u32>,
-    /// Fibre direction of each element at rest: a unit vector, zero where there is none. Empty for a mesh without fibres.
-    pub directions: Vec<Vector3<f64>>,
+    /// Fibre directions of each element in its natural state: a unit vector for each family, zero where there is none. Empty for a mesh
+    /// without fibres.
+    pub directions: Vec<[Vector3<f64>; FAMILIES]>,
+    /// Prestretch of each element: the deformation gradient G from its natural state, in which it has no stress, to its place in the mesh. Empty
+    /// where all of them are at rest without stress.
+    pub prestretches: Vec<Matrix3<f64>>,
     /// Stable id of each node.
     pub node_ids: Vec<u32>,
     /// Stable id of each element.
@@ -59,6 +66,7 @@ impl TetMesh {
             tets,
             regions,
             directions: Vec::new(),
+            prestretches: Vec::new(),
             node_ids,
             element_ids,
             generation: 0,
@@ -67,10 +75,15 @@ impl TetMesh {
         }
     }
 
-    /// Fibre direction of element `element` at rest, a unit vector, if it has one.
-    pub fn direction(&self, element: usize) -> Option<Vector3<f64>> {
-        let direction = self.directions.get(element).copied();
-        direction.filter(|direction| *direction != Vector3::zeros())
+    /// Fibre directions of element `element` in its natural state: a unit vector for each family, zero where there is none.
+    pub fn fibres(&self, element: usize) -> [Vector3<f64>; FAMILIES] {
+        self.directions.get(element).copied().unwrap_or_default()
+    }
+
+    /// Prestretch G of element `element`; 1 where there is none.
+    pub fn prestretch(&self, element: usize) -> Matrix3<f64> {
+        let prestretch = self.prestretches.get(element).copied();
+        prestretch.unwrap_or_else(Matrix3::identity)
     }
 
     /// The corners of element `element` \[m\].
@@ -160,13 +173,19 @@ impl TetMesh {
             .extend(other.tets.iter().map(|tet| tet.map(|n| n + first_node)));
         self.regions
             .extend(other.regions.iter().map(|region| region + region_offset));
-        if !(self.directions.is_empty() && other.directions.is_empty()) {
-            let elements = self.tets.len();
-            let before = elements - other.tets.len();
-            self.directions.resize(before, Vector3::zeros());
-            self.directions.extend(&other.directions);
-            self.directions.resize(elements, Vector3::zeros());
-        }
+        let (elements, added) = (self.tets.len(), other.tets.len());
+        append(
+            &mut self.directions,
+            &other.directions,
+            [elements, added],
+            Default::default(),
+        );
+        append(
+            &mut self.prestretches,
+            &other.prestretches,
+            [elements, added],
+            Matrix3::identity(),
+        );
         self.node_ids
             .extend((node_id..).take(other.positions.len()));
         self.element_ids
@@ -198,8 +217,20 @@ impl TetMesh {
     }
 }
 
+/// Adds the values of appended elements to those of the first ones; an empty list stands for `none` at each. `counts` are all elements
+/// and those appended.
+fn append<T: Copy>(values: &mut Vec<T>, added: &[T], [all, appended]: [usize; 2], none: T) {
+    if values.is_empty() && added.is_empty() {
+        return;
+    }
+    values.resize(all - appended, none);
+    values.extend(added);
+    values.resize(all, none);
+}
+
 #[cfg(test)]
 mod tests {
+    use super::Matrix3;
     use crate::{Arc, CellSplit, Layer, Severity, Tube, defects};
 
     fn two_layers() -> Tube {
@@ -262,7 +293,7 @@ mod tests {
         let (n, e) = (first.positions.len(), first.tets.len());
         assert_eq!(both.corners(e + 5), second.corners(5));
         assert_eq!(both.regions[e..].iter().min(), Some(&11));
-        assert!(both.directions.is_empty() && both.direction(0).is_none());
+        assert!(both.directions.is_empty() && both.prestretch(0) == Matrix3::identity());
         assert_eq!(both.node_ids[n], n as u32);
         assert_eq!(both.element_ids[e], e as u32);
         let found = defects(&both);

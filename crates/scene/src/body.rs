@@ -7,6 +7,7 @@ mod surface;
 use crate::check;
 use crate::drive::Drive;
 use crate::error::SceneError;
+use crate::initial_equilibrium::{self, InitialEquilibrium};
 use crate::pieces::Pieces;
 use crate::select;
 use crate::spec::{BodySpec, Selection};
@@ -29,6 +30,8 @@ pub(crate) struct Body {
     pub drive: Drive,
     /// Where it is at the start.
     pub start: State,
+    /// How it begins in equilibrium, with prestretches.
+    pub initial_equilibrium: Option<InitialEquilibrium>,
     /// Origin of the body's frame in the world \[m\].
     pub origin: Vector3<f64>,
     /// Longest step with safety factor \[s\]; infinite for a method without a limit.
@@ -129,6 +132,12 @@ impl Body {
             });
         }
         let mut start = State::at_rest(&model);
+        let initial_equilibrium = match mesh.prestretches.is_empty() {
+            true => None,
+            false => Some(initial_equilibrium::find(
+                &name, &model, &drive, &mut start,
+            )?),
+        };
         for (index, part) in spec.start.iter().enumerate() {
             let matrix = Matrix3::from_fn(|row, column| part.matrix[row][column]);
             let pivot = origin + Vector3::from(part.pivot);
@@ -158,6 +167,7 @@ impl Body {
             surface,
             drive,
             start,
+            initial_equilibrium,
             origin,
             stable_step,
             name,
@@ -197,7 +207,15 @@ fn scales(model: &TissueModel) -> (f64, f64) {
     const STRAIN: f64 = 0.01;
     let mut state = State::at_rest(model);
     state.positions.iter_mut().for_each(|p| p.x *= 1.0 + STRAIN);
-    let energy = state.energies(model).elastic();
+    let mut energy = state.energies(model).elastic();
+    let rest = State::at_rest(model).energies(model).elastic();
+    if rest > 0.0 {
+        // Under residual stress energy grows with the strain itself; its modulus is the mean of both senses.
+        for (place, at_rest) in state.positions.iter_mut().zip(model.rest_positions()) {
+            place.x = at_rest.x * (1.0 - STRAIN);
+        }
+        energy = 0.5 * (energy + state.energies(model).elastic()) - rest;
+    }
     let volume: f64 = model.rest_volumes().iter().sum();
     let modulus = 2.0 * energy / (STRAIN * STRAIN * volume);
     let edge = model.mean_edge_length();

@@ -1,5 +1,6 @@
 //! Why a scene cannot be built or run.
 
+use crate::initial_equilibrium::PrestretchError;
 use microsim_tissue::elements::CoupleError;
 use microsim_tissue::{BuildError, MethodError};
 
@@ -51,6 +52,13 @@ pub enum SceneError {
         body: String,
         /// Why.
         source: CoupleError,
+    },
+    /// A body with residual stress has no equilibrium to begin in.
+    Prestretch {
+        /// The body.
+        body: String,
+        /// Why.
+        reason: PrestretchError,
     },
     /// A selection of a body holds no node, or none of its surface.
     Empty {
@@ -173,6 +181,9 @@ impl std::fmt::Display for SceneError {
                 "{method} is stable at no step for body '{body}': give it drag, or use another method"
             ),
             Self::Couple { body, source } => write!(f, "coupling in body '{body}': {source}"),
+            Self::Prestretch { body, reason } => {
+                write!(f, "residual state of body '{body}': {reason}")
+            }
             Self::Empty { body, what, index } => write!(
                 f,
                 "{what} {index} of body '{body}' holds nothing of it (places are in the body's frame, min must not exceed max)"

@@ -9,6 +9,7 @@ mod error;
 mod fibres;
 mod material;
 mod method;
+mod residual;
 
 pub use error::{FromSettingsCause, FromSettingsError};
 

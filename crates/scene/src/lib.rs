@@ -76,6 +76,7 @@ mod force_window;
 mod from_settings;
 mod group;
 mod group_contact;
+mod initial_equilibrium;
 mod jaws;
 mod lonor;
 mod member;
@@ -107,6 +108,7 @@ pub use force_window::FORCE_WINDOW;
 pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
 };
+pub use initial_equilibrium::{InitialEquilibrium, PrestretchError};
 pub use microsim_contact::{ObstaclePart, ObstacleShape};
 pub use microsim_geometry::{Hinge, Joint, Pose};
 pub use microsim_mesh::{Surface, TetMesh};

@@ -29,23 +29,22 @@ pub fn cauchy_stresses(
         let constants = continua.iter().find(|(of, _)| of == region);
         constants.map_or_else(Matrix3::zeros, |(_, constants)| {
             let f = deformation(mesh, element, positions);
-            let direction = mesh.direction(element).unwrap_or_default();
-            constants.cauchy_stress(&f, direction)
+            constants.cauchy_stress(&f, mesh.fibres(element))
         })
     });
     Some(stresses.collect())
 }
 
-/// F of an element: edges now times the inverse of the edges at rest.
+/// F of an element from its natural state: edges now times the inverse of the edges at rest, times its prestretch.
 fn deformation(mesh: &TetMesh, element: usize, positions: &[Vector3<f64>]) -> Matrix3<f64> {
     let edges = |[a, b, c, d]: [Vector3<f64>; 4]| Matrix3::from_columns(&[b - a, c - a, d - a]);
     let now = mesh.tets[element].map(|node| positions[node as usize]);
     let rest = edges(mesh.corners(element)).try_inverse();
     // A body with an element without volume cannot be built.
-    edges(now) * rest.unwrap_or_else(Matrix3::identity)
+    edges(now) * rest.unwrap_or_else(Matrix3::identity) * mesh.prestretch(element)
 }
 
-/// Green's strain (FᵀF − 1)/2 of each element of `mesh` with its nodes at `positions` \[m\].
+/// Green's strain (FᵀF − 1)/2 from the natural state of each element of `mesh` with its nodes at `positions` \[m\].
 pub fn green_strains(mesh: &TetMesh, positions: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
     let strains = (0..mesh.tets.len()).map(|element| {
         let f = deformation(mesh, element, positions);

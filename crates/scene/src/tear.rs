@@ -1,5 +1,7 @@
 //! Tearing: tissue that is stretched too far comes apart.
 //!
+//! Stretches are those from the natural state, with the prestretch of an element where it has one, and without plastic flow.
+//!
 //! Whole elements come apart at their faces. The stretch across a face is that of the fibre along its rest normal n in the elements on both sides, |F n|: the root of the
 //! mean square by volume, as energy grows with the square and is stored in volume, so that a small element does not open the face of a large one. A face fails when this exceeds
 //! 1 + the strain that its region bears; between two regions the weaker one counts. Of the faces that do in one tick only those near the worst fail:
@@ -83,10 +85,14 @@ impl Stretched {
         let at = principal.eigenvalues.imax();
         let along: Vector3<f64> = principal.eigenvectors.column(at).into();
         let now = (gradient * along).try_normalize(0.0)?;
+        let at_rest = match body.mesh.prestretches.get(element as usize) {
+            None => along,
+            Some(prestretch) => (prestretch * along).normalize(),
+        };
         Some(Self {
             stretch: principal.eigenvalues[at].sqrt(),
             limit,
-            fibre: [along, now],
+            fibre: [at_rest, now],
             inverted: gradient.determinant() <= 0.0,
         })
     }
@@ -193,13 +199,17 @@ fn normal(topology: &Topology, rest: &[Vector3<f64>], element: u32, corner: usiz
     (b - a).cross(&(c - a)).normalize()
 }
 
-/// The stretch of an element's fibre along `normal`, 1 at rest.
+/// The stretch of an element's fibre that is along the normal of a face in the natural state, 1 there; `normal` is that of the mesh.
 fn stretch(body: &Body, positions: &[Vector3<f64>], element: u32, normal: &Vector3<f64>) -> f64 {
     let gradient = deformation_gradient(body, positions, element);
-    gradient.map_or(1.0, |gradient| (gradient * normal).norm())
+    let natural = match body.mesh.prestretches.get(element as usize) {
+        None => *normal,
+        Some(prestretch) => prestretch.tr_mul(normal).normalize(),
+    };
+    gradient.map_or(1.0, |gradient| (gradient * natural).norm())
 }
 
-/// `None` for an element without volume at rest, which no mesh has.
+/// From the natural state; `None` for an element without volume at rest, which no mesh has.
 fn deformation_gradient(
     body: &Body,
     positions: &[Vector3<f64>],
@@ -208,5 +218,8 @@ fn deformation_gradient(
     let edges = |[a, b, c, d]: [Vector3<f64>; 4]| Matrix3::from_columns(&[b - a, c - a, d - a]);
     let now = edges(body.mesh.tets[element as usize].map(|node| positions[node as usize]));
     let rest = edges(body.mesh.corners(element as usize)).try_inverse()?;
-    Some(now * rest)
+    Some(match body.mesh.prestretches.get(element as usize) {
+        None => now * rest,
+        Some(prestretch) => now * rest * prestretch,
+    })
 }

@@ -1,6 +1,7 @@
 //! What can be read of one body of a scene.
 
 use crate::body::{Body, CutTally};
+use crate::initial_equilibrium::InitialEquilibrium;
 use crate::scene::Scene;
 use crate::select;
 use crate::spec::Selection;
@@ -144,6 +145,11 @@ impl<'a> BodyView<'a> {
     /// Node positions at the start \[m\]; of a node that a cut has made those of where it would have been.
     pub fn start_positions(&self) -> &'a [Vector3<f64>] {
         &self.parts().start.positions
+    }
+
+    /// How a body with residual stress begins in equilibrium; `None` of one without.
+    pub fn initial_equilibrium(&self) -> Option<InitialEquilibrium> {
+        self.parts().initial_equilibrium
     }
 
     /// Node positions in the world \[m\].

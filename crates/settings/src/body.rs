@@ -43,6 +43,10 @@ table! {
         arc_start: Option<f64> = quantity(Unit::Angle, -360_f64.to_radians(), 360_f64.to_radians()),
         /// Of a tube \[rad\]: angle of its sector; closed around if left out.
         arc: Option<f64> = quantity(Unit::Angle, 0.1_f64.to_radians(), 359.9_f64.to_radians()),
+        /// Of a tube: its length over that of its natural state, in which it has no stress.
+        axial_stretch: f64 = quantity(Unit::Ratio, 0.5, 3.0) => 1.0,
+        /// Of a tube \[Pa\]: pressure inside less that outside with which it is in equilibrium at the start; a load on its inner surface bears it.
+        transmural_pressure: f64 = quantity(Unit::Pressure, -1e5, 1e6) => 0.0,
         /// Of a block or tube: how cells are cut, `kuhn` (all alike, if left out) or `mirrored`.
         split: Option<CellSplit>,
         /// Of a file: its path from the folder of this one, which it lies in or below. Tetrahedra: .msh, .vtk, .vtu, .node with .ele; closed
@@ -131,6 +135,8 @@ table! {
         cells: u32 [1, 100],
         /// Region of its elements.
         region: u32 => 0,
+        /// What is missing of a full circle when the layer is cut out and slit, and has no stress \[rad\].
+        opening_angle: f64 = quantity(Unit::Angle, -300_f64.to_radians(), 340_f64.to_radians()) => 0.0,
     }
 }
 

@@ -33,7 +33,7 @@ const fn allowed(key: &'static str, of: &'static [&'static str]) -> Rule {
 }
 
 /// Keys of the generators.
-const GENERATOR: [Rule; 13] = [
+const GENERATOR: [Rule; 15] = [
     needed("size", &["block"]),
     needed("cells", &["block"]),
     needed("inner_radius", &["tube"]),
@@ -44,6 +44,8 @@ const GENERATOR: [Rule; 13] = [
     allowed("axis", &["tube"]),
     allowed("arc", &["tube"]),
     allowed("arc_start", &["tube"]),
+    allowed("axial_stretch", &["tube"]),
+    allowed("transmural_pressure", &["tube"]),
     allowed("split", &["block", "tube"]),
     needed("file", &["file"]),
     allowed("scale", &["file"]),
@@ -52,9 +54,16 @@ const GENERATOR: [Rule; 13] = [
 /// The laws of continua.
 const CONTINUUM: &[&str] = &LawName::NAMES;
 
+/// The laws of continua with fibres.
+const FIBRES: &[&str] = &[
+    LawName::TransverselyIsotropic.name(),
+    LawName::HolzapfelGasserOgden.name(),
+    LawName::HolzapfelGasserOgdenIsochoric.name(),
+];
+
 /// Keys that all forms of springs have, and a continuum has not, and the reverse; those of single laws that may be left out.
 const LAW: [Rule; 4] = [
-    allowed("fibres", &["transversely-isotropic"]),
+    allowed("fibres", FIBRES),
     allowed("discretisation", CONTINUUM),
     allowed("form", &["springs"]),
     allowed("plasticity", &["springs"]),
@@ -346,14 +355,16 @@ fn check_fibres(reading: &mut Reading, material_key: &KeyPath, body: &Value, mat
     let key = material_key.key("fibres");
     if !reading.is_written(&key) {
         let from_file = body["generator"] == "file";
-        if material["law"] == "transversely-isotropic" && !from_file {
+        if families(material) > 0 && !from_file {
             let expected = "`fibres`, as only a mesh file has directions of its own";
             reading.complain(&key, "nothing", expected);
         }
         return;
     }
-    let [direction, angle, axis, point] =
-        ["direction", "angle", "axis", "point"].map(|name| reading.is_written(&key.key(name)));
+    let names = ["direction", "angle", "axis", "point", "second_direction"];
+    let [direction, angle, axis, point, second] =
+        names.map(|name| reading.is_written(&key.key(name)));
+    let two = families(material) == 2;
     if direction == angle {
         let found = match direction {
             true => "a direction and an angle",
@@ -369,7 +380,19 @@ fn check_fibres(reading: &mut Reading, material_key: &KeyPath, body: &Value, mat
     } else if angle && !axis && body["generator"] != "tube" {
         let expected = "`axis` as well: only a tube has one of its own";
         reading.complain(&key.key("angle"), "`angle` alone", expected);
+    } else if direction && two && !second {
+        let expected = "`second_direction` as well: the law has two families of fibres";
+        reading.complain(&key, "one direction", expected);
+    } else if second && !(direction && two) {
+        let expected = "it beside `direction`, of a law with two families of fibres";
+        reading.complain(&key.key("second_direction"), "`second_direction`", expected);
     }
+}
+
+/// How many families of fibres the law of a material has.
+fn families(material: &Value) -> usize {
+    let law = material["law"].as_str().and_then(LawName::from_name);
+    law.map_or(0, LawName::families)
 }
 
 /// Each region has one material; that without a region is for the rest.

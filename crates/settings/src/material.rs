@@ -33,8 +33,15 @@ table! {
         c01_fraction: Option<f64> = ratio(1.0),
         /// Of `transversely-isotropic`: Young's modulus along the fibres over `youngs_modulus`, which is that of their matrix.
         fibre_ratio: Option<f64> = quantity(Unit::Ratio, 1.0, 1e4),
-        /// Of `transversely-isotropic`: fibre directions at rest; those of the mesh file (cell data `fibre_direction`) if left
-        /// out.
+        /// Of `holzapfel-gasser-ogden`: k1 of each of its two families of fibres \[Pa\].
+        fibre_stiffness: Option<f64> = modulus(0.0),
+        /// Of `holzapfel-gasser-ogden`: k2, how fast fibres stiffen: the stress of a family grows with exp(k2 E^2), E the square of its
+        /// stretch less one.
+        fibre_exponent: Option<f64> = quantity(Unit::Ratio, 0.0, 1e4),
+        /// Of `holzapfel-gasser-ogden`: dispersion kappa of each family, from 0, all along one direction, to 1/3, no direction.
+        fibre_dispersion: Option<f64> = quantity(Unit::Ratio, 0.0, 1.0 / 3.0),
+        /// Of laws with fibres: their directions in the natural state; those of the mesh file (cell data `fibre_direction` and, of a second family,
+        /// `fibre_direction_2`) if left out.
         fibres: Option<Fibres>,
         /// How the mesh carries a continuum; `tetrahedra` if left out. From a Poisson's ratio of 0.4 on, `selective`,
         /// `patch-pressure` or `nodal-pressure` keep it from locking. What is not cut may have `quadratic` or `quadratic-pressure`
@@ -72,19 +79,24 @@ impl Material {
         match key {
             "c01_fraction" => self.c01_fraction,
             "fibre_ratio" => self.fibre_ratio,
+            "fibre_stiffness" => self.fibre_stiffness,
+            "fibre_exponent" => self.fibre_exponent,
+            "fibre_dispersion" => self.fibre_dispersion,
             _ => None,
         }
     }
 }
 
 table! {
-    /// Fibre directions at rest, in the body's frame: one for all elements, or at an angle to the circles around an axis.
+    /// Fibre directions in the natural state, in the body's frame: the same for all elements, or at an angle to the circles around an axis.
     #[derive(Copy)]
     pub struct Fibres {
         /// The same direction everywhere.
         direction: Option<[f64; 3]> = direction(),
+        /// Beside it: that of the second family, of laws that have two.
+        second_direction: Option<[f64; 3]> = direction(),
         /// Instead: angle \[rad\] to the circles around an axis. 0 is around it, 90 deg along it; a helix turns right-handed
-        /// about the outward normal.
+        /// about the outward normal. A second family lies at the opposite angle.
         angle: Option<f64> = quantity(Unit::Angle, -FRAC_PI_2, FRAC_PI_2),
         /// Direction of that axis; the tube's if left out.
         axis: Option<[f64; 3]> = direction(),

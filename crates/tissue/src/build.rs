@@ -1,10 +1,11 @@
 //! The model of a body from a mesh and the materials of its regions.
 
 use crate::elements::{Elements, QuadraturePoints};
-use crate::material::{Material, Part};
+use crate::material::{Behaviour, Material, Part};
 use crate::model::{ModelError, TissueModel};
 use crate::range::MaterialError;
 use microsim_mesh::TetMesh;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// Why a body cannot be made of its materials.
@@ -24,11 +25,23 @@ pub enum BuildError {
         /// How many it has.
         materials: usize,
     },
-    /// The law of a region needs a fibre direction in each element of the mesh, and one has none.
+    /// The law of a region needs fibre directions in each element of the mesh, and one lacks some.
     Direction {
         /// The region.
         region: u32,
-        /// The first element without one.
+        /// The first element that lacks some.
+        element: u32,
+        /// How many directions the law needs.
+        families: usize,
+    },
+    /// A region is made of springs and has prestretches.
+    PrestretchedSprings {
+        /// The region.
+        region: u32,
+    },
+    /// An element has a prestretch that is no deformation.
+    Prestretch {
+        /// The first such element.
         element: u32,
     },
     /// The discretisation of a region is quadratic, and its elements are not the parts of tetrahedra with ten nodes, or one is too
@@ -51,9 +64,29 @@ impl std::fmt::Display for BuildError {
                     "region {region} of the mesh needs one material, not {materials}"
                 )
             }
-            Self::Direction { region, element } => write!(
+            Self::Direction {
+                region,
+                element,
+                families: 1,
+            } => write!(
                 f,
                 "the law of region {region} needs a fibre direction in each element, and element {element} has none"
+            ),
+            Self::Direction {
+                region,
+                element,
+                families,
+            } => write!(
+                f,
+                "the law of region {region} needs {families} fibre directions in each element, and element {element} has fewer"
+            ),
+            Self::PrestretchedSprings { region } => write!(
+                f,
+                "region {region} is made of springs, which have no prestretch: take the law of a continuum"
+            ),
+            Self::Prestretch { element } => write!(
+                f,
+                "the prestretch of element {element} is no deformation gradient: it needs finite numbers and a positive determinant"
             ),
             Self::Quadratic { region } => write!(
                 f,
@@ -79,6 +112,13 @@ pub fn build_model(
     regions.sort_unstable();
     regions.dedup();
     let mut densities = vec![0.0; mesh.tets.len()];
+    let is_deformation =
+        |g: &Matrix3<f64>| g.iter().all(|x| x.is_finite()) && g.determinant() > 0.0;
+    if let Some(element) = mesh.prestretches.iter().position(|g| !is_deformation(g)) {
+        return Err(BuildError::Prestretch {
+            element: element as u32,
+        });
+    }
     let (mut sets, mut parts) = (Vec::new(), Vec::new());
     for region in regions {
         let mut of_region = materials.iter().filter(|(r, _)| *r == region);
@@ -95,12 +135,21 @@ pub fn build_model(
         let elements: Vec<u32> = (0..mesh.tets.len() as u32)
             .filter(|&e| mesh.regions[e as usize] == region)
             .collect();
-        if material.has_direction()
-            && let Some(&element) = elements
-                .iter()
-                .find(|e| mesh.direction(**e as usize).is_none())
-        {
-            return Err(BuildError::Direction { region, element });
+        let families = material.directions();
+        let lacks = |element: &&u32| {
+            let fibres = mesh.fibres(**element as usize);
+            fibres[..families].contains(&Vector3::zeros())
+        };
+        if let Some(&element) = elements.iter().find(lacks) {
+            return Err(BuildError::Direction {
+                region,
+                element,
+                families,
+            });
+        }
+        let stretched = |e: &u32| mesh.prestretch(*e as usize) != Matrix3::identity();
+        if matches!(material.behaviour, Behaviour::Springs(_)) && elements.iter().any(stretched) {
+            return Err(BuildError::PrestretchedSprings { region });
         }
         if material.is_quadratic() && !QuadraturePoints::fit(mesh, &elements) {
             return Err(BuildError::Quadratic { region });

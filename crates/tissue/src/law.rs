@@ -11,10 +11,11 @@
 //! | [`StVenantKirchhoff`], [`NeoHookean`], [`Corotational`], [`StableNeoHookean`], [`NeoHookeanPolynomial`] | – |
 //! | [`MooneyRivlin`] | [`MooneyRivlinParameters`] |
 //! | [`TransverselyIsotropic`] | [`FibreParameters`], and a fibre direction in each element of the mesh |
+//! | [`HolzapfelGasserOgden`], [`HolzapfelGasserOgdenIsochoric`] | [`HolzapfelParameters`], and two fibre directions |
 //!
 //! # E and ν
 //! Every law has a Young's modulus E and a Poisson's ratio ν: those at small strain, for a law with fibres those of its matrix. All
-//! stresses are in proportion to E. What goes by stiffness (bounds of the step, mass floors, damping) takes the whole small-strain
+//! stresses are in proportion to E, but those of fibres with moduli of their own. What goes by stiffness (bounds of the step, mass floors, damping) takes the whole small-strain
 //! elasticity, fibres included; what goes by near-incompressibility (locking) takes ν.
 //!
 //! # A new law
@@ -44,6 +45,7 @@ mod corotational;
 pub mod decomposition;
 mod definition;
 mod elasticity;
+mod holzapfel;
 mod invariants;
 mod isotropic;
 mod mooney_rivlin;
@@ -61,7 +63,10 @@ pub(crate) use choice::with_law;
 pub use constants::{Constants, Parameters};
 pub use corotational::Corotational;
 pub use definition::Law;
-pub use elasticity::{Elasticity, Lame, Matrix9};
+pub use elasticity::{Elasticity, Family, Lame, Matrix9};
+pub use holzapfel::{
+    HolzapfelConstants, HolzapfelGasserOgden, HolzapfelGasserOgdenIsochoric, HolzapfelParameters,
+};
 pub use isotropic::IsotropicLaw;
 pub use microsim_vocabulary::LawName;
 pub use mooney_rivlin::{MooneyRivlin, MooneyRivlinConstants, MooneyRivlinParameters};

@@ -89,6 +89,7 @@ mod solver_xpbd;
 pub mod stability;
 mod state;
 mod system;
+pub mod vessel_wall;
 mod work;
 
 pub use build::{BuildError, build_model};

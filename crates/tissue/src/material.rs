@@ -50,11 +50,11 @@ impl Material {
         }
     }
 
-    /// Whether it needs a fibre direction in each element of the mesh.
-    pub fn has_direction(&self) -> bool {
+    /// How many fibre directions it needs in each element of the mesh.
+    pub fn directions(&self) -> usize {
         match &self.behaviour {
-            Behaviour::Springs(_) => false,
-            Behaviour::Continuum(constants) => constants.law.has_direction(),
+            Behaviour::Springs(_) => 0,
+            Behaviour::Continuum(constants) => constants.law.directions(),
         }
     }
 

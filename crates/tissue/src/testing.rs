@@ -51,12 +51,15 @@ pub fn soft_block(cells: [usize; 3]) -> TetMesh {
     block_mesh([2e-3, 2e-3, 1e-3], cells)
 }
 
-/// Gives each element of a mesh a fibre direction of its own, within half a radian of a common one.
+/// Gives each element of a mesh fibre directions of its own, within half a radian of common ones.
 pub fn fibres(mesh: &mut TetMesh) {
     let mut next = numbers();
-    let oblique = Vector3::new(0.48, -0.6, 0.64);
-    let one = |_: &[u32; 4]| (oblique + Vector3::from_fn(|_, _| next()) * 0.3).normalize();
-    mesh.directions = mesh.tets.iter().map(one).collect();
+    let oblique = [
+        Vector3::new(0.48, -0.6, 0.64),
+        Vector3::new(0.36, 0.48, 0.8),
+    ];
+    let mut near = |a: Vector3<f64>| (a + Vector3::from_fn(|_, _| next()) * 0.3).normalize();
+    mesh.directions = mesh.tets.iter().map(|_| oblique.map(&mut near)).collect();
 }
 
 /// The body of a mesh of soft tissue, clamped where `clamp` is true of the rest position.

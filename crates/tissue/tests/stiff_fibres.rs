@@ -21,7 +21,7 @@ fn sag(cells: usize, fibre_ratio: f64, discretisation: Discretisation) -> f64 {
     };
     let mut mesh = block.mesh().expect("a block");
     let (sine, cosine) = libm::sincos(0.5);
-    mesh.directions = vec![Vector3::new(cosine, 0.0, sine); mesh.tets.len()];
+    mesh.directions = vec![[Vector3::new(cosine, 0.0, sine), Vector3::zeros()]; mesh.tets.len()];
     let material = Material {
         density: 1000.0,
         relaxation_time: 0.0,

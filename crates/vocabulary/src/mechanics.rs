@@ -19,6 +19,11 @@ terms! {
         MooneyRivlin = "mooney-rivlin",
         /// Neo-Hookean elasticity with one family of fibres (Qiu & Pence 1997).
         TransverselyIsotropic = "transversely-isotropic",
+        /// Arterial walls: two families of dispersed fibres in a neo-Hookean matrix (Holzapfel, Gasser & Ogden 2000; Gasser et al. 2006; with
+        /// full invariants Nolan et al. 2014).
+        HolzapfelGasserOgden = "holzapfel-gasser-ogden",
+        /// The same with fibres of the isochoric deformation, which swell under tension: for comparison.
+        HolzapfelGasserOgdenIsochoric = "holzapfel-gasser-ogden-isochoric",
     }
 }
 
@@ -30,8 +35,24 @@ impl LawName {
             Self::StVenantKirchhoff
             | Self::NeoHookean
             | Self::MooneyRivlin
-            | Self::TransverselyIsotropic => false,
+            | Self::TransverselyIsotropic
+            | Self::HolzapfelGasserOgden
+            | Self::HolzapfelGasserOgdenIsochoric => false,
             Self::Corotational | Self::StableNeoHookean | Self::NeoHookeanPolynomial => true,
+        }
+    }
+
+    /// How many families of fibres it has, each with a direction in every element.
+    pub const fn families(self) -> usize {
+        match self {
+            Self::TransverselyIsotropic => 1,
+            Self::HolzapfelGasserOgden | Self::HolzapfelGasserOgdenIsochoric => 2,
+            Self::StVenantKirchhoff
+            | Self::NeoHookean
+            | Self::Corotational
+            | Self::StableNeoHookean
+            | Self::NeoHookeanPolynomial
+            | Self::MooneyRivlin => 0,
         }
     }
 
@@ -40,6 +61,11 @@ impl LawName {
         match self {
             Self::MooneyRivlin => &[("c01_fraction", Unit::Ratio)],
             Self::TransverselyIsotropic => &[("fibre_ratio", Unit::Ratio)],
+            Self::HolzapfelGasserOgden | Self::HolzapfelGasserOgdenIsochoric => &[
+                ("fibre_stiffness", Unit::Pressure),
+                ("fibre_exponent", Unit::Ratio),
+                ("fibre_dispersion", Unit::Ratio),
+            ],
             Self::StVenantKirchhoff
             | Self::NeoHookean
             | Self::Corotational

@@ -1,4 +1,5 @@
 use super::*;
+use nalgebra::Matrix3;
 
 /// Two elements on both sides of the face 1, 2, 3.
 fn pair() -> TetMesh {
@@ -51,19 +52,27 @@ fn an_edit_appends_replaces_and_names_anew() {
 }
 
 #[test]
-fn children_have_the_fibre_direction_of_their_parent() {
+fn children_have_the_fibres_and_the_prestretch_of_their_parent() {
     let mut mesh = pair();
-    mesh.directions = vec![Vector3::x(), Vector3::y()];
+    let [first, second] = [
+        [Vector3::x(), Vector3::z()],
+        [Vector3::y(), Vector3::zeros()],
+    ];
+    mesh.directions = vec![first, second];
+    let [slack, tight] = [1.0, 1.5].map(Matrix3::from_diagonal_element);
+    mesh.prestretches = vec![tight, slack];
     mesh.apply(&division()).unwrap();
-    assert_eq!(mesh.directions, [Vector3::x(), Vector3::y(), Vector3::x()]);
+    assert_eq!(mesh.directions, [first, second, first]);
+    assert_eq!(mesh.prestretches, [tight, slack, tight]);
     let edit = TopologyEdit {
         generation: 1,
         removed: vec![1],
         ..TopologyEdit::default()
     };
     mesh.apply(&edit).unwrap();
-    assert_eq!(mesh.directions, [Vector3::x(); 2]);
-    assert_eq!(mesh.direction(1), Some(Vector3::x()));
+    assert_eq!(mesh.directions, [first; 2]);
+    assert_eq!(mesh.fibres(1), first);
+    assert_eq!(mesh.prestretch(1), tight);
 }
 
 /// What leaves is filled from the back; ids go with it and are never given again.

@@ -3,7 +3,7 @@
 use super::Import;
 use super::error::{FormatError, Place};
 use super::scalar::Numbers;
-use crate::{TetMesh, signed_volume};
+use crate::{FAMILIES, TetMesh, signed_volume};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -24,30 +24,50 @@ pub(super) fn region_rank(name: &str) -> Option<usize> {
     REGION_ARRAYS.iter().position(|known| *known == name)
 }
 
-/// Cell arrays that hold the fibre direction, the first that is there counts: our own name, then those of others.
-const DIRECTION_ARRAYS: [&str; 7] = [
-    "fibre_direction",
-    "fiber_direction",
-    "fibre",
-    "fiber",
-    "fibres",
-    "fibers",
-    "f0",
+/// Cell arrays that hold the fibre directions of a family, the first that is there counts: our own name, then those of others.
+const DIRECTION_ARRAYS: [&[&str]; FAMILIES] = [
+    &[
+        "fibre_direction",
+        "fiber_direction",
+        "fibre",
+        "fiber",
+        "fibres",
+        "fibers",
+        "f0",
+    ],
+    &[
+        "fibre_direction_2",
+        "fiber_direction_2",
+        "fibre_2",
+        "fiber_2",
+        "f1",
+    ],
 ];
 
-/// Our own name of the cell array of fibre directions.
-pub(super) const DIRECTIONS: &str = DIRECTION_ARRAYS[0];
+/// Our own names of the cell arrays of fibre directions, one for each family.
+pub(super) const DIRECTIONS: [&str; FAMILIES] = [DIRECTION_ARRAYS[0][0], DIRECTION_ARRAYS[1][0]];
 
-/// Rank of a cell array of three components as the one that holds the fibre directions, smaller is better; nothing if it does not.
-pub(super) fn direction_rank(name: &str) -> Option<usize> {
-    DIRECTION_ARRAYS.iter().position(|known| *known == name)
+/// Rank of a cell array of three components as the one that holds the fibre directions of a family, smaller is better; nothing if it
+/// does not.
+pub(super) fn direction_rank(name: &str, family: usize) -> Option<usize> {
+    let mut known = DIRECTION_ARRAYS[family].iter();
+    known.position(|known| *known == name)
+}
+
+/// The family of fibres whose directions a cell array of three components holds, and its rank; nothing if it holds none.
+pub(super) fn family_and_rank(name: &str) -> Option<(usize, usize)> {
+    let families = 0..FAMILIES;
+    families
+        .filter_map(|family| Some((family, direction_rank(name, family)?)))
+        .next()
 }
 
 /// What cells carry, one value per cell of any type.
 #[derive(Default)]
 pub(super) struct CellData {
     pub(super) regions: Option<Vec<u32>>,
-    pub(super) directions: Option<Vec<Vector3<f64>>>,
+    /// Fibre directions of each family.
+    pub(super) directions: [Option<Vec<Vector3<f64>>>; FAMILIES],
 }
 
 /// A mesh in the making.
@@ -60,7 +80,7 @@ pub(super) struct Parts {
     /// One region per tetrahedron.
     pub(super) regions: Vec<u32>,
     /// Fibre directions of any length, zero where there is none, of the first tetrahedra; the others have none.
-    pub(super) directions: Vec<Vector3<f64>>,
+    pub(super) directions: Vec<[Vector3<f64>; FAMILIES]>,
     /// Elements that are not linear tetrahedra, by name.
     pub(super) left_out: BTreeMap<String, usize>,
     /// What else is to be reported.
@@ -75,12 +95,12 @@ impl Parts {
         }
     }
 
-    /// Gives a tetrahedron its fibre direction, of any length.
-    pub(super) fn set_direction(&mut self, tet: usize, direction: Vector3<f64>) {
+    /// Gives a tetrahedron the fibre direction of a family, of any length.
+    pub(super) fn set_direction(&mut self, tet: usize, family: usize, direction: Vector3<f64>) {
         if self.directions.len() <= tet {
-            self.directions.resize(tet + 1, Vector3::zeros());
+            self.directions.resize(tet + 1, Default::default());
         }
-        self.directions[tet] = direction;
+        self.directions[tet][family] = direction;
     }
 
     /// Makes the fibre directions unit vectors, one for each tetrahedron, or none at all.
@@ -88,9 +108,8 @@ impl Parts {
         if self.directions.is_empty() {
             return;
         }
-        self.directions.resize(self.tets.len(), Vector3::zeros());
-        let mut without = 0;
-        for direction in &mut self.directions {
+        self.directions.resize(self.tets.len(), Default::default());
+        for direction in self.directions.iter_mut().flatten() {
             // One of length 1 to rounding keeps its bits.
             if (direction.norm_squared() - 1.0).abs() > 4.0 * f64::EPSILON {
                 // Scaled first: the square of the largest number there is has no value.
@@ -99,9 +118,16 @@ impl Parts {
                     _ => Vector3::zeros(),
                 };
             }
-            without += usize::from(*direction == Vector3::zeros());
+        }
+        // Where there is one family it is the first.
+        for families in &mut self.directions {
+            if families[0] == Vector3::zeros() {
+                families.swap(0, 1);
+            }
         }
         let all = self.tets.len();
+        let families = self.directions.iter();
+        let without = families.filter(|of| of[0] == Vector3::zeros()).count();
         self.notes.push(match without {
             0 => "every tetrahedron has a fibre direction".to_owned(),
             _ => format!("{without} of {all} tetrahedra have no fibre direction"),

@@ -103,8 +103,10 @@ impl Cells {
                     parts.tets.push(tet);
                     let region = data.regions.as_ref().map_or(0, |regions| regions[cell]);
                     parts.regions.push(region);
-                    if let Some(directions) = &data.directions {
-                        parts.set_direction(parts.tets.len() - 1, directions[cell]);
+                    for (family, directions) in data.directions.iter().enumerate() {
+                        if let Some(directions) = directions {
+                            parts.set_direction(parts.tets.len() - 1, family, directions[cell]);
+                        }
                     }
                 }
             }

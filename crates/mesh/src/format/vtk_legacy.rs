@@ -5,12 +5,13 @@
 
 use super::Import;
 use super::assemble::{
-    CellData, Parts, direction_rank, direction_values, positions, region_rank, region_values,
+    CellData, Parts, direction_values, family_and_rank, positions, region_rank, region_values,
 };
 use super::cells::Cells;
 use super::error::{FormatError, Place};
 use super::scalar::{Encoding, Endian, Numbers, Scalar};
 use super::scanner::{Scanner, quoted};
+use crate::FAMILIES;
 
 /// The mesh in `file`.
 pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
@@ -48,7 +49,7 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
         ends_and_connectivity: None,
         types: None,
         region: None,
-        direction: None,
+        directions: Default::default(),
     };
     reader.sections(old_cells)?;
     reader.finish()
@@ -63,8 +64,8 @@ struct Reader<'a> {
     types: Option<Vec<i64>>,
     /// The best region array so far: rank, name, values.
     region: Option<(usize, String, Numbers)>,
-    /// The best array of fibre directions so far.
-    direction: Option<(usize, String, Numbers)>,
+    /// The best array of fibre directions of each family so far.
+    directions: [Option<(usize, String, Numbers)>; FAMILIES],
 }
 
 impl Reader<'_> {
@@ -184,12 +185,12 @@ impl Reader<'_> {
 
     /// Takes an array of the cells, if it is the best one so far of what it holds.
     fn offer(&mut self, name: &str, components: usize, values: Numbers) {
-        let (rank, best) = match components {
-            1 => (region_rank(name), &mut self.region),
-            3 => (direction_rank(name), &mut self.direction),
-            _ => return,
+        let found = match components {
+            1 => region_rank(name).map(|rank| (rank, &mut self.region)),
+            3 => family_and_rank(name).map(|(family, rank)| (rank, &mut self.directions[family])),
+            _ => None,
         };
-        if let Some(rank) = rank
+        if let Some((rank, best)) = found
             && best.as_ref().is_none_or(|known| rank < known.0)
         {
             *best = Some((rank, name.to_owned(), values));
@@ -262,9 +263,12 @@ impl Reader<'_> {
                 Err(note) => parts.notes.push(note),
             }
         }
-        if let Some((_, name, values)) = self.direction {
+        for (found, directions) in self.directions.into_iter().zip(&mut data.directions) {
+            let Some((_, name, values)) = found else {
+                continue;
+            };
             match direction_values(&name, values, types.len()) {
-                Ok(values) => data.directions = Some(values),
+                Ok(values) => *directions = Some(values),
                 Err(note) => parts.notes.push(note),
             }
         }

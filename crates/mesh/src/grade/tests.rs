@@ -4,6 +4,7 @@ use super::*;
 use crate::quality::ElementQuality;
 use crate::{Arc, Block, CellSplit, Layer, Severity, Tube, defects, signed_volume};
 use microsim_random::SplitMix64;
+use nalgebra::Matrix3;
 
 const LIMIT: usize = 200_000;
 
@@ -57,8 +58,10 @@ fn irregular(random: &mut SplitMix64) -> TetMesh {
     let tets = mesh.tets.iter().map(|tet| tet.map(|n| order[n as usize]));
     let regions = (0..mesh.tets.len() as u32).map(|e| e % 3).collect();
     let mut mesh = TetMesh::new(positions, tets.collect(), regions);
-    let directions = (0..mesh.tets.len()).map(|_| random.vector().normalize());
-    mesh.directions = directions.collect();
+    let families = |_| [random.vector().normalize(), random.vector().normalize()];
+    mesh.directions = (0..mesh.tets.len()).map(families).collect();
+    let prestretch = |_| Matrix3::from_diagonal(&random.vector());
+    mesh.prestretches = (0..mesh.tets.len()).map(prestretch).collect();
     mesh
 }
 
@@ -246,8 +249,9 @@ fn parts_keep_region_and_fibres_and_the_same_input_gives_the_same_bits() {
         let graded = mesh.graded(&gradings, LIMIT).unwrap();
         for (part, parent) in graded.parents.iter().enumerate() {
             assert_eq!(graded.mesh.regions[part], mesh.regions[*parent as usize]);
-            let direction = mesh.direction(*parent as usize);
-            assert_eq!(graded.mesh.direction(part), direction);
+            let parent = *parent as usize;
+            assert_eq!(graded.mesh.fibres(part), mesh.fibres(parent));
+            assert_eq!(graded.mesh.prestretch(part), mesh.prestretch(parent));
         }
         for (new, [a, b]) in graded.middles.iter().enumerate() {
             let node = mesh.positions.len() + new;

@@ -28,9 +28,9 @@ pub fn write_vtk_legacy(mesh: &TetMesh) -> Vec<u8> {
     for region in &mesh.regions {
         let _ = writeln!(out, "{region}");
     }
-    if !mesh.directions.is_empty() {
-        out.push_str("VECTORS fibre_direction double\n");
-        for a in &mesh.directions {
+    for (family, name) in families(mesh) {
+        let _ = writeln!(out, "VECTORS {name} double");
+        for a in mesh.directions.iter().map(|of| of[family]) {
             let _ = writeln!(out, "{:?} {:?} {:?}", a.x, a.y, a.z);
         }
     }
@@ -164,16 +164,25 @@ pub fn write_gmsh_4(mesh: &TetMesh) -> Vec<u8> {
         }
     }
     out.push_str("$EndElements\n");
-    if !mesh.directions.is_empty() {
+    for (family, name) in families(mesh) {
         // One text tag, one real tag, three whole ones: time step, components, elements.
-        let head = "$ElementData\n1\n\"fibre_direction\"\n1\n0\n3\n0\n3\n";
+        let head = format!("$ElementData\n1\n\"{name}\"\n1\n0\n3\n0\n3\n");
         let _ = writeln!(out, "{head}{}", mesh.directions.len());
-        for (index, a) in mesh.directions.iter().enumerate() {
+        for (index, a) in mesh.directions.iter().map(|of| of[family]).enumerate() {
             let _ = writeln!(out, "{} {:?} {:?} {:?}", index + 1, a.x, a.y, a.z);
         }
         out.push_str("$EndElementData\n");
     }
     out.into_bytes()
+}
+
+/// The families of fibres that a mesh has, and the names of their directions.
+fn families(mesh: &TetMesh) -> impl Iterator<Item = (usize, &'static str)> {
+    let named = ["fibre_direction", "fibre_direction_2"]
+        .into_iter()
+        .enumerate();
+    let has = |family: usize| mesh.directions.iter().any(|of| of[family].norm() > 0.0);
+    named.filter(move |(family, _)| has(*family))
 }
 
 /// The geometric entity of a region.

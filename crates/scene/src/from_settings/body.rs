@@ -2,6 +2,7 @@
 
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use super::fibres::set_directions;
+use super::residual::set_prestretches;
 use super::{Load, selections};
 use crate::spec::{
     BodySpec, ClampSpec, CouplingSpec, LoadKind, LoadSpec, MotionKey, MotionSpec, Selection,
@@ -34,12 +35,17 @@ pub(super) fn body(
             .map_err(|cause| FromSettingsError::new(key.key("generator"), cause))?;
         made = made.refined();
     }
-    let Made { mut mesh, ends, .. } = made;
+    let Made {
+        mut mesh,
+        ends,
+        tube,
+    } = made;
     set_directions(&mut mesh, body, key, |material, region| {
         let named = |m: &settings::Material| m.region == Some(region);
         named(material) || material.region.is_none() && !body.material.iter().any(named)
     })?;
     let (materials, tear_strains) = materials(body, key, &mesh)?;
+    set_prestretches(&mut mesh, body, tube.as_ref(), &materials, key)?;
     let mut loads = Vec::new();
     for (index, load) in body.load.iter().enumerate() {
         let kind = match (load.pressure, load.traction) {

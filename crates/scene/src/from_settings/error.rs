@@ -5,6 +5,7 @@ use microsim_mesh::format::FormatError;
 use microsim_mesh::{BlockError, FillError, GradeError, TubeError};
 use microsim_settings::KeyPath;
 use microsim_tissue::elements::CoupleError;
+use microsim_tissue::vessel_wall::WallError;
 
 /// Why settings do not describe a scene, and which key is to blame.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +65,12 @@ pub enum FromSettingsCause {
         /// How many; of a surface to be filled about how many.
         count: u64,
     },
+    /// The residual state of a wall cannot be found.
+    Wall(WallError),
+    /// A layer of springs has no residual state.
+    Springs,
+    /// Fibres of a layer are not alike all around.
+    Asymmetric,
     /// Something is not there.
     Missing(&'static str),
 }
@@ -95,8 +102,24 @@ impl std::fmt::Display for FromSettingsCause {
                 "{count} tetrahedra are too many: {} at most, so use a coarser mesh or larger cells",
                 microsim_settings::MAX_ELEMENTS
             ),
+            Self::Wall(source) => write!(f, "{source}"),
+            Self::Springs => write!(
+                f,
+                "a layer of springs has no residual state: expected is the law of a continuum, or no `axial_stretch`, `transmural_pressure` and \
+                 `opening_angle`"
+            ),
+            Self::Asymmetric => write!(
+                f,
+                "fibres of the layer are not alike all around: a residual state needs them at an `angle`"
+            ),
             Self::Missing(what) => write!(f, "{what} is missing"),
         }
+    }
+}
+
+impl From<WallError> for FromSettingsCause {
+    fn from(source: WallError) -> Self {
+        Self::Wall(source)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::error::FromSettingsError;
 use super::error::missing;
-use microsim_mesh::TetMesh;
+use microsim_mesh::{FAMILIES, TetMesh};
 use microsim_settings as settings;
 use nalgebra::{Unit, Vector3};
 use settings::KeyPath;
@@ -20,8 +20,12 @@ pub(super) fn set_directions(
             continue;
         };
         let key = key.key("material").at(index).key("fibres");
-        let field = Field::new(fibres, body, &key)?;
-        mesh.directions.resize(mesh.tets.len(), Vector3::zeros());
+        let families = match material.law {
+            settings::Law::Springs => 0,
+            settings::Law::Continuum(law) => law.families(),
+        };
+        let field = Field::new(fibres, families, body, &key)?;
+        mesh.directions.resize(mesh.tets.len(), Default::default());
         for element in 0..mesh.tets.len() {
             if is_of(material, mesh.regions[element]) {
                 let centre = mesh.corners(element).iter().sum::<Vector3<f64>>() / 4.0;
@@ -32,27 +36,31 @@ pub(super) fn set_directions(
     Ok(())
 }
 
-/// A direction for each point.
+/// Directions for each point, of one or two families.
 enum Field {
-    Constant(Vector3<f64>),
+    Constant([Vector3<f64>; FAMILIES]),
     /// Around an axis through a point, in the frame of the scene.
     Helix {
         point: Vector3<f64>,
         axis: Vector3<f64>,
         cosine: f64,
-        sine: f64,
+        /// That of each family; of none if it is not there.
+        sines: [Option<f64>; FAMILIES],
     },
 }
 
 impl Field {
     fn new(
         fibres: &settings::Fibres,
+        families: usize,
         body: &settings::Body,
         key: &KeyPath,
     ) -> Result<Self, FromSettingsError> {
         let unit = |v: [f64; 3]| Unit::new_normalize(Vector3::from(v)).into_inner();
         if let Some(direction) = fibres.direction {
-            return Ok(Self::Constant(unit(direction)));
+            let second = fibres.second_direction.map(unit);
+            let second = second.unwrap_or_default();
+            return Ok(Self::Constant([unit(direction), second]));
         }
         let angle = fibres
             .angle
@@ -69,23 +77,27 @@ impl Field {
             point: point + Vector3::from(body.centre),
             axis: unit(axis),
             cosine,
-            sine,
+            sines: [Some(sine), (families == FAMILIES).then_some(-sine)],
         })
     }
 
     /// On the axis itself, where nothing is around it, the direction of the axis.
-    fn at(&self, place: &Vector3<f64>) -> Vector3<f64> {
+    fn at(&self, place: &Vector3<f64>) -> [Vector3<f64>; FAMILIES] {
         match self {
-            Self::Constant(direction) => *direction,
+            Self::Constant(directions) => *directions,
             Self::Helix {
                 point,
                 axis,
                 cosine,
-                sine,
-            } => match Unit::try_new(axis.cross(&(place - point)), 0.0) {
-                Some(around) => around.into_inner() * *cosine + axis * *sine,
-                None => *axis,
-            },
+                sines,
+            } => {
+                let around = Unit::try_new(axis.cross(&(place - point)), 0.0);
+                sines.map(|sine| match (sine, &around) {
+                    (None, _) => Vector3::zeros(),
+                    (Some(sine), Some(around)) => around.into_inner() * *cosine + axis * sine,
+                    (Some(_), None) => *axis,
+                })
+            }
         }
     }
 }
@@ -100,7 +112,7 @@ mod tests {
             point: Vector3::new(0.0, 0.0, 1.0),
             axis: Vector3::x(),
             cosine,
-            sine,
+            sines: [Some(sine), Some(-sine)],
         }
     }
 
@@ -116,10 +128,13 @@ mod tests {
                 Vector3::new(0.5f64.sqrt(), -(0.5f64.sqrt()), 0.0),
             ),
         ] {
-            let direction = helix(angle).at(&top);
+            let [direction, second] = helix(angle).at(&top);
             assert!((direction - expected).amax() < 1e-15, "{direction}");
+            // The other family mirrored: against the axis.
+            assert!((second - direction - Vector3::x() * (second.x - direction.x)).amax() < 1e-15);
+            assert_eq!(second.x, -direction.x);
         }
         let on_the_axis = helix(0.2).at(&Vector3::new(7.0, 0.0, 1.0));
-        assert_eq!(on_the_axis, Vector3::x());
+        assert_eq!(on_the_axis, [Vector3::x(); FAMILIES]);
     }
 }

@@ -55,13 +55,20 @@ fn every_name_of_the_settings_means_its_namesake() {
         for (key, _) in law.parameters() {
             own += &format!("{key}=1\n");
         }
-        if MaterialLaw::from(law).has_direction() {
-            own += "fibres={direction=[0, 0, 2]}\n";
-        }
+        own += match law.families() {
+            0 => "",
+            1 => "fibres={direction=[0, 0, 2]}\n",
+            _ => "fibres={direction=[0, 0, 2], second_direction=[3, 0, 0]}\n",
+        };
+        // A dispersion of one there is not.
+        own = own.replace("dispersion=1", "dispersion=0.25");
         match material(&format!("law='{name}'\n{constants}{own}")).behaviour {
             Behaviour::Continuum(continuum) => assert_eq!(
                 Ok::<_, ()>(continuum.law),
-                MaterialLaw::read(law, &|_| Ok(1.0))
+                MaterialLaw::read(law, &|key| Ok(match key {
+                    "fibre_dispersion" => 0.25,
+                    _ => 1.0,
+                }))
             ),
             other => panic!("{name} is {other:?}"),
         }
@@ -90,9 +97,10 @@ fn fibres_of_a_layer_lie_around_the_axis_of_its_tube() {
     let mesh = &spec.bodies[0].mesh;
     let mut with = 0;
     for element in 0..mesh.tets.len() {
-        let direction = mesh.direction(element);
-        assert_eq!(direction.is_some(), mesh.regions[element] == 2);
-        if let Some(direction) = direction {
+        let [direction, second] = mesh.fibres(element);
+        assert_eq!(second, Vector3::zeros());
+        assert_eq!(direction != second, mesh.regions[element] == 2);
+        if direction != second {
             let centre = mesh.corners(element).iter().sum::<Vector3<f64>>() / 4.0;
             let out = centre - Vector3::new(1.0, 0.0, centre.z);
             assert!((direction.norm() - 1.0).abs() < 1e-15);
@@ -107,7 +115,7 @@ fn fibres_of_a_layer_lie_around_the_axis_of_its_tube() {
         spec.bodies[0]
             .materials
             .iter()
-            .any(|(_, m)| m.has_direction())
+            .any(|(_, m)| m.directions() == 1)
     );
 }
 

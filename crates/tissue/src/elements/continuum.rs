@@ -201,7 +201,7 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         let nodes = self.domains.nodes(element).len();
         let volume = self.domains.volume(element);
         let elasticity = self.constants(element).elasticity();
-        if elasticity.fibre.is_some() {
+        if elasticity.families.is_some() {
             let gradients: Vec<_> = (0..nodes)
                 .map(|i| self.domains.gradient(element, i))
                 .collect();
@@ -231,17 +231,20 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         }
     }
 
-    /// That of K_ii is V ((λ + 4 μ) |b_i|² + m (a₀·b_i)²), m = 0 without fibres.
+    /// That of K_ii is V ((λ + 4 μ) |b_i|² + Σ m |H b_i|²), m = 0 without fibres.
     fn rest_traces(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         let elasticity = self.constants(element).elasticity();
         let volume = self.domains.volume(element);
         let nodes = 0..self.domains.nodes(element).len();
-        if let Some((fibre, a)) = elasticity.fibre {
+        if let Some(families) = elasticity.families {
             let Lame { mu, lambda } = elasticity.lame;
             let gradients = nodes.map(|i| self.domains.gradient(element, i));
             let traces = gradients.map(|b| {
-                let along = a.dot(&b);
-                volume * ((lambda + 4.0 * mu) * b.norm_squared() + fibre * along * along)
+                let of_fibres: f64 = families
+                    .iter()
+                    .map(|family| family.stiffness * (family.structure * b).norm_squared())
+                    .sum();
+                volume * ((lambda + 4.0 * mu) * b.norm_squared() + of_fibres)
             });
             out.clear();
             out.extend(traces);

@@ -5,12 +5,13 @@ use super::splice::{make_room, splice};
 use crate::elements::NodeWindow;
 use crate::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
 use crate::law::{Constants, Law};
-use microsim_mesh::TetMesh;
+use microsim_mesh::{FAMILIES, TetMesh};
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
 use std::ops::Range;
 
-/// Domains over which F = Σ x_i ⊗ b_i, with Σ b_i = 0.
+/// Domains over which F = Σ x_i ⊗ b_i, with Σ b_i = 0: the deformation gradient from the natural state, which is the place in the mesh unless that has
+/// prestretches.
 pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// Number of domains.
     fn count(&self) -> usize;
@@ -18,11 +19,11 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// Nodes of a domain, each once.
     fn nodes(&self, domain: usize) -> &[u32];
 
-    /// Volume at rest \[m³\].
+    /// Volume in the natural state \[m³\].
     fn volume(&self, domain: usize) -> f64;
 
-    /// Fibre direction at rest, a unit vector; zero where the mesh has none.
-    fn direction(&self, domain: usize) -> Vector3<f64>;
+    /// Fibre directions in the natural state, unit vectors; zero where the mesh has none.
+    fn directions(&self, domain: usize) -> [Vector3<f64>; FAMILIES];
 
     /// Takes a volume times a factor; all that a domain does is in proportion to its volume.
     fn scale_volume(&mut self, domain: usize, factor: f64);
@@ -65,16 +66,16 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     }
 }
 
-/// The constants of a law in a domain: with its fibre direction, if the law has one.
+/// The constants of a law in a domain: with its fibre directions, if the law has any.
 #[inline(always)]
 pub(super) fn constants_at<D: Domains, C: Constants>(
     domains: &D,
     domain: usize,
     constants: &C,
 ) -> C {
-    match C::HAS_DIRECTION {
-        true => constants.along(domains.direction(domain)),
-        false => *constants,
+    match C::DIRECTIONS {
+        0 => *constants,
+        _ => constants.along(domains.directions(domain)),
     }
 }
 
@@ -87,7 +88,7 @@ pub struct Tetrahedra {
     volumes: Vec<Lanes>,
     shapes: Vec<FourShapes>,
     /// Fibre directions, if the mesh has any.
-    directions: Vec<Vector3<f64>>,
+    directions: Vec<[Vector3<f64>; FAMILIES]>,
 }
 
 /// What is held of one element: see [`FourShapes`].
@@ -131,7 +132,7 @@ impl Tetrahedra {
         }
         tetrahedra.reserve(elements.len());
         for (index, &element) in elements.iter().enumerate() {
-            let (gradients, volume) = shape(&mesh.corners(element as usize));
+            let (gradients, volume) = natural_shape(mesh, element as usize);
             tetrahedra.nodes.push(mesh.tets[element as usize]);
             let [g1, g2, g3] = &gradients;
             let products = [(g1, g1), (g2, g2), (g3, g3), (g2, g3), (g3, g1), (g1, g2)];
@@ -352,6 +353,16 @@ pub(super) fn shape([a, b, c, d]: &[Vector3<f64>; 4]) -> ([Vector3<f64>; 3], f64
     (normals.map(|n| n / six_volumes), six_volumes / 6.0)
 }
 
+/// As [`shape`], of an element of a mesh in its natural state: with its prestretch G the deformation gradient from there is
+/// F G = Σ x_i ⊗ Gᵀ b_i, and the volume V/det G.
+pub(super) fn natural_shape(mesh: &TetMesh, element: usize) -> ([Vector3<f64>; 3], f64) {
+    let (gradients, volume) = shape(&mesh.corners(element));
+    match mesh.prestretches.get(element) {
+        None => (gradients, volume),
+        Some(g) => (gradients.map(|b| g.tr_mul(&b)), volume / g.determinant()),
+    }
+}
+
 impl Domains for Tetrahedra {
     fn count(&self) -> usize {
         self.nodes.len()
@@ -365,9 +376,9 @@ impl Domains for Tetrahedra {
         self.volumes[domain / LANES].0[domain % LANES]
     }
 
-    fn direction(&self, domain: usize) -> Vector3<f64> {
-        let direction = self.directions.get(domain);
-        direction.copied().unwrap_or_default()
+    fn directions(&self, domain: usize) -> [Vector3<f64>; FAMILIES] {
+        let directions = self.directions.get(domain);
+        directions.copied().unwrap_or_default()
     }
 
     fn scale_volume(&mut self, domain: usize, factor: f64) {
@@ -460,7 +471,7 @@ impl Domains for Tetrahedra {
         constants: &L::Constants,
         forces: &mut NodeWindow<'_>,
     ) {
-        if L::Constants::HAS_DIRECTION {
+        if L::Constants::DIRECTIONS > 0 {
             for domain in range {
                 let f = self.deformation(domain, positions);
                 let stress = L::stress(&f, &constants_at(self, domain, constants));

@@ -7,7 +7,7 @@
 use super::domains::{Domains, product};
 use super::key::Key;
 use crate::elements::NodeWindow;
-use microsim_mesh::{PARTS, TetMesh};
+use microsim_mesh::{FAMILIES, PARTS, TetMesh};
 use nalgebra::{Matrix3, Vector3};
 
 /// Nodes of an element.
@@ -35,7 +35,7 @@ pub struct QuadraturePoints {
     /// Fractions of the volume \[m³\].
     volumes: Vec<f64>,
     /// Fibre directions, if the mesh has any.
-    directions: Vec<Vector3<f64>>,
+    directions: Vec<[Vector3<f64>; FAMILIES]>,
 }
 
 impl QuadraturePoints {
@@ -69,11 +69,15 @@ impl QuadraturePoints {
             points.nodes.push(nodes);
             let corners = nodes.map(|node| mesh.positions[node as usize]);
             for point in 0..POINTS {
-                let (gradients, volume) = shape(&corners, point);
+                let (mut gradients, mut volume) = shape(&corners, point);
+                // Each point lies in the part at its corner.
+                if let Some(g) = mesh.prestretches.get(first + point) {
+                    gradients.iter_mut().for_each(|b| *b = g.tr_mul(b));
+                    volume /= g.determinant();
+                }
                 points.gradients.push(gradients);
                 points.volumes.push(volume);
                 if !mesh.directions.is_empty() {
-                    // Each point lies in the part at its corner.
                     points.directions.push(mesh.directions[first + point]);
                 }
             }
@@ -157,9 +161,9 @@ impl Domains for QuadraturePoints {
         self.volumes[point]
     }
 
-    fn direction(&self, point: usize) -> Vector3<f64> {
-        let direction = self.directions.get(point);
-        direction.copied().unwrap_or_default()
+    fn directions(&self, point: usize) -> [Vector3<f64>; FAMILIES] {
+        let directions = self.directions.get(point);
+        directions.copied().unwrap_or_default()
     }
 
     fn scale_volume(&mut self, point: usize, factor: f64) {

@@ -4,6 +4,7 @@ use super::constants::{Constants, Parameters};
 use super::definition::Law;
 use super::elasticity::Lame;
 use crate::range::MaterialError;
+use microsim_mesh::FAMILIES;
 use microsim_vocabulary::LawName;
 use nalgebra::{Matrix3, Vector3};
 
@@ -75,6 +76,8 @@ laws! {
     NeoHookeanPolynomial,
     MooneyRivlin,
     TransverselyIsotropic,
+    HolzapfelGasserOgden,
+    HolzapfelGasserOgdenIsochoric,
 }
 
 impl MaterialLaw {
@@ -83,15 +86,20 @@ impl MaterialLaw {
         with_law!(self, L, parameters => <L as Law>::Parameters::check(parameters, poisson))
     }
 
-    /// Whether it needs a fibre direction in each element.
-    pub fn has_direction(&self) -> bool {
-        with_law!(self, L, _ => <L as Law>::Constants::HAS_DIRECTION)
+    /// How many fibre directions it needs in each element.
+    pub fn directions(&self) -> usize {
+        self.name().families()
     }
 
-    /// First Piola–Kirchhoff stress \[Pa\] at the deformation gradient `f` with this fibre direction, which an isotropic law ignores.
-    pub fn stress(&self, f: &Matrix3<f64>, lame: &Lame, direction: Vector3<f64>) -> Matrix3<f64> {
+    /// First Piola–Kirchhoff stress \[Pa\] at the deformation gradient `f` with these fibre directions, which an isotropic law ignores.
+    pub fn stress(
+        &self,
+        f: &Matrix3<f64>,
+        lame: &Lame,
+        directions: [Vector3<f64>; FAMILIES],
+    ) -> Matrix3<f64> {
         with_law!(self, L, parameters => {
-            L::stress(f, &L::constants(lame, parameters).along(direction))
+            L::stress(f, &L::constants(lame, parameters).along(directions))
         })
     }
 }
@@ -106,6 +114,8 @@ mod tests {
             let law = MaterialLaw::from(name);
             assert_eq!((law.name(), law.check(0.45)), (name, Ok(())));
             assert_eq!(with_law!(law, L, _ => L::NAME), name);
+            let directions = with_law!(law, L, _ => <L as Law>::Constants::DIRECTIONS);
+            assert_eq!(directions, name.families());
             // It reads the keys that its name states, each of them.
             let read = std::cell::RefCell::new(Vec::new());
             let one = |key| {
@@ -119,14 +129,5 @@ mod tests {
             let stated = name.parameters().iter().map(|(key, _)| *key);
             assert_eq!(read.into_inner(), stated.collect::<Vec<_>>());
         }
-    }
-
-    #[test]
-    fn one_law_needs_directions() {
-        let with: Vec<LawName> = LawName::ALL
-            .into_iter()
-            .filter(|law| MaterialLaw::from(*law).has_direction())
-            .collect();
-        assert_eq!(with, [LawName::TransverselyIsotropic]);
     }
 }

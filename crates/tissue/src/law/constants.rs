@@ -2,18 +2,20 @@
 
 use super::elasticity::{Elasticity, Lame};
 use crate::range::MaterialError;
+use microsim_mesh::FAMILIES;
 use nalgebra::Vector3;
 use std::fmt::Debug;
 
 /// The constants of a law as its functions take them: moduli, and the fibre direction where it has one. [`Lame`] is one for laws of μ
 /// and λ.
 pub trait Constants: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// Whether the law needs a fibre direction in each element.
-    const HAS_DIRECTION: bool = false;
+    /// How many fibre directions the law needs in each element.
+    const DIRECTIONS: usize = 0;
 
-    /// The same with the fibre direction a₀, a unit vector in the rest state; itself where there is none.
+    /// The same with the fibre directions a₀, unit vectors in the natural state, zero for a family that is not there; itself where the law
+    /// takes none.
     #[inline(always)]
-    fn along(self, _direction: Vector3<f64>) -> Self {
+    fn along(self, _directions: [Vector3<f64>; FAMILIES]) -> Self {
         self
     }
 

@@ -1,8 +1,9 @@
 //! What every law fulfils, as one test.
 
 use super::decomposition::SignedSvd;
-use super::{Constants, IsotropicLaw, Lame, Law, Matrix9, PrincipalTangent};
+use super::{Constants, Family, IsotropicLaw, Lame, Law, Matrix9, PrincipalTangent};
 use crate::testing::numbers;
+use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
 
 /// Constants of unequal size, in units that make all numbers of order one.
@@ -20,16 +21,24 @@ const DIFFERENCES: f64 = 1e-8;
 /// A few hundred operations on numbers of order one.
 const ROUNDING: f64 = 1e-13;
 
-/// Checks one law, with a fibre direction where it has one.
+/// Checks one law, with fibre directions where it has any.
 pub fn check<L: Law>() {
+    check_with::<L>(&L::Parameters::default());
+}
+
+/// Checks one law with these parameters, moduli of order one.
+pub fn check_with<L: Law>(parameters: &L::Parameters) {
     let mut next = numbers();
     let states = states(&mut next);
-    let direction = Vector3::new(0.48, -0.6, 0.64);
-    let constants = L::constants(&LAME, &L::Parameters::default()).along(direction);
+    let directions = [
+        Vector3::new(0.48, -0.6, 0.64),
+        Vector3::new(0.36, 0.48, 0.8),
+    ];
+    let constants = L::constants(&LAME, parameters).along(directions);
     rest::<L>(&constants);
     for f in &states {
         derivatives::<L>(f, &constants);
-        frame_and_axes::<L>(f, &rotation(&mut next), direction, &constants);
+        frame_and_axes::<L>(f, &rotation(&mut next), directions, &constants);
         parts::<L>(f, &constants);
         positive_tangent::<L>(f, &constants);
     }
@@ -40,7 +49,7 @@ pub fn check<L: Law>() {
 pub fn check_isotropic<L: IsotropicLaw>() {
     check::<L>();
     let constants = L::constants(&LAME, &L::Parameters::default());
-    assert_eq!(constants.along(Vector3::y()), constants);
+    assert_eq!(constants.along([Vector3::y(); FAMILIES]), constants);
     for f in states(&mut numbers()) {
         nearest_tangent::<L>(&f, &constants);
     }
@@ -80,13 +89,16 @@ fn rest<L: Law>(c: &L::Constants) {
     let elasticity = c.elasticity();
     assert!((elasticity.lame.mu - LAME.mu).abs() < ROUNDING);
     assert!((elasticity.lame.lambda - LAME.lambda).abs() < ROUNDING);
-    let (stiffness, a) = elasticity.fibre.unwrap_or((0.0, Vector3::x()));
+    let families = elasticity.families.unwrap_or([Family::NONE; FAMILIES]);
     let expected = Matrix9::from_fn(|p, q| {
         let (i, j, k, l) = (p % 3, p / 3, q % 3, q / 3);
         let same = |a, b| f64::from(u8::from(a == b));
         LAME.lambda * same(i, j) * same(k, l)
             + LAME.mu * (same(i, k) * same(j, l) + same(i, l) * same(j, k))
-            + stiffness * a[i] * a[j] * a[k] * a[l]
+            + families
+                .iter()
+                .map(|of| of.stiffness * of.structure[(i, j)] * of.structure[(k, l)])
+                .sum::<f64>()
     });
     let error = L::tangent(&one, c) - expected;
     assert!(error.amax() < ROUNDING, "{error}");
@@ -124,12 +136,12 @@ fn derivatives<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
 fn frame_and_axes<L: Law>(
     f: &Matrix3<f64>,
     q: &Matrix3<f64>,
-    direction: Vector3<f64>,
+    directions: [Vector3<f64>; FAMILIES],
     c: &L::Constants,
 ) {
     let (energy, stress) = (L::energy(f, c), L::stress(f, c));
     let scale = energy.abs().max(stress.amax()).max(1.0);
-    let turned = c.along(q.tr_mul(&direction));
+    let turned = c.along(directions.map(|a| q.tr_mul(&a)));
     for (f, c, expected) in [(q * f, c, q * stress), (f * q, &turned, stress * q)] {
         assert!((L::energy(&f, c) - energy).abs() < ROUNDING * scale);
         assert!((L::stress(&f, c) - expected).amax() < ROUNDING * scale);
@@ -158,11 +170,8 @@ fn parts<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
         (0.0, c.elasticity().lame.mu)
     );
     assert!(volumetric.lame.lambda > 0.0 && isochoric.lame.lambda >= 0.0);
-    assert!(
-        volumetric
-            .fibre
-            .is_none_or(|(stiffness, _)| stiffness == 0.0)
-    );
+    let families = volumetric.families.into_iter().flatten();
+    assert!(families.into_iter().all(|family| family.stiffness == 0.0));
 }
 
 /// The positive tangent has no negative eigenvalue, and is nowhere below the exact one.

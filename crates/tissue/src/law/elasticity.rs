@@ -1,5 +1,6 @@
 //! Small-strain elasticity: what every law is close to its rest state.
 
+use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// ∂P/∂F with matrices written column after column: entry (i + 3j, k + 3l) is ∂P_ij/∂F_kl.
@@ -31,23 +32,53 @@ impl Lame {
     }
 }
 
-/// Linear elasticity of a law at rest: σ = λ tr ε + 2μ ε, and with fibres + m (a₀·ε a₀) a₀ ⊗ a₀.
+/// Linear elasticity of a law at rest: σ = λ tr ε + 2μ ε, and for each family of fibres + m (H:ε) H.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elasticity {
     /// The isotropic part.
     pub lame: Lame,
-    /// Stiffness m \[Pa\] that fibres add along the unit vector a₀.
-    pub fibre: Option<(f64, Vector3<f64>)>,
+    /// The families of fibres of a law that has directions.
+    pub families: Option<[Family; FAMILIES]>,
+}
+
+/// What a family of fibres adds to the elasticity at rest: σ = m (H:ε) H. Fibres that bear tension alone have it under tension, which is
+/// what bounds of the step and viscosity go by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Family {
+    /// m \[Pa\], ≥ 0.
+    pub stiffness: f64,
+    /// Structure tensor H, symmetric: a₀ ⊗ a₀ of fibres that all lie along a₀.
+    pub structure: Matrix3<f64>,
+}
+
+impl Family {
+    /// No fibres.
+    pub const NONE: Self = Self {
+        stiffness: 0.0,
+        structure: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    };
+
+    /// Fibres that all lie along a unit vector.
+    #[inline(always)]
+    pub fn along(direction: Vector3<f64>, stiffness: f64) -> Self {
+        Self {
+            stiffness,
+            structure: direction * direction.transpose(),
+        }
+    }
 }
 
 impl Elasticity {
     /// That of an isotropic law.
     #[inline(always)]
     pub fn isotropic(lame: Lame) -> Self {
-        Self { lame, fibre: None }
+        Self {
+            lame,
+            families: None,
+        }
     }
 
-    /// The block K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1 + m (a₀·b_i)(a₀·b_j) a₀ a₀ᵀ) \[N/m\] of a domain of `volume` V
+    /// The block K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1 + Σ m (H b_i)(H b_j)ᵀ) \[N/m\] of a domain of `volume` V
     /// \[m³\] for the gradients b_i and b_j \[1/m\] of two of its nodes.
     pub(crate) fn block(
         &self,
@@ -59,8 +90,9 @@ impl Elasticity {
         let mut block = b_i * b_j.transpose() * lambda
             + b_j * b_i.transpose() * mu
             + Matrix3::from_diagonal_element(mu * b_i.dot(b_j));
-        if let Some((stiffness, a)) = self.fibre {
-            block += a * a.transpose() * (stiffness * a.dot(b_i) * a.dot(b_j));
+        for family in self.families.iter().flatten() {
+            let (row, column) = (family.structure * b_i, family.structure * b_j);
+            block += row * column.transpose() * family.stiffness;
         }
         block * volume
     }

@@ -1,9 +1,10 @@
 //! Transversely isotropic neo-Hookean law: one family of fibres in a neo-Hookean matrix.
 
 use super::decomposition::SignedSvd;
-use super::elasticity::{Elasticity, Lame};
+use super::elasticity::{Elasticity, Family, Lame};
 use super::{Constants, Law, LawName, Matrix9, NeoHookean, Parameters};
 use crate::range::{MaterialError, require};
+use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = Ψ_nH(F) + m/8 (I₄ − 1)² with I₄ = |F a₀|², the neo-Hookean law of Bonet & Wood (1997) with the standard reinforcing model (Qiu
@@ -75,10 +76,10 @@ pub struct FibreConstants {
 }
 
 impl Constants for FibreConstants {
-    const HAS_DIRECTION: bool = true;
+    const DIRECTIONS: usize = 1;
 
     #[inline(always)]
-    fn along(self, direction: Vector3<f64>) -> Self {
+    fn along(self, [direction, _]: [Vector3<f64>; FAMILIES]) -> Self {
         Self { direction, ..self }
     }
 
@@ -86,7 +87,7 @@ impl Constants for FibreConstants {
     fn elasticity(&self) -> Elasticity {
         Elasticity {
             lame: self.lame,
-            fibre: Some((self.stiffness, self.direction)),
+            families: Some([Family::along(self.direction, self.stiffness), Family::NONE]),
         }
     }
 
@@ -252,7 +253,8 @@ mod tests {
         let (young, poisson, ratio) = (3.0, 0.4, 6.0);
         let parameters = FibreParameters { fibre_ratio: ratio };
         let lame = Lame::from_young_poisson(young, poisson);
-        let c = TransverselyIsotropic::constants(&lame, &parameters).along(Vector3::x());
+        let c = TransverselyIsotropic::constants(&lame, &parameters)
+            .along([Vector3::x(), Vector3::zeros()]);
         let tangent = TransverselyIsotropic::tangent(&Matrix3::identity(), &c);
         let stiffness = Matrix3::from_fn(|i, j| tangent[(4 * i, 4 * j)]);
         let compliance = stiffness.try_inverse().unwrap();

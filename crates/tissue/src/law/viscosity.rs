@@ -18,8 +18,8 @@ pub fn stress(
     let product = f.tr_mul(rate);
     let strain_rate = (product + product.transpose()) * (0.5 * relaxation_time);
     let mut second = second_piola(&strain_rate, &elasticity.lame);
-    if let Some((stiffness, a)) = elasticity.fibre {
-        second += a * a.transpose() * (stiffness * a.dot(&(strain_rate * a)));
+    for family in elasticity.families.iter().flatten() {
+        second += family.structure * (family.stiffness * family.structure.dot(&strain_rate));
     }
     f * second
 }
@@ -33,11 +33,10 @@ pub fn tangent(f: &Matrix3<f64>, elasticity: &Elasticity, relaxation_time: f64) 
         lambda: lambda * relaxation_time,
     };
     let mut tangent = material_tangent(f, &viscosities);
-    if let Some((stiffness, a)) = elasticity.fibre {
-        // F a ⊗ a, column after column: the power is τ m (a·Ė a)².
-        let stretched = f * a;
-        let along = Vector9::from_fn(|p, _| stretched[p % 3] * a[p / 3]);
-        tangent += along * along.transpose() * (stiffness * relaxation_time);
+    for family in elasticity.families.iter().flatten() {
+        // F H, column after column: the power is τ m (H:Ė)².
+        let along = Vector9::from_column_slice((f * family.structure).as_slice());
+        tangent += along * along.transpose() * (family.stiffness * relaxation_time);
     }
     tangent
 }
@@ -48,9 +47,8 @@ type Vector9 = SVector<f64, 9>;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Family;
     use crate::testing::numbers;
-
-    use nalgebra::Vector3;
 
     /// Isotropic, and with fibres.
     fn both() -> [Elasticity; 2] {
@@ -58,8 +56,12 @@ mod tests {
             mu: 3.0,
             lambda: 7.0,
         };
-        let fibre = Some((5.0, Vector3::new(0.48, -0.6, 0.64)));
-        [Elasticity::isotropic(lame), Elasticity { lame, fibre }]
+        let dispersed = Family {
+            stiffness: 2.0,
+            structure: Matrix3::new(0.3, 0.1, 0.0, 0.1, 0.5, -0.2, 0.0, -0.2, 0.2),
+        };
+        let families = Some([Family::along([0.48, -0.6, 0.64].into(), 5.0), dispersed]);
+        [Elasticity::isotropic(lame), Elasticity { lame, families }]
     }
 
     const TIME: f64 = 0.2;

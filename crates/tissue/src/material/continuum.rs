@@ -8,7 +8,7 @@ use crate::elements::{
 };
 use crate::law::{Constants, Lame, Law, MaterialLaw, with_law};
 use crate::range::{MaterialError, positive, require};
-use microsim_mesh::TetMesh;
+use microsim_mesh::{FAMILIES, TetMesh};
 use microsim_vocabulary::Discretisation;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -25,12 +25,12 @@ use std::sync::Arc;
 ///     poisson: 0.45,
 ///     discretisation: Discretisation::Selective,
 /// };
-/// assert!(muscle.check().is_ok() && muscle.law.has_direction());
+/// assert!(muscle.check().is_ok() && muscle.law.directions() == 1);
 /// let fat = ContinuumConstants {
 ///     law: LawName::NeoHookean.into(),
 ///     ..muscle
 /// };
-/// assert!(!fat.law.has_direction());
+/// assert!(fat.law.directions() == 0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuumConstants {
@@ -57,19 +57,23 @@ impl ContinuumConstants {
         self.law.check(self.poisson)
     }
 
-    /// The elastic Cauchy stress P Fᵀ/det F \[Pa\] at the deformation gradient `f` of an element with this fibre direction, which an
+    /// The elastic Cauchy stress P Fᵀ/det F \[Pa\] at the deformation gradient `f` of an element with these fibre directions, which an
     /// isotropic law ignores. Where the volume is gone to rounding, or
     /// inverted, there is no such stress and it is zero.
-    pub fn cauchy_stress(&self, f: &Matrix3<f64>, direction: Vector3<f64>) -> Matrix3<f64> {
+    pub fn cauchy_stress(
+        &self,
+        f: &Matrix3<f64>,
+        directions: [Vector3<f64>; FAMILIES],
+    ) -> Matrix3<f64> {
         let (volume, size) = (f.determinant(), f.norm());
         if volume <= f64::EPSILON * size * size * size {
             return Matrix3::zeros();
         }
-        self.law.stress(f, &self.lame(), direction) * f.transpose() / volume
+        self.law.stress(f, &self.lame(), directions) * f.transpose() / volume
     }
 
     /// Lamé's constants of E and ν.
-    fn lame(&self) -> Lame {
+    pub(crate) fn lame(&self) -> Lame {
         Lame::from_young_poisson(self.young, self.poisson)
     }
 
@@ -292,8 +296,8 @@ mod tests {
                 law: law.into(),
                 ..constants(3e4, 0.4)
             };
-            // Along the stretch fibres would pull as well.
-            let cauchy_stress = |f: &Matrix3<f64>| constants.cauchy_stress(f, Vector3::x());
+            // Fibres would pull as well: none are there.
+            let cauchy_stress = |f: &Matrix3<f64>| constants.cauchy_stress(f, Default::default());
             let stretched = |z| Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, z));
             let stress = cauchy_stress(&stretched(1.0 + strain));
             let error = stress - Matrix3::from_diagonal(&expected);

@@ -1,7 +1,7 @@
-//! $ElementData: the fibre direction of each element. Views of anything else are skipped.
+//! $ElementData: the fibre directions of each element, one view for each family. Views of anything else are skipped.
 
 use super::Reader;
-use crate::format::assemble::direction_rank;
+use crate::format::assemble::family_and_rank;
 use crate::format::error::FormatError;
 use crate::format::scalar::{Encoding, Scalar};
 use nalgebra::Vector3;
@@ -30,7 +30,8 @@ impl Reader<'_> {
         for _ in 0..wholes {
             values.push(self.scanner.number::<i64>("a whole tag")?);
         }
-        let (Some(rank), Some(&[_, 3, count])) = (direction_rank(&name), values.first_chunk())
+        let (Some((family, rank)), Some(&[_, 3, count])) =
+            (family_and_rank(&name), values.first_chunk())
         else {
             return self.scanner.skip_past(END);
         };
@@ -48,8 +49,9 @@ impl Reader<'_> {
             }
             directions.push((number, direction));
         }
-        if self.directions.as_ref().is_none_or(|best| rank < best.0) {
-            self.directions = Some((rank, directions));
+        let best = &mut self.directions[family];
+        if best.as_ref().is_none_or(|best| rank < best.0) {
+            *best = Some((rank, directions));
         }
         self.scanner.keyword(END)
     }
@@ -62,13 +64,15 @@ impl Reader<'_> {
 
     /// Gives the tetrahedra their fibre directions.
     pub(super) fn set_directions(&mut self) {
-        let Some((_, mut directions)) = self.directions.take() else {
-            return;
-        };
-        directions.sort_by_key(|(number, _)| *number);
-        for (tet, number) in self.tet_numbers.iter().enumerate() {
-            if let Ok(place) = directions.binary_search_by_key(number, |d| d.0) {
-                self.parts.set_direction(tet, directions[place].1);
+        for family in 0..self.directions.len() {
+            let Some((_, mut directions)) = self.directions[family].take() else {
+                continue;
+            };
+            directions.sort_by_key(|(number, _)| *number);
+            for (tet, number) in self.tet_numbers.iter().enumerate() {
+                if let Ok(place) = directions.binary_search_by_key(number, |d| d.0) {
+                    self.parts.set_direction(tet, family, directions[place].1);
+                }
             }
         }
     }

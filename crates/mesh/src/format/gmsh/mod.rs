@@ -13,6 +13,7 @@ use super::assemble::Parts;
 use super::error::FormatError;
 use super::scalar::{Encoding, Endian, Scalar};
 use super::scanner::{Scanner, quoted};
+use crate::FAMILIES;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -29,8 +30,8 @@ struct Reader<'a> {
     nodes: BTreeMap<i64, u32>,
     /// Number of each tetrahedron in the file.
     tet_numbers: Vec<i64>,
-    /// Fibre directions of elements by their numbers, and the rank of their name.
-    directions: Option<(usize, Numbered)>,
+    /// Fibre directions of each family by the numbers of the elements, and the rank of their name.
+    directions: [Option<(usize, Numbered)>; FAMILIES],
     parts: Parts,
 }
 
@@ -69,7 +70,7 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
         size,
         nodes: BTreeMap::new(),
         tet_numbers: Vec::new(),
-        directions: None,
+        directions: Default::default(),
         parts: Parts::default(),
     };
     match version {

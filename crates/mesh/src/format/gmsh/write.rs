@@ -2,6 +2,7 @@
 
 use crate::TetMesh;
 use crate::format::assemble::DIRECTIONS;
+use nalgebra::Vector3;
 use std::fmt::Write;
 
 /// `mesh` as a version 2.2 file; the physical group of an element is its region. Gmsh itself takes groups up to 2³¹ − 1.
@@ -39,19 +40,19 @@ pub fn write_gmsh_2(mesh: &TetMesh) -> Vec<u8> {
     out.into_bytes()
 }
 
-/// The fibre directions, if there are any, as a view; elements are numbered from 1.
+/// The fibre directions, if there are any, as a view for each family; elements are numbered from 1.
 fn write_directions(mesh: &TetMesh, out: &mut String) {
-    if mesh.directions.is_empty() {
-        return;
-    }
     let count = mesh.directions.len();
-    // One text tag, one real tag (the time), three whole ones: time step, components, elements.
-    let _ = writeln!(
-        out,
-        "$ElementData\n1\n\"{DIRECTIONS}\"\n1\n0\n3\n0\n3\n{count}"
-    );
-    for (index, a) in mesh.directions.iter().enumerate() {
-        let _ = writeln!(out, "{} {:?} {:?} {:?}", index + 1, a.x, a.y, a.z);
+    for (family, name) in DIRECTIONS.into_iter().enumerate() {
+        let directions = || mesh.directions.iter().map(|of| of[family]);
+        if directions().all(|of| of == Vector3::zeros()) {
+            continue;
+        }
+        // One text tag, one real tag (the time), three whole ones: time step, components, elements.
+        let _ = writeln!(out, "$ElementData\n1\n\"{name}\"\n1\n0\n3\n0\n3\n{count}");
+        for (index, a) in directions().enumerate() {
+            let _ = writeln!(out, "{} {:?} {:?} {:?}", index + 1, a.x, a.y, a.z);
+        }
+        out.push_str("$EndElementData\n");
     }
-    out.push_str("$EndElementData\n");
 }

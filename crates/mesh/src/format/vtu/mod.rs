@@ -57,7 +57,7 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
             ));
         }
 
-        let best = |components: usize, rank: fn(&str) -> Option<usize>| {
+        let best = |components: usize, rank: &dyn Fn(&str) -> Option<usize>| {
             let arrays = piece.cell_data.iter();
             arrays
                 .filter(|array| array.components == components)
@@ -66,15 +66,18 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
                 .map(|(_, array)| array)
         };
         let mut data = CellData::default();
-        if let Some(array) = best(1, region_rank) {
+        if let Some(array) = best(1, &region_rank) {
             match region_values(&array.name, decoder.numbers(array)?, cells.types.len()) {
                 Ok(values) => data.regions = Some(values),
                 Err(note) => parts.notes.push(note),
             }
         }
-        if let Some(array) = best(3, direction_rank) {
+        for (family, directions) in data.directions.iter_mut().enumerate() {
+            let Some(array) = best(3, &|name| direction_rank(name, family)) else {
+                continue;
+            };
             match direction_values(&array.name, decoder.numbers(array)?, cells.types.len()) {
-                Ok(values) => data.directions = Some(values),
+                Ok(values) => *directions = Some(values),
                 Err(note) => parts.notes.push(note),
             }
         }

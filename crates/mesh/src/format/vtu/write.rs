@@ -120,8 +120,11 @@ pub fn write_vtu(
         FieldValues::Wholes(&mesh.element_ids),
         elements,
     );
-    if !mesh.directions.is_empty() {
-        file.field(DIRECTIONS, FieldValues::Vectors(&mesh.directions), elements);
+    for (family, name) in DIRECTIONS.into_iter().enumerate() {
+        let directions: Vec<_> = mesh.directions.iter().map(|of| of[family]).collect();
+        if directions.iter().any(|of| *of != Vector3::zeros()) {
+            file.field(name, FieldValues::Vectors(&directions), elements);
+        }
     }
     for field in element_fields {
         file.field(field.name, field.values, elements);

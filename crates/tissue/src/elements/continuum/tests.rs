@@ -38,8 +38,12 @@ fn distorted(cells: [usize; 3]) -> TetMesh {
     for position in &mut mesh.positions {
         *position += Vector3::from_fn(|_, _| next()) * 1e-4;
     }
-    // One direction for all, so that a linear displacement is in equilibrium.
-    mesh.directions = vec![Vector3::new(0.48, -0.6, 0.64); mesh.tets.len()];
+    // The same directions for all, so that a linear displacement is in equilibrium.
+    let families = [
+        Vector3::new(0.48, -0.6, 0.64),
+        Vector3::new(0.36, 0.48, 0.8),
+    ];
+    mesh.directions = vec![families; mesh.tets.len()];
     mesh
 }
 

@@ -52,7 +52,7 @@ fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
     let mut size = 0.0f64;
     for element in 0..count {
         let f = tetrahedra.deformation(element, positions);
-        let stress = L::stress(&f, &constants.along(tetrahedra.direction(element)));
+        let stress = L::stress(&f, &constants.along(tetrahedra.directions(element)));
         tetrahedra.add_forces(element, &stress, &mut window);
         let gradients = tetrahedra.gradients(element).map(|g| g.norm());
         let largest = gradients.into_iter().fold(0.0, f64::max);

@@ -228,16 +228,16 @@ fn a_mesh_that_is_not_refined_and_an_edit_are_refused() {
 fn points_have_the_fibres_of_their_parts() {
     let mut mesh = straight();
     mesh.directions = (0..mesh.tets.len())
-        .map(|part| Vector3::new(part as f64, 1.0, 0.0).normalize())
+        .map(|part| [part as f64, -(part as f64)].map(|x| Vector3::new(x, 1.0, 0.0).normalize()))
         .collect();
     let points = QuadraturePoints::of(&mesh, &all(&mesh));
     for point in 0..points.count() {
         assert_eq!(
-            points.direction(point),
+            points.directions(point),
             mesh.directions[8 * (point / 4) + point % 4]
         );
     }
-    assert_eq!(points.means().direction(0), Vector3::zeros());
+    assert_eq!(points.means().directions(0), [Vector3::zeros(); 2]);
 }
 
 /// Where λ ≤ μ there is nothing to average, and one set.

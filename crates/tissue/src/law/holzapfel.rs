@@ -1,0 +1,432 @@
+//! Laws of arterial walls: two families of dispersed fibres that stiffen exponentially, in a neo-Hookean matrix.
+
+use super::decomposition::{SignedSvd, cofactor};
+use super::elasticity::{Elasticity, Family, Lame};
+use super::invariants::{self, InvariantDerivatives};
+use super::volume::volume_power;
+use super::{Constants, Law, LawName, Matrix9, NeoHookean, Parameters};
+use crate::range::{MaterialError, require};
+use microsim_mesh::FAMILIES;
+use nalgebra::{Matrix3, SVector, Vector3};
+
+/// Ψ = Ψ_nH(F) + Σ φ(E) over two families of fibres, E = H:C − 1 with C = FᵀF and H = κ 1 + (1 − 3κ) a₀ ⊗ a₀, and
+/// φ(E) = k₁/(2 k₂) (exp(k₂ E²) − 1) where E > 0, else 0 (Holzapfel, Gasser & Ogden 2000; with dispersion Gasser, Ogden & Holzapfel
+/// 2006; fibres with the full invariants Nolan, Gower, Destrade, Ogden & McGarry 2014).
+///
+/// E and ν are those of the neo-Hookean matrix (Bonet & Wood 1997), whose shear modulus is the constant c of the papers. E = κ (tr C − 3) +
+/// (1 − 3κ) (a₀·C a₀ − 1) is the mean over the fibres of a family of the square of their stretch less one: κ = 0 is that of fibres that all
+/// lie along a₀, κ = 1/3 has no direction. A family bears no compression; its stress begins continuously, its stiffness does not.
+///
+/// The papers write E with the isochoric C̄ = J^(−2/3) C, for an incompressible wall, where both are one. At the finite compressibility of
+/// elements fibres of C̄ bear no dilation, and a wall that is pulled along them swells ([`HolzapfelGasserOgdenIsochoric`]); with the full
+/// invariants it does not.
+///
+/// Where k₂ E² exceeds 12, of a stress of 1.6·10⁵ times k₁ E and far beyond what tissue bears, φ goes on as its Taylor polynomial of second
+/// order: every F has finite values.
+///
+/// # Limitations
+/// As every fibre that does not lie along edges, stiff ones lock linear elements ([`TransverselyIsotropic`](super::TransverselyIsotropic)).
+/// Fibres stiffen exponentially: bounds of the explicit step at rest do not hold under stretch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HolzapfelGasserOgden;
+
+/// The same with fibres of the isochoric C̄ = J^(−2/3) C: E = J^(−2/3) H:C − 1 (Gasser, Ogden & Holzapfel 2006), for comparison.
+///
+/// # Limitations
+/// Fibres do not resist dilation, and under tension they dilate the matrix: a wall pulled along its fibres swells where the matrix is
+/// compressible (Nolan et al. 2014). Below J = 1/5 the power goes on as its Taylor polynomial. The positive tangent takes the eigenvalues of a
+/// 9 × 9 matrix for each family.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HolzapfelGasserOgdenIsochoric;
+
+/// What fibres of a wall are given beside E and ν of their matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HolzapfelParameters {
+    /// k₁ \[Pa\], ≥ 0.
+    pub fibre_stiffness: f64,
+    /// k₂, 0 to 10⁴.
+    pub fibre_exponent: f64,
+    /// Dispersion κ, 0 to 1/3.
+    pub fibre_dispersion: f64,
+}
+
+impl Default for HolzapfelParameters {
+    /// A media of moderate stiffness, 10 kPa, with little dispersion.
+    fn default() -> Self {
+        Self {
+            fibre_stiffness: 10e3,
+            fibre_exponent: 1.0,
+            fibre_dispersion: 0.1,
+        }
+    }
+}
+
+impl Parameters for HolzapfelParameters {
+    fn read<E>(value: &dyn Fn(&'static str) -> Result<f64, E>) -> Result<Self, E> {
+        Ok(Self {
+            fibre_stiffness: value("fibre_stiffness")?,
+            fibre_exponent: value("fibre_exponent")?,
+            fibre_dispersion: value("fibre_dispersion")?,
+        })
+    }
+
+    fn check(&self, _poisson: f64) -> Result<(), MaterialError> {
+        let k1 = self.fibre_stiffness;
+        require(
+            k1.is_finite() && k1 >= 0.0,
+            "fibre_stiffness",
+            k1,
+            ">= 0 Pa",
+        )?;
+        let k2 = self.fibre_exponent;
+        require(
+            (0.0..=LARGEST_EXPONENT).contains(&k2),
+            "fibre_exponent",
+            k2,
+            "0 to 10000; arteries have 0.1 to 500",
+        )?;
+        let dispersion = self.fibre_dispersion;
+        require(
+            (0.0..=1.0 / 3.0).contains(&dispersion),
+            "fibre_dispersion",
+            dispersion,
+            "0 (all along one direction) to 1/3 (no direction)",
+        )
+    }
+}
+
+/// Largest k₂: from there on a family bears hardly more than 3 % of stretch.
+const LARGEST_EXPONENT: f64 = 1e4;
+
+/// k₂ E² from which on φ goes on as a polynomial.
+const LARGEST_POWER: f64 = 12.0;
+
+/// E to which rounding leaves fibres at rest.
+const AT_REST: f64 = 1e-12;
+
+/// Lamé's constants of the matrix, and the fibres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HolzapfelConstants {
+    /// Of the matrix.
+    pub lame: Lame,
+    /// k₁, k₂, κ.
+    pub fibres: HolzapfelParameters,
+    /// Whether fibres are those of the isochoric deformation.
+    pub isochoric: bool,
+    /// Unit vectors a₀ along the fibres in the natural state; zero for a family that is not there.
+    pub directions: [Vector3<f64>; FAMILIES],
+}
+
+impl Constants for HolzapfelConstants {
+    const DIRECTIONS: usize = FAMILIES;
+
+    #[inline(always)]
+    fn along(self, directions: [Vector3<f64>; FAMILIES]) -> Self {
+        Self { directions, ..self }
+    }
+
+    /// At small strain φ is ½ k₁ (2 H:ε)², so m = 4 k₁ under tension; of the isochoric deformation with H − 1/3 in place of H.
+    #[inline(always)]
+    fn elasticity(&self) -> Elasticity {
+        let isotropic = match self.isochoric {
+            true => Matrix3::from_diagonal_element(1.0 / 3.0),
+            false => Matrix3::zeros(),
+        };
+        let families = self.directions.map(|a| match a == Vector3::zeros() {
+            true => Family::NONE,
+            false => Family {
+                stiffness: 4.0 * self.fibres.fibre_stiffness,
+                structure: self.structure(&a) - isotropic,
+            },
+        });
+        Elasticity {
+            lame: self.lame,
+            families: Some(families),
+        }
+    }
+
+    fn split(self) -> Option<[Self; 2]> {
+        let [isochoric, volumetric] = self.lame.split()?;
+        let without = HolzapfelParameters {
+            fibre_stiffness: 0.0,
+            ..self.fibres
+        };
+        Some([
+            Self {
+                lame: isochoric,
+                ..self
+            },
+            Self {
+                lame: volumetric,
+                fibres: without,
+                ..self
+            },
+        ])
+    }
+
+    fn with_volumetric(self, factor: f64) -> Self {
+        Self {
+            lame: self.lame.with_volumetric(factor),
+            ..self
+        }
+    }
+}
+
+impl HolzapfelConstants {
+    fn new(lame: &Lame, parameters: &HolzapfelParameters, isochoric: bool) -> Self {
+        Self {
+            lame: *lame,
+            fibres: *parameters,
+            isochoric,
+            directions: [Vector3::zeros(); FAMILIES],
+        }
+    }
+
+    /// The directions of the families that are there and bear something.
+    #[inline(always)]
+    fn families(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        let bears = self.fibres.fibre_stiffness > 0.0;
+        let there = self.directions.iter();
+        there.filter(move |a| bears && **a != Vector3::zeros())
+    }
+
+    /// H = κ 1 + (1 − 3κ) a₀ ⊗ a₀.
+    fn structure(&self, a: &Vector3<f64>) -> Matrix3<f64> {
+        let dispersion = self.fibres.fibre_dispersion;
+        a * a.transpose() * (1.0 - 3.0 * dispersion) + Matrix3::from_diagonal_element(dispersion)
+    }
+
+    /// F H and H:C.
+    #[inline(always)]
+    fn stretched(&self, f: &Matrix3<f64>, a: &Vector3<f64>) -> (Matrix3<f64>, f64) {
+        let dispersion = self.fibres.fibre_dispersion;
+        let aligned = 1.0 - 3.0 * dispersion;
+        let fa = f * a;
+        let stretched = f * dispersion + fa * (a * aligned).transpose();
+        let square = dispersion * f.norm_squared() + aligned * fa.norm_squared();
+        (stretched, square)
+    }
+
+    /// φ \[J/m³\] and its derivatives \[Pa\] by E.
+    #[inline(always)]
+    fn exponential(&self, e: f64) -> [f64; 3] {
+        let (k1, k2) = (self.fibres.fibre_stiffness, self.fibres.fibre_exponent);
+        if e <= 0.0 {
+            // At rest, where E is zero to rounding, fibres count as under tension.
+            return [0.0, 0.0, if e > -AT_REST { k1 } else { 0.0 }];
+        }
+        let power = k2 * e * e;
+        if power <= LARGEST_POWER {
+            let growth = libm::expm1(power);
+            // (exp(q) − 1)/q, of q without rounding of what is small.
+            let mean = if power > 0.0 { growth / power } else { 1.0 };
+            let exp = growth + 1.0;
+            return [
+                0.5 * k1 * e * e * mean,
+                k1 * e * exp,
+                k1 * (1.0 + 2.0 * power) * exp,
+            ];
+        }
+        let end = (LARGEST_POWER / k2).sqrt();
+        let growth = libm::expm1(LARGEST_POWER);
+        let slope = k1 * end * (growth + 1.0);
+        let curvature = k1 * (1.0 + 2.0 * LARGEST_POWER) * (growth + 1.0);
+        let beyond = e - end;
+        let energy = 0.5 * k1 * end * end * growth / LARGEST_POWER;
+        [
+            energy + beyond * (slope + 0.5 * curvature * beyond),
+            slope + curvature * beyond,
+            curvature,
+        ]
+    }
+
+    /// Adds 4φ'' n nᵀ + 2φ' (1 ⊗ H) with n = F H: ∂²φ/∂F². H and φ' have no negative eigenvalue, and neither has this.
+    #[inline(always)]
+    fn add_tangent(&self, f: &Matrix3<f64>, tangent: &mut Matrix9) {
+        for a in self.families() {
+            let (stretched, square) = self.stretched(f, a);
+            let [_, slope, curvature] = self.exponential(square - 1.0);
+            if curvature == 0.0 {
+                continue;
+            }
+            let n = stretched.as_slice();
+            for q in 0..9 {
+                let along = 4.0 * curvature * n[q];
+                for p in 0..9 {
+                    tangent[(p, q)] += n[p] * along;
+                }
+            }
+            add_second(tangent, 2.0 * slope, &self.structure(a));
+        }
+    }
+}
+
+/// Adds a factor times δ_ik H_jl at (i + 3j, k + 3l): the derivative of F H by F.
+#[inline(always)]
+fn add_second(tangent: &mut Matrix9, factor: f64, structure: &Matrix3<f64>) {
+    for l in 0..3 {
+        for j in 0..3 {
+            let entry = factor * structure[(j, l)];
+            for i in 0..3 {
+                tangent[(i + 3 * j, i + 3 * l)] += entry;
+            }
+        }
+    }
+}
+
+impl Law for HolzapfelGasserOgden {
+    type Constants = HolzapfelConstants;
+    type Parameters = HolzapfelParameters;
+    const NAME: LawName = LawName::HolzapfelGasserOgden;
+
+    fn constants(lame: &Lame, parameters: &HolzapfelParameters) -> HolzapfelConstants {
+        HolzapfelConstants::new(lame, parameters, false)
+    }
+
+    fn energy(f: &Matrix3<f64>, c: &HolzapfelConstants) -> f64 {
+        let of_fibres = c.families().map(|a| {
+            let (_, square) = c.stretched(f, a);
+            c.exponential(square - 1.0)[0]
+        });
+        NeoHookean::energy(f, &c.lame) + of_fibres.sum::<f64>()
+    }
+
+    /// 2φ' F H of each family.
+    #[inline(always)]
+    fn stress(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix3<f64> {
+        let mut stress = NeoHookean::stress(f, &c.lame);
+        for a in c.families() {
+            let (stretched, square) = c.stretched(f, a);
+            let [_, slope, _] = c.exponential(square - 1.0);
+            stress += stretched * (2.0 * slope);
+        }
+        stress
+    }
+
+    fn tangent(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix9 {
+        let mut tangent = NeoHookean::tangent(f, &c.lame);
+        c.add_tangent(f, &mut tangent);
+        tangent
+    }
+
+    /// That of the matrix, and of the fibres the exact one.
+    fn positive_tangent(f: &SignedSvd, c: &HolzapfelConstants) -> Matrix9 {
+        let mut tangent = NeoHookean::positive_tangent(f, &c.lame);
+        c.add_tangent(&deformation(f), &mut tangent);
+        tangent
+    }
+}
+
+/// F of its decomposition.
+fn deformation(f: &SignedSvd) -> Matrix3<f64> {
+    f.u * Matrix3::from_diagonal(&f.stretches) * f.v.transpose()
+}
+
+/// A family of fibres of the isochoric C̄: E = g(J) S − 1, g = J^(−2/3), S = H:C.
+struct Isochoric {
+    /// ∂E/∂F = 2g F H + g' S cof F.
+    slope: Matrix3<f64>,
+    /// F H and S.
+    stretched: (Matrix3<f64>, f64),
+    /// g, g', g''.
+    powers: [f64; 3],
+    /// φ and its derivatives.
+    exponential: [f64; 3],
+}
+
+impl Isochoric {
+    fn new(c: &HolzapfelConstants, f: &Matrix3<f64>, a: &Vector3<f64>) -> Self {
+        let (cofactor, j) = cofactor(f);
+        let powers = volume_power(j);
+        let [g, g1, _] = powers;
+        let (stretched, square) = c.stretched(f, a);
+        Self {
+            slope: stretched * (2.0 * g) + cofactor * (g1 * square),
+            stretched: (stretched, square),
+            powers,
+            exponential: c.exponential(g * square - 1.0),
+        }
+    }
+
+    /// ∂²E/∂F² = 2g (1 ⊗ H) + 2g' (F H ⊗ cof + cof ⊗ F H) + S (g'' cof ⊗ cof + g' ∂cof/∂F).
+    fn curvature(&self, c: &HolzapfelConstants, f: &Matrix3<f64>, a: &Vector3<f64>) -> Matrix9 {
+        let (cofactor, _) = cofactor(f);
+        let [g, g1, g2] = self.powers;
+        let (stretched, square) = &self.stretched;
+        let of_volume = InvariantDerivatives {
+            a1: 0.0,
+            a2: 0.0,
+            b1: g1 * square,
+            b2: g2 * square,
+        };
+        let mut curvature = invariants::tangent(f, &cofactor, &of_volume);
+        let [along, across] =
+            [stretched, &cofactor].map(|m| SVector::<f64, 9>::from_column_slice(m.as_slice()));
+        let mixed = along * across.transpose() * (2.0 * g1);
+        curvature += mixed + mixed.transpose();
+        add_second(&mut curvature, 2.0 * g, &c.structure(a));
+        curvature
+    }
+
+    /// φ'' ∂E ⊗ ∂E.
+    fn direct(&self) -> Matrix9 {
+        let slope = SVector::<f64, 9>::from_column_slice(self.slope.as_slice());
+        slope * slope.transpose() * self.exponential[2]
+    }
+}
+
+impl Law for HolzapfelGasserOgdenIsochoric {
+    type Constants = HolzapfelConstants;
+    type Parameters = HolzapfelParameters;
+    const NAME: LawName = LawName::HolzapfelGasserOgdenIsochoric;
+
+    fn constants(lame: &Lame, parameters: &HolzapfelParameters) -> HolzapfelConstants {
+        HolzapfelConstants::new(lame, parameters, true)
+    }
+
+    fn energy(f: &Matrix3<f64>, c: &HolzapfelConstants) -> f64 {
+        let families = c.families();
+        let of_fibres = families.map(|a| Isochoric::new(c, f, a).exponential[0]);
+        NeoHookean::energy(f, &c.lame) + of_fibres.sum::<f64>()
+    }
+
+    fn stress(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix3<f64> {
+        let mut stress = NeoHookean::stress(f, &c.lame);
+        for a in c.families() {
+            let family = Isochoric::new(c, f, a);
+            stress += family.slope * family.exponential[1];
+        }
+        stress
+    }
+
+    fn tangent(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix9 {
+        let mut tangent = NeoHookean::tangent(f, &c.lame);
+        for a in c.families() {
+            let family = Isochoric::new(c, f, a);
+            let slope = family.exponential[1];
+            tangent += family.direct() + family.curvature(c, f, a) * slope;
+        }
+        tangent
+    }
+
+    /// Of each family φ'' ∂E ⊗ ∂E, and φ' ∂²E/∂F² with its negative eigenvalues cut off.
+    fn positive_tangent(f: &SignedSvd, c: &HolzapfelConstants) -> Matrix9 {
+        let mut tangent = NeoHookean::positive_tangent(f, &c.lame);
+        let f = deformation(f);
+        for a in c.families() {
+            let family = Isochoric::new(c, &f, a);
+            tangent += family.direct();
+            let slope = family.exponential[1];
+            if slope == 0.0 {
+                continue;
+            }
+            let eigen = (family.curvature(c, &f, a) * slope).symmetric_eigen();
+            let values = Matrix9::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0)));
+            tangent += eigen.eigenvectors * values * eigen.eigenvectors.transpose();
+        }
+        tangent
+    }
+}
+
+#[cfg(test)]
+mod tests;
