@@ -140,8 +140,8 @@ fn beam(cells: [usize; 3]) -> TetMesh {
         split: CellSplit::Kuhn,
     };
     let mut mesh = block.mesh().expect("a block with positive sizes");
-    // Fibres along the beam, for the laws that have some.
-    mesh.directions = vec![Vector3::x(); mesh.tets.len()];
+    // Fibres along the beam, a second family across it, for the laws that have some.
+    mesh.directions = vec![[Vector3::x(), Vector3::y()]; mesh.tets.len()];
     mesh
 }
 

@@ -238,7 +238,7 @@ mod tests {
             ),
             (
                 "bench",
-                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts", "bench_contact", "cut_tick", "bench_coordination", "bench_cut_error", "bench_peers"] []"#,
+                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts", "bench_contact", "cut_tick", "bench_coordination", "bench_cut_error", "bench_vessels", "bench_peers"] []"#,
             ),
             ("bench kernels", r#"["bench_kernels"] []"#),
             ("bench peers -- --all", r#"["bench_peers"] ["--all"]"#),

@@ -72,6 +72,12 @@ pub const BENCHES: &[Program] = &[
         shows: "what the mesh adds to angle and place of a cut, on other meshes; their cost",
     },
     Program {
+        name: "vessels",
+        package: TESTS,
+        example: "bench_vessels",
+        shows: "walls with fibres: cost per element beside rubber, a carotid that is gripped",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",

@@ -32,7 +32,7 @@ fn block() -> TetMesh {
         let middle: Vector3<f64> = mesh.corners(element).iter().sum();
         mesh.regions[element] = u32::from(middle.x > 0.0);
     }
-    mesh.directions = vec![Vector3::x(); mesh.tets.len()];
+    mesh.directions = vec![[Vector3::x(), Vector3::z()]; mesh.tets.len()];
     mesh
 }
 
@@ -64,7 +64,8 @@ fn a_mesh_file_is_refined_in_zones_of_its_own_units() {
         let bytes = std::fs::read(at(name)).expect("the file");
         let format = MeshFormat::from_path(name).expect("a format");
         let mesh = read_tet_mesh(format, &[&bytes]).expect("a mesh").mesh;
-        assert_eq!(mesh.directions, vec![Vector3::x(); mesh.tets.len()]);
+        let families = [Vector3::x(), Vector3::z()];
+        assert_eq!(mesh.directions, vec![families; mesh.tets.len()]);
         let volume: f64 = mesh.volumes().iter().sum();
         assert!((volume - 8.0).abs() < 1e-12);
         let count = |region: u32| mesh.regions.iter().filter(|r| **r == region).count();

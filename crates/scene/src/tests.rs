@@ -12,6 +12,7 @@ mod hard;
 
 mod limits;
 mod placements;
+mod residual;
 mod tearing;
 
 const TICK: f64 = 8e-3;

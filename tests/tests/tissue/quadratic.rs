@@ -131,7 +131,7 @@ fn all_implicit_methods_and_laws_move_it() {
     ];
     for law in LawName::ALL {
         let mut mesh = mesh([4, 1, 1], 0.02);
-        mesh.directions = vec![Vector3::y(); mesh.tets.len()];
+        mesh.directions = vec![[Vector3::y(), Vector3::z()]; mesh.tets.len()];
         for (index, discretisation) in
             [Discretisation::Quadratic, Discretisation::QuadraticPressure]
                 .into_iter()

@@ -3,7 +3,7 @@
 use microsim_cutting::{Measures, Settings, SurfaceChange, SurfaceTriangle, Topology, check};
 use microsim_mesh::{Arc, Block, CellSplit, Layer, TetMesh, TriangleSurface, Tube, fill};
 use microsim_random::SplitMix64;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeSet;
 
 type V3 = Vector3<f64>;
@@ -155,7 +155,11 @@ impl Body {
         };
         let mut mesh = shuffled(&mesh, random);
         let centre = |element| mesh.corners(element).iter().sum::<V3>() / 4.0;
-        mesh.directions = (0..mesh.tets.len()).map(|e| fibre_at(&centre(e))).collect();
+        let fibres: Vec<V3> = (0..mesh.tets.len()).map(|e| fibre_at(&centre(e))).collect();
+        mesh.directions = fibres.iter().map(|a| [*a, -a]).collect();
+        // Each element has one of its own too.
+        let prestretch = |a: &V3| Matrix3::identity() + a * a.transpose();
+        mesh.prestretches = fibres.iter().map(prestretch).collect();
         let topology = Topology::new(&mesh);
         let measures = check(&mesh, &topology).expect("a valid mesh");
         let surface = topology.surface().into_iter().collect();
@@ -188,7 +192,7 @@ impl Body {
         Ok(())
     }
 
-    /// Each element that an edit has made has the fibre direction of the element of the first generation in which its centroid lies; positions of a
+    /// Each element that an edit has made has the fibre directions and the prestretch of the element of the first generation in which its centroid lies; positions of a
     /// mesh are those at rest, and no edit moves them. Where the centroid lies on a face to rounding, of one of the two.
     pub fn check_fibres(&mut self) -> Result<(), String> {
         if self.mesh.directions.len() != self.mesh.tets.len() {
@@ -205,15 +209,22 @@ impl Body {
                 continue;
             }
             let centre = self.mesh.corners(element).iter().sum::<V3>() / 4.0;
-            let found = self.mesh.directions[element];
+            let found = (
+                self.mesh.directions[element],
+                self.mesh.prestretches[element],
+            );
             let holds = |parent: usize| {
                 let parts = barycentric(&self.original.corners(parent), &centre);
                 parts.iter().all(|part| *part > -1e-9)
             };
             let mut parents = (0..self.original.tets.len()).filter(|parent| holds(*parent));
-            if !parents.any(|parent| self.original.directions[parent] == found) {
+            let of = |parent: usize| {
+                let original = &self.original;
+                (original.directions[parent], original.prestretches[parent])
+            };
+            if !parents.any(|parent| of(parent) == found) {
                 return Err(format!(
-                    "element {element} has the fibres {found} of another"
+                    "element {element} has the fibres and prestretch {found:?} of another"
                 ));
             }
         }

@@ -7,7 +7,7 @@ use microsim_tissue::law::LawName;
 fn fibrous_bar() -> BodySpec {
     let mut body = bar(Discretisation::Selective, 0.0);
     if let Behaviour::Continuum(constants) = &mut body.materials[0].1.behaviour {
-        constants.law = LawName::TransverselyIsotropic.into();
+        constants.law = LawName::HolzapfelGasserOgden.into();
     }
     let mesh = &mut body.mesh;
     let centre = |element| mesh.corners(element).iter().sum::<Vector3<f64>>() / 4.0;
@@ -15,7 +15,7 @@ fn fibrous_bar() -> BodySpec {
         (Vector3::x().cross(&place) + place.norm() * Vector3::x()).normalize()
     };
     mesh.directions = (0..mesh.tets.len())
-        .map(|element| around(centre(element)))
+        .map(|element| [around(centre(element)), Vector3::z()])
         .collect();
     body
 }
