@@ -427,6 +427,7 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
         SceneError::Build { body: name, source } => match source {
             BuildError::Material { region, .. }
             | BuildError::Direction { region, .. }
+            | BuildError::Plasticity { region }
             | BuildError::Region { region, .. } => {
                 let of = bodies.iter().find(|body| body.name == *name);
                 let materials = of.map(|of| of.material.as_slice()).unwrap_or_default();

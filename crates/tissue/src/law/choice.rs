@@ -2,10 +2,8 @@
 
 use super::constants::{Constants, Parameters};
 use super::definition::Law;
-use super::elasticity::Lame;
 use crate::range::MaterialError;
 use microsim_vocabulary::LawName;
-use nalgebra::{Matrix3, Vector3};
 
 /// Makes the enum of all laws, and `with_law!`, from one list.
 macro_rules! laws {
@@ -86,13 +84,6 @@ impl MaterialLaw {
     /// Whether it needs a fibre direction in each element.
     pub fn has_direction(&self) -> bool {
         with_law!(self, L, _ => <L as Law>::Constants::HAS_DIRECTION)
-    }
-
-    /// First Piola–Kirchhoff stress \[Pa\] at the deformation gradient `f` with this fibre direction, which an isotropic law ignores.
-    pub fn stress(&self, f: &Matrix3<f64>, lame: &Lame, direction: Vector3<f64>) -> Matrix3<f64> {
-        with_law!(self, L, parameters => {
-            L::stress(f, &L::constants(lame, parameters).along(direction))
-        })
     }
 }
 
