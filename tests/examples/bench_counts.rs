@@ -171,6 +171,7 @@ fn continuum(law: LawName) -> Behaviour {
         young: 1e5,
         poisson: 0.45,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     })
 }
 

@@ -158,6 +158,7 @@ fn continuum(law: LawName, discretisation: Discretisation) -> (String, Behaviour
         young: 1e5,
         poisson: 0.45,
         discretisation,
+        plasticity: None,
     };
     let name = format!("{}, {}", law.name(), discretisation.name());
     (name, Behaviour::Continuum(constants))

@@ -70,6 +70,7 @@ impl Row {
                 young: 8.7e3,
                 poisson: 0.45,
                 discretisation: Discretisation::PatchPressure,
+                plasticity: None,
             }),
         };
         let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -2.9e-3).collect();

@@ -428,6 +428,7 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
             BuildError::Material { region, .. }
             | BuildError::PrestretchedSprings { region }
             | BuildError::Direction { region, .. }
+            | BuildError::Plasticity { region }
             | BuildError::Region { region, .. } => {
                 let of = bodies.iter().find(|body| body.name == *name);
                 let materials = of.map(|of| of.material.as_slice()).unwrap_or_default();

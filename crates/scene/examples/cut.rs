@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         young: 20e3,
         poisson: 0.4,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     });
     let material = Material {
         density: 1060.0,

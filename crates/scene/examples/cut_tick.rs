@@ -105,6 +105,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
                         young: 40e3,
                         poisson: 0.4,
                         discretisation: Discretisation::EdgeSmoothed,
+                        plasticity: None,
                     }),
                 },
             )

@@ -4,15 +4,18 @@
 
 use crate::spec::BodySpec;
 use microsim_mesh::TetMesh;
+use microsim_tissue::elements::PlasticState;
 use microsim_tissue::{Behaviour, ContinuumConstants};
 use nalgebra::{Matrix3, Vector3};
 
-/// Elastic Cauchy stress σ = P Fᵀ/J of each element of `mesh`, that of the body as it is now, with its nodes at `positions` \[m\], in pascals.
+/// Elastic Cauchy stress σ = P Fᵀ/J of each element of `mesh`, that of the body as it is now, with its nodes at `positions` \[m\], in pascals. `flowed`
+/// is what has [flowed](microsim_tissue::TissueModel::plastic_states) in each element; empty where nothing flows.
 /// Zero in regions that are no continuum and in elements without volume or inverted; `None` for a body without any continuum.
 pub fn cauchy_stresses(
     body: &BodySpec,
     mesh: &TetMesh,
     positions: &[Vector3<f64>],
+    flowed: &[PlasticState],
 ) -> Option<Vec<Matrix3<f64>>> {
     let continua: Vec<(u32, ContinuumConstants)> = body
         .materials
@@ -29,7 +32,8 @@ pub fn cauchy_stresses(
         let constants = continua.iter().find(|(of, _)| of == region);
         constants.map_or_else(Matrix3::zeros, |(_, constants)| {
             let f = deformation(mesh, element, positions);
-            constants.cauchy_stress(&f, mesh.fibres(element))
+            let flowed = flowed.get(element).unwrap_or(&PlasticState::START);
+            constants.cauchy_stress(&f, mesh.fibres(element), flowed)
         })
     });
     Some(stresses.collect())
@@ -63,8 +67,9 @@ pub fn von_mises(stress: &Matrix3<f64>) -> f64 {
 mod tests {
     use super::*;
     use microsim_mesh::{Block, CellSplit};
+    use microsim_tissue::elements::ContinuumPlasticity;
     use microsim_tissue::law::LawName;
-    use microsim_tissue::{Discretisation, Material};
+    use microsim_tissue::{Discretisation, Material, State, build_model, flow};
 
     fn cube(cells: [usize; 3]) -> TetMesh {
         let block = Block {
@@ -88,6 +93,7 @@ mod tests {
                 young,
                 poisson,
                 discretisation: Discretisation::Tetrahedra,
+                plasticity: None,
             };
             let material = Material {
                 density: 1000.0,
@@ -103,7 +109,7 @@ mod tests {
                 .collect();
             let expected = 3f64.sqrt() * young / (2.0 * (1.0 + poisson)) * shear;
             let equivalent = |positions: &[Vector3<f64>]| -> Vec<f64> {
-                let stresses = cauchy_stresses(&body, &mesh, positions).expect("a continuum");
+                let stresses = cauchy_stresses(&body, &mesh, positions, &[]).expect("a continuum");
                 stresses.iter().map(von_mises).collect()
             };
             for stress in equivalent(&sheared) {
@@ -131,6 +137,7 @@ mod tests {
             young,
             poisson,
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         };
         let material = Material {
             density: 1000.0,
@@ -150,7 +157,7 @@ mod tests {
             .collect();
         let stress = young * strain * a / (b * b);
         let expected = Matrix3::from_diagonal(&Vector3::new(0.0, stress, 0.0));
-        let stresses = cauchy_stresses(&body, &mesh, &positions).expect("a continuum");
+        let stresses = cauchy_stresses(&body, &mesh, &positions, &[]).expect("a continuum");
         assert_eq!(stresses.len(), mesh.tets.len());
         for found in stresses {
             assert!((found - expected).norm() < 1e-12 * stress, "{found}");
@@ -160,6 +167,62 @@ mod tests {
         let expected = Matrix3::from_diagonal(&Vector3::new(side, strain, side));
         for found in green_strains(&mesh, &positions) {
             assert!((found - expected).norm() < 1e-14, "{found}");
+        }
+    }
+
+    /// Stretched by a logarithmic strain of 0.3 at constant volume an incompressible deviator without hardening bears what it does at its yield
+    /// strain y: σ_x − σ_y = μ (e^(2y) − e^(−y)) of the neo-Hookean law, whatever carries it; before the flow it is that of 0.3.
+    #[test]
+    fn the_stress_of_what_has_flowed_is_that_of_its_yield_strain() {
+        let (young, poisson, strain, yielding) = (1e5, 0.3, 0.3, 0.02);
+        let mu = young / (2.0 * (1.0 + poisson));
+        let expected = |e: f64| mu * (libm::exp(2.0 * e) - libm::exp(-e));
+        let across = libm::exp(-0.5 * strain);
+        let stretches = Vector3::new(libm::exp(strain), across, across);
+        for discretisation in Discretisation::ALL {
+            let mut mesh = cube([1; 3]);
+            if discretisation.is_quadratic() {
+                mesh = mesh.refined().mesh;
+            }
+            let constants = ContinuumConstants {
+                law: LawName::NeoHookean.into(),
+                young,
+                poisson,
+                discretisation,
+                plasticity: Some(ContinuumPlasticity {
+                    yield_strain: yielding,
+                    yield_growth: 0.0,
+                    creep_rate: None,
+                    max_strain: 1.0,
+                    hardening: 0.0,
+                    max_stiffening: 1.0,
+                }),
+            };
+            let material = Material {
+                density: 1000.0,
+                relaxation_time: 0.0,
+                behaviour: Behaviour::Continuum(constants),
+            };
+            let body = BodySpec::new("cube", mesh.clone(), material);
+            let clamped = vec![false; mesh.positions.len()];
+            let model = build_model(&mesh, &[(0, material)], &clamped, 0.0, Vec::new());
+            let model = model.expect("a body");
+            let mut state = State::at_rest(&model);
+            let rest = mesh.positions.iter();
+            state.positions = rest.map(|p| p.component_mul(&stretches)).collect();
+            for now in [strain, yielding] {
+                let flowed = model.plastic_states(&mesh, &state).expect("it can flow");
+                let stresses = cauchy_stresses(&body, &mesh, &state.positions, &flowed);
+                for stress in stresses.expect("a continuum") {
+                    let found = stress[(0, 0)] - stress[(1, 1)];
+                    // Roundings of the pressure, which is of the size of the modulus.
+                    assert!(
+                        (found - expected(now)).abs() < 1e-12 * young,
+                        "{discretisation:?}"
+                    );
+                }
+                flow(&model, &mut state, 1.0);
+            }
         }
     }
 }

@@ -81,6 +81,11 @@ fn a_pulled_vessel_follows_the_grip_and_comes_back() {
 }
 
 #[test]
+fn a_spread_vessel_end_stays_open() {
+    assert_met(&["dilate-keep"]);
+}
+
+#[test]
 fn deformed_meshes_recover() {
     assert_met(&[
         "recovery-tip",

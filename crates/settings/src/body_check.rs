@@ -5,7 +5,7 @@ use crate::check::items;
 use crate::document::Reading;
 use crate::error::KeyPath;
 use crate::schema::Kind;
-use microsim_vocabulary::{LawName, Unit};
+use microsim_vocabulary::{Discretisation, LawName, Unit};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
@@ -62,11 +62,10 @@ const FIBRES: &[&str] = &[
 ];
 
 /// Keys that all forms of springs have, and a continuum has not, and the reverse; those of single laws that may be left out.
-const LAW: [Rule; 4] = [
+const LAW: [Rule; 3] = [
     allowed("fibres", FIBRES),
     allowed("discretisation", CONTINUUM),
     allowed("form", &["springs"]),
-    allowed("plasticity", &["springs"]),
 ];
 
 /// Keys of the forms of springs; a continuum counts as a form here.
@@ -312,6 +311,7 @@ fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
         _ => format!("the law {law}"),
     };
     apply(reading, key, &FORM, form, &whose);
+    check_plasticity(reading, key, material, law);
 
     for (name, plain, normalised) in [
         ("length_stiffness", Unit::LengthStiffness, Unit::Energy),
@@ -347,6 +347,44 @@ fn check_material(reading: &mut Reading, key: &KeyPath, material: &Value) {
             let found = format!("a viscosity of {form} springs, which have no modulus");
             reading.complain(&viscosity, &found, "`relaxation_time`");
         }
+    }
+}
+
+/// Springs flow at a rate, and continua where flow leaves the pressure as it is.
+fn check_plasticity(reading: &mut Reading, material_key: &KeyPath, material: &Value, law: &str) {
+    let key = material_key.key("plasticity");
+    if !reading.is_written(&key) {
+        return;
+    }
+    let is_springs = law == "springs";
+    hold(
+        reading,
+        &key,
+        "creep_rate",
+        true,
+        is_springs,
+        "the flow of springs",
+    );
+    hold(
+        reading,
+        &key,
+        "yield_growth",
+        !is_springs,
+        false,
+        "the flow of springs",
+    );
+    let discretisation = material["discretisation"].as_str();
+    let split = discretisation.and_then(Discretisation::from_name);
+    let split = split.filter(|discretisation| discretisation.is_split());
+    let of_trace = LawName::from_name(law).filter(|law| !law.is_volumetric_of_j());
+    if let (Some(split), Some(law)) = (split, of_trace) {
+        let found = format!(
+            "plastic flow of the law {} with the discretisation {}",
+            law.name(),
+            split.name()
+        );
+        let expected = "tetrahedra, edge-smoothed, node-smoothed or quadratic, or a law with a pressure of the volume alone: flow preserves the volume, not the pressure of this law, which the discretisation carries apart";
+        reading.complain(&key, &found, expected);
     }
 }
 

@@ -68,7 +68,7 @@ table! {
         area_damping: Option<f64> = constant(Unit::AreaDamping, Unit::Action),
         /// Of `plain` or `normalised` springs: damping of each tetrahedron.
         volume_damping: Option<f64> = constant(Unit::VolumeDamping, Unit::Action),
-        /// Plastic flow of springs.
+        /// Plastic flow: of rest values of springs, or of the shape of a continuum, which has no volume.
         plasticity: Option<Plasticity>,
     }
 }
@@ -164,13 +164,16 @@ table! {
     /// Plastic flow (4.2, dilatation).
     #[derive(Copy)]
     pub struct Plasticity {
-        /// Strain from which on the rest size flows.
+        /// Strain from which on the rest size flows; of a continuum the equivalent logarithmic elastic strain, that along a uniaxial stretch
+        /// at constant volume.
         yield_strain: f64 = ratio(100.0),
-        /// Rate of the flow \[1/s\].
-        creep_rate: f64 = quantity(Unit::Rate, 0.0, 1e6),
-        /// Largest plastic strain.
+        /// Of a continuum: growth of that strain per plastic strain.
+        yield_growth: Option<f64> = ratio(1e6),
+        /// Rate of the flow \[1/s\]; the flow of a continuum takes no time if it is left out.
+        creep_rate: Option<f64> = quantity(Unit::Rate, 0.0, 1e6),
+        /// Largest plastic strain, of a continuum summed up over its flow.
         max_strain: f64 = ratio(100.0),
-        /// Growth of the stiffness per plastic strain.
+        /// Growth of the stiffness per plastic strain, of a continuum that against a change of shape.
         hardening: f64 = ratio(1e6) => 0.0,
         /// Largest factor of the stiffness.
         max_stiffening: f64 = quantity(Unit::Ratio, 1.0, 1e6) => 1.0,

@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             young,
             poisson,
             discretisation: Discretisation::Selective,
+            plasticity: None,
         }),
     };
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < 1e-9).collect();

@@ -55,6 +55,7 @@ fn behaviours() -> [(&'static str, Behaviour); 4] {
             young: 2e4,
             poisson: 0.45,
             discretisation,
+            plasticity: None,
         })
     };
     [

@@ -142,6 +142,7 @@ fn materials() -> Vec<(&'static str, Material)> {
             young: 2e4,
             poisson: 0.45,
             discretisation,
+            plasticity: None,
         })
     };
     let cut = Discretisation::ALL

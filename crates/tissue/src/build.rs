@@ -50,6 +50,11 @@ pub enum BuildError {
         /// The region.
         region: u32,
     },
+    /// The material of a region flows, and its discretisation carries a volumetric part apart that flow would change.
+    Plasticity {
+        /// The region.
+        region: u32,
+    },
     /// The mesh cannot be a body.
     Model(ModelError),
 }
@@ -91,6 +96,10 @@ impl std::fmt::Display for BuildError {
             Self::Quadratic { region } => write!(
                 f,
                 "quadratic tetrahedra of region {region} are the parts of a refined mesh, eight each and whole, with middles of edges near their straight places"
+            ),
+            Self::Plasticity { region } => write!(
+                f,
+                "the material of region {region} cannot flow: plastic flow preserves volumes, and the volumetric part of its law, which its discretisation carries apart, is no function of the volume alone; take tetrahedra, edge-smoothed, node-smoothed or quadratic, or another law"
             ),
             Self::Model(source) => write!(f, "{source}"),
         }
@@ -153,6 +162,9 @@ pub fn build_model(
         }
         if material.is_quadratic() && !QuadraturePoints::fit(mesh, &elements) {
             return Err(BuildError::Quadratic { region });
+        }
+        if !material.can_flow() {
+            return Err(BuildError::Plasticity { region });
         }
         for &element in &elements {
             densities[element as usize] = material.density;

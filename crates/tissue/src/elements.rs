@@ -13,6 +13,8 @@ mod domains;
 pub mod key;
 mod matrix;
 mod measure;
+mod plastic;
+mod plastic_flow;
 mod plasticity;
 mod quadratic;
 mod smoothed;
@@ -25,6 +27,9 @@ pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, coupl
 pub use domains::{Domains, Tetrahedra};
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
+pub use plastic::PlasticSet;
+pub(crate) use plastic_flow::BLOCKS;
+pub use plastic_flow::{ContinuumPlasticity, PlasticState};
 pub use plasticity::Plasticity;
 pub use quadratic::QuadraturePoints;
 pub use smoothed::SmoothingDomains;
@@ -32,7 +37,7 @@ pub(crate) use smoothed::{EDGE_FRACTION, NODE_FRACTION, patches};
 
 use key::Key;
 use nalgebra::Vector3;
-use splice::Inherited;
+use splice::{Blend, Inherited};
 use std::any::Any;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -173,6 +178,16 @@ pub trait Elements: Any + Debug + Send + Sync {
         false
     }
 
+    /// Energy that flow has dissipated since the start \[J\]; 0 for elements that do not count it.
+    fn dissipated(&self, _internal: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// What has flowed in an element of a continuum; none of other elements.
+    fn plastic_state(&self, _element: usize, _internal: &[f64]) -> Option<PlasticState> {
+        None
+    }
+
     /// Calls `visit` with each [`Key`] by which an edit of the mesh finds an element: its nodes, unless it overrides this.
     fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
         visit(Key::new(self.nodes(element)));
@@ -189,6 +204,11 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// `added`; empty for elements without any.
     fn inherited(&self, _added: &dyn Elements, _ancestors: &[Vec<u32>]) -> Vec<Inherited> {
         Vec::new()
+    }
+
+    /// What makes internal variables of sums that were inherited.
+    fn blend(&self) -> Blend {
+        Blend::Sum
     }
 
     /// The set as constraints with compliance, if position-based methods can treat it.

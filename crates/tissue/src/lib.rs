@@ -23,6 +23,7 @@
 //!     young,
 //!     poisson: 0.0,
 //!     discretisation: Discretisation::Tetrahedra,
+//!     plasticity: None,
 //! });
 //! let material = Material { density, relaxation_time: 0.0, behaviour };
 //! let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.z > -1e-9).collect();
@@ -49,7 +50,7 @@
 //! | how long a step may be | module [`stability`] |
 //! | contact within a step | [`Solver::advance`], [`ContactSource`], [`Contact`] |
 //! | prescribed positions of nodes | [`NodeTarget`]; for clamps [`Control::clamped_positions`] |
-//! | plasticity | [`flow`](flow()) |
+//! | plasticity | [`flow`](flow()), [`PlasticSet`](elements::PlasticSet), [`ContinuumPlasticity`](elements::ContinuumPlasticity) |
 //! | the model after a cut | [`TissueModel::edit`], [`ModelEdit`] |
 //! | another kind of element | module [`elements`] |
 //!
@@ -78,6 +79,7 @@ mod material;
 mod method;
 mod model;
 mod newton;
+mod plastic_states;
 mod prescribed;
 mod range;
 mod solver;

@@ -58,6 +58,14 @@ impl Material {
         }
     }
 
+    /// Whether it does not flow, or [can](ContinuumConstants::can_flow).
+    pub fn can_flow(&self) -> bool {
+        match &self.behaviour {
+            Behaviour::Springs(_) => true,
+            Behaviour::Continuum(constants) => constants.can_flow(),
+        }
+    }
+
     /// Whether its elements are [quadratic](microsim_vocabulary::Discretisation::is_quadratic).
     pub fn is_quadratic(&self) -> bool {
         match &self.behaviour {

@@ -192,7 +192,7 @@ impl Method {
                 None => {
                     return Err(MethodError {
                         method: self.name(),
-                        reason: "a material of the body is no sum of constraints; use springs or the law neo-hookean-polynomial",
+                        reason: "a material of the body is no sum of constraints; use springs or the law neo-hookean-polynomial, a continuum without plasticity",
                     });
                 }
             },

@@ -57,8 +57,9 @@ impl State {
             }
         }
         for (set, elements) in model.sets().iter().enumerate() {
-            let energy = elements.energy(&self.configuration(model, set));
-            *energies.of_kind(elements.kind()) += energy;
+            let at = self.configuration(model, set);
+            *energies.of_kind(elements.kind()) += elements.energy(&at);
+            energies.plastic += elements.dissipated(at.internal);
         }
         energies
     }
@@ -149,10 +150,12 @@ pub struct Energies {
     pub strain: f64,
     /// Energy of couplings \[J\].
     pub coupling: f64,
+    /// Energy that plastic flow of continua has dissipated since the start \[J\]: no energy that a body holds, and in no sum.
+    pub plastic: f64,
 }
 
 impl Energies {
-    /// Sum of all kinds \[J\].
+    /// Sum of all kinds that a body holds \[J\].
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic()
     }

@@ -40,6 +40,7 @@ pub fn beam(poisson: f64) -> TissueModel {
             young: 1e5,
             poisson,
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         }),
     };
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();

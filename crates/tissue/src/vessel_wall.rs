@@ -230,8 +230,11 @@ impl VesselWall {
 
     /// σ_θθ \[Pa\].
     fn hoop_stress(&self, layer: &WallLayer, stretches: [f64; 2]) -> f64 {
+        let constants = &layer.constants;
         let f = self.deformation(stretches);
-        layer.constants.cauchy_stress(&f, layer.directions)[(1, 1)]
+        let stress = constants.law.stress(&f, &constants.lame(), layer.directions);
+        // σ = P Fᵀ/J.
+        stress[(1, 1)] / (stretches[0] * self.axial_stretch)
     }
 }
 

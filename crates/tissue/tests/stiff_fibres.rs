@@ -30,6 +30,7 @@ fn sag(cells: usize, fibre_ratio: f64, discretisation: Discretisation) -> f64 {
             young: 1e5,
             poisson: 0.3,
             discretisation,
+            plasticity: None,
         }),
     };
     let end = 0.4999 * LENGTH;

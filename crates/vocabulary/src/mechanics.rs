@@ -56,6 +56,21 @@ impl LawName {
         }
     }
 
+    /// Whether the volumetric part of its energy is a function of J = det F alone, so that a change of shape at constant volume, as plastic flow
+    /// is one, leaves it as it is. Those of St Venant–Kirchhoff and the corotational law are functions of a trace of the strain.
+    pub const fn is_volumetric_of_j(self) -> bool {
+        match self {
+            Self::StVenantKirchhoff | Self::Corotational => false,
+            Self::NeoHookean
+            | Self::StableNeoHookean
+            | Self::NeoHookeanPolynomial
+            | Self::MooneyRivlin
+            | Self::TransverselyIsotropic
+            | Self::HolzapfelGasserOgden
+            | Self::HolzapfelGasserOgdenIsochoric => true,
+        }
+    }
+
     /// The keys in files of what the law needs beside E and ν, with their units.
     pub const fn parameters(self) -> &'static [(&'static str, Unit)] {
         match self {
@@ -148,6 +163,17 @@ impl Discretisation {
             | Self::NodalPressure
             | Self::PatchPressure
             | Self::QuadraticPressure => false,
+        }
+    }
+
+    /// Whether the volumetric part of the energy, or some of it, is integrated over other domains than the isochoric part.
+    pub const fn is_split(self) -> bool {
+        match self {
+            Self::Selective
+            | Self::NodalPressure
+            | Self::PatchPressure
+            | Self::QuadraticPressure => true,
+            Self::Tetrahedra | Self::EdgeSmoothed | Self::NodeSmoothed | Self::Quadratic => false,
         }
     }
 

@@ -92,6 +92,7 @@ impl Meeting {
                 young: 20e3,
                 poisson: 0.3,
                 discretisation: Discretisation::Tetrahedra,
+                plasticity: None,
             }),
         };
         let models: Vec<TissueModel> = meshes

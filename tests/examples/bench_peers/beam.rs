@@ -84,6 +84,7 @@ impl Beam {
                 young: 1e5,
                 poisson: 0.3,
                 discretisation,
+                plasticity: None,
             }),
         };
         let clamped: Vec<bool> = mesh

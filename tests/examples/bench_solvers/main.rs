@@ -83,6 +83,7 @@ fn beam(cells: [usize; 3], discretisation: Discretisation, poisson: f64) -> Tiss
             young: 1e5,
             poisson,
             discretisation,
+            plasticity: None,
         }),
     };
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < 1e-6).collect();

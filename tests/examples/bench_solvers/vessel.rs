@@ -54,6 +54,7 @@ fn model(mesh: &TetMesh, discretisation: Discretisation) -> TissueModel {
             young,
             poisson: 0.45,
             discretisation,
+            plasticity: None,
         }),
     };
     let clamped: Vec<bool> = mesh

@@ -79,6 +79,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             young: YOUNG,
             poisson: POISSON,
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         }),
     };
     SceneSpec {

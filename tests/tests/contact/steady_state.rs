@@ -85,6 +85,7 @@ impl World {
                 young: 20e3,
                 poisson: 0.3,
                 discretisation: Discretisation::Tetrahedra,
+                plasticity: None,
             }),
         };
         let model_of = |mesh: &TetMesh, held: f64| {

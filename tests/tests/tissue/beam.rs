@@ -62,6 +62,7 @@ pub fn beam(
             young: 1e5,
             poisson,
             discretisation,
+            plasticity: None,
         }),
     };
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < 1e-9).collect();

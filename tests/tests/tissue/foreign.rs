@@ -45,6 +45,7 @@ fn what_holds_a_foreign_mesh_carries_its_weight() {
                 young: 30.0 * 1000.0 * 9.81 * (high - low),
                 poisson: 0.45,
                 discretisation: Discretisation::Selective,
+                plasticity: None,
             }),
         };
         let mut regions = mesh.regions.clone();

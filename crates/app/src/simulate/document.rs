@@ -102,6 +102,7 @@ fn series_of(runner: &Runner) -> Value {
         ("t", json!(series.time)),
         ("kinetic_J", json!(series.kinetic)),
         ("elastic_J", json!(series.elastic)),
+        ("plastic_J", json!(series.plastic)),
         ("momentum_kg_m_s", json!(series.momentum)),
     ] {
         entries.insert(key.to_owned(), value);

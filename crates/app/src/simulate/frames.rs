@@ -109,7 +109,17 @@ fn frame(runner: &Runner, index: usize, body: &BodySpec) -> Vec<u8> {
             values: FieldValues::SymmetricTensors(&strains),
         },
     ];
-    let stresses = cauchy_stresses(body, mesh, now).unwrap_or_default();
+    let body_now = scene.body(index);
+    let flowed = body_now.model().plastic_states(mesh, body_now.state());
+    let flowed = flowed.unwrap_or_default();
+    let plastic_strains: Vec<f64> = flowed.iter().map(|one| one.strain).collect();
+    if !flowed.is_empty() {
+        of_elements.push(Field {
+            name: "plastic strain",
+            values: FieldValues::Scalars(&plastic_strains),
+        });
+    }
+    let stresses = cauchy_stresses(body, mesh, now, &flowed).unwrap_or_default();
     let equivalent: Vec<f64> = stresses.iter().map(von_mises).collect();
     if !stresses.is_empty() {
         of_elements.push(Field {

@@ -2,7 +2,7 @@
 
 use super::error::{FromSettingsError, missing};
 use microsim_settings as settings;
-use microsim_tissue::elements::Plasticity;
+use microsim_tissue::elements::{ContinuumPlasticity, Plasticity};
 use microsim_tissue::law::MaterialLaw;
 use microsim_tissue::{
     Behaviour, Coefficients, ContinuumConstants, Discretisation, KindConstants, Material,
@@ -41,13 +41,18 @@ fn behaviour(
     let law = match material.law {
         settings::Law::Springs => {
             let (form, modulus) = springs(material, &value)?;
-            let plasticity = material.plasticity.map(|flow| Plasticity {
-                yield_strain: flow.yield_strain,
-                creep_rate: flow.creep_rate,
-                max_strain: flow.max_strain,
-                hardening: flow.hardening,
-                max_stiffening: flow.max_stiffening,
+            let plasticity = material.plasticity.map(|flow| {
+                Ok(Plasticity {
+                    yield_strain: flow.yield_strain,
+                    creep_rate: flow.creep_rate.ok_or_else(|| {
+                        missing(key.key("plasticity").key("creep_rate"), "creep_rate")
+                    })?,
+                    max_strain: flow.max_strain,
+                    hardening: flow.hardening,
+                    max_stiffening: flow.max_stiffening,
+                })
             });
+            let plasticity = plasticity.transpose()?;
             let constants = SpringConstants { form, plasticity };
             return Ok((Behaviour::Springs(constants), modulus));
         }
@@ -63,6 +68,14 @@ fn behaviour(
         discretisation: material
             .discretisation
             .unwrap_or(Discretisation::Tetrahedra),
+        plasticity: material.plasticity.map(|flow| ContinuumPlasticity {
+            yield_strain: flow.yield_strain,
+            yield_growth: flow.yield_growth.unwrap_or(0.0),
+            creep_rate: flow.creep_rate,
+            max_strain: flow.max_strain,
+            hardening: flow.hardening,
+            max_stiffening: flow.max_stiffening,
+        }),
     };
     Ok((Behaviour::Continuum(constants), Some(young)))
 }

@@ -26,6 +26,7 @@ fn vessel(name: &str, x: f64) -> BodySpec {
         young: 50e3,
         poisson: 0.3,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     };
     let material = Material {
         density: 1060.0,

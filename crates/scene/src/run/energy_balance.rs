@@ -1,7 +1,8 @@
 //! Whether a run gains energy although nothing does work on it.
 //!
 //! Watched is the time in which nothing moves but what is free, nothing touches, is cut, or is computed again, and no body has a load: there
-//! kinetic, elastic and potential energy together can only fall. What grows all the same is the integrator's.
+//! kinetic, elastic and potential energy together can only fall, by what viscosity, drag and plastic flow take. That of the plastic flow of
+//! continua is counted, so it is added: it cannot hide what an integrator gains. What grows all the same is the integrator's.
 
 use super::Contact;
 use crate::scene::Scene;
@@ -47,9 +48,16 @@ impl EnergyBalance {
         }
     }
 
-    /// Looks at a sample with this kinetic and elastic energy \[J\], and what contact did before it; `edited` if bodies were cut or computed
-    /// again before it.
-    pub fn add(&mut self, scene: &Scene, energy: f64, contacts: &[Contact], edited: bool) {
+    /// Looks at a sample with this kinetic and elastic energy \[J\], what plastic flow has taken until then \[J\], and what contact did before it;
+    /// `edited` if bodies were cut or computed again before it.
+    pub fn add(
+        &mut self,
+        scene: &Scene,
+        energy: f64,
+        plastic: f64,
+        contacts: &[Contact],
+        edited: bool,
+    ) {
         if !self.applies {
             return;
         }
@@ -57,7 +65,7 @@ impl EnergyBalance {
         let touched = contacts
             .iter()
             .any(|contact| contact.weight > 0.0 || contact.depth > 0.0);
-        let total = energy + potential(scene) - self.start;
+        let total = energy + plastic + potential(scene) - self.start;
         if touched || edited || scene.time() <= self.last_event {
             self.least = None;
         }

@@ -35,6 +35,7 @@ fn bars() -> SceneSpec {
                     young: 40e3,
                     poisson: 0.3,
                     discretisation: Discretisation::EdgeSmoothed,
+                    plasticity: None,
                 }),
             },
         )

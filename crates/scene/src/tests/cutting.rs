@@ -43,6 +43,7 @@ fn bar(discretisation: Discretisation, relaxation_time: f64) -> BodySpec {
                     young: 50e3,
                     poisson: 0.3,
                     discretisation,
+                    plasticity: None,
                 }),
             },
         )

@@ -50,6 +50,7 @@ fn tissue_in(discretisation: Discretisation) -> Material {
             young: 25e3,
             poisson: 0.3,
             discretisation,
+            plasticity: None,
         }),
     }
 }

@@ -1,7 +1,9 @@
 //! What is refused, divided, repeated or rolled back.
 
 use super::*;
-use microsim_tissue::elements::Plasticity;
+use microsim_tissue::elements::{ContinuumPlasticity, Plasticity};
+use microsim_tissue::law::LawName;
+use microsim_tissue::{ContinuumConstants, Discretisation};
 
 #[test]
 fn a_step_beyond_the_limit_is_refused_with_the_number_that_is_enough() {
@@ -340,19 +342,39 @@ fn impossible_scenes_are_refused_with_the_part_that_is_wrong() {
     }
 }
 
-/// A strip that yields and hardens under the probe: its stable step shrinks, and a saved scene goes on with the same bits.
+/// A strip of springs, and one of a continuum, that yields and hardens under the probe: its stable step shrinks, what a continuum has dissipated grows, and
+/// a saved scene goes on with the same bits.
 #[test]
 fn a_hardening_body_needs_more_steps_and_is_saved_exactly() {
-    let mut spec = strip([8, 2, 1], false);
-    let mut constants = SpringConstants::scaled(25e3, 5e4);
-    constants.plasticity = Some(Plasticity {
+    let mut springs = SpringConstants::scaled(25e3, 5e4);
+    springs.plasticity = Some(Plasticity {
         yield_strain: 0.0,
         creep_rate: 200.0,
         max_strain: 1.0,
         hardening: 500.0,
         max_stiffening: 20.0,
     });
-    spec.bodies[0].materials[0].1.behaviour = Behaviour::Springs(constants);
+    let continuum = ContinuumConstants {
+        law: LawName::StableNeoHookean.into(),
+        young: 25e3,
+        poisson: 0.3,
+        discretisation: Discretisation::Selective,
+        plasticity: Some(ContinuumPlasticity {
+            yield_strain: 0.0,
+            yield_growth: 0.1,
+            creep_rate: Some(200.0),
+            max_strain: 1.0,
+            hardening: 500.0,
+            max_stiffening: 20.0,
+        }),
+    };
+    hardens_and_is_saved(Behaviour::Springs(springs), false);
+    hardens_and_is_saved(Behaviour::Continuum(continuum), true);
+}
+
+fn hardens_and_is_saved(behaviour: Behaviour, dissipates: bool) {
+    let mut spec = strip([8, 2, 1], false);
+    spec.bodies[0].materials[0].1.behaviour = behaviour;
     let mut scene = Scene::new(&spec).unwrap();
     let steps = scene.required_steps(TICK);
     let at_rest = scene.body(0).stable_step();
@@ -363,6 +385,7 @@ fn a_hardening_body_needs_more_steps_and_is_saved_exactly() {
     let reports: Vec<_> = (0..30).map(|k| push(&mut scene, k)).collect();
     let stiffened = reports.iter().any(|report| report.stiffened);
     assert!(stiffened && scene.body(0).stable_step() < at_rest);
+    assert_eq!(scene.body(0).energies().plastic > 0.0, dissipates);
 
     let mut copy = Scene::new(&spec).unwrap();
     copy.restore(&scene.save()).unwrap();

@@ -50,6 +50,7 @@ fn gripped() -> SceneSpec {
         young: 50e3,
         poisson: 0.4,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     };
     let material = Material {
         density: 1060.0,

@@ -44,6 +44,7 @@ fn bar(discretisation: Discretisation, release: Option<f64>) -> BodySpec {
         young: YOUNG,
         poisson: POISSON,
         discretisation,
+        plasticity: None,
     };
     let material = Material {
         density: 1060.0,

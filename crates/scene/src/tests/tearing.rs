@@ -44,6 +44,7 @@ fn bar(pull: f64, tear_strain: f64, newton: Newton) -> SceneSpec {
         young: 80e3,
         poisson: 0.4,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     });
     let material = Material {
         density: 1060.0,

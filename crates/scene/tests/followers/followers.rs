@@ -137,6 +137,7 @@ impl Watch for Followers {
                 young: 1e4,
                 poisson: 0.4,
                 discretisation,
+                plasticity: None,
             })
         };
         let isotropic = DISCRETISATIONS.map(|one| continuum(LawName::StableNeoHookean, one));

@@ -84,6 +84,7 @@ impl Substance {
                 young,
                 poisson,
                 discretisation: *discretisation,
+                plasticity: None,
             }),
         };
         Material {

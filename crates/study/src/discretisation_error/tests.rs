@@ -9,6 +9,7 @@ fn material(poisson: f64, discretisation: Discretisation) -> Vec<(u32, Material)
         young: 1e5,
         poisson,
         discretisation,
+        plasticity: None,
     };
     let material = Material {
         density: 1000.0,

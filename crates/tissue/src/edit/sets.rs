@@ -450,6 +450,7 @@ impl TissueModel {
             removed: removed.clone(),
             added: added.count(),
             inherited,
+            blend: self.sets[set].blend(),
             placed,
         }
     }

@@ -1,6 +1,7 @@
 //! What a state has to follow once its model was edited.
 
-use crate::elements::splice::{Inherited, splice};
+use crate::elements::splice::{Blend, Inherited, splice};
+use crate::elements::{BLOCKS, PlasticState};
 use crate::state::State;
 use nalgebra::Vector3;
 
@@ -26,6 +27,7 @@ pub(crate) struct SetChange {
     pub removed: Vec<u32>,
     pub added: usize,
     pub inherited: Vec<Inherited>,
+    pub blend: Blend,
     /// Where there are other elements now.
     pub placed: Vec<u32>,
 }
@@ -52,7 +54,7 @@ impl SetChange {
     /// Adds the internal variables after the edit to `after`.
     fn follow(&self, before: &[f64], after: &mut Vec<f64>) {
         let blocks = self.blocks();
-        let added: Vec<f64> = self
+        let mut added: Vec<f64> = self
             .inherited
             .iter()
             .map(|one| {
@@ -63,6 +65,19 @@ impl SetChange {
                         .sum::<f64>()
             })
             .collect();
+        if self.blend == Blend::PlasticState {
+            for element in 0..self.added {
+                let at = |block: usize| block * self.added + element;
+                let means: [f64; BLOCKS] = std::array::from_fn(|block| added[at(block)]);
+                for (block, value) in PlasticState::of_means(&means)
+                    .blocks()
+                    .into_iter()
+                    .enumerate()
+                {
+                    added[at(block)] = value;
+                }
+            }
+        }
         for block in 0..blocks {
             let mut values = before[block * self.count..(block + 1) * self.count].to_vec();
             let new = &added[block * self.added..(block + 1) * self.added];

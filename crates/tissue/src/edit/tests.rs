@@ -8,7 +8,7 @@ mod states;
 use super::*;
 use crate::build::build_model;
 use crate::elements::key::Key;
-use crate::elements::{Elements, NodeWindow, Plasticity, Tangent};
+use crate::elements::{ContinuumPlasticity, Elements, NodeWindow, Plasticity, Tangent};
 use crate::law::LawName;
 use crate::material::{
     Behaviour, Coefficients, ContinuumConstants, KindConstants, Material, SpringConstants,
@@ -54,6 +54,7 @@ fn continuum(discretisation: Discretisation) -> Material {
             young: 2e4,
             poisson: 0.45,
             discretisation,
+            plasticity: None,
         }),
     }
 }
@@ -68,14 +69,26 @@ fn fibrous(discretisation: Discretisation) -> Material {
 }
 
 fn plastic(mut material: Material) -> Material {
-    if let Behaviour::Springs(constants) = &mut material.behaviour {
-        constants.plasticity = Some(Plasticity {
-            yield_strain: 0.05,
-            creep_rate: 3.0,
-            max_strain: 0.5,
-            hardening: 4.0,
-            max_stiffening: 2.0,
-        });
+    match &mut material.behaviour {
+        Behaviour::Springs(constants) => {
+            constants.plasticity = Some(Plasticity {
+                yield_strain: 0.05,
+                creep_rate: 3.0,
+                max_strain: 0.5,
+                hardening: 4.0,
+                max_stiffening: 2.0,
+            });
+        }
+        Behaviour::Continuum(constants) => {
+            constants.plasticity = Some(ContinuumPlasticity {
+                yield_strain: 0.05,
+                yield_growth: 0.5,
+                creep_rate: None,
+                max_strain: 0.5,
+                hardening: 4.0,
+                max_stiffening: 2.0,
+            });
+        }
     }
     material
 }
@@ -106,6 +119,9 @@ fn materials() -> Vec<Material> {
         springs(SpringForm::Scaled(moduli)),
         springs(fitted),
         plastic(springs(SpringForm::Scaled(moduli))),
+        plastic(continuum(Discretisation::Tetrahedra)),
+        plastic(continuum(Discretisation::NodeSmoothed)),
+        plastic(fibrous(Discretisation::Selective)),
     ];
     all.extend(Discretisation::ALL[..5].iter().map(|one| fibrous(*one)));
     let cut = |one: &Discretisation| !one.is_quadratic();

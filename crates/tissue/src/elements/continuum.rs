@@ -15,8 +15,8 @@ use crate::elements::{
 };
 use crate::lanes::LANES;
 use crate::law::decomposition::SignedSvd;
-use crate::law::{Constants, Lame, Law, viscosity};
-use nalgebra::Vector3;
+use crate::law::{Constants, Lame, Law, Matrix9, viscosity};
+use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -71,8 +71,48 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
 
     /// The constants in a domain.
     #[inline(always)]
-    fn constants(&self, domain: usize) -> L::Constants {
+    pub(super) fn constants(&self, domain: usize) -> L::Constants {
         constants_at(&self.domains, domain, &self.constants)
+    }
+
+    /// Adds the tangents of all elements to a matrix, in ascending order: that of the law at `deformation` with `constants`, of which
+    /// `complete` makes the one by F.
+    #[inline(always)]
+    pub(super) fn add_tangents(
+        &self,
+        tangent: Tangent,
+        deformation: impl Fn(usize) -> Matrix3<f64>,
+        constants: impl Fn(usize) -> L::Constants,
+        complete: impl Fn(usize, &Matrix3<f64>, &mut Matrix9),
+        matrix: &mut MatrixWindow<'_>,
+    ) {
+        let count = self.domains.count();
+        let mut corners = Vec::new();
+        for first in (0..count).step_by(LANES) {
+            // The last ones are filled up with the last domain.
+            let f = [0, 1, 2, 3].map(|lane| deformation((first + lane).min(count - 1)));
+            let decomposed = match tangent {
+                Tangent::Exact => None,
+                Tangent::Positive => Some(SignedSvd::of_four(&f)),
+            };
+            for (element, lane) in (first..count).zip(0..LANES) {
+                let constants = constants(element);
+                let mut tangent = match &decomposed {
+                    None => L::tangent(&f[lane], &constants),
+                    Some(f) => L::positive_tangent(&f[lane], &constants),
+                };
+                complete(element, &f[lane], &mut tangent);
+                let tangent = DomainTangent::new(&tangent, self.domains.volume(element));
+                let nodes = self.domains.nodes(element).len();
+                corners.resize(nodes, CornerTangent::default());
+                for (node, corner) in corners.iter_mut().enumerate() {
+                    tangent.set_corner(self.domains.gradient(element, node), corner);
+                }
+                matrix.add_pairs(element, nodes, |row, column| {
+                    corners[row].block(&corners[column])
+                });
+            }
+        }
     }
 }
 
@@ -140,39 +180,18 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         matrix: &mut MatrixWindow<'_>,
     ) {
         let viscous_time = damping * self.relaxation_time;
-        let count = self.domains.count();
-        let mut corners = Vec::new();
-        for first in (0..count).step_by(LANES) {
-            // The last ones are filled up with the last domain.
-            let f = [0, 1, 2, 3].map(|lane| {
-                let element = (first + lane).min(count - 1);
-                self.domains.deformation(element, at.positions)
-            });
-            let decomposed = match tangent {
-                Tangent::Exact => None,
-                Tangent::Positive => Some(SignedSvd::of_four(&f)),
-            };
-            for (element, lane) in (first..count).zip(0..LANES) {
-                let constants = self.constants(element);
-                let mut tangent = match &decomposed {
-                    None => L::tangent(&f[lane], &constants),
-                    Some(f) => L::positive_tangent(&f[lane], &constants),
-                };
+        self.add_tangents(
+            tangent,
+            |element| self.domains.deformation(element, at.positions),
+            |element| self.constants(element),
+            |element, f, tangent| {
                 if viscous_time > 0.0 {
-                    let elasticity = constants.elasticity();
-                    tangent += viscosity::tangent(&f[lane], &elasticity, viscous_time);
+                    let elasticity = self.constants(element).elasticity();
+                    *tangent += viscosity::tangent(f, &elasticity, viscous_time);
                 }
-                let tangent = DomainTangent::new(&tangent, self.domains.volume(element));
-                let nodes = self.domains.nodes(element).len();
-                corners.resize(nodes, CornerTangent::default());
-                for (node, corner) in corners.iter_mut().enumerate() {
-                    tangent.set_corner(self.domains.gradient(element, node), corner);
-                }
-                matrix.add_pairs(element, nodes, |row, column| {
-                    corners[row].block(&corners[column])
-                });
-            }
-        }
+            },
+            matrix,
+        );
     }
 
     fn is_viscous(&self) -> bool {

@@ -50,6 +50,16 @@ pub struct Inherited {
     pub terms: Vec<(u32, f64)>,
 }
 
+/// What makes the internal variables of an added element of the sums that it inherits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Blend {
+    /// They are the sums.
+    #[default]
+    Sum,
+    /// They are means of a [`PlasticState`](super::PlasticState), whose determinant has to be 1 again.
+    PlasticState,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -164,6 +164,7 @@ fn parts<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
     let stress: Matrix3<f64> = shares.iter().map(|part| L::stress(f, part)).sum();
     assert!((stress - L::stress(f, c)).amax() < ROUNDING * scale);
     assert_eq!(c.with_volumetric(0.0), parts[0]);
+    volumetric_part::<L>(f, &parts[1]);
     let [isochoric, volumetric] = parts.map(|part| part.elasticity());
     assert_eq!(
         (volumetric.lame.mu, isochoric.lame.mu),
@@ -172,6 +173,19 @@ fn parts<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
     assert!(volumetric.lame.lambda > 0.0 && isochoric.lame.lambda >= 0.0);
     let families = volumetric.families.into_iter().flatten();
     assert!(families.into_iter().all(|family| family.stiffness == 0.0));
+}
+
+/// The volumetric part is the same at every F with this volume, if and only if its name states that.
+fn volumetric_part<L: Law>(f: &Matrix3<f64>, volumetric: &L::Constants) {
+    let mut round = Matrix3::identity();
+    round[(0, 0)] = f.determinant();
+    let [energy, other] = [f, &round].map(|f| L::energy(f, volumetric));
+    let same = (energy - other).abs() < ROUNDING * energy.abs().max(1.0);
+    assert_eq!(
+        same,
+        L::NAME.is_volumetric_of_j(),
+        "{energy} {other} at {f}"
+    );
 }
 
 /// The positive tangent has no negative eigenvalue, and is nowhere below the exact one.

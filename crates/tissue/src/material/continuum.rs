@@ -3,8 +3,8 @@
 use super::{Carried, EnergyPart};
 use crate::elements::key::Key;
 use crate::elements::{
-    Continuum, EDGE_FRACTION, Elements, NODE_FRACTION, Quadratic, QuadraturePoints, Smoothed,
-    SmoothingDomains, Tetrahedra,
+    Continuum, ContinuumPlasticity, ContinuumSet, Domains, EDGE_FRACTION, Elements, NODE_FRACTION,
+    PlasticSet, PlasticState, Quadratic, QuadraturePoints, Smoothed, SmoothingDomains, Tetrahedra,
 };
 use crate::law::{Constants, Lame, Law, MaterialLaw, with_law};
 use crate::range::{MaterialError, positive, require};
@@ -24,6 +24,7 @@ use std::sync::Arc;
 ///     young: 20e3,
 ///     poisson: 0.45,
 ///     discretisation: Discretisation::Selective,
+///     plasticity: None,
 /// };
 /// assert!(muscle.check().is_ok() && muscle.law.directions() == 1);
 /// let fat = ContinuumConstants {
@@ -42,6 +43,8 @@ pub struct ContinuumConstants {
     pub poisson: f64,
     /// How the mesh carries it.
     pub discretisation: Discretisation,
+    /// Its plastic flow, if it flows.
+    pub plasticity: Option<ContinuumPlasticity>,
 }
 
 impl ContinuumConstants {
@@ -54,22 +57,36 @@ impl ContinuumConstants {
             self.poisson,
             "> -1 and < 0.5; for incompressible tissue take 0.49 with the discretisation selective or patch-pressure",
         )?;
+        if let Some(plasticity) = &self.plasticity {
+            plasticity.check()?;
+        }
         self.law.check(self.poisson)
     }
 
+    /// Whether it is elastic, or can flow: plastic flow is isochoric, so the volumetric part of the energy, where it is integrated over
+    /// other domains, must be a [function of J alone](microsim_vocabulary::LawName::is_volumetric_of_j).
+    pub fn can_flow(&self) -> bool {
+        let apart = self.discretisation.is_split() && !self.law.name().is_volumetric_of_j();
+        self.plasticity.is_none() || !apart
+    }
+
     /// The elastic Cauchy stress P Fᵀ/det F \[Pa\] at the deformation gradient `f` of an element with these fibre directions, which an
-    /// isotropic law ignores. Where the volume is gone to rounding, or
+    /// isotropic law ignores, and with what has flowed in it. Where the volume is gone to rounding, or
     /// inverted, there is no such stress and it is zero.
     pub fn cauchy_stress(
         &self,
         f: &Matrix3<f64>,
         directions: [Vector3<f64>; FAMILIES],
+        flowed: &PlasticState,
     ) -> Matrix3<f64> {
         let (volume, size) = (f.determinant(), f.norm());
         if volume <= f64::EPSILON * size * size * size {
             return Matrix3::zeros();
         }
-        self.law.stress(f, &self.lame(), directions) * f.transpose() / volume
+        let stress = with_law!(&self.law, L, p => {
+            flowed.stress::<L>(f, &L::constants(&self.lame(), p).along(directions))
+        });
+        stress * f.transpose() / volume
     }
 
     /// Lamé's constants of E and ν.
@@ -190,7 +207,7 @@ impl ContinuumConstants {
         let lame = self.lame();
         with_law!(&self.law, L, p => {
             let constants = of_part(L::constants(&lame, p), part);
-            Arc::new(Smoothed::<L>::new(domains, constants, relaxation_time))
+            self.set(Smoothed::<L>::new(domains, constants, relaxation_time), part)
         })
     }
 
@@ -203,7 +220,7 @@ impl ContinuumConstants {
         let lame = self.lame();
         with_law!(&self.law, L, p => {
             let constants = of_part(L::constants(&lame, p), part);
-            Arc::new(Quadratic::<L>::new(points, constants, relaxation_time))
+            self.set(Quadratic::<L>::new(points, constants, relaxation_time), part)
         })
     }
 
@@ -222,8 +239,20 @@ impl ContinuumConstants {
         let lame = self.lame();
         with_law!(&self.law, L, p => {
             let constants = of_part(L::constants(&lame, p), part);
-            Arc::new(Continuum::<L>::new(domains, constants, relaxation_time))
+            self.set(Continuum::<L>::new(domains, constants, relaxation_time), part)
         })
+    }
+
+    /// A set that carries this part of the energy: one that flows, if the material does. What is a function of J alone does not see flow.
+    fn set<L: Law, D: Domains>(
+        &self,
+        set: ContinuumSet<L, D>,
+        part: EnergyPart,
+    ) -> Arc<dyn Elements> {
+        match (self.plasticity, part) {
+            (None, _) | (_, EnergyPart::Volumetric | EnergyPart::Excess) => Arc::new(set),
+            (Some(plasticity), _) => Arc::new(PlasticSet::new(set, plasticity)),
+        }
     }
 }
 
@@ -262,6 +291,7 @@ mod tests {
             young,
             poisson,
             discretisation: Discretisation::Selective,
+            plasticity: None,
         }
     }
 
@@ -297,7 +327,8 @@ mod tests {
                 ..constants(3e4, 0.4)
             };
             // Fibres would pull as well: none are there.
-            let cauchy_stress = |f: &Matrix3<f64>| constants.cauchy_stress(f, Default::default());
+            let cauchy_stress =
+                |f: &Matrix3<f64>| constants.cauchy_stress(f, Default::default(), &PlasticState::START);
             let stretched = |z| Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, z));
             let stress = cauchy_stress(&stretched(1.0 + strain));
             let error = stress - Matrix3::from_diagonal(&expected);

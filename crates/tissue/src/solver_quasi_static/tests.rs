@@ -106,6 +106,7 @@ fn beam() -> TissueModel {
             young: 1e5,
             poisson: 0.3,
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         }),
     };
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();

@@ -43,6 +43,7 @@ fn of_law(law: LawName) -> TissueModel {
             young: 2e4,
             poisson: 0.4,
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         }),
     };
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.9e-3).collect();

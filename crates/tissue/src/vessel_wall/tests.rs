@@ -8,6 +8,7 @@ fn rubber(young: f64, poisson: f64) -> ContinuumConstants {
         young,
         poisson,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     }
 }
 

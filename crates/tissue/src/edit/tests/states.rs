@@ -1,7 +1,7 @@
 //! States that follow: motion, plastic flow, ties.
 
 use super::*;
-use crate::elements::{CouplingConstants, couple};
+use crate::elements::{CouplingConstants, PlasticState, couple};
 
 /// New nodes move as the line on which they are, moved ones as the tissue where they are now: a linear motion stays one.
 #[test]
@@ -129,6 +129,66 @@ fn plastic_flow_is_inherited() {
             now,
             flowed(&model_before, &before, 1, &mesh.tets[parent]).unwrap(),
         );
+    }
+}
+
+/// A bar flows by another strain in each element, up to 0.3, and an edge is divided. In tetrahedra a child has what its parent has, to rounding. Around
+/// edges what is new is a mean of what was around: no more and no less than the least and the largest, with no volume. In both what dissipated
+/// is, over the volume, between what it was; and with the same flow everywhere nothing changes at all.
+#[test]
+fn what_has_flowed_in_a_continuum_is_inherited() {
+    for discretisation in [Discretisation::Tetrahedra, Discretisation::EdgeSmoothed] {
+        for uniform in [true, false] {
+            let mut mesh = layers([2, 2, 2]);
+            mesh.regions.fill(3);
+            let material = plastic(continuum(discretisation));
+            let clamped = vec![false; mesh.positions.len()];
+            let mut model =
+                build_model(&mesh, &[(3, material)], &clamped, 0.0, Vec::new()).unwrap();
+            let mut state = State::at_rest(&model);
+            let bend = if uniform { 0.0 } else { 0.25 };
+            let stretch = |x: &Vector3<f64>| {
+                let across = 1.0 / 1.15 - bend * x.x;
+                Vector3::new(1.3 * x.x + bend * x.z * x.z, across * x.y, across * x.z)
+            };
+            state.positions = mesh.positions.iter().map(stretch).collect();
+            crate::flow(&model, &mut state, 1.0);
+            let before = model.plastic_states(&mesh, &state).unwrap();
+            let range = |value: &dyn Fn(&PlasticState) -> f64| {
+                let values = before.iter().map(value);
+                let least = values.clone().fold(f64::INFINITY, f64::min);
+                (least, values.fold(0.0, f64::max))
+            };
+            assert!(range(&|one| one.strain).1 > 0.1);
+            let lower = mesh.regions.iter().position(|r| *r == 3).unwrap();
+            let mut edit = ByHand::new(&mesh);
+            edit.divide(mesh.element_edges(lower)[3], 0.3, false);
+            let after = edit.finish();
+            let taken = state.energies(&model).plastic;
+            state.edit(&edit.apply(&after, &mut model).unwrap());
+            let now = model.plastic_states(&after, &state).unwrap();
+            for (element, now) in now.iter().enumerate() {
+                let parent = match element.checked_sub(mesh.tets.len()) {
+                    None => element,
+                    Some(place) => edit.parents[place] as usize,
+                };
+                let close = |a: f64, b: f64| (a - b).abs() < 1e-13 * (1.0 + b.abs());
+                assert!(close(now.inverse.determinant(), 1.0));
+                if uniform || discretisation == Discretisation::Tetrahedra {
+                    let parent = &before[parent];
+                    assert!((now.inverse - parent.inverse).amax() < 1e-13);
+                    assert!(close(now.strain, parent.strain));
+                    assert!(close(now.stiffening, parent.stiffening));
+                    assert!(close(now.dissipated, parent.dissipated));
+                }
+                let (least, largest) = range(&|one| one.strain);
+                assert!(now.strain > least - 1e-13 && now.strain < largest + 1e-13);
+            }
+            if uniform || discretisation == Discretisation::Tetrahedra {
+                let same = state.energies(&model).plastic / taken;
+                assert!((same - 1.0).abs() < 1e-12, "{same}");
+            }
+        }
     }
 }
 

@@ -53,6 +53,7 @@ fn constants(law: LawName, discretisation: Discretisation, poisson: f64) -> Cont
         young: YOUNG,
         poisson,
         discretisation,
+        plasticity: None,
     }
 }
 

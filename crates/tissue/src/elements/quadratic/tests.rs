@@ -41,6 +41,7 @@ fn material(discretisation: Discretisation, poisson: f64) -> Material {
             young: 1e4,
             poisson,
             discretisation,
+            plasticity: None,
         }),
     }
 }

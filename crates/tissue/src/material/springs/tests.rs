@@ -314,6 +314,7 @@ fn a_continuum_homogenises_to_its_own_constants() {
         young: 3e4,
         poisson: 0.4,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     };
     let material = Material {
         density: 1e3,

@@ -1,0 +1,269 @@
+//! A continuum that flows: a set of a law on its domains with plastic flow in each of them.
+//!
+//! Energy, forces and tangents are those of the law at F_e = F F_p⁻¹ with F_p held; [`Elements::flow`] changes F_p between two steps
+//! ([`plastic_flow`](super::plastic_flow)). The viscosity is that of the whole deformation F and does not change by flow.
+
+use super::continuum::ContinuumSet;
+use super::continuum_matrix::set_tangent;
+use super::domains::Domains;
+use super::key::Key;
+use super::plastic_flow::{BLOCKS, ContinuumPlasticity, Flowed, PlasticState};
+use super::splice::{Blend, Inherited};
+use crate::elements::{
+    Configuration, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow, Tangent,
+};
+use crate::law::decomposition::SignedSvd;
+use crate::law::{Constants, Law, Matrix9, viscosity};
+use nalgebra::{Matrix3, Vector3};
+use std::any::Any;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Domains of one law with the same constants, which flow.
+///
+/// # Limitations
+/// Position-based methods cannot treat it: their constraints know no F_p.
+#[derive(Clone, Debug)]
+pub struct PlasticSet<L: Law, D> {
+    elastic: ContinuumSet<L, D>,
+    plasticity: ContinuumPlasticity,
+}
+
+impl<L: Law, D: Domains> PlasticSet<L, D> {
+    /// The domains of a set, with plastic flow. The volumetric part of the law, where it is not in this set, must be a function of J
+    /// alone: [`LawName::is_volumetric_of_j`](crate::law::LawName::is_volumetric_of_j).
+    pub fn new(elastic: ContinuumSet<L, D>, plasticity: ContinuumPlasticity) -> Self {
+        Self {
+            elastic,
+            plasticity,
+        }
+    }
+
+    #[inline(always)]
+    fn state(&self, internal: &[f64], element: usize) -> PlasticState {
+        PlasticState::read(internal, self.elastic.domains.count(), element)
+    }
+
+    #[inline(always)]
+    fn gradient(&self, element: usize, positions: &[Vector3<f64>]) -> Matrix3<f64> {
+        self.elastic.domains.deformation(element, positions)
+    }
+}
+
+/// ∂P/∂F of P = g P_e(F F_p⁻¹) F_p⁻ᵀ from the tangent of the law: Σ F_p⁻¹_jm T_imkn F_p⁻¹_nl, times g.
+fn pulled_back(tangent: &Matrix9, state: &PlasticState) -> Matrix9 {
+    let inverse = &state.inverse;
+    let mut half = Matrix9::zeros();
+    for (j, m) in (0..9).map(|q| (q % 3, q / 3)) {
+        let factor = inverse[(j, m)] * state.stiffening;
+        for column in 0..9 {
+            for i in 0..3 {
+                half[(i + 3 * j, column)] += factor * tangent[(i + 3 * m, column)];
+            }
+        }
+    }
+    let mut all = Matrix9::zeros();
+    for (l, n) in (0..9).map(|q| (q % 3, q / 3)) {
+        for k in 0..3 {
+            for row in 0..9 {
+                all[(row, k + 3 * l)] += half[(row, k + 3 * n)] * inverse[(n, l)];
+            }
+        }
+    }
+    all
+}
+
+impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
+    fn kind(&self) -> EnergyKind {
+        self.elastic.kind()
+    }
+
+    fn count(&self) -> usize {
+        self.elastic.count()
+    }
+
+    fn nodes(&self, element: usize) -> &[u32] {
+        self.elastic.nodes(element)
+    }
+
+    /// All elements in each block.
+    fn initial_internal(&self) -> Vec<f64> {
+        let start = PlasticState::START.blocks();
+        let blocks = start.map(|value| std::iter::repeat_n(value, self.count()));
+        blocks.into_iter().flatten().collect()
+    }
+
+    fn energy(&self, at: &Configuration<'_>) -> f64 {
+        let energies = (0..self.count()).map(|element| {
+            let state = self.state(at.internal, element);
+            let elastic = self.gradient(element, at.positions) * state.inverse;
+            let constants = self.elastic.constants(element);
+            self.elastic.domains.volume(element) * state.energy::<L>(&elastic, &constants)
+        });
+        energies.sum()
+    }
+
+    fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
+        let viscous = self.is_viscous();
+        for element in range {
+            let f = self.gradient(element, at.positions);
+            let constants = self.elastic.constants(element);
+            let mut stress = self.state(at.internal, element).stress::<L>(&f, &constants);
+            if viscous {
+                let rate = self.gradient(element, at.velocities);
+                let (elasticity, time) = (constants.elasticity(), self.elastic.relaxation_time);
+                stress += viscosity::stress(&f, &rate, &elasticity, time);
+            }
+            self.elastic.domains.add_forces(element, &stress, forces);
+        }
+    }
+
+    fn stiffness(
+        &self,
+        element: usize,
+        at: &Configuration<'_>,
+        tangent: Tangent,
+        out: &mut ElementMatrix,
+    ) {
+        let domains = &self.elastic.domains;
+        out.reset(domains.nodes(element).len());
+        let state = self.state(at.internal, element);
+        let elastic = self.gradient(element, at.positions) * state.inverse;
+        let constants = state.constants(self.elastic.constants(element));
+        let tangent = match tangent {
+            Tangent::Exact => L::tangent(&elastic, &constants),
+            Tangent::Positive => L::positive_tangent(&SignedSvd::new(&elastic), &constants),
+        };
+        let gradient = |corner| domains.gradient(element, corner);
+        let tangent = pulled_back(&tangent, &state);
+        set_tangent(&tangent, domains.volume(element), gradient, out);
+    }
+
+    fn add_tangent(
+        &self,
+        at: &Configuration<'_>,
+        tangent: Tangent,
+        damping: f64,
+        matrix: &mut MatrixWindow<'_>,
+    ) {
+        let viscous_time = damping * self.elastic.relaxation_time;
+        self.elastic.add_tangents(
+            tangent,
+            |element| {
+                self.gradient(element, at.positions) * self.state(at.internal, element).inverse
+            },
+            |element| {
+                let constants = self.elastic.constants(element);
+                self.state(at.internal, element).constants(constants)
+            },
+            |element, _, tangent| {
+                *tangent = pulled_back(tangent, &self.state(at.internal, element));
+                if viscous_time > 0.0 {
+                    let f = self.gradient(element, at.positions);
+                    let elasticity = self.elastic.constants(element).elasticity();
+                    *tangent += viscosity::tangent(&f, &elasticity, viscous_time);
+                }
+            },
+            matrix,
+        );
+    }
+
+    fn is_viscous(&self) -> bool {
+        self.elastic.is_viscous()
+    }
+
+    fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix) {
+        self.elastic.damping(element, at, out);
+    }
+
+    fn relaxation_time(&self, element: usize) -> f64 {
+        self.elastic.relaxation_time(element)
+    }
+
+    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        self.elastic.rest_norms(element, rest_positions, out);
+    }
+
+    fn rest_traces(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        self.elastic.rest_traces(element, rest_positions, out);
+    }
+
+    fn scale(&mut self, element: usize, factor: f64) {
+        self.elastic.scale(element, factor);
+    }
+
+    fn shifted(&self, nodes: u32) -> Arc<dyn Elements> {
+        let mut shifted = self.clone();
+        shifted.elastic.domains.shift_nodes(nodes);
+        Arc::new(shifted)
+    }
+
+    /// Stiffer counts what the factor of the stiffness has grown. That what has flowed is thinner and longer changes the stiffness as the same
+    /// deformation without flow does, which a step's safety factor covers.
+    fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], h: f64) -> bool {
+        let flow = self.plasticity.over(h);
+        let mut stiffer = false;
+        for element in 0..self.count() {
+            let mut state = self.state(internal, element);
+            let f = self.gradient(element, positions);
+            let flowed = flow.apply::<L>(&f, &self.elastic.constants(element), &mut state);
+            if flowed != Flowed::Not {
+                state.write(internal, self.count(), element);
+            }
+            stiffer |= flowed == Flowed::Stiffer;
+        }
+        stiffer
+    }
+
+    fn dissipated(&self, internal: &[f64]) -> f64 {
+        let energies = (0..self.count()).map(|element| {
+            self.elastic.domains.volume(element) * self.state(internal, element).dissipated
+        });
+        energies.sum()
+    }
+
+    fn plastic_state(&self, element: usize, internal: &[f64]) -> Option<PlasticState> {
+        Some(self.state(internal, element))
+    }
+
+    fn keys(&self, element: usize, visit: &mut dyn FnMut(Key)) {
+        self.elastic.keys(element, visit);
+    }
+
+    fn splice(&mut self, removed: &[u32], added: &dyn Elements) -> bool {
+        let added = (added as &dyn Any).downcast_ref::<Self>();
+        added.is_some_and(|added| self.elastic.splice(removed, &added.elastic))
+    }
+
+    fn make_room(&mut self) {
+        self.elastic.make_room();
+    }
+
+    /// The mean of what has flowed in the ancestors, by their volumes: a part of a tetrahedron has what its parent has, what is around a new
+    /// edge or node the mean of what is around those of the elements in which it is.
+    fn inherited(&self, added: &dyn Elements, ancestors: &[Vec<u32>]) -> Vec<Inherited> {
+        let start = PlasticState::START.blocks();
+        let domains = &self.elastic.domains;
+        let mut all = Vec::with_capacity(BLOCKS * added.count());
+        for (block, start) in start.into_iter().enumerate() {
+            let first = (block * self.count()) as u32;
+            all.extend(ancestors.iter().map(|from| {
+                let volumes = from.iter().map(|&old| domains.volume(old as usize));
+                let sum: f64 = volumes.clone().sum();
+                let terms = from.iter().zip(volumes);
+                Inherited {
+                    constant: if from.is_empty() { start } else { 0.0 },
+                    terms: terms.map(|(&old, v)| (first + old, v / sum)).collect(),
+                }
+            }));
+        }
+        all
+    }
+
+    fn blend(&self) -> Blend {
+        Blend::PlasticState
+    }
+}
+
+#[cfg(test)]
+mod tests;
