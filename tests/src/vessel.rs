@@ -7,18 +7,14 @@
 //! - [`carotid`]: the rabbit's carotid artery of the literature;
 //! - [`layers`]: the layers of a tube in their natural states;
 //! - [`radial`]: the balance of forces along the radius, compressible;
-//! - [`tube`]: a closed tube at given pressure with given axial stretch or force;
-//! - [`ring`]: the same tube slit along its axis;
+//! - [`tube`]: a tube at given pressure with given axial stretch or force, or slit along its axis;
 //! - [`incompressible`]: the closed tube of incompressible layers, by integrals alone;
-//! - [`newton`]: Newton's method for a few unknowns;
-//! - [`slides`]: planes on which nodes of a finite-element mesh slide, so that a piece of it stands for a long tube.
+//! - [`newton`]: roots of functions of one and of a few unknowns.
 
 pub mod carotid;
 pub mod incompressible;
 pub mod layers;
 pub mod newton;
 pub mod radial;
-pub mod ring;
-pub mod slides;
 pub mod tube;
 pub mod wall;

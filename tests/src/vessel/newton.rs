@@ -17,7 +17,11 @@ pub fn root(function: &dyn Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64
     }
     // The rule of false position with the halving of Dowell & Jarratt (1971), which keeps no end for ever.
     let mut last = 0;
-    let mut best = if -below < above { (low, -below) } else { (high, above) };
+    let mut best = if -below < above {
+        (low, -below)
+    } else {
+        (high, above)
+    };
     for step in 0..200 {
         // Every third time the half, where false position would creep along a steep function or meet infinity.
         let position = (low * above - high * below) / (above - below);
@@ -54,7 +58,6 @@ pub fn solve<const N: usize>(
 ) -> [f64; N] {
     let mut at = start;
     for _ in 0..STEPS {
-        let value = DVector::from_row_slice(&residuals(at));
         // By relative changes, in central differences: the error is 1e-10 of the third derivative.
         let h = 1e-5;
         let mut jacobian = DMatrix::zeros(N, N);
@@ -67,30 +70,23 @@ pub fn solve<const N: usize>(
             let slope = (moved(1.0 + h) - moved(1.0 - h)) / (2.0 * h);
             jacobian.set_column(column, &slope);
         }
-        let Some(mut change) = jacobian.lu().solve(&value) else {
-            panic!("no direction at {at:?}: {value}");
-        };
+        let value = DVector::from_row_slice(&residuals(at));
+        let step = jacobian.lu().solve(&value);
+        let mut change = step.unwrap_or_else(|| panic!("no direction at {at:?}: {value}"));
         let largest = change.amax();
-        assert!(largest.is_finite(), "no number at {at:?}: {value}");
+        assert!(largest.is_finite(), "no number at {at:?}");
         change *= (LARGEST_CHANGE / largest).min(1.0);
-        // Back towards where the residuals are numbers.
-        let next = |change: &DVector<f64>| {
-            let mut next = at;
-            for (unknown, change) in next.iter_mut().zip(change.iter()) {
-                *unknown *= 1.0 - change;
-            }
-            next
-        };
-        while !residuals(next(&change)).iter().all(|r| r.is_finite()) {
-            assert!(change.amax() > tolerance, "no number near {at:?}");
-            change *= 0.5;
+        for (unknown, change) in at.iter_mut().zip(change.iter()) {
+            *unknown *= 1.0 - change;
         }
-        at = next(&change);
         if largest < tolerance {
             return at;
         }
     }
-    panic!("no root from {start:?}: at {at:?} {:?}", residuals(at));
+    panic!(
+        "no root from {start:?} after {STEPS} steps: {at:?}, {:?}",
+        residuals(at)
+    );
 }
 
 #[cfg(test)]

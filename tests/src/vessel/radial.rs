@@ -59,20 +59,22 @@ impl Profile {
         self.points.last().map_or(f64::NAN, |point| point.radius)
     }
 
-    /// Radius \[m\] of what was at a natural radius of a layer, by the cubic through the two nearest points with their slopes.
-    pub fn radius_at(&self, layer: usize, natural: f64) -> f64 {
+    /// Inner and outer radius of a layer \[m\].
+    pub fn radii(&self, layer: usize) -> [f64; 2] {
+        let mut of_layer = self.points.iter().filter(|point| point.layer == layer);
+        let (first, last) = (of_layer.next(), of_layer.next_back());
+        [first, last].map(|point| point.map_or(f64::NAN, |point| point.radius))
+    }
+
+    /// Stretches along r, θ, z at a radius of a layer \[m\], linear between points.
+    pub fn stretches_at(&self, layer: usize, radius: f64) -> [f64; 3] {
         let of_layer = self.points.iter().filter(|point| point.layer == layer);
         let points: Vec<&Point> = of_layer.collect();
-        let after = points.partition_point(|point| point.natural < natural);
+        let after = points.partition_point(|point| point.radius < radius);
         let after = after.clamp(1, points.len() - 1);
         let [a, b] = [points[after - 1], points[after]];
-        let width = b.natural - a.natural;
-        let s = (natural - a.natural) / width;
-        let (squared, cubed) = (s * s, s * s * s);
-        (2.0 * cubed - 3.0 * squared + 1.0) * a.radius
-            + (3.0 * squared - 2.0 * cubed) * b.radius
-            + (cubed - 2.0 * squared + s) * width * a.stretches[0]
-            + (cubed - squared) * width * b.stretches[0]
+        let part = (radius - a.radius) / (b.radius - a.radius);
+        [0, 1, 2].map(|i| a.stretches[i] + part * (b.stretches[i] - a.stretches[i]))
     }
 }
 

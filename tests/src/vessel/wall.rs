@@ -242,7 +242,10 @@ mod tests {
                 let stress = wall.nominal(at);
                 assert_eq!(at[axis], stretch);
                 let free = [stress[0], stress[3 - axis]];
-                assert!(free.iter().all(|s| s.abs() < 1e-12), "{wall:?} {at:?} {stress:?}");
+                assert!(
+                    free.iter().all(|s| s.abs() < 1e-12),
+                    "{wall:?} {at:?} {stress:?}"
+                );
                 // Pulled along the axis alone it resists, and pushed it pushes back.
                 assert!(stress[axis] * (stretch - 1.0) > 0.0);
             }

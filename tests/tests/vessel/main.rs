@@ -1,3 +1,8 @@
-//! Vessels: the one-dimensional solutions of `microsim_tests::vessel` against closed forms and each other.
+//! Vessels: the one-dimensional solutions of `microsim_tests::vessel`, checked against closed forms and each other, and elements and laws against them.
 
+mod inflation;
+mod law;
 mod radial;
+mod residual;
+mod slice;
+mod slides;

@@ -5,7 +5,6 @@ use microsim_tests::vessel::carotid::{
 };
 use microsim_tests::vessel::incompressible::pressure_and_force;
 use microsim_tests::vessel::layers::Layer;
-use microsim_tests::vessel::ring::slit;
 use microsim_tests::vessel::tube::Tube;
 use microsim_tests::vessel::wall::{Invariants, Wall};
 use std::f64::consts::{PI, TAU};
@@ -127,7 +126,7 @@ fn a_slit_ring_of_one_layer_is_its_natural_sector() {
         prestretch: 1.2,
         ..Layer::closed(media(0.45), 1.43e-3, 0.26e-3)
     };
-    let open = slit(&[layer]);
+    let open = Tube::new(&[layer]).slit();
     let near = |found: f64, expected: f64| {
         assert!((found / expected - 1.0).abs() < 1e-8, "{found} {expected}");
     };
@@ -160,7 +159,7 @@ fn layers_of_different_length_bend_as_timoshenkos_strip() {
     let mut layers = [0.0, half].map(|from| Layer::closed(wall, radius + from, half));
     layers.iter_mut().for_each(|layer| layer.sector = 3.0);
     layers[0].sector *= 1.0 + excess;
-    let open = slit(&layers);
+    let open = Tube::new(&layers).slit();
     // The angle over the length of the middle is the curvature.
     let middle = 3.0 * (1.0 + 0.5 * excess) * (radius + half);
     let change = open.inside.angle / middle - 1.0 / (radius + half);
