@@ -17,7 +17,8 @@
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
 //! - [`system`]: the linear system of a body, phase by phase;
-//! - [`trainees`]: synthetic trainees, made and run.
+//! - [`trainees`]: synthetic trainees, made and run;
+//! - [`vessel`]: tubes of layers under pressure, solved in one dimension.
 
 #![forbid(unsafe_code)]
 
@@ -38,6 +39,7 @@ pub mod simulated;
 pub mod statistics;
 pub mod system;
 pub mod trainees;
+pub mod vessel;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
