@@ -1,0 +1,56 @@
+//! A fit as a `[[body.material]]` of a scene or level.
+
+use crate::constant::ANGLE;
+use crate::estimate::{Determination, Estimate, Fit};
+use microsim_settings::Unit;
+use std::fmt::Write;
+
+/// Density of soft tissue \[kg/m³\]: stresses do not determine it.
+const DENSITY: f64 = 1060.0;
+
+/// The material, as TOML with a remark behind each value. Every number comes back to the last bit.
+pub fn material_toml(fit: &Fit) -> String {
+    let mut text = format!(
+        "[[body.material]]\nlaw = \"{}\"\ndensity = {DENSITY:?} # kg/m^3, not fitted: that of soft tissue\n",
+        fit.law.name()
+    );
+    for estimate in &fit.estimates {
+        let value = estimate.value;
+        let assignment = match estimate.constant.key {
+            // Written by `ANGLE`, a path: the table holds one key.
+            ANGLE => format!("fibres = {{ angle = {value:?} }}"),
+            key => format!("{key} = {value:?}"),
+        };
+        // Writing to a text never fails.
+        let _ = writeln!(text, "{assignment} # {}", remark(estimate));
+    }
+    text
+}
+
+/// The value for people, and how well it is known.
+fn remark(estimate: &Estimate) -> String {
+    let unit = estimate.constant.unit;
+    let known = match estimate.determination {
+        Determination::Fixed => "given".to_owned(),
+        Determination::Assumed => "assumed".to_owned(),
+        Determination::AtBound => "at a bound".to_owned(),
+        Determination::Undetermined => "not determined by the data".to_owned(),
+        Determination::Within(half) => format!("+- {} (95 %)", short(unit, half)),
+    };
+    format!("{}, {known}", short(unit, estimate.value))
+}
+
+/// A value with four digits and the unit that suits its size.
+fn short(unit: Unit, value: f64) -> String {
+    let degrees = unit.from_si(value, "deg");
+    match degrees {
+        // Rounded in degrees, as they are shown.
+        Some(degrees) => format!("{} deg", digits(degrees)),
+        None => unit.describe(digits(value)),
+    }
+}
+
+/// Rounded to four digits.
+fn digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
