@@ -140,7 +140,7 @@ mod tests {
         for nu in [0.3, 0.45, 0.49] {
             let lame = Lame::from_young_poisson(30e3, nu);
             let law = MaterialLaw::from(LawName::NeoHookean);
-            let stress = |f: &Matrix3<f64>| law.stress(f, &lame, Vector3::zeros());
+            let stress = |f: &Matrix3<f64>| law.stress(f, &lame, Default::default());
             for a in [0.8_f64, 0.95, 1.1] {
                 let along = (-lame.mu * (a * a - 1.0) / lame.lambda).exp() / (a * a);
                 let log_volume = (along * a * a).ln();

@@ -53,8 +53,9 @@ impl LawModel {
         law.check(poisson).ok()?;
         let lame = Lame::from_young_poisson(young, poisson);
         let (sine, cosine) = libm::sincos(value(ANGLE).unwrap_or(0.0));
-        let direction = Vector3::new(cosine, sine, 0.0);
-        let stress = |f: &Matrix3<f64>| law.stress(f, &lame, direction);
+        // A second family lies at the opposite angle; a law of one ignores it.
+        let directions = [sine, -sine].map(|sine| Vector3::new(cosine, sine, 0.0));
+        let stress = |f: &Matrix3<f64>| law.stress(f, &lame, directions);
         let mut stresses = Vec::new();
         for row in &data.rows {
             let state = homogeneous_state(&stress, row.stretch, young)?;
