@@ -45,7 +45,7 @@ pub struct Place {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// List modules with their levels, scenes, and plugins
+    /// List modules with their levels, scenes, vessels, and plugins
     List(ListArgs),
     /// Run a level of a module; writes session and report
     Run(RunArgs),

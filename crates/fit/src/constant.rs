@@ -176,10 +176,7 @@ mod tests {
                 assert_eq!(constant.unit, *unit, "{key}");
             }
             assert_eq!(keys[..2], ["youngs_modulus", "poisson_ratio"]);
-            assert_eq!(
-                keys.contains(&ANGLE),
-                law.families() > 0
-            );
+            assert_eq!(keys.contains(&ANGLE), law.families() > 0);
         }
     }
 
