@@ -5,7 +5,7 @@ use crate::output::{Exit, Problem, print, print_json};
 use crate::replace_file::write_new;
 use microsim_fit::{
     Constant, Determination, Estimate, Fit, Goodness, LawModel, Measurements, fit as fit_law,
-    material_toml,
+    material_toml, rounded,
 };
 use microsim_settings::{LawName, Unit, read_regular};
 use serde_json::{Value, json};
@@ -59,15 +59,15 @@ fn page(fit: &Fit, data: &Measurements) -> String {
             constant, value, ..
         } = estimate;
         let known = match estimate.determination {
-            Determination::Within(half) => format!("+- {}", short(constant.unit, half)),
-            other => known(other).to_owned(),
+            Determination::Within(half) => format!("+- {}", rounded(constant.unit, half)),
+            other => other.name().to_owned(),
         };
         // Writing to a text never fails.
         let _ = writeln!(
             page,
             "{:<18} {:>14}   {known}",
             constant.key,
-            short(constant.unit, *value)
+            rounded(constant.unit, *value)
         );
     }
     let _ = writeln!(
@@ -86,7 +86,7 @@ fn page(fit: &Fit, data: &Measurements) -> String {
             page,
             "{:<18} {count:>8} {:>14} {:>10}",
             protocol.as_deref().unwrap_or("all"),
-            short(Unit::Pressure, *rms),
+            rounded(Unit::Pressure, *rms),
             r_squared.map_or("-".to_owned(), |r| format!("{r:.5}"))
         );
     }
@@ -112,7 +112,7 @@ fn document(fit: &Fit, data: &Measurements, toml: &str) -> Value {
             "key": estimate.constant.key,
             "unit": estimate.constant.unit.symbol(),
             "value": estimate.value,
-            "determination": known(estimate.determination),
+            "determination": estimate.determination.name(),
             "interval_95": half.map(|half| [estimate.value - half, estimate.value + half]),
         })
     });
@@ -138,26 +138,6 @@ fn document(fit: &Fit, data: &Measurements, toml: &str) -> Value {
         "warnings": fit.warnings,
         "toml": toml,
     })
-}
-
-/// Where a value is from, in a word or two.
-fn known(determination: Determination) -> &'static str {
-    match determination {
-        Determination::Fixed => "given",
-        Determination::Assumed => "assumed",
-        Determination::Within(_) => "fitted",
-        Determination::AtBound => "at a bound",
-        Determination::Undetermined => "not determined",
-    }
-}
-
-/// A value with four digits, in degrees or in the unit that suits its size.
-fn short(unit: Unit, value: f64) -> String {
-    let digits = |value: f64| format!("{value:.3e}").parse().unwrap_or(value);
-    match unit.from_si(value, "deg") {
-        Some(degrees) => format!("{} deg", digits(degrees)),
-        None => unit.describe(digits(value)),
-    }
 }
 
 /// A law by its name in files.

@@ -24,6 +24,12 @@ impl Confidence {
     /// From the derivatives \[Pa per unit\], one column per constant, and the root mean square of the residuals \[Pa\].
     pub fn new(derivatives: &DMatrix<f64>, rms: f64) -> Self {
         let (rows, constants) = derivatives.shape();
+        if constants == 0 {
+            return Self {
+                half_widths: Vec::new(),
+                correlations: Vec::new(),
+            };
+        }
         let freedom = rows - constants;
         let variance = rms * rms * rows as f64 / freedom as f64;
         let lengths: Vec<f64> = derivatives.column_iter().map(|c| c.norm()).collect();

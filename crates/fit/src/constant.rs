@@ -161,6 +161,17 @@ impl Constant {
     }
 }
 
+/// A value for people: four digits, in degrees or in the unit that suits its size.
+pub fn rounded(unit: Unit, value: f64) -> String {
+    // A format of digits gives digits, which can be read.
+    let digits = |value: f64| format!("{value:.3e}").parse().unwrap_or(value);
+    match unit.from_si(value, "deg") {
+        // Rounded in degrees, as they are shown.
+        Some(degrees) => format!("{} deg", digits(degrees)),
+        None => unit.describe(digits(value)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,6 +206,13 @@ mod tests {
                 assert!(constant.is_at_bound(constant.min, 1e4));
             }
         }
+    }
+
+    #[test]
+    fn values_are_shown_with_four_digits() {
+        assert_eq!(rounded(Unit::Pressure, 8939.96), "8.94 kPa");
+        assert_eq!(rounded(Unit::Angle, 0.506_145), "29 deg");
+        assert_eq!(rounded(Unit::Ratio, 0.123_456), "0.1235");
     }
 
     #[test]

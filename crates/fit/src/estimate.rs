@@ -1,7 +1,7 @@
 //! The fit of a law: its constants with how well the data determine them, and how well the law reproduces the data.
 
 use crate::confidence::Confidence;
-use crate::constant::{ASSUMED_POISSON, Constant};
+use crate::constant::{ASSUMED_POISSON, Constant, rounded};
 use crate::measurements::Measurements;
 use crate::model::LawModel;
 use crate::search::{Minimum, Search, root_mean_square};
@@ -27,12 +27,26 @@ pub enum Determination {
     Fixed,
     /// It was not given and is not fitted: Poisson's ratio.
     Assumed,
-    /// Fitted: 95 % of fits to such data lie within this much of it, in its unit.
+    /// Fitted: half of the interval of confidence of 95 % about it, in its unit. Of 100 tables of such data 95 have intervals that hold the
+    /// constant.
     Within(f64),
     /// Fitted, and at a bound of its range.
     AtBound,
     /// The data do not determine it.
     Undetermined,
+}
+
+impl Determination {
+    /// In a word or two.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "given",
+            Self::Assumed => "assumed",
+            Self::Within(_) => "fitted",
+            Self::AtBound => "at a bound",
+            Self::Undetermined => "not determined",
+        }
+    }
 }
 
 /// A constant of a law.
@@ -250,7 +264,7 @@ fn warnings(
     let mut warnings = Vec::new();
     for estimate in estimates {
         let Constant { key, unit, .. } = estimate.constant;
-        let value = unit.describe(estimate.value);
+        let value = rounded(unit, estimate.value);
         match estimate.determination {
             Determination::Assumed => warnings.push(format!(
                 "{key} is not fitted: {value} is assumed; give the measured one"
@@ -289,7 +303,7 @@ fn other_fit<'a>(
     let other = equal.find(|other| search.free.iter().any(|index| differs(other, *index)))?;
     let values = search.free.iter().map(|index| {
         let Constant { key, unit, .. } = constants[*index];
-        format!("{key} = {}", unit.describe(other.values[*index]))
+        format!("{key} = {}", rounded(unit, other.values[*index]))
     });
     let values: Vec<String> = values.collect();
     Some(format!(

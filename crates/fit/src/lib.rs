@@ -18,7 +18,7 @@ mod model;
 mod search;
 mod snippet;
 
-pub use constant::{ANGLE, ASSUMED_POISSON, Constant, ConstantError, constants};
+pub use constant::{ANGLE, ASSUMED_POISSON, Constant, ConstantError, constants, rounded};
 pub use estimate::{Determination, Estimate, Fit, FitError, Goodness, fit};
 pub use homogeneous::{HomogeneousState, homogeneous_state};
 pub use measurements::{Measurement, Measurements, StressMeasure, TableError};

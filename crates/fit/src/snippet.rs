@@ -1,8 +1,7 @@
 //! A fit as a `[[body.material]]` of a scene or level.
 
-use crate::constant::ANGLE;
+use crate::constant::{ANGLE, rounded};
 use crate::estimate::{Determination, Estimate, Fit};
-use microsim_settings::Unit;
 use std::fmt::Write;
 
 /// Density of soft tissue \[kg/m³\]: stresses do not determine it.
@@ -31,26 +30,8 @@ pub fn material_toml(fit: &Fit) -> String {
 fn remark(estimate: &Estimate) -> String {
     let unit = estimate.constant.unit;
     let known = match estimate.determination {
-        Determination::Fixed => "given".to_owned(),
-        Determination::Assumed => "assumed".to_owned(),
-        Determination::AtBound => "at a bound".to_owned(),
-        Determination::Undetermined => "not determined by the data".to_owned(),
-        Determination::Within(half) => format!("+- {} (95 %)", short(unit, half)),
+        Determination::Within(half) => format!("+- {} (95 %)", rounded(unit, half)),
+        other => other.name().to_owned(),
     };
-    format!("{}, {known}", short(unit, estimate.value))
-}
-
-/// A value with four digits and the unit that suits its size.
-fn short(unit: Unit, value: f64) -> String {
-    let degrees = unit.from_si(value, "deg");
-    match degrees {
-        // Rounded in degrees, as they are shown.
-        Some(degrees) => format!("{} deg", digits(degrees)),
-        None => unit.describe(digits(value)),
-    }
-}
-
-/// Rounded to four digits.
-fn digits(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
+    format!("{}, {known}", rounded(unit, estimate.value))
 }

@@ -1,6 +1,6 @@
 //! Constants come back from tables that another code made from them (`tests/data/fit/make_tables.py`).
 
-use microsim_fit::{ANGLE, Constant, Determination, Fit, LawModel, Measurements, fit};
+use microsim_fit::{ANGLE, Constant, Determination, Fit, FitError, LawModel, Measurements, fit};
 use microsim_random::SplitMix64;
 use microsim_settings::LawName;
 use std::path::Path;
@@ -194,4 +194,35 @@ fn one_strip_does_not_determine_an_artery() {
     };
     assert!(found.estimates.iter().any(wide), "{found:?}");
     assert!(found.warnings.len() >= 2, "{found:?}");
+}
+
+/// No material is pulled by pushing: the modulus ends at its smallest value, and that is stated.
+#[test]
+fn data_of_no_material_end_at_a_bound() {
+    let table = "stretch_1,piola_1 [kPa]\n1.1,-1\n1.2,-2\n1.3,-3\n1.4,-4\n";
+    let data = Measurements::read(table).expect("it is right");
+    let found = fitted(LawName::NeoHookean, &[("poisson_ratio", "0.4")], &data);
+    assert_eq!(found.estimates[0].determination, Determination::AtBound);
+    assert_eq!(found.warnings.len(), 1, "{found:?}");
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused() {
+    let read = |rows: &str| Measurements::read(&format!("stretch_1,piola_1 [Pa]\n{rows}"));
+    let refused = |law, rows| {
+        let data = read(rows).expect("it is right");
+        fit(&LawModel::new(law), &[], &data).map(drop)
+    };
+    let (stresses, constants) = (4, 2);
+    assert_eq!(
+        refused(LawName::MooneyRivlin, "1.1,1\n1.2,2\n1.3,3\n1.4,4\n"),
+        Err(FitError::TooFew {
+            stresses,
+            constants
+        })
+    );
+    assert_eq!(
+        refused(LawName::NeoHookean, "1.1,0\n1.2,0\n1.3,0\n1.4,0\n"),
+        Err(FitError::NoStress)
+    );
 }
