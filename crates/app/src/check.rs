@@ -109,6 +109,13 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
             tool.map(nothing).map_err(|e| e.to_string()),
         );
     }
+    for path in files_in(&config.join("vessels"), "toml") {
+        let vessel = settings::load_vessel(&path);
+        findings.note(
+            path.display().to_string(),
+            vessel.map(nothing).map_err(|e| e.to_string()),
+        );
+    }
     for path in files_in(&config.join("scenes"), "toml") {
         findings.note(
             path.display().to_string(),
@@ -361,6 +368,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         ("trainees.toml", _, _) => settings::load_trainees(path).map(nothing).map_err(text),
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
+        (_, Some("vessels"), "toml") => settings::load_vessel(path).map(nothing).map_err(text),
         (_, Some("scenes"), "toml") => check_scene(path, Meshes::Estimated),
         (_, Some("scripts"), "toml") => settings::load_script(path).map(nothing).map_err(text),
         (_, Some("levels"), "toml") => {
@@ -369,7 +377,13 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
                 .and_then(Path::parent)
                 .map(|m| m.join("module.toml"));
             let manifest = settings::load_manifest(&manifest.unwrap_or_default()).map_err(text)?;
-            let level = settings::load_level(path, &manifest.settings, &known_metrics());
+            let vessels = scene_file::folder(place).map_err(|problem| match problem {
+                Problem::Text(text) => text,
+                Problem::BrokenPipe => String::new(),
+            });
+            let vessels = vessels?.with_file_name("vessels");
+            let manifest = &manifest.settings;
+            let level = settings::load_level_with(path, manifest, &known_metrics(), &vessels);
             scene_file::check_level(&level.map_err(text)?, &BTreeMap::new(), Meshes::Estimated)
         }
         (_, _, "toml") if path.with_extension("csv").is_file() => {

@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand};
 use microsim_host::assemble::{Input, Isolate};
 use microsim_mesh::Zone;
-use microsim_settings::Override;
+use microsim_settings::{LawName, Override};
 use std::path::{Path, PathBuf};
 
 /// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
@@ -45,7 +45,7 @@ pub struct Place {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// List modules with their levels, scenes, and plugins
+    /// List modules with their levels, scenes, vessels, and plugins
     List(ListArgs),
     /// Run a level of a module; writes session and report
     Run(RunArgs),
@@ -57,6 +57,8 @@ pub enum Command {
     Atlas(AtlasArgs),
     /// Choose the cheapest method, mesh and step that keep the stated error of a scene or level, and write them into its file
     Tune(TuneArgs),
+    /// Fit the constants of a material law to measured stretches and stresses, with intervals of confidence
+    Fit(FitArgs),
     /// Recompute a recorded session, compare it, draw pictures of it
     Replay(ReplayArgs),
     /// Show the result of a recorded session, as text, JSON, CSV or an HTML page
@@ -272,6 +274,35 @@ pub struct TuneArgs {
     /// Choose nothing: run the file as it is and compare with the figures in it; exit with status 1 if they are not confirmed
     #[arg(long, conflicts_with = "dry_run")]
     pub verify: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The table has a header: stretch_1, stretch_2 (an empty cell is a free side, without stress), cauchy_1 [kPa], cauchy_2 [kPa]
+or piola_1 [kPa], piola_2 [kPa] (force per area as it is, or at rest), and protocol (name of the test). The specimen is free along
+axis 3. Fibres lie in the plane of 1 and 2, fibres.angle from axis 1. Constants that are not given are fitted, but for poisson_ratio:
+0.49 is assumed.
+
+Examples:
+  microsim fit strips.csv --law mooney-rivlin
+  microsim fit media.csv --law transversely-isotropic --set fibres.angle=0deg --set poisson_ratio=0.49 --out media.toml"
+)]
+pub struct FitArgs {
+    /// Table with the measurements (CSV)
+    #[arg(value_parser = utf8_path)]
+    pub data: PathBuf,
+    /// Law, by its name in files
+    #[arg(long, value_name = "LAW", value_parser = crate::fit::parse_law)]
+    pub law: LawName,
+    /// A constant that is given, and not fitted; may be given several times
+    #[arg(long, value_name = "KEY=VALUE", value_parser = crate::fit::parse_constant)]
+    pub set: Vec<(String, String)>,
+    /// Write the material, as a scene takes it, to this file; it must not exist
+    #[arg(long, value_name = "FILE", value_parser = utf8_path)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

@@ -6,7 +6,8 @@ use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::session_file::installation;
 use microsim_host::assemble::known_metrics;
 use microsim_settings as settings;
-use serde_json::json;
+use serde_json::{Value, json};
+use std::path::Path;
 
 /// Modules with their levels, scenes, and plugins.
 pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
@@ -16,7 +17,8 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
         let manifest = &folder.manifest.settings;
         let mut levels = Vec::new();
         for (index, path) in folder.levels.iter().enumerate() {
-            match settings::load_level(path, manifest, &known_metrics()) {
+            let vessels = installation.config.join("vessels");
+            match settings::load_level_with(path, manifest, &known_metrics(), &vessels) {
                 Ok(level) => levels.push(json!({
                     "level": index + 1,
                     "title": level.settings.title,
@@ -55,11 +57,20 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
             Err(errors) => complain(errors),
         }
     }
+    let mut vessels = Vec::new();
+    for path in files_in(&installation.config.join("vessels"), "toml") {
+        match settings::load_vessel(&path) {
+            Ok(vessel) => vessels.push(vessel_entry(&path, &vessel.settings)),
+            Err(errors) => complain(errors),
+        }
+    }
     for complaint in &installation.complaints {
         complain(complaint);
     }
     if args.json {
-        print_json(&json!({ "modules": modules, "scenes": scenes, "plugins": plugins }))?;
+        print_json(
+            &json!({ "modules": modules, "scenes": scenes, "vessels": vessels, "plugins": plugins }),
+        )?;
         return Ok(Exit::Done);
     }
     let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
@@ -83,6 +94,17 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
         let (name, title) = (text(&scene["name"]), text(&scene["title"]["en"]));
         print(format!("  {name:<20} {title}"))?;
     }
+    print("Vessels")?;
+    for vessel in &vessels {
+        let (name, title) = (text(&vessel["name"]), text(&vessel["title"]["en"]));
+        let values = vessel["values"].as_array().into_iter().flatten();
+        let judged = values.clone().filter(|value| value["basis"] == "judgement");
+        print(format!(
+            "  {name:<20} {title}: {} values, {} of them judgements",
+            values.count(),
+            judged.count()
+        ))?;
+    }
     print("Plugins")?;
     for plugin in &plugins {
         let (name, kind) = (text(&plugin["name"]), text(&plugin["kind"]));
@@ -92,4 +114,17 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
         ))?;
     }
     Ok(Exit::Done)
+}
+
+/// A vessel with all its values, each in SI with its source.
+fn vessel_entry(path: &Path, vessel: &settings::Vessel) -> Value {
+    let values = vessel.values().into_iter().map(|(key, of)| {
+        json!({ "key": key, "value": of.value, "source": of.source, "basis": of.basis })
+    });
+    json!({
+        "name": path.file_stem().unwrap_or_default().to_string_lossy(),
+        "title": vessel.title,
+        "doc": vessel.doc,
+        "values": values.collect::<Vec<_>>(),
+    })
 }

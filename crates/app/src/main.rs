@@ -17,6 +17,7 @@ mod cli;
 mod digests;
 mod discretisation;
 mod doctor;
+mod fit;
 mod guest;
 mod key_pictures;
 mod list;
@@ -81,6 +82,7 @@ fn main() -> ExitCode {
         Command::Atlas(args) => atlas::atlas(args),
         Command::Chart(args) => chart::chart(&cli.place, args),
         Command::Tune(args) => tune::tune(&cli.place, args),
+        Command::Fit(args) => fit::fit(args),
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(&cli.place, args),
         Command::Trainee(args) => trainee::trainee(&cli.place, args),

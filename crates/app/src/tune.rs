@@ -28,6 +28,8 @@ struct Target {
     path: PathBuf,
     /// What is measured.
     what: Measured,
+    /// The folder of the vessels that its bodies name.
+    vessels: PathBuf,
     /// How it is named on the command line.
     name: String,
 }
@@ -45,11 +47,12 @@ impl Target {
     fn load(&self, set: &[String]) -> Result<LoadedScene, String> {
         let file = self.path.display().to_string();
         let folder = self.path.parent().unwrap_or(Path::new(""));
+        let load = |text: &str| load(text, &file, folder, &self.vessels, set);
         match &self.what {
-            Measured::Scene(text) => load(text, &file, folder, set),
+            Measured::Scene(text) => load(text),
             Measured::Level(level) => {
                 let text = level.scene(set).map_err(|e| format!("{file}: {e}"))?;
-                load(&text, &file, folder, set)
+                load(&text)
             }
         }
     }
@@ -161,6 +164,7 @@ fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
         let path = find(place, Path::new(&args.target))?;
         return Ok(Target {
             what: Measured::Scene(read(&path)?),
+            vessels: path.parent().unwrap_or(Path::new("")).join("../vessels"),
             path,
             name: args.target.clone(),
         });
@@ -177,17 +181,25 @@ fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
     Ok(Target {
         path: path.clone(),
         what: Measured::Level(level),
+        vessels: installation.config.join("vessels"),
         name: format!("{} --level {number}", args.target),
     })
 }
 
 /// The scene of a text, with overrides.
-fn load(text: &str, file: &str, folder: &Path, set: &[String]) -> Result<LoadedScene, String> {
+fn load(
+    text: &str,
+    file: &str,
+    folder: &Path,
+    vessels: &Path,
+    set: &[String],
+) -> Result<LoadedScene, String> {
     let overrides: Vec<Override> = set
         .iter()
         .map(|text| Override::parse(text))
         .collect::<Result<_, _>>()?;
-    let loaded = settings::read_scene(text, file, &overrides).map_err(|e| e.to_string())?;
+    let loaded = settings::read_scene_with(text, file, &overrides, vessels);
+    let loaded = loaded.map_err(|e| e.to_string())?;
     let described = scene_spec(&loaded.settings, &mut |file| {
         settings::read_regular(&folder.join(file))
     });

@@ -167,9 +167,13 @@ impl Planner<'_> {
             .tool
             .iter()
             .map(|slot| self.installation.tool_file(&slot.model));
-        let changed_files =
-            self.installation
-                .changed(self.module, &self.level.document.path(), tools)?;
+        let vessels = level.body.iter().filter_map(|body| body.vessel.as_ref());
+        let vessels = vessels.map(|name| self.installation.vessel_file(name));
+        let changed_files = self.installation.changed(
+            self.module,
+            &self.level.document.path(),
+            tools.chain(vessels),
+        )?;
         let mut plan = RunPlan {
             module: self.request.module.clone(),
             module_title: manifest.title.clone(),

@@ -116,7 +116,7 @@ impl Installation {
         &self,
         module: &ModuleFolder,
         level: &Path,
-        tools: impl Iterator<Item = PathBuf>,
+        parts: impl Iterator<Item = PathBuf>,
     ) -> Result<Vec<String>, AssembleError> {
         let manifest = module.manifest.document.path();
         if self.hash_of(&manifest).is_none() {
@@ -124,7 +124,7 @@ impl Installation {
         }
         let files = [manifest, level.to_path_buf()];
         let mut changed = Vec::new();
-        for file in files.into_iter().chain(tools) {
+        for file in files.into_iter().chain(parts) {
             let hash = file_hash(&file).map_err(|e| {
                 AssembleError(format!("{}: {}", file.display(), settings::in_words(e)))
             })?;
@@ -239,7 +239,9 @@ impl Installation {
         if let Some(read) = levels.get(path) {
             return Ok(Arc::clone(read));
         }
-        let read = settings::load_level(path, &folder.manifest.settings, &known_metrics())?;
+        let manifest = &folder.manifest.settings;
+        let vessels = self.config.join("vessels");
+        let read = settings::load_level_with(path, manifest, &known_metrics(), &vessels)?;
         let read = Arc::new(read);
         levels.insert(path.clone(), Arc::clone(&read));
         Ok(read)
@@ -248,6 +250,11 @@ impl Installation {
     /// The file with the shape of a tool.
     pub(crate) fn tool_file(&self, model: &str) -> PathBuf {
         self.config.join("tools").join(format!("{model}.toml"))
+    }
+
+    /// The file of a vessel.
+    pub(crate) fn vessel_file(&self, name: &str) -> PathBuf {
+        self.config.join("vessels").join(format!("{name}.toml"))
     }
 
     /// A file by the name that an operator gave: as it stands, or below the installation.

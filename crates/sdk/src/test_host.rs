@@ -112,7 +112,8 @@ impl<P: Plugin> TestHost<P> {
     }
 
     /// The same from files, as the host reads them: the manifest `module.toml` and `levels/level<N>.toml` below the folder of the module,
-    /// the shapes of the tools that the level names below `tools` (`config/tools` of an installation). Ticks are those of the level.
+    /// the shapes of the tools that the level names below `tools` (`config/tools` of an installation), vessels in the folder `vessels` beside it.
+    /// Ticks are those of the level.
     pub fn of_level(module: &Path, tools: &Path, seed: u64, level: u32) -> Result<Self, Fault> {
         let fault = |e: microsim_settings::ConfigErrors| Fault::new(e.to_string());
         let manifest = microsim_settings::load_manifest(&module.join("module.toml"));
@@ -128,7 +129,8 @@ impl<P: Plugin> TestHost<P> {
             })
             .collect();
         let file = module.join("levels").join(format!("level{level}.toml"));
-        let loaded = microsim_settings::load_level(&file, &manifest, &known);
+        let vessels = tools.with_file_name("vessels");
+        let loaded = microsim_settings::load_level_with(&file, &manifest, &known, &vessels);
         let settings = loaded.map_err(fault)?.settings;
         let mut models = ToolModels::new();
         for slot in &settings.tool {

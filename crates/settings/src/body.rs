@@ -27,6 +27,11 @@ table! {
         size: Option<[f64; 3]> = size3(),
         /// Of a block: cells along each side; each cell is six tetrahedra.
         cells: Option<[u32; 3]> [1, 500],
+        /// Of a tube: name of a file in config/vessels, without its extension. It gives what the body does not state: `axial_stretch`,
+        /// `inner_radius`, `toughness`, `thickness`, `opening_angle` and `region` of each layer, whose number and order are those of the
+        /// vessel, and the material of each region, with `selective` discretisation. A material with that region and without a law changes
+        /// single values.
+        vessel: Option<String> = identifier(),
         /// Of a tube \[m\]: radius of the lumen.
         inner_radius: Option<f64> = size(),
         /// Of a tube: the layers of its wall, from the inside.

@@ -33,9 +33,10 @@ const fn allowed(key: &'static str, of: &'static [&'static str]) -> Rule {
 }
 
 /// Keys of the generators.
-const GENERATOR: [Rule; 15] = [
+const GENERATOR: [Rule; 16] = [
     needed("size", &["block"]),
     needed("cells", &["block"]),
+    allowed("vessel", &["tube"]),
     needed("inner_radius", &["tube"]),
     needed("layer", &["tube"]),
     needed("length", &["tube"]),
@@ -267,6 +268,17 @@ fn hold(reading: &mut Reading, table: &KeyPath, name: &str, own: bool, needed: b
         }
         _ => {}
     }
+}
+
+/// Holds what the layer of a vessel at `layer` states of its material to its law, that of a continuum.
+pub(crate) fn check_constants(reading: &mut Reading, layer: &KeyPath, law: &str) {
+    let whose = format!("the law {law}");
+    let material = layer.key("material");
+    hold(reading, &material, "density", true, true, "a material");
+    check_parameters(reading, &material, law, &whose);
+    apply(reading, &material, &FORM, "continuum", &whose);
+    let fibrous = FIBRES.contains(&law);
+    hold(reading, layer, "fibre_angle", fibrous, true, &whose);
 }
 
 /// Holds the parameters of laws to the law of a material.

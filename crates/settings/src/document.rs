@@ -5,6 +5,7 @@ use crate::overrides::Override;
 use crate::read::Reader;
 use crate::schema::{Kind, Schema};
 use crate::tree::Node;
+use crate::vessel::apply_vessels;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -91,21 +92,48 @@ pub(crate) struct Reading {
 impl Reading {
     /// Reads a text by a schema. Fails at once only if the text is no TOML; otherwise complaints are collected until the end.
     pub fn new(text: &str, file: &str, schema: &Schema) -> Result<Reading, ConfigErrors> {
-        Self::with_overrides(text, file, schema, &[])
+        let root = Node::parse(text, file).map_err(sorted)?;
+        Ok(Self::of_tree(root, text, file, schema, &[]))
     }
 
-    /// The same, with values that take the place of some in the text.
-    pub fn with_overrides(
+    /// The same of a scene or level, with what its bodies have from the vessels in a folder, and with values that take the place of some in
+    /// both; those that name another vessel come first. Fails at once also if a vessel cannot be used.
+    pub fn of_bodies(
         text: &str,
         file: &str,
         schema: &Schema,
         overrides: &[Override],
+        vessels: &Path,
     ) -> Result<Reading, ConfigErrors> {
         let mut root = Node::parse(text, file).map_err(sorted)?;
-        for (index, value) in overrides.iter().enumerate() {
-            let applied = value.apply(&mut root, index);
-            applied.map_err(|error| ConfigErrors(vec![error]))?;
+        let apply = |root: &mut Node, of_vessels: bool| {
+            let chosen = overrides.iter().enumerate();
+            chosen
+                .filter(|(_, value)| value.is_of_key("vessel") == of_vessels)
+                .try_for_each(|(index, value)| value.apply(root, index))
+                .map_err(|error| ConfigErrors(vec![error]))
+        };
+        apply(&mut root, true)?;
+        let errors = apply_vessels(&mut root, file, vessels);
+        apply(&mut root, false)?;
+        let reading = Self::of_tree(root, text, file, schema, overrides);
+        // A body without its vessel lacks much: that it has none is what is wrong.
+        match errors.is_empty() {
+            true => Ok(reading),
+            false => {
+                let placed = errors.into_iter().map(|e| reading.document.placed(e));
+                Err(sorted(placed.collect()))
+            }
         }
+    }
+
+    fn of_tree(
+        root: Node,
+        text: &str,
+        file: &str,
+        schema: &Schema,
+        overrides: &[Override],
+    ) -> Reading {
         let mut reader = Reader {
             file,
             errors: Vec::new(),
@@ -120,7 +148,7 @@ impl Reading {
             value: value.unwrap_or_default(),
         };
         let errors = errors.into_iter().map(|e| document.placed(e)).collect();
-        Ok(Reading { document, errors })
+        Reading { document, errors }
     }
 
     /// The values so far. What was wrong is missing (or null in a list), so checks ask for everything with `get`.

@@ -4,7 +4,7 @@ use crate::schema::Schema;
 use crate::table::Table;
 
 /// The kinds of file, by the names that the command line uses, each with a sentence about it.
-pub const KINDS: [(&str, &str); 11] = [
+pub const KINDS: [(&str, &str); 12] = [
     (
         "manifest",
         "plugin.toml and module.toml: what a plugin or training module is, needs and declares.",
@@ -24,6 +24,10 @@ pub const KINDS: [(&str, &str); 11] = [
     (
         "tool",
         "config/tools/NAME.toml: the shape of an instrument. Tool frame: origin at the tip, +z from tip to handle.",
+    ),
+    (
+        "vessel",
+        "config/vessels/NAME.toml: sizes, materials and residual state of a vessel, each value with its source.",
     ),
     (
         "translator",

@@ -16,7 +16,7 @@ use crate::schema::Kind;
 use crate::schema::Schema;
 use microsim_vocabulary::{Direction, Unit};
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The schema of a level; of the module whose manifest is given, or of any.
 pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
@@ -27,27 +27,57 @@ pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
     schema
 }
 
-/// Reads a level from a text, by the manifest of its module; `file` is the name that complaints use.
+/// Reads a level from a text, by the manifest of its module; `file` is the name that complaints use. Vessels that bodies name are
+/// those of the tree that has the file as modules/NAME/levels/level<N>.toml.
 pub fn read_level(
     text: &str,
     file: &str,
     manifest: &Manifest,
     known_metrics: &[KnownMetric<'_>],
 ) -> Result<Loaded<Level>, ConfigErrors> {
-    let mut reading = Reading::new(text, file, &level_schema(Some(manifest)))?;
+    let folder = vessels_of_tree(Path::new(file));
+    read_level_with(text, file, manifest, known_metrics, &folder)
+}
+
+/// config/vessels of the tree that has a level.
+fn vessels_of_tree(level: &Path) -> PathBuf {
+    let folder = level.parent().unwrap_or(Path::new(""));
+    folder.join("../../../config/vessels")
+}
+
+fn read_level_with(
+    text: &str,
+    file: &str,
+    manifest: &Manifest,
+    known_metrics: &[KnownMetric<'_>],
+    vessels: &Path,
+) -> Result<Loaded<Level>, ConfigErrors> {
+    let schema = level_schema(Some(manifest));
+    let mut reading = Reading::of_bodies(text, file, &schema, &[], vessels)?;
     check(&mut reading, manifest, known_metrics);
     reading.finish()
 }
 
-/// Reads the level at `path`.
+/// Reads the level at `path`, with vessels as [`read_level`] has them.
 pub fn load_level(
     path: &Path,
     manifest: &Manifest,
     known_metrics: &[KnownMetric<'_>],
 ) -> Result<Loaded<Level>, ConfigErrors> {
+    load_level_with(path, manifest, known_metrics, &vessels_of_tree(path))
+}
+
+/// Reads the level at `path`, with the vessels in a folder.
+pub fn load_level_with(
+    path: &Path,
+    manifest: &Manifest,
+    known_metrics: &[KnownMetric<'_>],
+    vessels: &Path,
+) -> Result<Loaded<Level>, ConfigErrors> {
     let expected = format!("a level of the module `{}` (level<N>.toml)", manifest.name);
     let text = load_text(path, &expected)?;
-    read_level(&text, &path.display().to_string(), manifest, known_metrics)
+    let file = path.display().to_string();
+    read_level_with(&text, &file, manifest, known_metrics, vessels)
 }
 
 /// Complains about all that is wrong in a level that was read by its schema.

@@ -48,6 +48,7 @@ mod tool;
 mod trainees;
 mod translator;
 mod tree;
+mod vessel;
 
 pub use body::{
     Body, Clamp, Coupling, Generator, Layer, Load, MAX_ELEMENTS, MotionKey, Nodes, Refine, Shell,
@@ -74,7 +75,7 @@ pub use kinds::LENGTH_MAX;
 pub use level::{
     Clock, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape, ToolSlot, View,
 };
-pub use level_check::{level_schema, load_level, read_level};
+pub use level_check::{level_schema, load_level, load_level_with, read_level};
 pub use manifest::{KeyType, Manifest, MessageKind, ModuleKey, ModuleMetric, PluginFile, Reason};
 pub use manifest_check::{load_manifest, read_manifest};
 pub use material::{Fibres, Law, Material, Plasticity, SpringForm};
@@ -98,7 +99,7 @@ pub use recording::{
 pub use regular_file::{in_words, open_regular, read_regular, unwritable};
 pub use rigid::{Rigid, RigidPart, RigidShape, Solid};
 pub use scene::{End, Expect, Feature, Probe, Quantity, Scene, SceneRun};
-pub use scene_check::{load_scene, read_scene};
+pub use scene_check::{load_scene, read_scene, read_scene_with};
 pub use schema::{Form, Key, Kind, Presence, Schema};
 pub use script::{
     Script, ScriptKey, ScriptTool, load_script, orientation_of_direction, read_script,
@@ -107,6 +108,9 @@ pub use tool::{Jaw, Tool, ToolCapsule, load_tool, read_tool};
 pub use trainees::{Sourced, TraineeProfile, Trainees, load_trainees, read_trainees};
 pub use translator::{
     DeviceMap, Hand, OpeningName, OpeningSource, Translator, load_translator, read_translator,
+};
+pub use vessel::{
+    Basis, Vessel, VesselConstants, VesselLayer, VesselValue, load_vessel, read_vessel,
 };
 
 /// The schema of a kind of file by its name in [`KINDS`]. That of a level leaves the keys of the module open; see
@@ -124,6 +128,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "recording" => schema_of::<RecordingMap>(kind),
         "script" => schema_of::<Script>(kind),
         "trainees" => schema_of::<Trainees>(kind),
+        "vessel" => schema_of::<Vessel>(kind),
         "host" => schema_of::<Host>(kind),
         _ => return None,
     })

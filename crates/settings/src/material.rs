@@ -2,7 +2,7 @@
 
 use crate::kinds::{dependent, direction, point, quantity, ratio, time};
 use crate::schema::Kind;
-use crate::table::{Setting, choices, table};
+use crate::table::{Setting, Table, choices, table};
 use microsim_vocabulary::{Discretisation, LawName, Unit, terms};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -82,6 +82,15 @@ impl Material {
             "fibre_stiffness" => self.fibre_stiffness,
             "fibre_exponent" => self.fibre_exponent,
             "fibre_dispersion" => self.fibre_dispersion,
+            _ => None,
+        }
+    }
+
+    /// Unit of the number at a key, and its smallest and largest value in SI; `None` where there is no number.
+    pub fn range(key: &str) -> Option<(Unit, f64, f64)> {
+        let keys = <Self as Table>::keys();
+        match keys.into_iter().find(|known| known.name == key)?.kind {
+            Kind::Quantity { unit, min, max } => Some((unit, min, max)),
             _ => None,
         }
     }

@@ -60,6 +60,11 @@ impl Override {
         &self.text
     }
 
+    /// Whether its path ends with this key.
+    pub(crate) fn is_of_key(&self, key: &str) -> bool {
+        self.steps.last().is_some_and(|last| last == key)
+    }
+
     /// Puts the value into a tree, as the `index`-th override.
     pub(crate) fn apply(&self, root: &mut Node, index: usize) -> Result<(), ConfigError> {
         let at = place(index);

@@ -17,13 +17,26 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::Path;
 
-/// Reads a scene from a text, with values that take the place of some in it; `file` is the name that complaints use.
+/// Reads a scene from a text, with values that take the place of some in it; `file` is the name that complaints use. Vessels that bodies
+/// name are read from the folder `vessels` beside that of the file.
 pub fn read_scene(
     text: &str,
     file: &str,
     overrides: &[Override],
 ) -> Result<Loaded<Scene>, ConfigErrors> {
-    let mut reading = Reading::with_overrides(text, file, &schema_of::<Scene>("scene"), overrides)?;
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    read_scene_with(text, file, overrides, &folder.join("../vessels"))
+}
+
+/// The same with the vessels in a folder.
+pub fn read_scene_with(
+    text: &str,
+    file: &str,
+    overrides: &[Override],
+    vessels: &Path,
+) -> Result<Loaded<Scene>, ConfigErrors> {
+    let schema = schema_of::<Scene>("scene");
+    let mut reading = Reading::of_bodies(text, file, &schema, overrides, vessels)?;
     check(&mut reading);
     reading.finish()
 }

@@ -91,6 +91,46 @@ impl Node {
         (node, path.steps().len())
     }
 
+    /// The value of a key of this table.
+    pub fn item_of(&self, key: &str) -> Option<&Node> {
+        let Item::Table(entries) = &self.item else {
+            return None;
+        };
+        let entry = entries.iter().find(|entry| entry.key == key);
+        entry.map(|entry| &entry.node)
+    }
+
+    /// The same, to be changed.
+    pub fn item_mut(&mut self, key: &str) -> Option<&mut Item> {
+        let Item::Table(entries) = &mut self.item else {
+            return None;
+        };
+        let entry = entries.iter_mut().find(|entry| entry.key == key);
+        entry.map(|entry| &mut entry.node.item)
+    }
+
+    /// The whole number of a key of this table.
+    pub fn integer(&self, key: &str) -> Option<i64> {
+        match self.item_of(key)?.item {
+            Item::Integer(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// Gives a key of this table a value that is from `at`, if it has none.
+    pub fn set_default(&mut self, key: &str, item: Item, at: Position) {
+        if self.item_of(key).is_some() {
+            return;
+        }
+        if let Item::Table(entries) = &mut self.item {
+            entries.push(Entry {
+                key: key.to_owned(),
+                at,
+                node: Node { at, item },
+            });
+        }
+    }
+
     /// What this is, in words that fit after "found".
     pub fn describe(&self) -> String {
         match &self.item {

@@ -75,6 +75,10 @@ fn a_file_that_is_missing_or_no_text_is_named_with_what_it_should_be() {
             "the shape of a tool (config/tools/NAME.toml)".to_owned(),
         ),
         (
+            message(load_vessel(&missing).err()),
+            "a vessel (config/vessels/NAME.toml)".to_owned(),
+        ),
+        (
             message(load_translator(&missing).err()),
             "the map from devices to tools (config/translator.toml)".to_owned(),
         ),
