@@ -38,6 +38,7 @@ mod simulate;
 mod station;
 mod trainee;
 mod tune;
+mod working_step;
 mod zone;
 
 use clap::Parser;

@@ -117,6 +117,7 @@ pub use initial_equilibrium::{InitialEquilibrium, PrestretchError};
 pub use microsim_contact::{ObstaclePart, ObstacleShape};
 pub use microsim_geometry::{Hinge, Joint, Pose};
 pub use microsim_mesh::{Surface, TetMesh};
+pub use microsim_tissue::stability::WORKING_STRETCH;
 pub use microsim_tissue::{
     Behaviour, BuildError, Energies, Executor, Material, Method, Serial, State, TissueModel,
 };
@@ -134,6 +135,7 @@ pub use spec::{
     SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
 };
 pub use stress::{cauchy_stresses, green_strains, von_mises};
+pub use stretch_guard::TOO_LONG;
 pub use tool::ToolMotion;
 pub use validity::SolverBounds;
 pub use view::BodyView;

@@ -13,7 +13,7 @@ use microsim_tissue::{Method, State, TissueModel};
 
 /// A step is too long from 0.8 of the stability limit on, that is this multiple of the recommended step. What is left is for what
 /// stiffens until the next look: half as much again in stiffness.
-const TOO_LONG: f64 = 0.8 / SAFETY;
+pub const TOO_LONG: f64 = 0.8 / SAFETY;
 
 /// A step that was shortened grows again where it is below this fraction of the recommended one: 0.4 of the limit, half of where
 /// it is shortened, so that it does not go to and fro.

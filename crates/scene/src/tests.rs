@@ -10,6 +10,7 @@ mod cutting;
 mod forces;
 mod hard;
 
+mod irrigation;
 mod limits;
 mod placements;
 mod stretch;
