@@ -7,6 +7,7 @@ use crate::mesh_file;
 use crate::output::{Exit, Problem, print_if_read as print};
 use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
+use crate::working_step;
 use microsim_host::assemble::{
     Input, Installation, Request, assemble, check_library, known_metrics,
 };
@@ -25,6 +26,8 @@ struct Findings {
     problems: Vec<String>,
     /// What is not wrong, but should be known.
     warnings: Vec<String>,
+    /// What is so: asked for by name only.
+    statements: Vec<String>,
 }
 
 impl Findings {
@@ -49,7 +52,8 @@ pub fn check(place: &Place, args: &CheckArgs) -> Result<Exit, Problem> {
             if path.is_dir() {
                 check_folder(place, path, &mut findings);
             } else {
-                findings.note(path.display().to_string(), check_file(place, path));
+                let checked = check_file(place, path, &mut findings.statements);
+                findings.note(path.display().to_string(), checked);
             }
         }
     }
@@ -58,9 +62,13 @@ pub fn check(place: &Place, args: &CheckArgs) -> Result<Exit, Problem> {
             "checked": findings.checked,
             "problems": findings.problems,
             "warnings": findings.warnings,
+            "statements": findings.statements,
         });
         print(format!("{document:#}"))?;
     } else {
+        for statement in &findings.statements {
+            print(statement)?;
+        }
         for warning in &findings.warnings {
             print(format!("warning: {warning}"))?;
         }
@@ -119,7 +127,7 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
     for path in files_in(&config.join("scenes"), "toml") {
         findings.note(
             path.display().to_string(),
-            check_scene(&path, Meshes::Stated),
+            check_scene(&path, Meshes::Stated, &mut Vec::new()),
         );
     }
     let chart = config.join("chart.toml");
@@ -178,14 +186,22 @@ pub fn libraries(installation: &Installation) -> Vec<(String, Result<(), String>
 }
 
 /// Builds a scene without running it.
-fn check_scene(path: &Path, meshes: Meshes) -> Result<Vec<String>, String> {
+fn check_scene(
+    path: &Path,
+    meshes: Meshes,
+    statements: &mut Vec<String>,
+) -> Result<Vec<String>, String> {
     let scene = SceneFile::open(path, &[], &[])?;
     if let Some(sentence) = scene.step_too_long {
         return Err(sentence);
     }
     let document = &scene.loaded.document;
     let mut warnings = scene.warnings;
+    let place = document.place(&settings::KeyPath::root().key("run").key("step"));
+    let (step, of) = (scene.runner.step(), scene.runner.scene());
+    warnings.extend(working_step::warnings(&place, step, of));
     if meshes == Meshes::Estimated {
+        statements.extend(working_step::statements(scene.runner.scene()));
         warnings.extend(discretisation::warnings(
             document,
             &scene.spec,
@@ -259,7 +275,8 @@ fn check_folder(place: &Place, folder: &Path, findings: &mut Findings) {
             _ => mesh_file::is_mesh(&path),
         };
         if known && !half {
-            findings.note(path.display().to_string(), check_file(place, &path));
+            let checked = check_file(place, &path, &mut findings.statements);
+            findings.note(path.display().to_string(), checked);
         }
     }
     if findings.checked.len() == before {
@@ -341,7 +358,11 @@ fn nothing<T>(_: T) -> Vec<String> {
 }
 
 /// One file by what it is: its place and name give the kind, or else what stands in it.
-fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
+fn check_file(
+    place: &Place,
+    path: &Path,
+    statements: &mut Vec<String>,
+) -> Result<Vec<String>, String> {
     if !path.exists() {
         return Err(format!("{}: no such file", path.display()));
     }
@@ -369,7 +390,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
         (_, Some("vessels"), "toml") => settings::load_vessel(path).map(nothing).map_err(text),
-        (_, Some("scenes"), "toml") => check_scene(path, Meshes::Estimated),
+        (_, Some("scenes"), "toml") => check_scene(path, Meshes::Estimated, statements),
         (_, Some("scripts"), "toml") => settings::load_script(path).map(nothing).map_err(text),
         (_, Some("levels"), "toml") => {
             let manifest = path
@@ -399,7 +420,7 @@ fn check_file(place: &Place, path: &Path) -> Result<Vec<String>, String> {
         (_, _, "toml") => {
             // Scenes, charts and scripts may lie anywhere.
             match settings::guess_kind(&std::fs::read_to_string(path).unwrap_or_default()) {
-                Some("scene") => check_scene(path, Meshes::Estimated),
+                Some("scene") => check_scene(path, Meshes::Estimated, statements),
                 Some("chart") => check_chart(path),
                 _ => settings::load_script(path).map(nothing).map_err(text),
             }

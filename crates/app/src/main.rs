@@ -39,6 +39,7 @@ mod simulate;
 mod station;
 mod trainee;
 mod tune;
+mod working_step;
 mod zone;
 
 use clap::Parser;

@@ -4,6 +4,7 @@ use crate::cli::Place;
 use crate::discretisation::{self, Meshes};
 use crate::output::Problem;
 use crate::session_file::program_folder;
+use crate::working_step;
 use microsim_mesh::{Severity, TetMesh, defects};
 use microsim_scene::{
     Behaviour, BodyView, BuildError, Diverged, End, FromSettingsError, LevelParts, ProbeError,
@@ -226,6 +227,12 @@ pub fn check_level(
     scene
         .check_step(of.clock.tick, of.clock.steps)
         .map_err(|e| format!("{}: {e}", document.place(&steps)))?;
+    let step = of.clock.tick / f64::from(of.clock.steps);
+    warnings.extend(working_step::warnings(
+        &document.place(&steps),
+        step,
+        &scene,
+    ));
     if meshes == Meshes::Estimated {
         warnings.extend(discretisation::warnings(document, &described.spec, &scene));
     }
@@ -378,7 +385,7 @@ fn step_under_strain(
     sentences
 }
 
-fn microseconds(time: f64) -> String {
+pub fn microseconds(time: f64) -> String {
     format!("{:.3} us", time * 1e6)
 }
 

@@ -44,6 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         capsules: vec![line],
         sharpness: 1.0,
         jaw_stiffness: f64::INFINITY,
+        irrigation: None,
         motion: Vec::new(),
     };
     let cut = CutSpec {

@@ -124,6 +124,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
             }],
             sharpness: 1.0,
             jaw_stiffness: f64::INFINITY,
+            irrigation: None,
             motion: Vec::new(),
         }],
         obstacles: vec![ObstacleSpec {

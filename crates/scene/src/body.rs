@@ -8,6 +8,7 @@ use crate::check;
 use crate::drive::Drive;
 use crate::error::SceneError;
 use crate::initial_equilibrium::{self, InitialEquilibrium};
+use crate::lumen::Lumen;
 use crate::pieces::Pieces;
 use crate::select;
 use crate::spec::{BodySpec, Selection};
@@ -46,6 +47,8 @@ pub(crate) struct Body {
     pub ends: Vec<Vec<[u32; 3]>>,
     /// The nodes of each, ascending.
     pub end_nodes: Vec<Vec<u32>>,
+    /// The lumen of a vessel.
+    pub lumen: Option<Lumen>,
     /// Who is next to whom, of a body that can be cut.
     pub topology: Option<Topology>,
     pub tear_strains: Vec<(u32, f64)>,
@@ -150,6 +153,12 @@ impl Body {
                 }
             }
         }
+        let lumen = match &spec.lumen {
+            None => None,
+            Some(of) => {
+                Some(Lumen::new(of, mesh).ok_or_else(|| SceneError::Lumen { body: name.clone() })?)
+            }
+        };
         let stable_step = stable_step(method, &model, &State::at_rest(&model));
         let (energy_scale, force_scale) = scales(&model);
         let mut body = Self {
@@ -164,6 +173,7 @@ impl Body {
                 .map(|end| Surface::new(end.clone()).nodes)
                 .collect(),
             ends: spec.ends.clone(),
+            lumen,
             surface,
             drive,
             start,
@@ -196,7 +206,12 @@ pub(crate) fn stable_step(method: &Method, model: &TissueModel, state: &State) -
         internal: state.internal.clone(),
         ..State::at_rest(model)
     };
-    let step = stability::stable_step_at(model, &at_rest, stability::SAFETY);
+    limited_step(method, model, &at_rest)
+}
+
+/// The same for an explicit method at the positions of `state`.
+pub(crate) fn limited_step(method: &Method, model: &TissueModel, state: &State) -> f64 {
+    let step = stability::stable_step_at(model, state, stability::SAFETY);
     // h = 2s/√λ for a body without viscosity; a viscous one has a shorter step, hence a larger λ here, on the safe side.
     let lambda = 4.0 * stability::SAFETY * stability::SAFETY / (step * step);
     step.min(stability::SAFETY * stability::limit(method, lambda, model.drag()))

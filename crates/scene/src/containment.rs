@@ -41,20 +41,20 @@ pub(crate) struct Watch {
     work: f64,
     /// Whether an old overlap was undone: it changes the energy by an amount that is not computed.
     overlap_undone: bool,
-    /// Whether clamps or grips move in the tick: they bring energy that is not computed either.
+    /// Whether clamps or grips move in the tick, or fluid flows: they bring energy that is not computed either.
     driven: bool,
     /// Whether a point of contact pressed harder than the material allows.
     overpressed: bool,
 }
 
 impl Watch {
-    /// Begins to watch a body in the tick of `tick_s` \[s\] that begins at `time` \[s\].
-    pub fn new(body: &Body, state: &State, time: f64, tick_s: f64) -> Self {
+    /// Begins to watch a body in the tick of `tick_s` \[s\] that begins at `time` \[s\], and in which fluid may press on it.
+    pub fn new(body: &Body, state: &State, time: f64, tick_s: f64, irrigated: bool) -> Self {
         Self {
             start_energy: state.energies(&body.model).total(),
             work: 0.0,
             overlap_undone: false,
-            driven: body.drive.moves(time, time + tick_s),
+            driven: irrigated || body.drive.moves(time, time + tick_s),
             overpressed: false,
         }
     }

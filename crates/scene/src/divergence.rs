@@ -16,6 +16,11 @@ pub enum Divergence {
     Escape,
     /// A point of contact presses harder than anything of its stiffness could be pressed.
     Overpressed,
+    /// It has stiffened as it stretched, so that the step has become too long.
+    Stiffened {
+        /// The longest step with safety factor as it is now \[s\].
+        longest_step_s: f64,
+    },
     /// The solver could not make a step.
     Step(StepFailure),
 }
@@ -56,6 +61,11 @@ impl std::fmt::Display for Divergence {
             Divergence::Escape => f.write_str("has a node that flew away"),
             Divergence::Overpressed => f.write_str("is pressed harder than its material allows"),
             Divergence::Inversion => f.write_str("has an element inverted beyond recovery"),
+            Divergence::Stiffened { longest_step_s } => write!(
+                f,
+                "has stiffened as it stretched, and allows steps of {:.3} us only",
+                longest_step_s * 1e6
+            ),
             Divergence::Step(failure) => write!(f, "cannot be advanced: {failure}"),
         }
     }

@@ -97,6 +97,16 @@ pub enum SceneError {
         /// Index of the part; `None` when there is none.
         part: Option<usize>,
     },
+    /// The lumen of a body has no wall, no axis, no length or no section.
+    Lumen {
+        /// The body.
+        body: String,
+    },
+    /// The fluid of a tool has numbers that are not finite, a negative pressure, no direction, no radius or no reach.
+    Irrigation {
+        /// The tool.
+        tool: String,
+    },
     /// A tool's motion has times that do not ascend, or numbers that are not finite.
     ToolMotion {
         /// The tool.
@@ -207,6 +217,14 @@ impl std::fmt::Display for SceneError {
             } => write!(
                 f,
                 "capsule {part} of tool '{tool}' needs finite ends and a finite joint, a radius above 0 m, an edge that is not zero, and a line of no return a length"
+            ),
+            Self::Lumen { body } => write!(
+                f,
+                "the lumen of body '{body}' needs triangles, an axis that is not zero, a length along it, and at least one section"
+            ),
+            Self::Irrigation { tool } => write!(
+                f,
+                "the fluid of tool '{tool}' needs a finite position, a direction that is not zero, a pressure of at least 0 Pa, and a radius and a reach above 0 m"
             ),
             Self::ToolMotion { tool, key } => write!(
                 f,

@@ -160,6 +160,7 @@ pub fn level_spec(
             capsules: contact::capsules(&model.capsule, model.hinge, model.opening_angle),
             sharpness: model.sharpness,
             jaw_stiffness: model.jaw_stiffness.unwrap_or(f64::INFINITY),
+            irrigation: model.irrigation.as_ref().map(contact::irrigation),
             motion: Vec::new(),
         });
     }

@@ -4,8 +4,11 @@ use crate::body::Body;
 use crate::divergence::Divergence;
 use crate::error::SceneError;
 use crate::group_contact::GroupContact;
+use crate::irrigation::Irrigation;
+use crate::jet::Jet;
 use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
+use crate::stretch_guard::StretchGuard;
 use crate::surface_edits::SurfaceDiff;
 use microsim_contact::ObstaclePart;
 use microsim_tissue::{
@@ -23,6 +26,10 @@ pub(crate) struct Group {
     pub solver: Box<dyn Solver>,
     /// What is touched; `None` where nothing is.
     pub contact: Option<GroupContact>,
+    /// What looks after the step; `None` where stretch does not make it too long.
+    guard: Option<StretchGuard>,
+    /// What jets press on.
+    irrigation: Irrigation,
     /// Iterations of the solver since the scene was built; no part of what evolves.
     pub iterations: u64,
 }
@@ -84,8 +91,10 @@ impl Group {
         Ok(Self {
             solver,
             contact: GroupContact::new(&members, bodies, pairs, obstacles, method, model),
+            guard: StretchGuard::new(method, model),
             members,
             union,
+            irrigation: Irrigation::default(),
             iterations: 0,
         })
     }
@@ -150,6 +159,22 @@ impl Group {
     /// How much work steps may take ([`Solver::set_effort`](microsim_tissue::Solver::set_effort)).
     pub fn set_effort(&mut self, multiple: u32) {
         self.solver.set_effort(multiple);
+    }
+
+    /// The longest step as `state` is stretched before the step of `h` from `time`, if it is time to look; `allowed` are the longest
+    /// steps of all bodies of the scene \[s\].
+    pub fn longest_step(
+        &self,
+        bodies: &[Body],
+        state: &State,
+        time: f64,
+        h: f64,
+        allowed: &[f64],
+    ) -> Option<f64> {
+        let guard = self.guard.as_ref()?;
+        let allowed = self.members.iter().map(|member| allowed[member.body]);
+        let is_due = guard.is_due(time, h, allowed.fold(f64::INFINITY, f64::min));
+        is_due.then(|| guard.longest_step(self.model(bodies), state, h))
     }
 
     /// Its model, its solver, and what is touched.
@@ -271,6 +296,29 @@ impl Group {
             }
         }
         all
+    }
+
+    /// Adds what jets press on to what drives a step that begins at these positions \[m\].
+    pub fn irrigate(
+        &mut self,
+        bodies: &[Body],
+        jets: &[Jet],
+        positions: &[Vector3<f64>],
+        control: &mut Control,
+    ) {
+        for member in &self.members {
+            let body = &bodies[member.body];
+            let of_body = &positions[member.first_node..][..body.model.node_count()];
+            let first = member.first_node as u32;
+            self.irrigation.add(jets, body, of_body, first);
+        }
+        control.pressed = std::mem::take(&mut self.irrigation.pressed);
+    }
+
+    /// Takes the memory back that a step had.
+    pub fn end_irrigation(&mut self, control: Control) {
+        self.irrigation.pressed = control.pressed;
+        self.irrigation.pressed.clear();
     }
 
     /// The targets of gripped nodes at the end of the step that ends at `time` \[s\].

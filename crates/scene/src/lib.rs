@@ -77,8 +77,11 @@ mod from_settings;
 mod group;
 mod group_contact;
 mod initial_equilibrium;
+mod irrigation;
 mod jaws;
+mod jet;
 mod lonor;
+mod lumen;
 mod member;
 mod overlap;
 mod pairs;
@@ -91,7 +94,9 @@ mod scene;
 mod select;
 mod spec;
 mod state;
+mod step_limits;
 mod stress;
+mod stretch_guard;
 mod surface_edits;
 mod tally;
 mod tear;
@@ -112,6 +117,7 @@ pub use initial_equilibrium::{InitialEquilibrium, PrestretchError};
 pub use microsim_contact::{ObstaclePart, ObstacleShape};
 pub use microsim_geometry::{Hinge, Joint, Pose};
 pub use microsim_mesh::{Surface, TetMesh};
+pub use microsim_tissue::stability::WORKING_STRETCH;
 pub use microsim_tissue::{
     Behaviour, BuildError, Energies, Executor, Material, Method, Serial, State, TissueModel,
 };
@@ -124,11 +130,12 @@ pub use run::{ContactSeries, End, EnergyGrowth, ProbeError, Remarks, Runner, Ser
 pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{
-    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, Jaw, LoadKind,
-    LoadSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec, SceneSpec, Selection, StartSpec,
-    ToolKeySpec, ToolSpec,
+    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, IrrigationSpec,
+    Jaw, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec,
+    SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
 };
 pub use stress::{cauchy_stresses, green_strains, von_mises};
+pub use stretch_guard::TOO_LONG;
 pub use tool::ToolMotion;
 pub use validity::SolverBounds;
 pub use view::BodyView;

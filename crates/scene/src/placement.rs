@@ -16,6 +16,7 @@
 //! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand yields
 //! along its force and does not turn; where a single step closes on something rigid, its force shows before the hand has yielded.
 
+use crate::jet::Jet;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::{CapsuleMotion, Partner, Point};
 use microsim_geometry::{Capsule, Motion, Pose, closest_segments, first_contact_edges};
@@ -220,6 +221,15 @@ impl Course {
             let motions = one.capsules(&tools[one.motion.tool], step, count);
             capsules[one.motion.tool] = Some(motions);
         }
+    }
+
+    /// The jets of the tools where they are now.
+    pub fn jets(&self, tools: &[Tool], jets: &mut Vec<Jet>) {
+        jets.clear();
+        jets.extend(self.tools.iter().filter_map(|one| {
+            let tool = &tools[one.motion.tool];
+            tool.jet(&one.now.pose, one.now.opening)
+        }));
     }
 
     /// Adds the forces with which the contacts of a group of bodies ended a step at `positions` \[m\].

@@ -20,7 +20,7 @@ pub struct TickReport {
     /// The tools that moved so far near tissue that they cannot have been moved by a hand: they were not swept through what lies
     /// between, but are at once where they went, and push from there.
     pub jumped: Vec<usize>,
-    /// Whether plastic flow has made a body so stiff that it needs more steps than were asked for.
+    /// Whether plastic flow or stretch has made a body so stiff that it needs more steps than were asked for.
     pub stiffened: bool,
     /// Repetitions with more sub-steps because a body diverged.
     pub recoveries: Vec<Recovery>,

@@ -220,7 +220,7 @@ impl Runner {
             energy: EnergyBalance::new(
                 &scene,
                 last_event(settings),
-                settings.body.iter().any(|body| !body.load.is_empty()),
+                settings.body.iter().any(|body| !body.load.is_empty()) || scene.irrigates(),
             ),
             end: None,
             scene,

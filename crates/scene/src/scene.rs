@@ -233,6 +233,15 @@ impl Scene {
         &self.tools[tool].name
     }
 
+    /// Whether any tool sends out fluid by its own motion.
+    pub(crate) fn irrigates(&self) -> bool {
+        let of_tool = |tool: &Tool| {
+            let mut keys = tool.motion.iter();
+            keys.any(|key| tool.jet(&key.pose, key.opening).is_some())
+        };
+        self.tools.iter().any(of_tool)
+    }
+
     /// Name of an obstacle.
     pub fn obstacle_name(&self, obstacle: usize) -> &str {
         &self.obstacles[obstacle].name

@@ -89,6 +89,8 @@ pub struct BodySpec {
     pub start: Vec<StartSpec>,
     /// The outward triangles of the faces at the open ends of a vessel; empty for a body that is none.
     pub ends: Vec<Vec<[u32; 3]>>,
+    /// The lumen of a vessel, which a tool in it may fill; `None` for a body that has none.
+    pub lumen: Option<LumenSpec>,
 }
 
 impl BodySpec {
@@ -108,8 +110,20 @@ impl BodySpec {
             loads: Vec::new(),
             start: Vec::new(),
             ends: Vec::new(),
+            lumen: None,
         }
     }
+}
+
+/// The lumen of a vessel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LumenSpec {
+    /// The outward triangles of the inner surface of the wall; at least one.
+    pub triangles: Vec<[u32; 3]>,
+    /// Direction of its axis at rest, not zero.
+    pub axis: [f64; 3],
+    /// Sections of equal length along it at rest, at least 1; no triangle reaches over the border of two.
+    pub sections: u32,
 }
 
 /// Nodes of a body, in the body's frame and at rest.
@@ -233,8 +247,29 @@ pub struct ToolSpec {
     pub sharpness: f64,
     /// Of the tip of a jaw against what opens or closes it \[N/m\], > 0; infinite where jaws are rigid.
     pub jaw_stiffness: f64,
+    /// Fluid from its tip; `None` for a tool without.
+    pub irrigation: Option<IrrigationSpec>,
     /// Where it is in a scene that runs by itself, by ascending time; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
+}
+
+/// Fluid that a tool sends out. Its pressure goes with the opening of the tool, from nothing at 0 to all of it at 1: of a tool without
+/// jaws that is a valve.
+///
+/// Where the wall of a vessel surrounds the opening, the fluid fills the lumen ([`LumenSpec`]); elsewhere it presses on the surfaces that
+/// face the jet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IrrigationSpec {
+    /// The opening, in the tool's frame \[m\].
+    pub position: [f64; 3],
+    /// Where the fluid flows to, in the tool's frame; not zero.
+    pub direction: [f64; 3],
+    /// Of the fluid at rest, tool open \[Pa\], ≥ 0.
+    pub pressure: f64,
+    /// Of the jet \[m\], > 0.
+    pub radius: f64,
+    /// How far the jet reaches \[m\], > 0.
+    pub reach: f64,
 }
 
 /// Where a tool is at a time. Between two keys position and opening are interpolated linearly, the orientation along the shortest

@@ -13,7 +13,7 @@ pub(crate) struct SceneState {
     pub bodies: Vec<State>,
     /// One per group of bodies.
     pub contacts: Vec<ContactState>,
-    /// Longest step of each body as it is now \[s\]: plastic flow makes it shorter.
+    /// Longest step of each body as it is now \[s\]: plastic flow and stretch make it shorter.
     pub stable_steps: Vec<f64>,
     /// One per cut.
     pub blades: Vec<BladeState>,

@@ -10,9 +10,11 @@ mod cutting;
 mod forces;
 mod hard;
 
+mod irrigation;
 mod limits;
 mod placements;
 mod residual;
+mod stretch;
 mod tearing;
 
 const TICK: f64 = 8e-3;
@@ -46,6 +48,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
             capsules: vec![CapsuleSpec::new(reach.0, reach.1, RADIUS)],
             sharpness: 0.0,
             jaw_stiffness: f64::INFINITY,
+            irrigation: None,
             motion: Vec::new(),
         }],
         contacts: vec![ContactSpec {

@@ -1,6 +1,6 @@
 //! One tick: sub-steps, contact, solver, containment.
 
-use crate::body::{Body, stable_step};
+use crate::body::Body;
 use crate::budget::Budget;
 use crate::containment::{self, Failure, Watch};
 use crate::cut_report::CutReport;
@@ -8,11 +8,13 @@ use crate::cutting::TornBodies;
 use crate::divergence::{Diverged, Divergence};
 use crate::group::Group;
 use crate::group_contact::ContactState;
+use crate::jet::Jet;
 use crate::lonor::EdgeLoads;
 use crate::pairs::{Pair, PairPartner};
 use crate::placement::Course;
 use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
 use crate::scene::Scene;
+use crate::stretch_guard::StretchGuard;
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
 use microsim_contact::CapsuleMotion;
@@ -81,7 +83,7 @@ impl Scene {
     ///
     /// // A sphere of 0.5 mm goes 0.2 mm down onto the cube, which falls meanwhile.
     /// let sphere = CapsuleSpec::new([0.0; 3], [0.0; 3], 0.5e-3);
-    /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, jaw_stiffness: f64::INFINITY, motion: vec![] };
+    /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, jaw_stiffness: f64::INFINITY, irrigation: None, motion: vec![] };
     /// let with = PartnerSpec::Tool("probe".into());
     /// let contact = ContactSpec { body: "cube".into(), with, friction: 0.0, force_limit: f64::INFINITY };
     /// let mut scene = Scene::new(&SceneSpec {
@@ -116,10 +118,10 @@ impl Scene {
     ) -> Result<TickReport, Diverged> {
         assert!(tick_s > 0.0 && tick_s.is_finite(), "a tick of {tick_s} s");
         assert!(steps > 0, "a tick without steps");
-        // Plastic flow may have made a body stiffer than it was when the number of steps was chosen.
+        // Plastic flow or stretch may have made a body stiffer than it was when the number of steps was chosen.
         let required = self.required_steps(tick_s);
-        let stiffened = self.has_stiffened() && steps < required;
-        let steps = if stiffened { required } else { steps };
+        let mut stiffened = self.has_stiffened() && steps < required;
+        let mut steps = if stiffened { required } else { steps };
         let (mut motions, invalid_motions) = self.valid_motions(motions);
         self.state.placements.resume(&mut motions);
         let (needed, jumped) = self.substeps(&mut motions, tick_s, steps);
@@ -155,13 +157,13 @@ impl Scene {
             (true, true) => 1,
         };
         let effort_of = |index: usize| if index == 0 { 1 } else { REPEATED_EFFORT };
-        let count_of = |index: usize| match tries[index] {
+        let count_of = |index: usize, steps: u32| match tries[index] {
             Try::Follow(factor) => steps.saturating_mul(substeps).saturating_mul(factor),
             Try::Stand | Try::LetGo => steps,
         };
         let mut index = 0;
         while let Some(&this) = tries.get(index) {
-            let count = count_of(index);
+            let count = count_of(index, steps);
             let (effort, pace) = match this {
                 Try::Follow(_) => (effort_of(index), pace),
                 Try::Stand | Try::LetGo => (1, 0.0),
@@ -192,7 +194,7 @@ impl Scene {
                         }
                     }
                     let is_last = valid || doubted || index + 1 >= follows;
-                    if !is_last && budget.allows(count_of(index + 1)) {
+                    if !is_last && budget.allows(count_of(index + 1, steps)) {
                         doubted = true;
                         repetitions += 1;
                         self.state.clone_from(&start);
@@ -241,12 +243,19 @@ impl Scene {
                 Err(found) => {
                     self.state.clone_from(&start);
                     self.forget(&jumped);
+                    if self.shorten_steps(&found) {
+                        start.stable_steps.clone_from(&self.state.stable_steps);
+                        steps = steps.max(self.required_steps(tick_s));
+                        stiffened = true;
+                        repetitions += 1;
+                        continue;
+                    }
                     failure = Some((found, tick_s / f64::from(count)));
                     if !self.containment && !found.what.is_unconverged() {
                         break;
                     }
                     index += 1;
-                    if index < follows && !budget.allows(count_of(index)) {
+                    if index < follows && !budget.allows(count_of(index, steps)) {
                         index = follows;
                     }
                     repetitions += u32::from(index < tries.len());
@@ -288,20 +297,6 @@ impl Scene {
             contacts.for_each(|contact_state| contact_state.remove_tool(tool as u32));
         }
         self.state.placements.forget(tools);
-    }
-
-    /// Computes the longest stable step of a body with its internal variables as they are now. It never grows again.
-    fn update_stable_step(&mut self, body: usize) {
-        let of = &self.bodies[body];
-        let step = stable_step(&self.method, &of.model, &self.state.bodies[body]);
-        let now = &mut self.state.stable_steps[body];
-        *now = now.min(step);
-    }
-
-    /// Whether plastic flow has shortened the stable step of a body.
-    fn has_stiffened(&self) -> bool {
-        let steps = self.bodies.iter().zip(&self.state.stable_steps);
-        steps.into_iter().any(|(body, now)| *now < body.stable_step)
     }
 
     /// The active motions of known tools, and the indices of those that cannot be used.
@@ -380,17 +375,21 @@ impl Scene {
             true => self.bodies.as_slice(),
             false => &[],
         };
+        let irrigates = |motion: &ToolMotion| self.tools[motion.tool].irrigates(motion);
+        let irrigated = planned.iter().any(irrigates);
         let mut watches: Vec<Watch> = watched
             .iter()
             .zip(&start)
-            .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s))
+            .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s, irrigated))
             .collect();
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];
+        let mut longest_steps = vec![None; self.groups.len()];
         let h = tick_s / f64::from(count);
         let states = &mut self.state.bodies;
         let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
         let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
+        let mut jets = Vec::with_capacity(self.tools.len());
         for step in 0..count {
             course.advance(
                 &self.tools,
@@ -399,7 +398,23 @@ impl Scene {
                 self.tools_touch,
                 &mut tools,
             );
+            course.jets(&self.tools, &mut jets);
             let end = self.state.time + f64::from(step + 1) * h;
+            for (index, state) in joined.iter().enumerate() {
+                let (of, allowed) = (&self.groups[index], &self.state.stable_steps);
+                let Some(longest) = of.longest_step(&self.bodies, state, end - h, h, allowed)
+                else {
+                    continue;
+                };
+                if StretchGuard::is_too_long(h, longest) {
+                    let what = Divergence::Stiffened {
+                        longest_step_s: longest,
+                    };
+                    let body = of.members[0].body;
+                    return Err(Failure { body, step, what });
+                }
+                longest_steps[index] = Some(longest);
+            }
             for (index, state) in joined.iter_mut().enumerate() {
                 let group = &mut self.groups[index];
                 group.limit_work(budget.part(count - step));
@@ -409,6 +424,7 @@ impl Scene {
                     &mut self.state.contacts[index],
                     state,
                     &tools,
+                    &jets,
                     &self.gravity,
                     end,
                     h,
@@ -482,6 +498,11 @@ impl Scene {
                 self.update_stable_step(self.groups[group].members[member].body);
             }
         }
+        for (group, longest) in longest_steps.into_iter().enumerate() {
+            if let Some(longest) = longest {
+                self.lengthen_steps(group, longest);
+            }
+        }
         Ok((
             self.contact_reports(&tallies, &course.motions(), tick_s),
             loads,
@@ -498,13 +519,15 @@ fn step_group(
     contact_state: &mut ContactState,
     state: &mut State,
     tools: &[Option<Vec<CapsuleMotion>>],
+    jets: &[Jet],
     gravity: &Vector3<f64>,
     end: f64,
     h: f64,
     exec: &dyn Executor,
 ) -> Result<(StepReport, bool), StepFailure> {
     let _span = tracing::debug_span!("solve").entered();
-    let control = group.control(bodies, gravity, end);
+    let mut control = group.control(bodies, gravity, end);
+    group.irrigate(bodies, jets, &state.positions, &mut control);
     let targets = group.targets(bodies, end);
     let (model, solver, contact) = group.parts(bodies);
     let report = match contact {
@@ -537,6 +560,7 @@ fn step_group(
             report
         }
     }?;
+    group.end_irrigation(control);
     let points = group.contact.as_ref().map_or(0, |of| of.points.len());
     let work = report.work.max(group.least_work(bodies, 0)) + POINT * points as f64;
     let report = StepReport { work, ..report };

@@ -1,7 +1,8 @@
 //! Tools: capsules posed by a pose and an opening.
 
 use crate::error::SceneError;
-use crate::spec::{CapsuleSpec, Jaw, ToolKeySpec, ToolSpec};
+use crate::jet::Jet;
+use crate::spec::{CapsuleSpec, IrrigationSpec, Jaw, ToolKeySpec, ToolSpec};
 use microsim_contact::CapsuleMotion;
 use microsim_geometry::{Aabb, Capsule, Joint, JointBounds, Pose};
 use nalgebra::{Unit, Vector3};
@@ -40,6 +41,7 @@ pub(crate) struct Tool {
     parts: Vec<Part>,
     /// Of both jaws against what opens or closes them, per unit of opening \[J\]; infinite where they are rigid.
     pub jaw_stiffness: f64,
+    irrigation: Option<IrrigationSpec>,
     /// Its own motion; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
 }
@@ -110,6 +112,11 @@ impl Tool {
             })
         });
         let parts = parts.collect::<Result<Vec<_>, _>>()?;
+        if spec.irrigation.is_some_and(|of| !is_valid(&of)) {
+            return Err(SceneError::Irrigation {
+                tool: spec.name.clone(),
+            });
+        }
         let mut latest = f64::NEG_INFINITY;
         for (index, key) in spec.motion.iter().enumerate() {
             let finite = key.time.is_finite() && key.pose.is_finite() && key.opening.is_finite();
@@ -125,8 +132,27 @@ impl Tool {
             name: spec.name.clone(),
             parts,
             jaw_stiffness: spec.jaw_stiffness * path_of_tips(&spec.capsules),
+            irrigation: spec.irrigation,
             motion: spec.motion.clone(),
         })
+    }
+
+    /// The jet of its fluid at a pose and an opening; `None` where nothing flows.
+    pub fn jet(&self, world_from_tool: &Pose, opening: f64) -> Option<Jet> {
+        let of = self.irrigation.filter(|_| opening > 0.0)?;
+        let direction = world_from_tool.orientation * Vector3::from(of.direction);
+        Some(Jet {
+            tip: world_from_tool.apply(&of.position.into()),
+            direction: direction.normalize(),
+            pressure: of.pressure * opening.min(1.0),
+            radius: of.radius,
+            reach: of.reach,
+        })
+    }
+
+    /// Whether its fluid flows at any time of a motion.
+    pub fn irrigates(&self, motion: &ToolMotion) -> bool {
+        self.irrigation.is_some() && motion.opening_from.max(motion.opening_to) > 0.0
     }
 
     /// The name of a capsule.
@@ -258,6 +284,15 @@ impl Tool {
     }
 }
 
+/// Whether the values of a fluid mean anything.
+fn is_valid(of: &IrrigationSpec) -> bool {
+    let mut numbers = of.position.iter().chain(&of.direction);
+    let is_finite = numbers.all(|c| c.is_finite()) && of.pressure.is_finite();
+    let is_positive = |value: f64| value.is_finite() && value > 0.0;
+    let has_size = is_positive(of.radius) && is_positive(of.reach);
+    is_finite && has_size && of.pressure >= 0.0 && of.direction != [0.0; 3]
+}
+
 /// Σ (l α)² over the jaws \[m²\], with the distance l of the tip from the hinge and the turn α per unit of opening: times the stiffness of a tip it is
 /// that of the opening. Infinite without jaws, which nothing opens.
 fn path_of_tips(capsules: &[CapsuleSpec]) -> f64 {
@@ -308,6 +343,7 @@ mod tests {
             capsules: vec![capsule],
             sharpness: 0.0,
             jaw_stiffness: f64::INFINITY,
+            irrigation: None,
             motion: Vec::new(),
         })
         .unwrap()

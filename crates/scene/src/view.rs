@@ -1,13 +1,13 @@
 //! What can be read of one body of a scene.
 
-use crate::body::{Body, CutTally};
+use crate::body::{Body, CutTally, limited_step};
 use crate::initial_equilibrium::InitialEquilibrium;
 use crate::scene::Scene;
 use crate::select;
 use crate::spec::Selection;
 use microsim_geometry::signed_volume;
 use microsim_mesh::{Surface, TetMesh};
-use microsim_tissue::{Energies, Forces, Serial, State, TissueModel};
+use microsim_tissue::{Energies, Forces, Serial, State, TissueModel, stability};
 use nalgebra::Vector3;
 
 /// Read access to one body of a scene.
@@ -207,6 +207,19 @@ impl<'a> BodyView<'a> {
     /// Longest step \[s\] that it allows, safety factor included; infinite for a method without a limit.
     pub fn stable_step(&self) -> f64 {
         self.scene.state.stable_steps[self.index]
+    }
+
+    /// Longest step \[s\] that it would allow if it were [stretched](stability::stretched) by the factor `stretch` from its shape at
+    /// rest, along that axis along which it is the shortest; safety factor included, infinite for a method without a limit.
+    pub fn stretched_step(&self, stretch: f64) -> f64 {
+        if !self.scene.method.is_explicit() {
+            return f64::INFINITY;
+        }
+        let steps = (0..3).map(|axis| {
+            let shape = stability::stretched(self.model(), stretch, axis);
+            limited_step(&self.scene.method, self.model(), &shape)
+        });
+        steps.fold(f64::INFINITY, f64::min)
     }
 
     /// Volume \[m³\].

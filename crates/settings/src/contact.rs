@@ -3,7 +3,7 @@
 use crate::kinds::{direction, identifier, point, quantity, ratio, rotation, time};
 use crate::schema::Kind;
 use crate::table::{Setting, table};
-use crate::tool::{ToolCapsule, jaw_angle, tool_point};
+use crate::tool::{Irrigation, ToolCapsule, jaw_angle, tool_point};
 use microsim_vocabulary::Unit;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +67,8 @@ table! {
         opening_angle: Option<f64> = jaw_angle(),
         /// How well its edges and jaws cut, from 0, blunt, to 1.
         sharpness: f64 = ratio(1.0) => 0.0,
+        /// Fluid that it sends out, with its opening as the valve; only without a `model`.
+        irrigation: Option<Irrigation>,
         /// Where it is, by ascending time: linear between two keys, still before the first and after the last.
         motion: Vec<ToolKey> [1, 10_000],
     }

@@ -196,7 +196,7 @@ pub(crate) fn check_scene_tools(reading: &mut Reading) {
             _ => {}
         }
         if reading.is_written(&key.key("model")) {
-            for field in ["hinge", "opening_angle", "sharpness"] {
+            for field in ["hinge", "opening_angle", "sharpness", "irrigation"] {
                 let key = key.key(field);
                 if reading.is_written(&key) {
                     let expected = format!("no `{field}`, which the model has");

@@ -104,7 +104,7 @@ pub use schema::{Form, Key, Kind, Presence, Schema};
 pub use script::{
     Script, ScriptKey, ScriptTool, load_script, orientation_of_direction, read_script,
 };
-pub use tool::{Jaw, Tool, ToolCapsule, load_tool, read_tool};
+pub use tool::{Irrigation, Jaw, Tool, ToolCapsule, load_tool, read_tool};
 pub use trainees::{Sourced, TraineeProfile, Trainees, load_trainees, read_trainees};
 pub use translator::{
     DeviceMap, Hand, OpeningName, OpeningSource, Translator, load_translator, read_translator,

@@ -35,8 +35,28 @@ table! {
         sharpness: f64 = ratio(1.0) => 0.0,
         /// Of the tip of a jaw against what opens or closes it \[N/m\]: it bends. Without it jaws are rigid. Only with jaws.
         jaw_stiffness: Option<f64> = quantity(Unit::LengthStiffness, 1.0, 1e9),
+        /// Fluid that it sends out, with its opening as the valve.
+        irrigation: Option<Irrigation>,
         /// Its parts.
         capsule: Vec<ToolCapsule> [1, 32],
+    }
+}
+
+table! {
+    /// Fluid that a tool sends out: its pressure goes with the opening of the tool, from nothing when closed. In a lumen that surrounds
+    /// the opening it fills the vessel, elsewhere it presses on what faces the jet.
+    #[derive(Copy)]
+    pub struct Irrigation {
+        /// The opening, in the tool frame \[m\].
+        position: [f64; 3] = tool_point() => [0.0, 0.0, 0.0],
+        /// Where the fluid flows to, in the tool frame; from handle to tip if left out.
+        direction: [f64; 3] = direction() => [0.0, 0.0, -1.0],
+        /// Of the fluid at rest, tool open \[Pa\].
+        pressure: f64 = quantity(Unit::Pressure, 0.0, 1e6),
+        /// Of the jet \[m\].
+        radius: f64 = quantity(Unit::Length, 1e-5, 0.05),
+        /// How far the jet reaches \[m\].
+        reach: f64 = quantity(Unit::Length, 1e-5, 0.5),
     }
 }
 

@@ -119,7 +119,7 @@ pub use solver_implicit::{DistortionOptions, ImplicitScheme, SolverImplicit};
 pub use solver_quasi_static::{QuasiStaticOptions, SolverQuasiStatic};
 pub use solver_verlet::SolverVerlet;
 pub use solver_xpbd::SolverXpbd;
-pub use state::{Control, Energies, NodeTarget, Pressure, State};
+pub use state::{Control, Energies, NodeTarget, PressedTriangle, Pressure, State};
 
 #[cfg(test)]
 mod testing;

@@ -3,16 +3,19 @@
 //! For M x'' + K x = 0 Störmer–Verlet is stable while h·√λ_max < 2, λ_max the largest eigenvalue of M⁻¹K; the exact drag
 //! factor does not lower the limit (NUMERICS 3.1). λ_max is that of a shape: of the rest shape, or of a state with its
 //! deformation and its internal variables. What the deformation to come adds is covered by the safety factor (NUMERICS 3.1: at
-//! 0.6 random offsets of 20 % of a cell stay bounded).
+//! 0.6 random offsets of 20 % of a cell stay bounded). Tissue that stiffens further than that as it stretches needs the limit of a
+//! [`stretched`] shape, and a look at its own while it runs.
 
 mod limit;
 mod local;
 mod matrix;
 mod remedy;
+mod stretched;
 
 pub use limit::{delingette_stiffness, limit};
 pub use local::{Remedied, floor_nodes};
 pub use remedy::{mass_floor, stiffness_cap};
+pub use stretched::{WORKING_STRETCH, stretched};
 
 pub use crate::gershgorin::{Part, gershgorin_bound, gershgorin_bound_at};
 

@@ -93,6 +93,8 @@ pub struct Control {
     pub forces: Vec<(u32, Vector3<f64>)>,
     /// Pressures on surfaces.
     pub pressures: Vec<Pressure>,
+    /// Pressures on single triangles.
+    pub pressed: Vec<PressedTriangle>,
 }
 
 /// A pressure on part of a surface; it follows the surface.
@@ -104,20 +106,37 @@ pub struct Pressure {
     pub pressure: f64,
 }
 
+/// A pressure on a triangle of a surface; it follows the triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressedTriangle {
+    /// Its nodes, outward.
+    pub nodes: [u32; 3],
+    /// Pressure against the outward normal \[Pa\].
+    pub pressure: f64,
+}
+
 impl Control {
+    /// Every triangle with a pressure on it.
+    pub(crate) fn pressed_triangles(&self) -> impl Iterator<Item = PressedTriangle> + '_ {
+        let of_surfaces = self.pressures.iter().flat_map(|load| {
+            let pressure = load.pressure;
+            let triangles = load.triangles.iter();
+            triangles.map(move |&nodes| PressedTriangle { nodes, pressure })
+        });
+        of_surfaces.chain(self.pressed.iter().copied())
+    }
+
     /// Adds the forces of loads at these positions to the nodes \[N\].
     pub fn add_loads(&self, positions: &[Vector3<f64>], forces: &mut [Vector3<f64>]) {
         for (node, force) in &self.forces {
             forces[*node as usize] += force;
         }
-        for load in &self.pressures {
-            for triangle in load.triangles.iter() {
-                let [a, b, c] = triangle.map(|node| &positions[node as usize]);
-                // −p·A·n, a third to each corner.
-                let share = (b - a).cross(&(c - a)) * (-load.pressure / 6.0);
-                for node in triangle {
-                    forces[*node as usize] += share;
-                }
+        for PressedTriangle { nodes, pressure } in self.pressed_triangles() {
+            let [a, b, c] = nodes.map(|node| &positions[node as usize]);
+            // −p·A·n, a third to each corner.
+            let corner = (b - a).cross(&(c - a)) * (-pressure / 6.0);
+            for node in nodes {
+                forces[node as usize] += corner;
             }
         }
     }

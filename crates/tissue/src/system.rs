@@ -5,7 +5,7 @@
 
 use crate::elements::{MatrixWindow, Slots, Tangent};
 use crate::model::TissueModel;
-use crate::state::{Pressure, State};
+use crate::state::{Control, PressedTriangle, State};
 use microsim_contact_solver::{AddProduct, Contact, LinearSystem};
 use microsim_sparse::{BlockMatrix, LinearSolver, NotPositive, Pattern};
 use nalgebra::{Matrix3, Vector3};
@@ -83,23 +83,17 @@ impl System {
 
     /// Adds the symmetric part of minus the derivative of pressures that follow their surfaces. Over a closed surface, or one with
     /// a prescribed rim, the other part sums to zero. Triangles whose corners no element couples are left out.
-    pub fn add_pressures(&mut self, pressures: &[Pressure], positions: &[Vector3<f64>]) {
-        for load in pressures {
-            for triangle in load.triangles.iter() {
-                // Each corner has the force −p/6 n with n the double area vector, ∂n/∂x_j = [e_j]× of the edge across from j.
-                let [a, b, c] = triangle.map(|node| positions[node as usize]);
-                let edges = [c - b, a - c, b - a];
-                for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-                    let (i, j) = if triangle[i] >= triangle[j] {
-                        (i, j)
-                    } else {
-                        (j, i)
-                    };
-                    let [row, column] = [i, j].map(|corner| triangle[corner] as usize);
-                    if let Some(slot) = self.matrix.pattern().slot(row, column) {
-                        let block = (edges[j] - edges[i]).cross_matrix() * (load.pressure / 12.0);
-                        self.matrix.add_slot(slot, &block);
-                    }
+    pub fn add_pressures(&mut self, control: &Control, positions: &[Vector3<f64>]) {
+        for PressedTriangle { nodes, pressure } in control.pressed_triangles() {
+            // Each corner has the force −p/6 n with n the double area vector, ∂n/∂x_j = [e_j]× of the edge across from j.
+            let [a, b, c] = nodes.map(|node| positions[node as usize]);
+            let edges = [c - b, a - c, b - a];
+            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                let (i, j) = if nodes[i] >= nodes[j] { (i, j) } else { (j, i) };
+                let [row, column] = [i, j].map(|corner| nodes[corner] as usize);
+                if let Some(slot) = self.matrix.pattern().slot(row, column) {
+                    let block = (edges[j] - edges[i]).cross_matrix() * (pressure / 12.0);
+                    self.matrix.add_slot(slot, &block);
                 }
             }
         }

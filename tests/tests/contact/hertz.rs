@@ -103,6 +103,7 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             )],
             sharpness: 0.0,
             jaw_stiffness: f64::INFINITY,
+            irrigation: None,
             motion: Vec::new(),
         }],
         obstacles: Vec::new(),

@@ -57,6 +57,9 @@ impl Body {
         self.start.edit(&change);
         self.drive
             .update_after_edit(edit, old, &self.mesh, self.model.clamped());
+        if let Some(lumen) = &mut self.lumen {
+            lumen.update_after_edit(edit, old);
+        }
         for nodes in &mut self.end_nodes {
             *nodes = nodes_after_edit(nodes.iter().copied(), edit, old);
         }

@@ -63,9 +63,9 @@ impl Body {
         })
     }
 
-    /// The parts of the surface that have a use: ends of vessels, and where there are loads.
+    /// The parts of the surface that have a use: ends and lumens of vessels, and where there are loads.
     fn update_ends_and_loads(&mut self) {
-        if self.ends.is_empty() && !self.drive.has_loads() {
+        if self.ends.is_empty() && self.lumen.is_none() && !self.drive.has_loads() {
             return;
         }
         let outside = self.triangles.iter().filter(|t| t.sheet == 0);
@@ -76,5 +76,12 @@ impl Body {
             *end = whole.copied().collect();
         }
         self.drive.update_loads(&self.mesh, &outside);
+        if let Some(lumen) = &mut self.lumen {
+            let opened = self.triangles.iter().filter(|t| t.sheet != 0);
+            let mut opened: Vec<u32> = opened.flat_map(|t| t.nodes).collect();
+            opened.sort_unstable();
+            opened.dedup();
+            lumen.update(&self.mesh, &outside, &opened);
+        }
     }
 }

@@ -5,8 +5,8 @@ use super::fibres::set_directions;
 use super::residual::set_prestretches;
 use super::{Load, selections};
 use crate::spec::{
-    BodySpec, ClampSpec, CouplingSpec, LoadKind, LoadSpec, MotionKey, MotionSpec, Selection,
-    StartSpec,
+    BodySpec, ClampSpec, CouplingSpec, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec,
+    Selection, StartSpec,
 };
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
 use microsim_mesh::{
@@ -39,6 +39,7 @@ pub(super) fn body(
         mut mesh,
         ends,
         tube,
+        lumen,
     } = made;
     set_directions(&mut mesh, body, key, |material, region| {
         let named = |m: &settings::Material| m.region == Some(region);
@@ -91,6 +92,7 @@ pub(super) fn body(
         loads,
         start: starts.collect(),
         ends,
+        lumen,
     })
 }
 
@@ -133,6 +135,8 @@ struct Made {
     tube: Option<Tube>,
     /// The faces at the open ends of a tube.
     ends: Vec<Face>,
+    /// The lumen of a tube that is closed around.
+    lumen: Option<LumenSpec>,
 }
 
 impl Made {
@@ -141,6 +145,7 @@ impl Made {
             mesh,
             tube: None,
             ends: Vec::new(),
+            lumen: None,
         }
     }
 
@@ -172,6 +177,10 @@ impl Made {
         })?;
         Ok(Self {
             ends: self.ends.iter().map(|face| graded.faces(face)).collect(),
+            lumen: self.lumen.map(|of| LumenSpec {
+                triangles: graded.faces(&of.triangles),
+                ..of
+            }),
             mesh: graded.mesh,
             tube: self.tube,
         })
@@ -185,6 +194,10 @@ impl Made {
         }
         Self {
             ends: self.ends.iter().map(|face| refined.faces(face)).collect(),
+            lumen: self.lumen.map(|of| LumenSpec {
+                triangles: refined.faces(&of.triangles),
+                ..of
+            }),
             mesh: refined.mesh,
             tube: self.tube,
         }
@@ -281,9 +294,15 @@ fn mesh(
             let mesh = tube.mesh().map_err(|e| wrong(FromSettingsCause::Tube(e)))?;
             let ends =
                 [TubeSide::Start, TubeSide::End].map(|side| tube.side(&mesh, side).triangles);
+            let lumen = (tube.arc == Arc::Full).then(|| LumenSpec {
+                triangles: tube.side(&mesh, TubeSide::Inner).triangles,
+                axis: tube.axis,
+                sections: tube.along as u32,
+            });
             Ok(Made {
                 mesh,
                 ends: ends.into(),
+                lumen,
                 tube: Some(tube),
             })
         }

@@ -3,7 +3,8 @@
 use super::Load;
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use crate::spec::{
-    CapsuleSpec, ContactSpec, CutSpec, Jaw, ObstacleSpec, PartnerSpec, ToolKeySpec, ToolSpec,
+    CapsuleSpec, ContactSpec, CutSpec, IrrigationSpec, Jaw, ObstacleSpec, PartnerSpec, ToolKeySpec,
+    ToolSpec,
 };
 use microsim_contact::{ObstaclePart, ObstacleShape};
 use microsim_geometry::Pose;
@@ -39,6 +40,17 @@ pub(super) fn capsules(
     capsules.collect()
 }
 
+/// Fluid as files have it, to that of a tool.
+pub(super) fn irrigation(of: &settings::Irrigation) -> IrrigationSpec {
+    IrrigationSpec {
+        position: of.position,
+        direction: of.direction,
+        pressure: of.pressure,
+        radius: of.radius,
+        reach: of.reach,
+    }
+}
+
 /// The tools of a scene. A model is a file of the folder `tools` beside that of the scene.
 pub(super) fn tools(
     tools: &[settings::SceneTool],
@@ -46,15 +58,20 @@ pub(super) fn tools(
 ) -> Result<Vec<ToolSpec>, FromSettingsError> {
     let specs = tools.iter().enumerate().map(|(index, tool)| {
         let key = KeyPath::root().key("tool").at(index).key("model");
-        let (parts, sharpness, jaw_stiffness) = match &tool.model {
+        let (parts, sharpness, jaw_stiffness, jet) = match &tool.model {
             Some(name) => {
                 let model = model(name, &key, load)?;
                 let parts = capsules(&model.capsule, model.hinge, model.opening_angle);
-                (parts, model.sharpness, model.jaw_stiffness)
+                (
+                    parts,
+                    model.sharpness,
+                    model.jaw_stiffness,
+                    model.irrigation,
+                )
             }
             None => {
                 let parts = capsules(&tool.capsule, tool.hinge, tool.opening_angle);
-                (parts, tool.sharpness, None)
+                (parts, tool.sharpness, None, tool.irrigation)
             }
         };
         let keys = tool.motion.iter().map(|key| ToolKeySpec {
@@ -67,6 +84,7 @@ pub(super) fn tools(
             capsules: parts,
             sharpness,
             jaw_stiffness: jaw_stiffness.unwrap_or(f64::INFINITY),
+            irrigation: jet.as_ref().map(irrigation),
             motion: keys.collect(),
         })
     });

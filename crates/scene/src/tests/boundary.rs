@@ -64,6 +64,7 @@ fn bars() -> SceneSpec {
             }],
             sharpness: 1.0,
             jaw_stiffness: f64::INFINITY,
+            irrigation: None,
             motion: Vec::new(),
         }],
         obstacles: vec![ObstacleSpec {

@@ -80,6 +80,7 @@ fn tool(name: &str, sharpness: f64, capsules: Vec<CapsuleSpec>) -> ToolSpec {
         capsules,
         sharpness,
         jaw_stiffness: f64::INFINITY,
+        irrigation: None,
         motion: Vec::new(),
     }
 }

@@ -44,6 +44,7 @@ fn squeezed(newton: Newton, gap: f64) -> SceneSpec {
             ],
             sharpness: 0.0,
             jaw_stiffness: f64::INFINITY,
+            irrigation: None,
             motion: Vec::new(),
         }],
         contacts: vec![ContactSpec {

@@ -103,6 +103,7 @@ fn rod(name: &str, radius: f64) -> ToolSpec {
         )],
         sharpness: 0.0,
         jaw_stiffness: f64::INFINITY,
+        irrigation: None,
         motion: Vec::new(),
     }
 }

@@ -33,6 +33,7 @@ fn forceps(name: &str) -> ToolSpec {
         capsules: vec![jaw(1.0, Jaw::Left), jaw(-1.0, Jaw::Right)],
         sharpness: 0.0,
         jaw_stiffness: STIFFNESS,
+        irrigation: None,
         motion: Vec::new(),
     }
 }
@@ -120,6 +121,7 @@ fn both_tips_give_the_stiffness_of_the_opening() {
     assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     let rigid = ToolSpec {
         jaw_stiffness: f64::INFINITY,
+        irrigation: None,
         ..forceps("rigid")
     };
     assert_eq!(Tool::new(&rigid).unwrap().jaw_stiffness, f64::INFINITY);
@@ -193,6 +195,7 @@ fn rods() -> Scene {
         name: name.into(),
         capsules: vec![CapsuleSpec::new(end.map(|x| -x), end, 0.2e-3)],
         jaw_stiffness: f64::INFINITY,
+        irrigation: None,
         sharpness: 0.0,
         motion: Vec::new(),
     };
@@ -273,6 +276,7 @@ fn a_hand_pushes_no_harder_than_it_does() {
             capsules: vec![probe],
             sharpness: 0.0,
             jaw_stiffness: f64::INFINITY,
+            irrigation: None,
             motion: Vec::new(),
         }];
         let mut scene = Scene::new(&spec).unwrap();

@@ -250,7 +250,7 @@ fn mesh() -> TetMesh {
     };
     let mut mesh = block.mesh().expect("a block of positive size");
     // For laws that have a direction: along the beam.
-    mesh.directions = vec![Vector3::x(); mesh.tets.len()];
+    mesh.directions = vec![[Vector3::x(), Vector3::y()]; mesh.tets.len()];
     mesh
 }
 

@@ -4,11 +4,12 @@ use crate::eigen::eigenvalues;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_random::Congruential;
 use microsim_tissue::law::LawName;
+use microsim_tissue::stability::WORKING_STRETCH;
 use microsim_tissue::{
     Behaviour, BuildError, ContinuumConstants, Discretisation, Material, SpringConstants, State,
     TissueModel, build_model,
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Edge of a cell of the block \[m\].
 pub(super) const CELL: f64 = 0.01;
@@ -138,13 +139,16 @@ pub enum Variation {
     Layer(f64),
     /// One node moved towards the opposite face of an element, until this fraction of the height is left.
     Node(f64),
+    /// All of its surface held, drawn out by this factor along x and so much thinner that its volume is that at rest: with the stress and
+    /// the stiffness that it then has.
+    Stretch(f64),
     /// Started from random offsets of all free nodes, each component up to this fraction of a cell.
     Amplitude(f64),
 }
 
 impl Variation {
     /// All that the atlas goes through.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 24] = [
         Self::Plain,
         Self::Stiffness(0.01),
         Self::Stiffness(100.0),
@@ -164,13 +168,15 @@ impl Variation {
         Self::Node(0.3),
         Self::Node(0.1),
         Self::Node(0.03),
+        Self::Stretch(1.0),
+        Self::Stretch(WORKING_STRETCH),
         Self::Amplitude(0.05),
         Self::Amplitude(0.1),
         Self::Amplitude(0.2),
     ];
 
     /// One or two of each kind.
-    pub const FEW: [Self; 10] = [
+    pub const FEW: [Self; 12] = [
         Self::Plain,
         Self::Stiffness(100.0),
         Self::Density(0.1),
@@ -179,6 +185,8 @@ impl Variation {
         Self::Viscosity(0.5),
         Self::Layer(0.1),
         Self::Node(0.1),
+        Self::Stretch(1.0),
+        Self::Stretch(WORKING_STRETCH),
         Self::Amplitude(0.1),
         Self::Amplitude(0.2),
     ];
@@ -195,13 +203,22 @@ impl Variation {
             Self::Viscosity(ratio) => ("viscous ζ", ratio.to_string()),
             Self::Layer(fraction) => ("thin layer", percent(fraction)),
             Self::Node(fraction) => ("sliver", percent(fraction)),
+            Self::Stretch(factor) => ("stretch", format!("×{factor}")),
             Self::Amplitude(fraction) => ("offsets", percent(fraction)),
         }
     }
 
     /// Whether it changes anything in a body of this substance.
     pub fn concerns(&self, substance: Substance) -> bool {
-        !matches!((self, substance), (Self::Poisson(_), Substance::Springs))
+        // Springs have no prestretch.
+        !matches!(
+            (self, substance),
+            (Self::Poisson(_), Substance::Springs)
+                | (
+                    Self::Stretch(_),
+                    Substance::Springs | Substance::SpringsVolumes
+                )
+        )
     }
 
     /// The constants of the material without damping.
@@ -271,7 +288,7 @@ pub fn block(variation: Variation) -> TetMesh {
     };
     let mut mesh = block.mesh().expect("a block of positive size");
     // For laws that have a direction: along the block, the stiffest modes are those of its length.
-    mesh.directions = vec![Vector3::x(); mesh.tets.len()];
+    mesh.directions = vec![[Vector3::x(), Vector3::y()]; mesh.tets.len()];
     match variation {
         Variation::Layer(fraction) => {
             // The plane behind the middle one comes nearer to it.
@@ -298,16 +315,32 @@ pub fn block(variation: Variation) -> TetMesh {
             let height = normal.dot(&(mesh.positions[node] - others[0]));
             mesh.positions[node] -= normal * ((1.0 - fraction) * height);
         }
+        Variation::Stretch(factor) => {
+            let across = 1.0 / factor.sqrt();
+            let stretch = Matrix3::from_diagonal(&Vector3::new(factor, across, across));
+            mesh.positions.iter_mut().for_each(|p| *p = stretch * *p);
+            mesh.prestretches = vec![stretch; mesh.tets.len()];
+        }
         _ => {}
     }
     mesh
 }
 
-/// The body of a block mesh, refined for quadratic tetrahedra, clamped where x is 0.
+/// The body of a block mesh, refined for quadratic tetrahedra, clamped where x is 0, and a prestretched one on all of its surface: inside,
+/// stress that is the same everywhere is in equilibrium.
 pub fn body(mesh: &TetMesh, material: &Material, drag: f64) -> Result<TissueModel, BuildError> {
     let refined = material.is_quadratic().then(|| mesh.refined().mesh);
     let mesh = refined.as_ref().unwrap_or(mesh);
-    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < 1e-3 * CELL).collect();
+    let clamped: Vec<bool> = match mesh.prestretches.is_empty() {
+        true => mesh.positions.iter().map(|p| p.x < 1e-3 * CELL).collect(),
+        false => {
+            let surface = mesh.surface().nodes;
+            let nodes = 0..mesh.positions.len() as u32;
+            nodes
+                .map(|node| surface.binary_search(&node).is_ok())
+                .collect()
+        }
+    };
     build_model(mesh, &[(0, *material)], &clamped, drag, Vec::new())
 }
 

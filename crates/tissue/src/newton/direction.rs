@@ -30,7 +30,7 @@ impl NewtonSolver {
             .assemble(problem.model, &self.trial, coefficients, tangent);
         if tangent == Tangent::Exact {
             self.system
-                .add_pressures(&problem.control.pressures, &self.trial.positions);
+                .add_pressures(problem.control, &self.trial.positions);
         }
         for (node, spring) in problem.equation.regularisation.iter().enumerate() {
             self.system.add_diagonal(node, *spring);
