@@ -29,6 +29,7 @@ fn wall(layers: &[Layer], place: &Profile) -> VesselWall {
             young: layer.wall.young(),
             poisson: layer.wall.poisson(),
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         },
         directions: directions(&layer.wall),
         opening_angle: TAU - layer.sector,

@@ -310,6 +310,7 @@ fn materials(layers: &[Layer], discretisation: Discretisation) -> Vec<(u32, Mate
             young: layer.wall.young(),
             poisson: layer.wall.poisson(),
             discretisation,
+            plasticity: None,
         })
     });
     let frame = material(ContinuumConstants {
@@ -317,6 +318,7 @@ fn materials(layers: &[Layer], discretisation: Discretisation) -> Vec<(u32, Mate
         young: layers[0].wall.young(),
         poisson: 0.0,
         discretisation: Discretisation::Tetrahedra,
+        plasticity: None,
     });
     (0..).zip(walls.chain([frame])).collect()
 }
