@@ -5,7 +5,7 @@
 
 use microsim_mesh::{Arc, CellSplit, Layer, TetMesh, Tube};
 use microsim_scene::{Runner, Scene, Serial, scene_spec};
-use microsim_settings::load_scene;
+use microsim_settings::{Override, load_scene};
 use microsim_tests::repository;
 use microsim_tests::statistics::percentile;
 use microsim_tissue::law::{HolzapfelParameters, LawName, MaterialLaw};
@@ -79,7 +79,11 @@ impl Row {
         let mut state = State::at_rest(&model);
         // Stretched along and around, so that fibres pull.
         for place in &mut state.positions {
-            *place = Vector3::new(place.x + 0.2 * (place.x + 3e-3), 1.2 * place.y, 1.2 * place.z);
+            *place = Vector3::new(
+                place.x + 0.2 * (place.x + 3e-3),
+                1.2 * place.y,
+                1.2 * place.z,
+            );
         }
         // As levels take it: one iteration, whatever it leaves.
         let newton = Newton {
@@ -125,7 +129,10 @@ fn laws(text: &mut String) {
     let mut rows = [
         ("stable-neo-hookean", LawName::StableNeoHookean.into()),
         ("neo-hookean", LawName::NeoHookean.into()),
-        ("transversely-isotropic", LawName::TransverselyIsotropic.into()),
+        (
+            "transversely-isotropic",
+            LawName::TransverselyIsotropic.into(),
+        ),
         (
             "holzapfel-gasser-ogden",
             MaterialLaw::HolzapfelGasserOgden(fibres(0.0)),
@@ -169,7 +176,8 @@ fn laws(text: &mut String) {
 /// Times of the pictures of the scene \[ms\], and its elements.
 fn pictures(set: &[String]) -> Result<(Vec<f64>, usize), String> {
     let path = repository().join("config/scenes/carotid-grip.toml");
-    let loaded = load_scene(&path, set).map_err(|error| error.to_string())?;
+    let set: Result<Vec<Override>, String> = set.iter().map(|one| Override::parse(one)).collect();
+    let loaded = load_scene(&path, &set?).map_err(|error| error.to_string())?;
     let folder = path.parent().unwrap_or(&path).to_path_buf();
     let described = scene_spec(&loaded.settings, &mut |file| {
         std::fs::read(folder.join(file))
@@ -196,7 +204,13 @@ fn grip(text: &mut String) -> Result<(), String> {
          wall, draw it out and lift it. Wall time of one core per picture of a single run, without probes and pictures drawn.\n\n\
          | wall | elements | mean [ms] | p50 | p99 | largest |\n|---|---|---|---|---|---|\n",
     );
-    let rubber = ["law=stable-neo-hookean", "fibre_stiffness=", "fibre_exponent=", "fibre_dispersion=", "fibres="];
+    let rubber = [
+        "law=stable-neo-hookean",
+        "fibre_stiffness=",
+        "fibre_exponent=",
+        "fibre_dispersion=",
+        "fibres=",
+    ];
     let rubber = [0, 1].map(|m| rubber.map(|key| format!("body.0.material.{m}.{key}")));
     for (name, set) in [
         ("two families of fibres in each layer", Vec::new()),

@@ -183,7 +183,9 @@ fn decides_level(place: &Path) -> bool {
     let parts: Vec<_> = place.iter().filter_map(|part| part.to_str()).collect();
     matches!(
         parts[..],
-        ["modules", _, "module.toml"] | ["modules", _, "levels", _] | ["config", "tools" | "vessels", _]
+        ["modules", _, "module.toml"]
+            | ["modules", _, "levels", _]
+            | ["config", "tools" | "vessels", _]
     )
 }
 

@@ -232,7 +232,9 @@ impl VesselWall {
     fn hoop_stress(&self, layer: &WallLayer, stretches: [f64; 2]) -> f64 {
         let constants = &layer.constants;
         let f = self.deformation(stretches);
-        let stress = constants.law.stress(&f, &constants.lame(), layer.directions);
+        let stress = constants
+            .law
+            .stress(&f, &constants.lame(), layer.directions);
         // σ = P Fᵀ/J.
         stress[(1, 1)] / (stretches[0] * self.axial_stretch)
     }

@@ -6,9 +6,7 @@ use super::limits::run;
 use super::subject::{CELL, body, disturbed};
 use super::*;
 use microsim_tissue::law::LawName;
-use microsim_tissue::stability::{
-    SAFETY, WORKING_STRETCH, mass_floor, stable_step, stiffness_cap,
-};
+use microsim_tissue::stability::{SAFETY, WORKING_STRETCH, mass_floor, stable_step, stiffness_cap};
 use microsim_tissue::{
     Control, Discretisation, MethodName, Newton, Serial, State, StepFailure, TissueModel,
 };

@@ -327,8 +327,9 @@ mod tests {
                 ..constants(3e4, 0.4)
             };
             // Fibres would pull as well: none are there.
-            let cauchy_stress =
-                |f: &Matrix3<f64>| constants.cauchy_stress(f, Default::default(), &PlasticState::START);
+            let cauchy_stress = |f: &Matrix3<f64>| {
+                constants.cauchy_stress(f, Default::default(), &PlasticState::START)
+            };
             let stretched = |z| Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, z));
             let stress = cauchy_stress(&stretched(1.0 + strain));
             let error = stress - Matrix3::from_diagonal(&expected);
