@@ -221,6 +221,7 @@ fn of_body(file: &SceneFile, body: usize) -> Value {
             "volume": energies.volume,
             "strain": energies.strain,
             "coupling": energies.coupling,
+            "plastic": energies.plastic,
         },
     })
 }
