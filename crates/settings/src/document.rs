@@ -5,7 +5,6 @@ use crate::overrides::Override;
 use crate::read::Reader;
 use crate::schema::{Kind, Schema};
 use crate::tree::Node;
-use crate::vessel::apply_vessels;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -96,38 +95,8 @@ impl Reading {
         Ok(Self::of_tree(root, text, file, schema, &[]))
     }
 
-    /// The same of a scene or level, with what its bodies have from the vessels in a folder, and with values that take the place of some in
-    /// both; those that name another vessel come first. Fails at once also if a vessel cannot be used.
-    pub fn of_bodies(
-        text: &str,
-        file: &str,
-        schema: &Schema,
-        overrides: &[Override],
-        vessels: &Path,
-    ) -> Result<Reading, ConfigErrors> {
-        let mut root = Node::parse(text, file).map_err(sorted)?;
-        let apply = |root: &mut Node, of_vessels: bool| {
-            let chosen = overrides.iter().enumerate();
-            chosen
-                .filter(|(_, value)| value.is_of_key("vessel") == of_vessels)
-                .try_for_each(|(index, value)| value.apply(root, index))
-                .map_err(|error| ConfigErrors(vec![error]))
-        };
-        apply(&mut root, true)?;
-        let errors = apply_vessels(&mut root, file, vessels);
-        apply(&mut root, false)?;
-        let reading = Self::of_tree(root, text, file, schema, overrides);
-        // A body without its vessel lacks much: that it has none is what is wrong.
-        match errors.is_empty() {
-            true => Ok(reading),
-            false => {
-                let placed = errors.into_iter().map(|e| reading.document.placed(e));
-                Err(sorted(placed.collect()))
-            }
-        }
-    }
-
-    fn of_tree(
+    /// The same of a tree: that of the text, with what has been put into it. `overrides` are those whose places are in it.
+    pub fn of_tree(
         root: Node,
         text: &str,
         file: &str,
@@ -170,6 +139,12 @@ impl Reading {
     /// Whether something stands at `key` in the file, right or wrong.
     pub fn is_written(&self, key: &KeyPath) -> bool {
         self.document.root.get(key).is_some()
+    }
+
+    /// What ends the reading at once.
+    pub fn refuse(&self, errors: Vec<ConfigError>) -> ConfigErrors {
+        let placed = errors.into_iter().map(|e| self.document.placed(e));
+        sorted(placed.collect())
     }
 
     /// Notes what is wrong with the value at `key`.
@@ -251,7 +226,7 @@ pub(crate) fn load_text(path: &Path, expected: &str) -> Result<String, ConfigErr
 }
 
 /// In the order of their places.
-fn sorted(mut errors: Vec<ConfigError>) -> ConfigErrors {
+pub(crate) fn sorted(mut errors: Vec<ConfigError>) -> ConfigErrors {
     errors.sort_by_key(|error| error.position);
     ConfigErrors(errors)
 }

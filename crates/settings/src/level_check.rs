@@ -14,6 +14,7 @@ use crate::manifest::Manifest;
 use crate::method::check_method;
 use crate::schema::Kind;
 use crate::schema::Schema;
+use crate::vessel_body::read_bodies;
 use microsim_vocabulary::{Direction, Unit};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -53,7 +54,7 @@ fn read_level_with(
     vessels: &Path,
 ) -> Result<Loaded<Level>, ConfigErrors> {
     let schema = level_schema(Some(manifest));
-    let mut reading = Reading::of_bodies(text, file, &schema, &[], vessels)?;
+    let mut reading = read_bodies(text, file, &schema, &[], vessels)?;
     check(&mut reading, manifest, known_metrics);
     reading.finish()
 }

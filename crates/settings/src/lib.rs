@@ -49,6 +49,7 @@ mod trainees;
 mod translator;
 mod tree;
 mod vessel;
+mod vessel_body;
 
 pub use body::{
     Body, Clamp, Coupling, Generator, Layer, Load, MAX_ELEMENTS, MotionKey, Nodes, Refine, Shell,

@@ -13,6 +13,7 @@ use crate::overrides::Override;
 use crate::scene::Scene;
 use crate::scene::{Feature, Quantity};
 use crate::schema::Kind;
+use crate::vessel_body::read_bodies;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::Path;
@@ -36,7 +37,7 @@ pub fn read_scene_with(
     vessels: &Path,
 ) -> Result<Loaded<Scene>, ConfigErrors> {
     let schema = schema_of::<Scene>("scene");
-    let mut reading = Reading::of_bodies(text, file, &schema, overrides, vessels)?;
+    let mut reading = read_bodies(text, file, &schema, overrides, vessels)?;
     check(&mut reading);
     reading.finish()
 }

@@ -1,20 +1,17 @@
 //! `config/vessels/NAME.toml`: a vessel as it was measured, or as it is judged to be, each value with its source.
 //!
-//! A body that is a tube names one with `vessel`. What the body does not state itself comes from there: axial stretch,
-//! radius of the lumen, thickness, opening angle, region and material of each layer. They are put into the tree of the file before it is read by its schema, so they are held
-//! to the same rules, and everything behind the settings sees a body that states all of it.
+//! What is not here: how a body has these values.
 
 use crate::body_check::check_constants;
 use crate::check::{items, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
-use crate::error::{ConfigError, ConfigErrors, KeyPath, Position};
+use crate::error::{ConfigErrors, KeyPath};
 use crate::files::schema_of;
 use crate::kinds::{dependent, identifier, quantity, size};
 use crate::material::Material;
 use crate::schema::{Form, Kind};
 use crate::table::{Setting, Table, choices, table};
-use crate::tree::{Entry, Item, Node};
-use microsim_vocabulary::{Discretisation, LawName, LocalText, Unit, terms};
+use microsim_vocabulary::{LawName, LocalText, Unit, terms};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -159,146 +156,4 @@ pub fn read_vessel(text: &str, file: &str) -> Result<Loaded<Vessel>, ConfigError
 pub fn load_vessel(path: &Path) -> Result<Loaded<Vessel>, ConfigErrors> {
     let text = load_text(path, "a vessel (config/vessels/NAME.toml)")?;
     read_vessel(&text, &path.display().to_string())
-}
-
-/// Puts what vessels in `folder` state into the bodies of a scene or level that name them and do not state it themselves; `file` is the
-/// name that complaints use.
-pub(crate) fn apply_vessels(root: &mut Node, file: &str, folder: &Path) -> Vec<ConfigError> {
-    let mut errors = Vec::new();
-    let Some(Item::List(bodies)) = root.item_mut("body") else {
-        return errors;
-    };
-    for (b, body) in bodies.iter_mut().enumerate() {
-        let Some(Node {
-            at,
-            item: Item::Text(name),
-        }) = body.item_of("vessel")
-        else {
-            continue;
-        };
-        // What is no name has its complaint from the schema.
-        if !Form::Identifier.accepts(name) {
-            continue;
-        }
-        let (at, name) = (*at, name.clone());
-        let key = KeyPath::root().key("body").at(b).key("vessel");
-        let complain = |found: String, expected: String| ConfigError {
-            file: file.to_owned(),
-            position: Some(at),
-            key: key.clone(),
-            found,
-            expected,
-        };
-        let path = folder.join(&name).with_extension("toml");
-        match load_vessel(&path) {
-            Ok(vessel) => {
-                if let Err((found, expected)) = put(body, &vessel.settings, at) {
-                    errors.push(complain(found, expected));
-                }
-            }
-            Err(complaints) => errors.push(complain(
-                format!("`{name}`, which cannot be used ({complaints})"),
-                "the name of a vessel of config/vessels".to_owned(),
-            )),
-        }
-    }
-    errors
-}
-
-/// Puts a vessel into a body; the error is what was found and what was expected.
-fn put(body: &mut Node, vessel: &Vessel, at: Position) -> Result<(), (String, String)> {
-    for (key, of) in [
-        ("axial_stretch", &vessel.axial_stretch),
-        ("inner_radius", &vessel.inner_radius),
-    ] {
-        body.set_default(key, Item::Float(of.value), at);
-    }
-    if let Some(toughness) = &vessel.toughness {
-        body.set_default("toughness", Item::Float(toughness.value), at);
-    }
-    let names: Vec<&str> = vessel
-        .layer
-        .iter()
-        .map(|layer| layer.name.as_str())
-        .collect();
-    let mut regions = Vec::new();
-    match body.item_mut("layer") {
-        Some(Item::List(layers)) if layers.len() == vessel.layer.len() => {
-            for (index, (node, layer)) in layers.iter_mut().zip(&vessel.layer).enumerate() {
-                for (key, of) in [
-                    ("thickness", &layer.thickness),
-                    ("opening_angle", &layer.opening_angle),
-                ] {
-                    node.set_default(key, Item::Float(of.value), at);
-                }
-                node.set_default("region", Item::Integer(index as i64), at);
-                regions.push(node.integer("region"));
-            }
-        }
-        _ => {
-            let found = "a vessel whose layers the body does not have".to_owned();
-            let expected = format!(
-                "one `layer` with its `cells` for each of: {}",
-                names.join(", ")
-            );
-            return Err((found, expected));
-        }
-    }
-    body.set_default("material", Item::List(Vec::new()), at);
-    let Some(Item::List(materials)) = body.item_mut("material") else {
-        // What is no list has its complaint from the schema.
-        return Ok(());
-    };
-    for (layer, region) in vessel.layer.iter().zip(regions) {
-        // A region that is no number has its complaint from the schema.
-        let Some(region) = region else { continue };
-        let own = materials
-            .iter_mut()
-            .find(|material| material.integer("region") == Some(region));
-        match own {
-            // A material with a law of its own is all of it.
-            Some(own) if own.item_of("law").is_some() => {}
-            Some(own) => put_material(own, layer, at),
-            None => {
-                let mut material = Node {
-                    at,
-                    item: Item::Table(Vec::new()),
-                };
-                material.set_default("region", Item::Integer(region), at);
-                put_material(&mut material, layer, at);
-                materials.push(material);
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Puts the material of a layer into one that states some of it.
-fn put_material(material: &mut Node, layer: &VesselLayer, at: Position) {
-    material.set_default("law", Item::Text(layer.law.name().to_owned()), at);
-    for (key, constant) in &layer.material {
-        // The one of both that the body states.
-        let other = match key.as_str() {
-            "relaxation_time" => "viscosity",
-            "viscosity" => "relaxation_time",
-            other => other,
-        };
-        if material.item_of(other).is_none() {
-            material.set_default(key, Item::Float(constant.value), at);
-        }
-    }
-    if let Some(angle) = &layer.fibre_angle {
-        let angle = Entry {
-            key: "angle".to_owned(),
-            at,
-            node: Node {
-                at,
-                item: Item::Float(angle.value),
-            },
-        };
-        material.set_default("fibres", Item::Table(vec![angle]), at);
-    }
-    // Walls hardly change their volume: tetrahedra alone would lock.
-    let discretisation = Discretisation::Selective.name().to_owned();
-    material.set_default("discretisation", Item::Text(discretisation), at);
 }
