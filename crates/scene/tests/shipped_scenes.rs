@@ -69,6 +69,12 @@ fn a_tube_under_pressure_meets_lame() {
     assert_met(&["tube-pressure", "tube-quadratic"]);
 }
 
+/// Walls with fibres and residual stress, against tubes solved without elements (`tests/tests/vessel`).
+#[test]
+fn a_carotid_inflates_opens_and_draws_back_as_a_tube_without_elements() {
+    assert_met(&["carotid-inflate", "ring-open", "carotid-divide"]);
+}
+
 #[test]
 fn dynamics_meets_references_and_closed_forms() {
     assert_met(&["cantilever-dynamic", "cantilever-quadratic"]);

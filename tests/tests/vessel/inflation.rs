@@ -51,20 +51,62 @@ fn errors(discretisation: Discretisation, cells: Cells) -> Vec<[f64; 3]> {
     errors
 }
 
-/// The mesh of a level and two finer ones.
-fn meshes() -> [Cells; 3] {
-    [1, 2, 4].map(|through| Cells {
+/// One cell a layer and 20 around, as levels have them, and finer ones.
+fn cells(through: usize) -> Cells {
+    Cells {
         through,
         around: 20 * through,
-    })
+    }
 }
 
+/// The error of linear elements is of the second order in the size of the cells. It comes near from below: fibres stiffen exponentially, and the wall
+/// is stretched most inside, so that the coarsest mesh is not in the range where it falls so. Measured on the inner radius, from the second to
+/// the third mesh: 1.65 to 2.0.
+fn assert_second_order(discretisation: Discretisation, most_of_level: f64) {
+    let [coarse, middle, fine] = [1, 2, 4].map(|through| errors(discretisation, cells(through)));
+    for load in 0..coarse.len() {
+        let [coarse, middle, fine] = [&coarse, &middle, &fine].map(|of| of[load][0].abs());
+        let order = libm::log2(middle / fine);
+        println!("{}: order {order:.2}", discretisation.name());
+        assert!((1.5..2.5).contains(&order), "{load}: {middle} {fine}");
+        assert!(
+            coarse < most_of_level && coarse > 2.0 * middle,
+            "{load}: {coarse}"
+        );
+    }
+    // Radii of the last mesh, and its force, whose error is two to three times as large.
+    let last = fine[fine.len() - 1];
+    assert!(last[1].abs() < 0.01 && last[2].abs() < 0.02, "{last:?}");
+}
+
+/// Errors of the inner radius at 16 kPa and a stretch of 1.7 with the cells of a level, as measured: 5.8 %; of the axial force 10.5 %.
 #[test]
-fn explore() {
-    let list = std::env::var("D").unwrap_or_default();
-    for discretisation in Discretisation::ALL {
-        if list.contains(discretisation.name()) {
-            meshes().map(|cells| errors(discretisation, cells));
-        }
+fn tetrahedra_converge() {
+    assert_second_order(Discretisation::Tetrahedra, 0.06);
+}
+
+/// 3.2 %; of the axial force 7.3 %.
+#[test]
+fn selective_tetrahedra_converge() {
+    assert_second_order(Discretisation::Selective, 0.035);
+}
+
+/// 5.9 %; of the axial force 11.6 %.
+#[test]
+fn tetrahedra_with_pressures_of_patches_converge() {
+    assert_second_order(Discretisation::PatchPressure, 0.06);
+}
+
+/// 1.0 %, the wall too wide, and 2.7 % of the axial force; twice as fine 0.3 % and 0.8 %.
+#[test]
+fn quadratic_tetrahedra_converge() {
+    let [coarse, fine] =
+        [1, 2].map(|through| errors(Discretisation::QuadraticPressure, cells(through)));
+    for (coarse, fine) in coarse.iter().zip(&fine) {
+        assert!(
+            coarse[0].abs() < 0.012 && coarse[2].abs() < 0.03,
+            "{coarse:?}"
+        );
+        assert!(fine[0].abs() < 0.5 * coarse[0].abs(), "{coarse:?} {fine:?}");
     }
 }

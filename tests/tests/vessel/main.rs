@@ -4,5 +4,6 @@ mod inflation;
 mod law;
 mod radial;
 mod residual;
+mod scenes;
 mod slice;
 mod slides;

@@ -49,7 +49,6 @@ fn stretches_are_found_from_the_place() {
     for (poisson, openings) in [
         (0.49, [0.0, 0.0]),
         (0.49, [OPENING, OPENING]),
-        (0.45, [OPENING, OPENING]),
         (0.49, [OPENING, 1.0]),
         (0.49, [0.8, OPENING]),
     ] {
@@ -79,76 +78,129 @@ fn stretches_are_found_from_the_place() {
     }
 }
 
-#[test]
-fn explore() {
-    for (name, openings) in [("alike", [OPENING, OPENING]), ("unlike", [OPENING, 1.0])] {
-        let layers = grown(0.49, openings);
-        let tube = Tube::new(&layers);
-        let place = tube.at_stretch(PRESSURE, STRETCH);
-        let free = tube.at_force(0.0, 0.0);
-        let slit = tube.slit();
-        println!(
-            "{name}: free {} {} {}; slit {} {} {}",
-            free.inside.radius,
-            free.outer_radius(),
-            free.inside.along,
-            slit.inside.angle,
-            slit.inside.radius,
-            slit.inside.along
-        );
-        for discretisation in [
-            Discretisation::Tetrahedra,
-            Discretisation::Selective,
-            Discretisation::PatchPressure,
-            Discretisation::QuadraticPressure,
-        ] {
-            for k in [1, 2, 4] {
-                if k == 4 && discretisation.is_quadratic() {
-                    continue;
-                }
-                let cells = Cells {
-                    through: k,
-                    around: 20 * k,
-                };
-                let mut slice = Slice::new(&layers, &place, Part::Quarter, cells, discretisation);
-                let mut line = format!("{} {k}:", discretisation.name());
-                let mut report = |slice: &Slice, exact: &Profile| {
-                    let r = slice.radii();
-                    line += &format!(
-                        " | {:+.2} {:+.2} % F {:+.3} mN of {:.3}",
-                        100.0 * (r[0] / exact.inside.radius - 1.0),
-                        100.0 * (r[1] / exact.outer_radius() - 1.0),
-                        1e3 * slice.force(),
-                        1e3 * exact.force
-                    );
-                };
-                slice.load(PRESSURE, 1.0);
-                report(&slice, &place);
-                for p in [10e3, 6e3, 3e3, 1e3, 0.0] {
-                    slice.load(p, 1.0);
-                }
-                report(&slice, &tube.at_stretch(0.0, STRETCH));
-                for i in 1..=5 {
-                    slice.load(
-                        0.0,
-                        1.0 + 0.2 * i as f64 * (free.inside.along / STRETCH - 1.0),
-                    );
-                }
-                report(&slice, &free);
-                println!("{line}");
-                let mut slice = Slice::new(&layers, &free, Part::Slit, cells, discretisation);
-                let r = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                    slice.load(0.0, slit.inside.along / free.inside.along)
-                }));
-                println!(
-                    "{} {k}: slit {:.3} of {:.3} deg F {:.4} mN {}",
-                    discretisation.name(),
-                    slice.angle().to_degrees(),
-                    slit.inside.angle.to_degrees(),
-                    1e3 * slice.force(),
-                    r.is_ok()
-                );
-            }
+/// One cell a layer and 20 around, as levels have them, and finer ones.
+fn cells(through: usize) -> Cells {
+    Cells {
+        through,
+        around: 20 * through,
+    }
+}
+
+/// What a slice of the carotid with its opening angle, at its mean pressure and stretch, comes to: relative errors of the inner radius there, without
+/// pressure, and with the axial stretch that leaves no force; and of that stretch.
+fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
+    let layers = grown(0.49, [OPENING; 2]);
+    let tube = Tube::new(&layers);
+    let place = tube.at_stretch(PRESSURE, STRETCH);
+    let mut slice = Slice::new(
+        &layers,
+        &place,
+        Part::Quarter,
+        cells(through),
+        discretisation,
+    );
+    let inner = |slice: &Slice, exact: &Profile| slice.radii()[0] / exact.inside.radius - 1.0;
+    slice.load(PRESSURE, 1.0);
+    let at_rest = inner(&slice, &place);
+    for pressure in [10e3, 6e3, 3e3, 1e3, 0.0] {
+        slice.load(pressure, 1.0);
+    }
+    let empty = inner(&slice, &tube.at_stretch(0.0, STRETCH));
+    let free = tube.at_force(0.0, 0.0);
+    let drawn_back = free.inside.along / STRETCH;
+    for k in 1..=5 {
+        slice.load(0.0, 1.0 + 0.2 * f64::from(k) * (drawn_back - 1.0));
+    }
+    let divided = inner(&slice, &free);
+    // The stretch without force, by the slope between two near it.
+    let force = slice.force();
+    slice.load(0.0, 1.01 * drawn_back);
+    let stretch = -0.01 * force / (slice.force() - force);
+    let errors = [at_rest, empty, divided, stretch];
+    println!(
+        "{} {through}: {:?} %",
+        discretisation.name(),
+        errors.map(|e| 100.0 * e)
+    );
+    errors
+}
+
+/// In the place that its prestretches were computed for the wall is in equilibrium up to the size of the cells; emptied it narrows, and divided
+/// it shortens and widens, as the tube does. All errors fall from mesh to mesh, at least by half.
+fn assert_residual_state(discretisation: Discretisation, meshes: &[usize], most: [f64; 4]) {
+    let errors: Vec<[f64; 4]> = meshes
+        .iter()
+        .map(|cells| errors(discretisation, *cells))
+        .collect();
+    for i in 0..4 {
+        assert!(errors[0][i].abs() < most[i], "{i}: {:?}", errors[0]);
+        for pair in errors.windows(2) {
+            assert!(pair[1][i].abs() < 0.5 * pair[0][i].abs(), "{i}: {errors:?}");
         }
+    }
+}
+
+#[test]
+fn the_residual_state_of_selective_tetrahedra_is_that_of_the_tube() {
+    let most = [0.013, 0.05, 0.03, 0.03];
+    assert_residual_state(Discretisation::Selective, &[1, 2, 4], most);
+}
+
+#[test]
+fn the_residual_state_of_tetrahedra_with_pressures_of_patches_is_that_of_the_tube() {
+    let most = [0.006, 0.05, 0.02, 0.03];
+    assert_residual_state(Discretisation::PatchPressure, &[1, 2, 4], most);
+}
+
+#[test]
+fn the_residual_state_of_quadratic_tetrahedra_is_that_of_the_tube() {
+    let most = [0.002, 0.003, 0.002, 0.002];
+    assert_residual_state(Discretisation::QuadraticPressure, &[1], most);
+}
+
+/// How far a slit ring of the unloaded carotid opens, over what it should.
+fn opening(discretisation: Discretisation, through: usize, openings: [f64; 2]) -> f64 {
+    let layers = grown(0.49, openings);
+    let tube = Tube::new(&layers);
+    let (place, slit) = (tube.at_force(0.0, 0.0), tube.slit());
+    let mut slice = Slice::new(&layers, &place, Part::Slit, cells(through), discretisation);
+    slice.load(0.0, slit.inside.along / place.inside.along);
+    let ratio = (TAU - slice.angle()) / (TAU - slit.inside.angle);
+    println!(
+        "{} {through} {openings:?}: {:.1} %",
+        discretisation.name(),
+        100.0 * ratio
+    );
+    ratio
+}
+
+/// By 160° if both layers are of sectors of 200°, by 154° if the outer one is of 303°. Quadratic tetrahedra, one a layer, open by 103 % of it.
+#[test]
+fn a_slit_ring_opens_by_its_opening_angle() {
+    for openings in [[OPENING; 2], [OPENING, 1.0]] {
+        let [coarse, fine] = [1, 2]
+            .map(|through| opening(Discretisation::QuadraticPressure, through, openings) - 1.0);
+        assert!(coarse.abs() < 0.035, "{coarse}");
+        assert!(fine.abs() < 0.5 * coarse.abs(), "{coarse} {fine}");
+    }
+}
+
+/// Linear tetrahedra are too stiff in bending, which is all that opens a ring: with one or two cells a layer it opens by much less. As the
+/// lack is of the second order in the size it falls to between a quarter and a half, where it is below 30 % to less than 0.35 of it.
+#[test]
+fn a_slit_ring_of_linear_tetrahedra_opens_less() {
+    for (discretisation, of_level) in [
+        (Discretisation::Tetrahedra, 0.36),
+        (Discretisation::Selective, 0.42),
+        (Discretisation::PatchPressure, 0.36),
+    ] {
+        let [coarse, middle, fine] =
+            [1, 2, 4].map(|through| 1.0 - opening(discretisation, through, [OPENING; 2]));
+        assert!((coarse - 1.0 + of_level).abs() < 0.02, "{coarse}");
+        assert!(
+            middle < 0.5 * coarse && fine < 0.35 * middle,
+            "{coarse} {middle} {fine}"
+        );
+        assert!(fine > 0.0, "{fine}");
     }
 }
