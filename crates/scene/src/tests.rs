@@ -9,7 +9,7 @@ mod boundary;
 mod cutting;
 mod forces;
 mod hard;
-
+mod layers;
 mod limits;
 mod placements;
 mod tearing;

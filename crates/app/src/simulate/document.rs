@@ -221,6 +221,7 @@ fn of_body(file: &SceneFile, body: usize) -> Value {
             "strain": energies.strain,
             "coupling": energies.coupling,
         },
+        "dissipated": scene.body(body).dissipated(),
     })
 }
 
