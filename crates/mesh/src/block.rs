@@ -1,7 +1,7 @@
 //! The block generator: cells of six tetrahedra (NUMERICS 5).
 
 use crate::cell_split::cell_tets;
-use crate::{CellSplit, TetMesh};
+use crate::{CellSplit, Layer, TetMesh};
 use nalgebra::Vector3;
 
 /// Largest number of cells: their nodes and elements are then countable in 32 bits.
@@ -50,7 +50,17 @@ pub enum BlockError {
         /// The numbers that were asked for.
         cells: [usize; 3],
     },
+    /// Layers that are not in sum as thick as the block, or have not in sum as many cells along z.
+    Layers {
+        /// Thickness of all layers \[m\].
+        thickness: f64,
+        /// Cells of all layers.
+        cells: usize,
+    },
 }
+
+/// The thickness of all layers is that of the block up to this fraction: what decimal numbers leave of a sum.
+const THICKNESS: f64 = 1e-9;
 
 impl std::fmt::Display for BlockError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -67,6 +77,10 @@ impl std::fmt::Display for BlockError {
                     "a block needs at least 1 cell along each axis and at most {MAX_CELLS} in all, not {cells:?}"
                 )
             }
+            Self::Layers { thickness, cells } => write!(
+                f,
+                "the layers of a block are as thick in sum as its size along z, and have as many cells, not {thickness:?} m and {cells}"
+            ),
         }
     }
 }
@@ -119,6 +133,38 @@ impl Block {
         let regions = vec![0; tets.len()];
         Ok(TetMesh::new(positions, tets, regions))
     }
+
+    /// The mesh of a block that consists of layers along z, from below: each has its thickness, cells and region.
+    pub fn layered(&self, layers: &[Layer]) -> Result<TetMesh, BlockError> {
+        let mut mesh = self.mesh()?;
+        let thickness: f64 = layers.iter().map(|layer| layer.thickness).sum();
+        let cells = layers.iter().map(|layer| layer.cells).sum();
+        let positive = layers.iter().all(|layer| layer.thickness > 0.0);
+        let fits = (thickness - self.size[2]).abs() <= THICKNESS * self.size[2];
+        if !(positive && fits && cells == self.cells[2]) {
+            return Err(BlockError::Layers { thickness, cells });
+        }
+        let below = self.center[2] - 0.5 * self.size[2];
+        let (mut heights, mut regions) = (vec![below], Vec::with_capacity(cells));
+        let mut bottom = 0.0;
+        for layer in layers {
+            heights.extend(
+                (1..=layer.cells).map(|cell| {
+                    below + bottom + layer.thickness * (cell as f64 / layer.cells as f64)
+                }),
+            );
+            regions.extend(std::iter::repeat_n(layer.region, layer.cells));
+            bottom += layer.thickness;
+        }
+        let [nx, ny, _] = self.cells;
+        for (node, p) in mesh.positions.iter_mut().enumerate() {
+            p.z = heights[node / ((nx + 1) * (ny + 1))];
+        }
+        for (element, region) in mesh.regions.iter_mut().enumerate() {
+            *region = regions[element / (6 * nx * ny)];
+        }
+        Ok(mesh)
+    }
 }
 
 #[cfg(test)]
@@ -139,6 +185,47 @@ mod tests {
             }
         }
         blocks
+    }
+
+    #[test]
+    fn layers_have_their_thickness_cells_and_regions() {
+        let block = Block {
+            center: [0.0, 0.0, 1.0],
+            size: [2.0, 3.0, 0.5],
+            cells: [2, 1, 3],
+            split: CellSplit::Kuhn,
+        };
+        let layer = |thickness, cells, region| Layer {
+            thickness,
+            cells,
+            region,
+        };
+        let layers = [layer(0.4, 1, 7), layer(0.1, 2, 3)];
+        let mesh = block.layered(&layers).unwrap();
+        let volume = |region: u32| -> f64 {
+            let all = mesh.volumes().into_iter().zip(&mesh.regions);
+            all.filter(|(_, r)| **r == region).map(|(v, _)| v).sum()
+        };
+        assert!((volume(7) - 2.4).abs() < 1e-14 && (volume(3) - 0.6).abs() < 1e-14);
+        let count = |region| mesh.regions.iter().filter(|r| **r == region).count();
+        assert_eq!((count(7), count(3)), (12, 24));
+        let mut heights: Vec<f64> = mesh.positions.iter().map(|p| p.z).collect();
+        heights.sort_by(f64::total_cmp);
+        heights.dedup();
+        for (found, expected) in heights.iter().zip([0.75, 1.15, 1.2, 1.25]) {
+            assert!((found - expected).abs() < 1e-14);
+        }
+        for wrong in [
+            &layers[..1],
+            &[layer(0.4, 1, 7), layer(0.1, 1, 3)],
+            &[layer(0.4, 1, 7), layer(0.2, 2, 3)],
+            &[layer(0.6, 1, 7), layer(-0.1, 2, 3)],
+        ] {
+            assert!(matches!(
+                block.layered(wrong),
+                Err(BlockError::Layers { .. })
+            ));
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod block;
 mod box_grid;
 mod cell_split;
 mod defects;
+mod detach;
 mod edit;
 mod fill;
 pub mod format;
@@ -28,6 +29,7 @@ mod tube;
 
 pub use block::{Block, BlockError};
 pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
+pub use detach::Detached;
 pub use edit::{Applied, CutFace, EditError, NewNode, Replaced, Replacement, Side, TopologyEdit};
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};
 pub use grade::{GradeError, Graded, Grading, Zone};

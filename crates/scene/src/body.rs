@@ -11,11 +11,11 @@ use crate::initial_equilibrium::{self, InitialEquilibrium};
 use crate::lumen::Lumen;
 use crate::pieces::Pieces;
 use crate::select;
-use crate::spec::{BodySpec, Selection};
+use crate::spec::{BodySpec, CouplingKind, Selection};
 use crate::surface_edits::{SurfaceEdits, node_areas};
 use microsim_cutting::{SurfaceTriangle, Topology};
 use microsim_mesh::{Surface, TetMesh};
-use microsim_tissue::elements::{CouplingConstants, couple};
+use microsim_tissue::elements::{CoupleError, couple, couple_sliding};
 use microsim_tissue::{Elements, Method, State, TissueModel, build_model, stability};
 use nalgebra::{Matrix3, Vector3};
 use region::SurfaceRegions;
@@ -240,16 +240,19 @@ fn scales(model: &TissueModel) -> (f64, f64) {
 /// The couplings of a body as sets of elements.
 fn couplings(spec: &BodySpec) -> Result<Vec<Arc<dyn Elements>>, SceneError> {
     let sets = spec.couplings.iter().map(|coupling| {
-        let constants = CouplingConstants {
-            stiffness_per_area: coupling.stiffness,
-            break_distance: coupling.break_distance,
+        let (mesh, from, to) = (&spec.mesh, coupling.from, coupling.to);
+        let set: Result<Arc<dyn Elements>, CoupleError> = match &coupling.kind {
+            CouplingKind::Bonded(constants) => {
+                couple(mesh, from, to, constants).map(|set| Arc::new(set) as _)
+            }
+            CouplingKind::Sliding(constants) => {
+                couple_sliding(mesh, from, to, constants).map(|set| Arc::new(set) as _)
+            }
         };
-        let set = couple(&spec.mesh, coupling.from, coupling.to, &constants);
-        let set = set.map_err(|source| SceneError::Couple {
+        set.map_err(|source| SceneError::Couple {
             body: spec.name.clone(),
             source,
-        })?;
-        Ok(Arc::new(set) as Arc<dyn Elements>)
+        })
     });
     sets.collect()
 }

@@ -138,6 +138,27 @@ impl Group {
         self.contact = GroupContact::new(&self.members, bodies, pairs, obstacles, method, model);
     }
 
+    /// Puts elements that slide where a state of the group has put them.
+    pub fn relocate(&mut self, bodies: &mut [Body], state: &State) {
+        let model = match &mut self.union {
+            Some(union) => union,
+            None => &mut bodies[self.members[0].body].model,
+        };
+        if model.relocate(&state.internal) {
+            self.solver.follow(model);
+        }
+    }
+
+    /// The same in the model of each of its bodies.
+    pub fn relocate_members(&mut self, bodies: &mut [Body], states: &[State]) {
+        for member in &self.members {
+            let model = &mut bodies[member.body].model;
+            if model.relocate(&states[member.body].internal) && self.union.is_none() {
+                self.solver.follow(model);
+            }
+        }
+    }
+
     /// The model of its bodies.
     pub fn model<'a>(&'a self, bodies: &'a [Body]) -> &'a TissueModel {
         match &self.union {

@@ -130,9 +130,9 @@ pub use run::{ContactSeries, End, EnergyGrowth, ProbeError, Remarks, Runner, Ser
 pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{
-    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingSpec, CutSpec, IrrigationSpec,
-    Jaw, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec, ObstacleSpec, PartnerSpec,
-    SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
+    BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingKind, CouplingSpec, CutSpec,
+    IrrigationSpec, Jaw, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec, ObstacleSpec,
+    PartnerSpec, SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
 };
 pub use stress::{cauchy_stresses, green_strains, von_mises};
 pub use stretch_guard::TOO_LONG;

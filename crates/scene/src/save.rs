@@ -36,7 +36,7 @@ pub enum RestoreError {
         /// That version.
         found: u32,
     },
-    /// They belong to another scene: numbers of bodies, nodes, groups or cuts differ, or edits do not fit its meshes.
+    /// They belong to another scene: numbers of bodies, nodes, groups or cuts differ, or edits or places on layers do not fit its meshes.
     OtherScene,
     /// They end too early or go on too long.
     Length,
@@ -219,7 +219,10 @@ impl Scene {
                 .collect::<Result<_, _>>()?;
             let internal = (0..body.start.internal.len())
                 .map(|_| reader.f64())
-                .collect::<Result<_, _>>()?;
+                .collect::<Result<Vec<f64>, _>>()?;
+            if !body.model.admits(&internal) {
+                return Err(RestoreError::OtherScene);
+            }
             bodies.push(State {
                 positions,
                 velocities,
@@ -284,6 +287,7 @@ impl Scene {
             doubtful,
             time,
         };
+        self.relocate();
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 use microsim_contact::ObstaclePart;
 use microsim_geometry::{Joint, Pose};
 use microsim_mesh::TetMesh;
+use microsim_tissue::elements::{CouplingConstants, SlidingConstants};
 use microsim_tissue::{Material, Method};
 
 /// Description of a scene. [`SceneSpec::new`] has defaults for all but the bodies and the method.
@@ -81,7 +82,7 @@ pub struct BodySpec {
     pub tear_strains: Vec<(u32, f64)>,
     /// What is held.
     pub clamps: Vec<ClampSpec>,
-    /// Soft couplings between regions.
+    /// Couplings between regions.
     pub couplings: Vec<CouplingSpec>,
     /// Loads on the surface.
     pub loads: Vec<LoadSpec>,
@@ -199,17 +200,24 @@ pub enum LoadKind {
     Traction([f64; 3]),
 }
 
-/// A soft two-sided coupling of the nodes of one region to the surface of another.
+/// What joins the nodes of one region to the surface of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CouplingSpec {
     /// Region whose nodes are coupled.
     pub from: u32,
     /// Region to whose surface they are coupled.
     pub to: u32,
-    /// Stiffness per area \[N/m³\], > 0.
-    pub stiffness: f64,
-    /// Distance at which a node tears off \[m\]; infinite for never.
-    pub break_distance: f64,
+    /// What it does.
+    pub kind: CouplingKind,
+}
+
+/// What a coupling does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CouplingKind {
+    /// It holds until it comes off.
+    Bonded(CouplingConstants),
+    /// It slides with friction.
+    Sliding(SlidingConstants),
 }
 
 /// Where nodes are at the start, and how fast: p = pivot + matrix (p_rest − pivot) + shift. Clamped nodes stay.

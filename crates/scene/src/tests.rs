@@ -11,6 +11,7 @@ mod forces;
 mod hard;
 
 mod irrigation;
+mod layers;
 mod limits;
 mod placements;
 mod residual;

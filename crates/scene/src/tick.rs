@@ -355,6 +355,13 @@ impl Scene {
         (most, jumped)
     }
 
+    /// Puts elements that slide where the states of their bodies have put them.
+    pub(crate) fn relocate(&mut self) {
+        for group in &mut self.groups {
+            group.relocate_members(&mut self.bodies, &self.state.bodies);
+        }
+    }
+
     /// One try of a tick in `count` steps.
     fn attempt(
         &mut self,
@@ -364,6 +371,7 @@ impl Scene {
         budget: &mut Budget,
         exec: &dyn Executor,
     ) -> Result<(Vec<ContactReport>, EdgeLoads, SolverReport), Failure> {
+        self.relocate();
         let start = self.state.bodies.clone();
         let planned = course.planned();
         let edges = self.edges(&planned);
@@ -418,6 +426,7 @@ impl Scene {
             for (index, state) in joined.iter_mut().enumerate() {
                 let group = &mut self.groups[index];
                 group.limit_work(budget.part(count - step));
+                group.relocate(&mut self.bodies, state);
                 let stepped = step_group(
                     group,
                     &self.bodies,
@@ -473,6 +482,7 @@ impl Scene {
         for (group, state) in self.groups.iter().zip(joined) {
             group.split(state, &self.bodies, &mut self.state.bodies);
         }
+        self.relocate();
         for (index, body) in self.bodies.iter().enumerate() {
             let end = &self.state.bodies[index];
             let found = match watches.get(index) {

@@ -34,7 +34,8 @@ table! {
         vessel: Option<String> = identifier(),
         /// Of a tube \[m\]: radius of the lumen.
         inner_radius: Option<f64> = size(),
-        /// Of a tube: the layers of its wall, from the inside.
+        /// Of a tube: the layers of its wall, from the inside. Of a block: its layers along z, from below, as thick and of as many cells in
+        /// sum as it is; one if left out.
         layer: Vec<Layer> [0, 16],
         /// Of a tube \[m\]: along its axis.
         length: Option<f64> = size(),
@@ -64,6 +65,8 @@ table! {
         /// Middle of a block or tube, place of the origin of a file, in the frame of the field \[m\]: origin of the
         /// body's frame.
         centre: [f64; 3] = point() => [0.0, 0.0, 0.0],
+        /// Regions that get nodes of their own where they meet others: layers that a `coupling` joins, or nothing.
+        detached: Vec<u32> [0, 16],
         /// Where its mesh is finer than the generator or file makes it; all of them hold.
         refine: Vec<Refine> [0, 64],
         /// Drag per mass \[1/s\]: a free body loses its speed at this rate.
@@ -81,7 +84,7 @@ table! {
         material: Vec<Material> [1, 64],
         /// What holds some of its nodes.
         clamp: Vec<Clamp> [0, 64],
-        /// What joins regions that have no nodes in common: soft and two-sided.
+        /// What joins regions that have no nodes in common.
         coupling: Vec<Coupling> [0, 16],
         /// What acts on its surface.
         load: Vec<Load> [0, 16],
@@ -131,7 +134,7 @@ terms! {
 }
 
 table! {
-    /// A layer of the wall of a tube.
+    /// A layer of the wall of a tube, or of a block.
     #[derive(Copy)]
     pub struct Layer {
         /// Of the layer \[m\].
@@ -223,7 +226,8 @@ table! {
 }
 
 table! {
-    /// A soft, two-sided coupling of the nodes of one region to the surface of another.
+    /// What joins the nodes of one region to the surface of another, which has other nodes: it holds, and may break (`break_distance`), slides
+    /// with friction (`friction`), or clings and comes off (`strength` with `energy`).
     #[derive(Copy)]
     pub struct Coupling {
         /// Region whose nodes are coupled.
@@ -232,8 +236,15 @@ table! {
         to: u32,
         /// Force per distance and area \[N/m³\].
         stiffness: f64 = quantity(Unit::AreaStiffness, 1.0, 1e15),
-        /// Distance at which a node tears off \[m\]; never if left out.
+        /// Of one that holds: distance at which a node tears off \[m\]; never if left out.
         break_distance: Option<f64> = size(),
+        /// Of one that slides: largest force across the surface over the force with which it is pressed together; the layers stay on each other where
+        /// they are pulled apart, too.
+        friction: Option<f64> = quantity(Unit::Ratio, 0.0, 10.0),
+        /// Of one that clings: force per area from which on it softens \[Pa\].
+        strength: Option<f64> = quantity(Unit::Pressure, 1.0, 1e9),
+        /// Of one that clings: energy per area that it takes off \[J/m²\], at least strength²/(2 stiffness).
+        energy: Option<f64> = quantity(Unit::LengthStiffness, 1e-6, 1e6),
     }
 }
 

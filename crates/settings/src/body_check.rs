@@ -169,6 +169,41 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
                 let key = key.key("coupling").at(c).key("to");
                 reading.complain(&key, "the same region", "another region than `from`");
             }
+            check_coupling(reading, &key.key("coupling").at(c), coupling);
+        }
+    }
+}
+
+/// A coupling holds, slides or clings; one that clings takes at least the energy that it stores at its strength.
+fn check_coupling(reading: &mut Reading, key: &KeyPath, coupling: &Value) {
+    const KINDS: [&str; 3] = ["break_distance", "friction", "strength"];
+    let written: Vec<&str> = KINDS
+        .into_iter()
+        .filter(|kind| reading.is_written(&key.key(kind)))
+        .collect();
+    if let [first, second, ..] = written[..] {
+        let found = format!("`{second}` besides `{first}`");
+        let expected = "one of `break_distance` (holds), `friction` (slides) and `strength` with `energy` (clings)";
+        reading.complain(&key.key(second), &found, expected);
+        return;
+    }
+    match ["strength", "energy"].map(|name| reading.is_written(&key.key(name))) {
+        [true, false] => needs(reading, key, "strength", "energy"),
+        [false, true] => needs(reading, key, "energy", "strength"),
+        _ => {}
+    }
+    let value = |name: &str| coupling[name].as_f64();
+    if let (Some(stiffness), Some(strength), Some(energy)) =
+        (value("stiffness"), value("strength"), value("energy"))
+    {
+        let stored = 0.5 * strength * strength / stiffness;
+        if energy < stored {
+            let found = Unit::LengthStiffness.describe(energy);
+            let expected = format!(
+                "{} or more, what is stored at the strength: strength^2/(2 stiffness)",
+                Unit::LengthStiffness.describe(stored)
+            );
+            reading.complain(&key.key("energy"), &found, &expected);
         }
     }
 }
@@ -250,8 +285,12 @@ fn check_fill(reading: &mut Reading, body: &KeyPath, surface: Option<bool>) {
 /// Holds the keys of a table to its rules; `which` is the generator, law or form.
 fn apply(reading: &mut Reading, table: &KeyPath, rules: &[Rule], which: &str, whose: &str) {
     for rule in rules {
-        let own = rule.of.contains(&which);
-        hold(reading, table, rule.key, own, rule.needed, whose);
+        // Of a block layers may be left out.
+        let (own, needed) = match (which, rule.key) {
+            ("block", "layer") => (true, false),
+            _ => (rule.of.contains(&which), rule.needed),
+        };
+        hold(reading, table, rule.key, own, needed, whose);
     }
 }
 

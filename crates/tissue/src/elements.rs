@@ -23,7 +23,10 @@ pub mod splice;
 pub use constraint::{Areas, Constraint, ConstraintSet, Springs, Volumes};
 pub use continuum::{Continuum, ContinuumSet, Quadratic, Smoothed};
 pub(crate) use coupling::Followed;
-pub use coupling::{CoupleError, Coupling, CouplingConstants, Support, Tie, couple};
+pub use coupling::{
+    Bond, Cohesion, CoupleError, Coupling, CouplingConstants, Sliding, SlidingConstants, Support,
+    Tie, couple, couple_sliding,
+};
 pub use domains::{Domains, Tetrahedra};
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
@@ -178,7 +181,27 @@ pub trait Elements: Any + Debug + Send + Sync {
         false
     }
 
-    /// Energy that flow has dissipated since the start \[J\]; 0 for elements that do not count it.
+    /// Whether these can be internal variables of this set: bytes that were saved may be those of another one.
+    fn admits(&self, _internal: &[f64]) -> bool {
+        true
+    }
+
+    /// Whether elements are where these internal variables state. Those that slide move on to other nodes in a [`flow`](Self::flow);
+    /// [`TissueModel::relocate`](crate::TissueModel::relocate) then puts them there.
+    fn is_in_place(&self, _internal: &[f64]) -> bool {
+        true
+    }
+
+    /// The elements that have other nodes where these internal variables state, ascending.
+    fn moved(&self, _internal: &[f64]) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// Puts elements where internal variables state.
+    fn relocate(&mut self, _internal: &[f64]) {}
+
+    /// Energy that flow, softening and friction have dissipated since the start \[J\], as these internal variables state; 0 for elements that count
+    /// none.
     fn dissipated(&self, _internal: &[f64]) -> f64 {
         0.0
     }

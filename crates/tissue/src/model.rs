@@ -2,6 +2,7 @@
 
 mod error;
 mod parallel;
+mod relocate;
 mod row_sums;
 
 pub use error::ModelError;

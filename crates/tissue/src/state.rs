@@ -64,6 +64,14 @@ impl State {
         energies
     }
 
+    /// Energy that softening of couplings and friction between layers have taken since the start \[J\]; what elements had that are gone
+    /// is not in it.
+    pub fn dissipated(&self, model: &TissueModel) -> f64 {
+        let sets = model.sets().iter().enumerate();
+        sets.map(|(set, elements)| elements.dissipated(&self.internal[model.internal_range(set)]))
+            .sum()
+    }
+
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         // A sum is finite only if all its terms are; one test at the end keeps the loop free of branches. A velocity is a

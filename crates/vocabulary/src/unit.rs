@@ -52,7 +52,7 @@ pub enum Unit {
     Energy,
     /// \[N m\]
     Torque,
-    /// \[N/m\], force per change of a length.
+    /// \[N/m\], force per change of a length; the same as energy per area, \[J/m²\].
     LengthStiffness,
     /// \[N/m³\], force per length and area: that of springs between surfaces, or of plain area springs.
     AreaStiffness,
@@ -220,7 +220,7 @@ impl Unit {
                 ("nJ", Ten(-9)),
             ],
             Unit::Torque => &[("N m", Ten(0)), ("mN m", Ten(-3)), ("uN m", Ten(-6))],
-            Unit::LengthStiffness => &[("N/m", Ten(0)), ("kN/m", Ten(3))],
+            Unit::LengthStiffness => &[("N/m", Ten(0)), ("kN/m", Ten(3)), ("J/m^2", Ten(0))],
             Unit::AreaStiffness => &[("N/m^3", Ten(0)), ("N/mm^3", Ten(9))],
             Unit::VolumeStiffness => &[("N/m^5", Ten(0))],
             Unit::LengthDamping => &[("N s/m", Ten(0)), ("mN s/m", Ten(-3))],

@@ -223,6 +223,7 @@ fn of_body(file: &SceneFile, body: usize) -> Value {
             "coupling": energies.coupling,
             "plastic": energies.plastic,
         },
+        "dissipated": scene.body(body).dissipated(),
     })
 }
 

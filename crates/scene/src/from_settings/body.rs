@@ -5,14 +5,15 @@ use super::fibres::set_directions;
 use super::residual::set_prestretches;
 use super::{Load, selections};
 use crate::spec::{
-    BodySpec, ClampSpec, CouplingSpec, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec,
-    Selection, StartSpec,
+    BodySpec, ClampSpec, CouplingKind, CouplingSpec, LoadKind, LoadSpec, LumenSpec, MotionKey,
+    MotionSpec, Selection, StartSpec,
 };
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
 use microsim_mesh::{
     Arc, Block, GradeError, Grading, Layer, PARTS, TetMesh, Tube, TubeSide, Zone, fill,
 };
 use microsim_settings as settings;
+use microsim_tissue::elements::{Bond, Cohesion, CouplingConstants, SlidingConstants};
 use microsim_tissue::{Discretisation, Material};
 use nalgebra::Vector3;
 use settings::KeyPath;
@@ -28,6 +29,9 @@ pub(super) fn body(
     let mut made = mesh(body, key, load, notes)?;
     if !body.refine.is_empty() {
         made = made.graded(body, key)?;
+    }
+    if !body.detached.is_empty() {
+        made = made.detached(&body.detached, key)?;
     }
     if body.material.iter().any(is_quadratic) {
         let tets = PARTS * made.mesh.tets.len();
@@ -68,8 +72,7 @@ pub(super) fn body(
     let couplings = body.coupling.iter().map(|coupling| CouplingSpec {
         from: coupling.from,
         to: coupling.to,
-        stiffness: coupling.stiffness,
-        break_distance: coupling.break_distance.unwrap_or(f64::INFINITY),
+        kind: kind(coupling),
     });
     let starts = body.start.iter().map(|start| StartSpec {
         nodes: selection(&start.nodes),
@@ -93,6 +96,29 @@ pub(super) fn body(
         start: starts.collect(),
         ends,
         lumen,
+    })
+}
+
+/// What a coupling does: the settings allow one kind.
+fn kind(coupling: &settings::Coupling) -> CouplingKind {
+    let stiffness_per_area = coupling.stiffness;
+    if let Some(friction) = coupling.friction {
+        return CouplingKind::Sliding(SlidingConstants {
+            stiffness_per_area,
+            friction,
+        });
+    }
+    let bond = match (coupling.strength, coupling.energy) {
+        (Some(strength), Some(energy)) => {
+            Bond::Cohesive(Cohesion::new(stiffness_per_area, strength, energy))
+        }
+        _ => Bond::Elastic {
+            break_distance: coupling.break_distance.unwrap_or(f64::INFINITY),
+        },
+    };
+    CouplingKind::Bonded(CouplingConstants {
+        stiffness_per_area,
+        bond,
     })
 }
 
@@ -186,6 +212,26 @@ impl Made {
         })
     }
 
+    /// With regions that have nodes of their own.
+    fn detached(self, regions: &[u32], key: &KeyPath) -> Result<Self, FromSettingsError> {
+        for (index, region) in regions.iter().enumerate() {
+            if !self.mesh.regions.contains(region) {
+                let mut regions = self.mesh.regions;
+                regions.sort_unstable();
+                regions.dedup();
+                let region = *region;
+                let cause = FromSettingsCause::Region { region, regions };
+                return Err(FromSettingsError::new(key.key("detached").at(index), cause));
+            }
+        }
+        let detached = self.mesh.detached(regions);
+        Ok(Self {
+            ends: self.ends.iter().map(|face| detached.faces(face)).collect(),
+            mesh: detached.mesh,
+            tube: self.tube,
+        })
+    }
+
     /// Refined once, for quadratic tetrahedra; those of a tube are curved.
     fn refined(self) -> Self {
         let mut refined = self.mesh.refined();
@@ -257,9 +303,11 @@ fn mesh(
                 cells: cells.map(|n| n as usize),
                 split,
             };
-            let mesh = block
-                .mesh()
-                .map_err(|e| wrong(FromSettingsCause::Block(e)))?;
+            let mesh = match layers(body)[..] {
+                [] => block.mesh(),
+                ref layers => block.layered(layers),
+            };
+            let mesh = mesh.map_err(|e| wrong(FromSettingsCause::Block(e)))?;
             Ok(Made::new(mesh))
         }
         settings::Generator::Tube => {
@@ -269,16 +317,11 @@ fn mesh(
             let cells = |name: &'static str, value: Option<u32>| {
                 value.ok_or_else(|| missing(key.key(name), name))
             };
-            let layers = body.layer.iter().map(|layer| Layer {
-                thickness: layer.thickness,
-                cells: layer.cells as usize,
-                region: layer.region,
-            });
             let tube = Tube {
                 center: body.centre,
                 axis: body.axis.unwrap_or([1.0, 0.0, 0.0]),
                 inner_radius: size("inner_radius", body.inner_radius)?,
-                layers: layers.collect(),
+                layers: layers(body),
                 length: size("length", body.length)?,
                 around: cells("around", body.around)? as usize,
                 along: cells("along", body.along)? as usize,
@@ -308,6 +351,16 @@ fn mesh(
         }
         settings::Generator::File => Ok(Made::new(from_file(body, key, load, notes)?)),
     }
+}
+
+/// The layers of a tube or block.
+fn layers(body: &settings::Body) -> Vec<Layer> {
+    let layers = body.layer.iter().map(|layer| Layer {
+        thickness: layer.thickness,
+        cells: layer.cells as usize,
+        region: layer.region,
+    });
+    layers.collect()
 }
 
 fn from_file(

@@ -3,8 +3,8 @@
 use super::ModelEdit;
 use super::error::EditError;
 use crate::element_index::Index;
-use crate::elements::Coupling;
 use crate::elements::splice::places;
+use crate::elements::{Coupling, Sliding};
 use crate::model::TissueModel;
 use std::any::Any;
 
@@ -90,7 +90,7 @@ impl Plan {
         let foreign = model.sets().iter().enumerate().skip(made.len());
         for (set, elements) in foreign {
             let elements: &dyn Any = &**elements;
-            if !elements.is::<Coupling>() {
+            if !elements.is::<Coupling>() && !elements.is::<Sliding>() {
                 return Err(EditError::Foreign { set });
             }
         }

@@ -5,7 +5,7 @@ use super::plan::Plan;
 use super::state::{ModelChange, SetChange};
 use crate::elements::key::Key;
 use crate::elements::splice::{places, splice};
-use crate::elements::{Coupling, Elements, Followed, patches};
+use crate::elements::{Coupling, Elements, Followed, Sliding, patches};
 use crate::material::{Carried, Part};
 use crate::model::RowSums;
 use crate::model::TissueModel;
@@ -361,9 +361,9 @@ impl TissueModel {
         })
     }
 
-    /// Ties of which a node or the tetrahedron of the point has changed.
+    /// Ties of which a node or the tetrahedron of the point has changed; of those that slide all, as the surface has other faces.
     fn exchange_ties(&self, set: usize, edit: &ModelEdit<'_>, plan: &Plan) -> Option<Exchange> {
-        let coupling = (&*self.sets[set] as &dyn Any).downcast_ref::<Coupling>()?;
+        let elements: &dyn Any = &*self.sets[set];
         let index = self.index();
         let kept = plan.reshaped.iter().chain(&plan.renumbered);
         let kept = kept.map(|(element, _)| &self.tets[*element as usize]);
@@ -377,7 +377,7 @@ impl TissueModel {
         let mut removed: Vec<u32> = found.collect();
         removed.sort_unstable();
         removed.dedup();
-        if removed.is_empty() {
+        if removed.is_empty() && elements.is::<Coupling>() {
             return None;
         }
         let before = plan.nodes_before() as u32;
@@ -394,15 +394,22 @@ impl TissueModel {
             }
             (plan.elements.after(element).into_iter().collect(), false)
         };
-        let (added, ancestors) = coupling.follow(
-            &removed,
-            &Followed {
-                mesh: edit.mesh,
-                rest_positions: &self.rest_positions,
-                copies: &copies,
-                children: &children,
-            },
-        );
+        let followed = Followed {
+            mesh: edit.mesh,
+            rest_positions: &self.rest_positions,
+            copies: &copies,
+            children: &children,
+        };
+        if let Some(sliding) = elements.downcast_ref::<Sliding>() {
+            let (added, ancestors) = sliding.follow(&followed);
+            return Some(Exchange {
+                removed: (0..sliding.count() as u32).collect(),
+                added: Arc::new(added),
+                ancestors,
+            });
+        }
+        let coupling = elements.downcast_ref::<Coupling>()?;
+        let (added, ancestors) = coupling.follow(&removed, &followed);
         Some(Exchange {
             removed,
             added: Arc::new(added),

@@ -2,6 +2,7 @@
 
 mod by_hand;
 mod remedies;
+mod sliding;
 mod solvers;
 mod states;
 

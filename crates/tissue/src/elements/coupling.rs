@@ -1,18 +1,25 @@
-//! Soft couplings between parts: a node tied to a point of another part (adventitia on media, NUMERICS 6).
+//! Couplings between layers: a node tied to a point of another layer (adventitia on media, NUMERICS 6).
 //!
-//! The point is given by barycentric weights of the nodes of a triangle or a tetrahedron. With d = x − Σ b_i x_i the energy
-//! is ½ k |d|²: its forces are opposite on the two sides and act along d, so momentum and angular momentum are conserved, and
-//! its tangent is constant and positive. A tie breaks for ever when |d| grows beyond a distance, or when the element that
-//! owns its point is removed. Whether it is broken is an internal variable: 0 whole, 1 broken.
+//! The point is given by barycentric weights of the nodes of a triangle or a tetrahedron. With d = x − Σ b_i x_i a tie pulls with
+//! a force along d whose size t depends on |d| alone ([`Bond`]): its forces are opposite on the two sides, so momentum and angular
+//! momentum are conserved, and they have a potential. A tie is gone for ever when the element that owns its point is removed.
+//! What a tie has been through is one internal variable.
 //!
-//! Ties are elastic alone: a viscous force along the rate of d would turn the two parts. The parts bring their viscosity.
+//! What is here: ties whose points stay where they are. Those that slide: [`Sliding`]. Ties are elastic but for what they lose
+//! when they come off: a viscous force along the rate of d would turn the two parts. The parts bring their viscosity.
 
+mod bond;
 mod follow;
+mod layer;
 mod pairing;
+mod sliding;
 
+use bond::Pull;
+pub use bond::{Bond, Cohesion};
 pub(crate) use follow::Followed;
 use follow::coordinates;
-pub use pairing::{CoupleError, couple};
+pub use pairing::{CoupleError, couple, couple_sliding};
+pub use sliding::Sliding;
 
 use crate::elements::key::Key;
 use crate::elements::splice::{Inherited, make_room, splice};
@@ -30,18 +37,32 @@ use std::sync::Arc;
 pub struct CouplingConstants {
     /// Stiffness per area of the interface \[N/m³\], > 0.
     pub stiffness_per_area: f64,
-    /// Distance at which a tie breaks \[m\], ≥ 0; infinite for one that holds.
-    pub break_distance: f64,
+    /// How it comes off.
+    pub bond: Bond,
 }
 
 impl CouplingConstants {
     /// Whether all values are in range.
     pub fn check(&self) -> Result<(), MaterialError> {
         positive("stiffness_per_area", self.stiffness_per_area, "> 0 N/m³")?;
-        if self.break_distance == f64::INFINITY {
-            return Ok(());
-        }
-        not_negative("break_distance", self.break_distance, ">= 0 m")
+        self.bond.check(self.stiffness_per_area)
+    }
+}
+
+/// Constants of a coupling that slides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlidingConstants {
+    /// Stiffness per area of the interface \[N/m³\], > 0, along the normal and across it.
+    pub stiffness_per_area: f64,
+    /// Coefficient of friction μ, ≥ 0.
+    pub friction: f64,
+}
+
+impl SlidingConstants {
+    /// Whether all values are in range.
+    pub fn check(&self) -> Result<(), MaterialError> {
+        positive("stiffness_per_area", self.stiffness_per_area, "> 0 N/m³")?;
+        not_negative("friction", self.friction, ">= 0")
     }
 }
 
@@ -113,37 +134,38 @@ impl Stencil {
     }
 }
 
-/// A set of ties that break at one distance.
+/// A set of ties of one bond.
 #[derive(Clone, Debug)]
 pub struct Coupling {
     stencils: Vec<Stencil>,
     stiffness: Vec<f64>,
     elements: Vec<u32>,
-    break_distance: f64,
+    bond: Bond,
 }
 
 impl Coupling {
-    /// The coupling by these ties; `break_distance` \[m\] may be infinite.
-    pub fn new(ties: &[Tie], break_distance: f64) -> Self {
+    /// The coupling by these ties. The lengths of a cohesive bond are those of its constants with `stiffness_per_area` \[N/m³\].
+    pub fn new(ties: &[Tie], bond: Bond) -> Self {
         Self {
             stencils: ties.iter().map(Stencil::of).collect(),
             stiffness: ties.iter().map(|tie| tie.stiffness).collect(),
             elements: ties.iter().map(|tie| tie.element).collect(),
-            break_distance,
+            bond,
         }
     }
 
-    /// Number of whole ties.
-    pub fn whole(internal: &[f64]) -> usize {
-        internal.iter().filter(|&&broken| broken == 0.0).count()
+    /// Number of ties that still pull.
+    pub fn whole(&self, internal: &[f64]) -> usize {
+        internal
+            .iter()
+            .filter(|past| !self.bond.is_off(**past))
+            .count()
     }
 
-    /// k of a tie now: 0 when it is broken. Without internal variables all are whole.
-    fn stiffness_now(&self, element: usize, internal: &[f64]) -> f64 {
-        match internal.get(element) {
-            None | Some(0.0) => self.stiffness[element],
-            Some(_) => 0.0,
-        }
+    /// The pull of a tie at a distance \[m\], by its stiffness. Without internal variables all are as at the start.
+    fn pull(&self, element: usize, distance: f64, internal: &[f64]) -> Pull {
+        let past = internal.get(element).copied().unwrap_or(0.0);
+        self.bond.pull(distance, past)
     }
 }
 
@@ -166,8 +188,8 @@ impl Elements for Coupling {
 
     fn energy(&self, at: &Configuration<'_>) -> f64 {
         let energies = self.stencils.iter().enumerate().map(|(element, stencil)| {
-            let stiffness = self.stiffness_now(element, at.internal);
-            0.5 * stiffness * stencil.offset(at.positions).norm_squared()
+            let distance = stencil.offset(at.positions).norm();
+            self.stiffness[element] * self.pull(element, distance, at.internal).energy
         });
         energies.sum()
     }
@@ -175,8 +197,9 @@ impl Elements for Coupling {
     fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
         for element in range {
             let stencil = &self.stencils[element];
-            let stiffness = self.stiffness_now(element, at.internal);
-            let pull = stencil.offset(at.positions) * -stiffness;
+            let offset = stencil.offset(at.positions);
+            let secant = self.pull(element, offset.norm(), at.internal).secant;
+            let pull = offset * (-secant * self.stiffness[element]);
             for (node, weight) in stencil.weighted() {
                 forces.add(node as u32, pull * weight);
             }
@@ -187,16 +210,28 @@ impl Elements for Coupling {
         &self,
         element: usize,
         at: &Configuration<'_>,
-        _tangent: Tangent,
+        tangent: Tangent,
         out: &mut ElementMatrix,
     ) {
         let stencil = &self.stencils[element];
         out.reset(stencil.count);
-        let stiffness = self.stiffness_now(element, at.internal);
+        let offset = stencil.offset(at.positions);
+        let distance = offset.norm();
+        let Pull { secant, slope, .. } = self.pull(element, distance, at.internal);
+        let mut block = Matrix3::from_diagonal_element(secant * self.stiffness[element]);
+        if slope != secant {
+            // Only beyond its onset, where d has a direction.
+            let slope = match tangent {
+                Tangent::Exact => slope,
+                Tangent::Positive => slope.max(0.0),
+            };
+            let along = offset / distance;
+            let factor = (slope - secant) * self.stiffness[element];
+            block += along * along.transpose() * factor;
+        }
         for i in 0..stencil.count {
             for j in 0..stencil.count {
-                let factor = stiffness * stencil.weights[i] * stencil.weights[j];
-                *out.block_mut(i, j) = Matrix3::identity() * factor;
+                *out.block_mut(i, j) = block * (stencil.weights[i] * stencil.weights[j]);
             }
         }
     }
@@ -247,7 +282,7 @@ impl Elements for Coupling {
         make_room(&mut self.elements);
     }
 
-    /// Whether it is broken is that of the tie it was.
+    /// Its past is that of the tie it was.
     fn inherited(&self, _added: &dyn Elements, ancestors: &[Vec<u32>]) -> Vec<Inherited> {
         let same = ancestors.iter().map(|from| Inherited {
             constant: 0.0,
@@ -257,12 +292,15 @@ impl Elements for Coupling {
     }
 
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], _h: f64) -> bool {
-        for (stencil, broken) in self.stencils.iter().zip(internal) {
-            if stencil.offset(positions).norm() > self.break_distance {
-                *broken = 1.0;
-            }
+        for (stencil, past) in self.stencils.iter().zip(internal) {
+            *past = self.bond.past(stencil.offset(positions).norm(), *past);
         }
         false
+    }
+
+    fn dissipated(&self, internal: &[f64]) -> f64 {
+        let pasts = self.stiffness.iter().zip(internal);
+        pasts.map(|(k, past)| k * self.bond.dissipated(*past)).sum()
     }
 
     fn constraints(&self) -> Option<&dyn Constraints> {
@@ -286,11 +324,12 @@ impl Constraints for Coupling {
         multipliers: &mut [f64],
         h: f64,
     ) {
-        let stiffness = self.stiffness_now(element, internal);
+        let stencil = &self.stencils[element];
+        let distance = stencil.offset(positions).norm();
+        let stiffness = self.stiffness[element] * self.pull(element, distance, internal).secant;
         if stiffness == 0.0 {
             return;
         }
-        let stencil = &self.stencils[element];
         let compliance = 1.0 / (stiffness * h * h);
         let mut resistance = compliance;
         for (node, weight) in stencil.weighted() {

@@ -1,7 +1,7 @@
 //! States that follow: motion, plastic flow, ties.
 
 use super::*;
-use crate::elements::{CouplingConstants, PlasticState, couple};
+use crate::elements::{Bond, CouplingConstants, PlasticState, couple};
 
 /// New nodes move as the line on which they are, moved ones as the tissue where they are now: a linear motion stays one.
 #[test]
@@ -202,7 +202,9 @@ fn tied() -> (TetMesh, TissueModel) {
     mesh.append(&upper, 0);
     let constants = CouplingConstants {
         stiffness_per_area: 1e3,
-        break_distance: 0.2,
+        bond: Bond::Elastic {
+            break_distance: 0.2,
+        },
     };
     let coupling = couple(&mesh, 7, 3, &constants).unwrap();
     let clamped = vec![false; mesh.positions.len()];

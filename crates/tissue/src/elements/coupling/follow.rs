@@ -24,7 +24,7 @@ pub(crate) struct Followed<'a> {
 impl Coupling {
     /// Those of the ties `dirty`, and for each which of them it was.
     pub(crate) fn follow(&self, dirty: &[u32], edit: &Followed<'_>) -> (Self, Vec<Vec<u32>>) {
-        let (mut ties, mut ancestors) = (Self::new(&[], self.break_distance), Vec::new());
+        let (mut ties, mut ancestors) = (Self::new(&[], self.bond), Vec::new());
         for &old in dirty {
             let stencil = &self.stencils[old as usize];
             let (children, divided) = (edit.children)(self.elements[old as usize]);

@@ -1,6 +1,7 @@
 //! Which node of one part is tied to which point of another.
 
-use super::{Coupling, CouplingConstants, Support, Tie, coordinates};
+use super::layer::Layer;
+use super::{Coupling, CouplingConstants, Sliding, SlidingConstants, Support, Tie, coordinates};
 use crate::range::MaterialError;
 use microsim_geometry::{closest_on_triangle, triangle_normal};
 use microsim_mesh::TetMesh;
@@ -8,7 +9,7 @@ use nalgebra::Vector3;
 
 /// Two boundaries farther apart than this fraction of the mean edge length are not one interface. It covers what two
 /// divisions of one curved surface differ by.
-const REACH: f64 = 0.25;
+pub(super) const REACH: f64 = 0.25;
 
 /// Two triangles face each other when the angle between their outward normals is above 120°.
 const FACING: f64 = -0.5;
@@ -48,6 +49,8 @@ struct Face {
     corners: [Vector3<f64>; 3],
     normal: Vector3<f64>,
     element: u32,
+    /// Among all triangles of the boundary.
+    index: u32,
 }
 
 /// Ties every node of the interface of region `from` to region `to`. A node is on the interface when a boundary triangle at
@@ -61,6 +64,36 @@ pub fn couple(
     constants: &CouplingConstants,
 ) -> Result<Coupling, CoupleError> {
     constants.check().map_err(CoupleError::Constants)?;
+    let pairs = pairs(mesh, from, to, constants.stiffness_per_area)?;
+    let ties: Vec<Tie> = pairs.into_iter().map(|(tie, _)| tie).collect();
+    Ok(Coupling::new(&ties, constants.bond))
+}
+
+/// As [`couple`], with ties that slide.
+pub fn couple_sliding(
+    mesh: &TetMesh,
+    from: u32,
+    to: u32,
+    constants: &SlidingConstants,
+) -> Result<Sliding, CoupleError> {
+    constants.check().map_err(CoupleError::Constants)?;
+    let pairs = pairs(mesh, from, to, constants.stiffness_per_area)?;
+    let layer = Layer::new(mesh, to);
+    Ok(Sliding::new(
+        layer,
+        &pairs,
+        constants.friction,
+        &mesh.positions,
+    ))
+}
+
+/// The ties of an interface, each with the number of its triangle among all of the boundary of `to`.
+fn pairs(
+    mesh: &TetMesh,
+    from: u32,
+    to: u32,
+    stiffness_per_area: f64,
+) -> Result<Vec<(Tie, u32)>, CoupleError> {
     let (sources, targets) = (boundary(mesh, from), boundary(mesh, to));
     let mut at_node: Vec<(u32, usize)> = Vec::with_capacity(3 * sources.len());
     for (index, face) in sources.iter().enumerate() {
@@ -87,7 +120,7 @@ pub fn couple(
                 (b - a).cross(&(c - a)).norm() / 6.0
             })
             .sum();
-        ties.push(Tie {
+        let tie = Tie {
             node,
             support: Support::Tet(
                 tet,
@@ -97,19 +130,20 @@ pub fn couple(
                 ),
             ),
             element: target.element,
-            stiffness: constants.stiffness_per_area * area,
-        });
+            stiffness: stiffness_per_area * area,
+        };
+        ties.push((tie, target.index));
     }
     if ties.is_empty() {
         return Err(CoupleError::NoInterface { from, to });
     }
-    Ok(Coupling::new(&ties, constants.break_distance))
+    Ok(ties)
 }
 
 /// The boundary of a region.
 fn boundary(mesh: &TetMesh, region: u32) -> Vec<Face> {
     let faces = mesh.boundary_faces(|element| mesh.regions[element] == region);
-    let face = |(nodes, element): ([u32; 3], u32)| {
+    let face = |(index, (nodes, element)): (u32, ([u32; 3], u32))| {
         let corners = nodes.map(|node| mesh.positions[node as usize]);
         let normal = triangle_normal(&corners)?;
         Some(Face {
@@ -117,9 +151,10 @@ fn boundary(mesh: &TetMesh, region: u32) -> Vec<Face> {
             corners,
             normal,
             element,
+            index,
         })
     };
-    faces.into_iter().filter_map(face).collect()
+    (0..).zip(faces).filter_map(face).collect()
 }
 
 /// The triangle of `targets` nearest to `p` within `reach` that one of `faces` faces.

@@ -5,6 +5,13 @@ use crate::elements::contract;
 use crate::testing::numbers;
 use microsim_mesh::TetMesh;
 
+const HOLDS: Bond = Bond::Elastic {
+    break_distance: f64::INFINITY,
+};
+const BREAKS: Bond = Bond::Elastic {
+    break_distance: 0.5,
+};
+
 fn tie(node: u32, support: Support) -> Tie {
     Tie {
         node,
@@ -24,7 +31,7 @@ fn coupling() -> Coupling {
             ..tie(5, Support::Tet([4, 2, 1, 0], [0.6, 0.7, -0.1, -0.2]))
         },
     ];
-    Coupling::new(&ties, 0.5)
+    Coupling::new(&ties, BREAKS)
 }
 
 #[test]
@@ -38,6 +45,36 @@ fn couplings_keep_the_contract_whole_and_broken() {
     for internal in [[0.0; 3], [0.0, 1.0, 0.0]] {
         contract::check(&coupling(), &cloud(), &cloud(), &internal);
     }
+}
+
+/// Cohesive ties that are intact, soften, have been further apart than now, and are off: lengths of the cloud are about one.
+#[test]
+fn cohesive_couplings_keep_the_contract_in_every_state() {
+    let mut next = numbers();
+    let mut cloud = || -> Vec<Vector3<f64>> {
+        (0..6)
+            .map(|_| Vector3::new(next(), next(), next()))
+            .collect()
+    };
+    let (x, v) = (cloud(), cloud());
+    let distances: Vec<f64> = coupling()
+        .stencils
+        .iter()
+        .map(|stencil| stencil.offset(&x).norm())
+        .collect();
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let furthest = distances.iter().copied().fold(0.0, f64::max);
+    let of = |onset: f64, end: f64| {
+        // Of a stiffness per area of one the strength is the onset.
+        let bond = Bond::Cohesive(Cohesion::new(1.0, onset, 0.5 * onset * end));
+        Coupling { bond, ..coupling() }
+    };
+    let intact = of(1.5 * furthest, 3.0 * furthest);
+    contract::check(&intact, &x, &v, &[0.0; 3]);
+    let softening = of(0.5 * nearest, 2.0 * furthest);
+    contract::check(&softening, &x, &v, &[0.0; 3]);
+    let pasts = [1.2, 0.0, 2.1].map(|factor| factor * furthest);
+    contract::check(&softening, &x, &v, &pasts);
 }
 
 #[test]
@@ -96,7 +133,7 @@ fn a_tie_at_its_point_is_at_rest_and_a_broken_one_exerts_no_force() {
 
 #[test]
 fn ties_break_for_ever_at_their_distance() {
-    let coupling = Coupling::new(&coupling_ties(), 0.5);
+    let coupling = Coupling::new(&coupling_ties(), BREAKS);
     let mut x = vec![Vector3::zeros(); 6];
     let mut internal = coupling.initial_internal();
     x[0].x = 0.499;
@@ -108,7 +145,7 @@ fn ties_break_for_ever_at_their_distance() {
     x[0].x = 0.501;
     coupling.flow(&x, &mut internal, 1e-3);
     assert_eq!(
-        (&internal[..], Coupling::whole(&internal)),
+        (&internal[..], coupling.whole(&internal)),
         (&[1.0, 0.0][..], 1)
     );
     x[0].x = 0.0;
@@ -134,7 +171,7 @@ fn a_projection_of_a_stiff_tie_closes_it_and_conserves_momentum() {
         stiffness: 1e30,
         ..coupling_ties()[0]
     }];
-    let coupling = Coupling::new(&ties, f64::INFINITY);
+    let coupling = Coupling::new(&ties, HOLDS);
     let x: Vec<_> = (0..4)
         .map(|_| Vector3::new(next(), next(), next()))
         .collect();
@@ -166,7 +203,7 @@ fn layers_are_coupled_over_their_interface_at_rest() {
     let mesh = layers();
     let constants = CouplingConstants {
         stiffness_per_area: 5.0,
-        break_distance: f64::INFINITY,
+        bond: HOLDS,
     };
     let coupling = couple(&mesh, 1, 0, &constants).unwrap();
     // Every node of the lower side of the upper layer, rim and corners included, and no other.
@@ -218,7 +255,7 @@ fn layers_with_a_small_gap_are_at_rest_too_and_shared_nodes_are_not_tied() {
     }
     let constants = CouplingConstants {
         stiffness_per_area: 5.0,
-        break_distance: 0.1,
+        bond: BREAKS,
     };
     let coupling = couple(&mesh, 1, 0, &constants).unwrap();
     assert_eq!(coupling.count(), 16);

@@ -1,0 +1,167 @@
+//! Layers that slide and cling, in scenes: the same bits after saving, conservation, energy.
+
+use super::*;
+use microsim_tissue::elements::{Bond, Cohesion, CouplingConstants, SlidingConstants};
+use microsim_tissue::{ContinuumConstants, Discretisation, LawName};
+
+/// A free plate of 6 × 3 mm of two layers; the upper one, region 1, moves at 0.1 m/s along x and is pressed down or lifted by `down` [m/s].
+fn plate(kind: CouplingKind, method: Method, down: f64) -> SceneSpec {
+    let block = Block {
+        center: [0.0; 3],
+        size: [6e-3, 3e-3, 2e-3],
+        cells: [6, 3, 2],
+        split: CellSplit::Kuhn,
+    };
+    let mut mesh = block.mesh().unwrap();
+    let upper = mesh.tets.len() / 2;
+    mesh.regions[upper..].fill(1);
+    let mesh = mesh.detached(&[1]).mesh;
+    let continuum = ContinuumConstants {
+        law: LawName::StableNeoHookean.into(),
+        young: 300e3,
+        poisson: 0.3,
+        discretisation: Discretisation::Tetrahedra,
+    };
+    let material = Material {
+        density: 1060.0,
+        relaxation_time: 0.0,
+        behaviour: Behaviour::Continuum(continuum),
+    };
+    let start = |min: f64, velocity: [f64; 3]| StartSpec {
+        nodes: Selection::Box(BoxSpec {
+            min: [-1.0, -1.0, min],
+            max: [1.0, 1.0, 1.0],
+        }),
+        matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        pivot: [0.0; 3],
+        shift: [0.0; 3],
+        velocity,
+    };
+    let body = BodySpec {
+        materials: vec![(0, material), (1, material)],
+        couplings: vec![CouplingSpec {
+            from: 1,
+            to: 0,
+            kind,
+        }],
+        start: vec![start(0.5e-3, [0.3, 0.0, -down])],
+        ..BodySpec::new("plate", mesh, material)
+    };
+    SceneSpec {
+        gravity: [0.0; 3],
+        ..SceneSpec::new(vec![body], method)
+    }
+}
+
+fn sliding() -> CouplingKind {
+    CouplingKind::Sliding(SlidingConstants {
+        stiffness_per_area: 1e8,
+        friction: 0.2,
+    })
+}
+
+fn clinging() -> CouplingKind {
+    // Off after 0.2 mm.
+    CouplingKind::Bonded(CouplingConstants {
+        stiffness_per_area: 1e8,
+        bond: Bond::Cohesive(Cohesion::new(1e8, 2e3, 0.2)),
+    })
+}
+
+/// Momentum and angular momentum of the first body.
+fn momenta(scene: &Scene) -> [Vector3<f64>; 2] {
+    let body = scene.body(0);
+    let mut sums = [Vector3::zeros(); 2];
+    let nodes = body.positions().iter().zip(body.velocities());
+    for ((x, v), mass) in nodes.zip(body.masses()) {
+        sums[0] += v * *mass;
+        sums[1] += x.cross(v) * *mass;
+    }
+    sums
+}
+
+const STEP: f64 = 0.1e-3;
+
+/// Advances by ticks of half a millisecond.
+fn advance(scene: &mut Scene, ticks: usize, steps: u32) {
+    for _ in 0..ticks {
+        let steps = scene.required_steps(5.0 * STEP).max(steps);
+        scene.tick(&[], 5.0 * STEP, steps, &Serial).unwrap();
+    }
+}
+
+#[test]
+fn a_scene_with_layers_goes_on_from_saved_bytes_bit_for_bit() {
+    for kind in [sliding(), clinging()] {
+        let method = Method::ImplicitEuler(Newton::default());
+        let spec = plate(kind, method, 0.05);
+        let mut scene = Scene::new(&spec).unwrap();
+        // Far enough that nodes have gone on to other elements.
+        advance(&mut scene, 14, 5);
+        assert!(scene.body(0).dissipated() > 0.0);
+        let saved = scene.save();
+        let mut other = Scene::new(&spec).unwrap();
+        let fresh = other
+            .body(0)
+            .model()
+            .sets()
+            .last()
+            .unwrap()
+            .nodes(5)
+            .to_vec();
+        other.restore(&saved).unwrap();
+        let restored = other
+            .body(0)
+            .model()
+            .sets()
+            .last()
+            .unwrap()
+            .nodes(5)
+            .to_vec();
+        assert_eq!(matches!(kind, CouplingKind::Sliding(_)), fresh != restored);
+        assert_eq!(other.body(0).energies(), scene.body(0).energies());
+        for scene in [&mut scene, &mut other] {
+            advance(scene, 6, 5);
+        }
+        assert_eq!(other.save(), scene.save());
+        // And back: the model follows the state.
+        scene.restore(&saved).unwrap();
+        assert_eq!(scene.save(), saved);
+        advance(&mut scene, 6, 5);
+        assert_eq!(other.save(), scene.save());
+    }
+}
+
+#[test]
+fn layers_conserve_momentum_and_what_they_lose_is_counted() {
+    for kind in [sliding(), clinging()] {
+        let spec = plate(kind, Method::StoermerVerlet, 0.05);
+        let mut scene = Scene::new(&spec).unwrap();
+        let before = momenta(&scene);
+        let energy = |scene: &Scene| {
+            let body = scene.body(0);
+            body.energies().total() + body.dissipated()
+        };
+        let first = energy(&scene);
+        advance(&mut scene, 10, 1);
+        let after = momenta(&scene);
+        // Rounding of some thousand steps.
+        let size = before[0].norm();
+        assert!((after[0] - before[0]).norm() < 1e-11 * size);
+        // Ties that cling pull along d, whatever is left of them; those that slide leave a moment of first order in the step.
+        let turned = (after[1] - before[1]).norm() / (size * 1e-3);
+        let bound = match kind {
+            CouplingKind::Bonded(_) => 1e-11,
+            CouplingKind::Sliding(_) => 1e-3,
+        };
+        assert!(turned < bound, "{turned}");
+        // Störmer–Verlet conserves energy to about 1 % at its longest step.
+        let lost = scene.body(0).dissipated();
+        assert!(lost > 0.05 * first, "{lost} of {first}");
+        assert!(
+            (energy(&scene) / first - 1.0).abs() < 0.02,
+            "{} {first}",
+            energy(&scene)
+        );
+    }
+}

@@ -1,0 +1,60 @@
+//! Elements that move on to other nodes: layers that slide on each other.
+
+use super::TissueModel;
+
+impl TissueModel {
+    /// Whether these can be the internal variables of a state of this model, as far as their number and the places that they state go.
+    pub fn admits(&self, internal: &[f64]) -> bool {
+        let count = self.internal.last().map_or(0, |range| range.end);
+        let mut sets = self.sets.iter().zip(&self.internal);
+        internal.len() == count && sets.all(|(set, range)| set.admits(&internal[range.clone()]))
+    }
+
+    /// Puts elements where the internal variables of a state have put them ([`flow`](crate::flow)); returns whether any has other nodes than
+    /// before: then solvers must [follow](crate::Solver::follow). Whoever drives solvers calls it before each step. A model that is not
+    /// in place gives no right energies of the state.
+    pub fn relocate(&mut self, internal: &[f64]) -> bool {
+        let out_of_place = |set: &usize| {
+            let of_set = &internal[self.internal[*set].clone()];
+            !self.sets[*set].is_in_place(of_set)
+        };
+        let sets: Vec<usize> = (0..self.sets.len()).filter(out_of_place).collect();
+        if sets.is_empty() {
+            return false;
+        }
+        let mut moved = vec![Vec::new(); self.sets.len()];
+        let (mut sums, mut index) = (self.row_sums.take(), self.index.take());
+        for set in sets {
+            let of_set = &internal[self.internal[set].clone()];
+            moved[set] = self.sets[set].moved(of_set);
+            let elements = &moved[set];
+            if let Some(index) = &mut index {
+                let set = (index.set_mut(set), &*self.sets[set]);
+                set.0.before_splice(set.1, elements, elements.len());
+            }
+            if let Some(sums) = &mut sums {
+                self.add_rows(set, elements.iter().copied(), -1.0, sums);
+            }
+            self.own_set(set).relocate(of_set);
+            if let Some(sums) = &mut sums {
+                self.add_rows(set, elements.iter().copied(), 1.0, sums);
+            }
+            if let Some(index) = &mut index {
+                index.set_mut(set).after_splice(&*self.sets[set], elements);
+            }
+        }
+        if let Some(sums) = sums {
+            self.row_sums = sums.into();
+        }
+        if let Some(index) = index {
+            self.index.put(index);
+        }
+        if moved.iter().all(Vec::is_empty) {
+            return false;
+        }
+        let placed: Vec<&[u32]> = moved.iter().map(Vec::as_slice).collect();
+        self.follow_parts(&placed);
+        self.components.take();
+        true
+    }
+}
