@@ -80,7 +80,7 @@ fn the_document_is_complete_and_consistent() {
     assert!((drawn - 1.1).abs() < 1e-12, "{drawn}");
 
     // 20 samples after the one at the start.
-    for series in ["t", "kinetic_J", "elastic_J", "plastic_J"] {
+    for series in ["t", "kinetic_J", "elastic_J", "dissipated_J"] {
         assert_eq!(length(&run["series"][series]), 21, "{series}");
     }
     assert_eq!(length(&run["probes"][0]["values"]), 21);

@@ -33,8 +33,8 @@ pub struct Series {
     pub kinetic: Vec<f64>,
     /// Elastic energy of all bodies \[J\].
     pub elastic: Vec<f64>,
-    /// Energy that plastic flow of continua has dissipated in all bodies \[J\].
-    pub plastic: Vec<f64>,
+    /// Energy that plastic flow, softening of couplings and friction between layers have dissipated in all bodies \[J\].
+    pub dissipated: Vec<f64>,
     /// Momentum of all bodies \[kg m/s\].
     pub momentum: Vec<[f64; 3]>,
     /// Fraction of all nodes that are inside what their bodies touch ([`Overlap`](crate::Overlap)); empty without contact.
@@ -458,23 +458,23 @@ impl Runner {
         let edited = self.was_cut()
             || recovered.is_some_and(|(time, _)| *time > self.scene.time() - self.sample);
         self.series.time.push(self.scene.time());
-        let (mut kinetic, mut elastic, mut plastic) = (0.0, 0.0, 0.0);
+        let (mut kinetic, mut elastic, mut dissipated) = (0.0, 0.0, 0.0);
         let mut momentum = Vector3::zeros();
         for body in 0..self.scene.body_count() {
             let energies = self.scene.body(body).energies();
             kinetic += energies.kinetic;
             elastic += energies.elastic();
-            plastic += energies.plastic;
+            dissipated += energies.dissipated;
             momentum += self.scene.body(body).momentum();
         }
         self.series.kinetic.push(kinetic);
         self.series.elastic.push(elastic);
-        self.series.plastic.push(plastic);
+        self.series.dissipated.push(dissipated);
         self.series.momentum.push(momentum.into());
         self.energy.add(
             &self.scene,
             kinetic + elastic,
-            plastic,
+            dissipated,
             &self.contacts,
             edited,
         );

@@ -247,11 +247,6 @@ impl<'a> BodyView<'a> {
         self.state().energies(self.model())
     }
 
-    /// Energy that couplings have taken since the start, as they softened and slid \[J\].
-    pub fn dissipated(&self) -> f64 {
-        self.state().dissipated(self.model())
-    }
-
     /// Elastic and viscous force, weight and loads at each node \[N\]; at a clamped node it is what the clamp bears.
     pub fn forces(&self) -> Vec<Vector3<f64>> {
         let (model, scene) = (self.model(), self.scene);

@@ -59,17 +59,9 @@ impl State {
         for (set, elements) in model.sets().iter().enumerate() {
             let at = self.configuration(model, set);
             *energies.of_kind(elements.kind()) += elements.energy(&at);
-            energies.plastic += elements.dissipated(at.internal);
+            energies.dissipated += elements.dissipated(at.internal);
         }
         energies
-    }
-
-    /// Energy that softening of couplings and friction between layers have taken since the start \[J\]; what elements had that are gone
-    /// is not in it.
-    pub fn dissipated(&self, model: &TissueModel) -> f64 {
-        let sets = model.sets().iter().enumerate();
-        sets.map(|(set, elements)| elements.dissipated(&self.internal[model.internal_range(set)]))
-            .sum()
     }
 
     /// Whether every number is finite.
@@ -177,8 +169,9 @@ pub struct Energies {
     pub strain: f64,
     /// Energy of couplings \[J\].
     pub coupling: f64,
-    /// Energy that plastic flow of continua has dissipated since the start \[J\]: no energy that a body holds, and in no sum.
-    pub plastic: f64,
+    /// Energy that plastic flow of continua, softening of couplings and friction between layers have dissipated since the start \[J\]: no energy
+    /// that a body holds, and in no sum. What elements had dissipated that are gone is not in it.
+    pub dissipated: f64,
 }
 
 impl Energies {

@@ -102,7 +102,7 @@ fn series_of(runner: &Runner) -> Value {
         ("t", json!(series.time)),
         ("kinetic_J", json!(series.kinetic)),
         ("elastic_J", json!(series.elastic)),
-        ("plastic_J", json!(series.plastic)),
+        ("dissipated_J", json!(series.dissipated)),
         ("momentum_kg_m_s", json!(series.momentum)),
     ] {
         entries.insert(key.to_owned(), value);
@@ -221,9 +221,8 @@ fn of_body(file: &SceneFile, body: usize) -> Value {
             "volume": energies.volume,
             "strain": energies.strain,
             "coupling": energies.coupling,
-            "plastic": energies.plastic,
+            "dissipated": energies.dissipated,
         },
-        "dissipated": scene.body(body).dissipated(),
     })
 }
 

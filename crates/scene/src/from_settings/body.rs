@@ -227,6 +227,10 @@ impl Made {
         let detached = self.mesh.detached(regions);
         Ok(Self {
             ends: self.ends.iter().map(|face| detached.faces(face)).collect(),
+            lumen: self.lumen.map(|of| LumenSpec {
+                triangles: detached.faces(&of.triangles),
+                ..of
+            }),
             mesh: detached.mesh,
             tube: self.tube,
         })

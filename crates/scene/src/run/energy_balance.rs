@@ -1,7 +1,7 @@
 //! Whether a run gains energy although nothing does work on it.
 //!
 //! Watched is the time in which nothing moves but what is free, nothing touches, is cut, or is computed again, and no body has a load: there
-//! kinetic, elastic and potential energy together can only fall, by what viscosity, drag and plastic flow take. That of the plastic flow of
+//! kinetic, elastic and potential energy together can only fall, by what viscosity, drag, plastic flow, softening and friction of couplings take. That of the plastic flow of
 //! continua is counted, so it is added: it cannot hide what an integrator gains. What grows all the same is the integrator's.
 
 use super::Contact;
@@ -48,13 +48,13 @@ impl EnergyBalance {
         }
     }
 
-    /// Looks at a sample with this kinetic and elastic energy \[J\], what plastic flow has taken until then \[J\], and what contact did before it;
+    /// Looks at a sample with this kinetic and elastic energy \[J\], what plastic flow and couplings have taken until then \[J\], and what contact did before it;
     /// `edited` if bodies were cut or computed again before it.
     pub fn add(
         &mut self,
         scene: &Scene,
         energy: f64,
-        plastic: f64,
+        dissipated: f64,
         contacts: &[Contact],
         edited: bool,
     ) {
@@ -65,7 +65,7 @@ impl EnergyBalance {
         let touched = contacts
             .iter()
             .any(|contact| contact.weight > 0.0 || contact.depth > 0.0);
-        let total = energy + plastic + potential(scene) - self.start;
+        let total = energy + dissipated + potential(scene) - self.start;
         if touched || edited || scene.time() <= self.last_event {
             self.least = None;
         }

@@ -79,7 +79,7 @@ fn sliding_ties_are_found_where_they_have_come_and_follow_a_cut() {
     let pressed = 0.5 * 1e3 * 1e-4;
     let expected = pressed * (1.0 + 0.04);
     assert!((energy(&model, &state) / expected - 1.0).abs() < 1e-12);
-    let lost = state.dissipated(&model);
+    let lost = state.energies(&model).dissipated;
     assert!(lost > 0.0);
 
     // Edges of the plate below a tie, and its node.
@@ -97,7 +97,7 @@ fn sliding_ties_are_found_where_they_have_come_and_follow_a_cut() {
     assert!(!model.relocate(&state.internal));
     // Plates have moved as wholes: points are where they were.
     assert!((energy(&model, &state) / expected - 1.0).abs() < 1e-12);
-    assert!((state.dissipated(&model) / lost - 1.0).abs() < 1e-12);
+    assert!((state.energies(&model).dissipated / lost - 1.0).abs() < 1e-12);
     // And on.
     state.positions = slid(&model, &after, Vector3::new(0.8, 0.0, -0.01));
     crate::flow(&model, &mut state, 1.0);
@@ -122,7 +122,7 @@ fn damage_is_inherited_by_a_cut_through_an_interface() {
     crate::flow(&model, &mut state, 1.0);
     // t at 0.03 is half of the strength, over an area of 1: area below the law less what is stored.
     let lost = 0.5 * 10.0 * 0.01 + 0.5 * (10.0 + 5.0) * 0.02 - 0.5 * 5.0 * 0.03;
-    assert!((state.dissipated(&model) / lost - 1.0).abs() < 1e-12);
+    assert!((state.energies(&model).dissipated / lost - 1.0).abs() < 1e-12);
     let node = model.sets()[coupling].nodes(4)[0];
     let point = model.sets()[coupling].nodes(2)[1..].to_vec();
     let mut edit = ByHand::new(&mesh);
@@ -131,7 +131,7 @@ fn damage_is_inherited_by_a_cut_through_an_interface() {
     let after = edit.finish();
     state.edit(&edit.apply(&after, &mut model).unwrap());
     assert_eq!(model.sets()[coupling].count(), 10);
-    assert!((state.dissipated(&model) / lost - 1.0).abs() < 1e-12);
+    assert!((state.energies(&model).dissipated / lost - 1.0).abs() < 1e-12);
     let energy = model.sets()[coupling].energy(&state.configuration(&model, coupling));
     assert!(
         (energy / (0.5 * 5.0 * 0.03) - 1.0).abs() < 1e-12,

@@ -259,13 +259,13 @@ fn the_work_on_a_bar_is_its_elastic_and_its_dissipated_energy() {
         assert!(energies.elastic() < 1e-12, "{energies:?}");
         let expected = slope(yielding) * retained;
         let first_order = 0.5 * step * curvature(yielding + step) / slope(yielding);
-        let more = energies.plastic / expected - 1.0;
+        let more = energies.dissipated / expected - 1.0;
         assert!(more > 0.0 && more < first_order, "{more} {first_order}");
         excess.push(more);
         // The third derivative of the energy by a coordinate is that by the strain and what the exponentials of the motion add: within 4 times
         // the second one for strains below one half.
         let rule = (strain + yielding) * step * step / 12.0 * 4.0 * curvature(yielding + step);
-        let missing = work - energies.plastic;
+        let missing = work - energies.dissipated;
         assert!(missing.abs() < rule, "{missing} {rule}");
     }
     // Of first order: with half of the step half of it.
@@ -301,10 +301,10 @@ fn energy_that_moves_is_dissipated_and_nothing_else() {
             .unwrap();
         flow(&model, &mut state, step);
         let energies = state.energies(&model);
-        let drift = (energies.total() + energies.plastic) / start - 1.0;
+        let drift = (energies.total() + energies.dissipated) / start - 1.0;
         assert!(drift.abs() < 0.01, "{drift} {energies:?}");
     }
-    let taken = state.energies(&model).plastic / start;
+    let taken = state.energies(&model).dissipated / start;
     assert!(taken > 0.2, "{taken}");
 }
 

@@ -191,7 +191,8 @@ fn the_elastic_bound_is_the_least_trace_of_a_strain() {
 #[test]
 fn the_energy_that_flow_takes_is_counted() {
     fn check<L: Law>(plasticity: &ContinuumPlasticity, held_back: &mut bool) {
-        let constants = L::constants(&lame(), &L::Parameters::default()).along(Vector3::x());
+        let constants =
+            L::constants(&lame(), &L::Parameters::default()).along([Vector3::x(), Vector3::y()]);
         let mut next = numbers();
         for _ in 0..40 {
             let mut state = PlasticState::START;
