@@ -1,8 +1,8 @@
 //! Bodies of scenes and levels that name a vessel.
 //!
-//! A body that is a tube names one with `vessel`. What the body does not state itself comes from there: axial stretch,
-//! radius of the lumen, thickness, opening angle, region and material of each layer. They are put into the tree of the file before it is read by its schema, so they are held
-//! to the same rules, and everything behind the settings sees a body that states all of it.
+//! What such a body, a tube, does not state itself comes from its vessel: axial stretch, radius of the lumen, toughness, thickness, opening
+//! angle, region and material of each layer. It is put into the tree of the file before that is read by its schema, so it is held to the
+//! same rules, and everything behind the settings sees a body that states all of it.
 
 use crate::document::{Reading, sorted};
 use crate::error::{ConfigError, ConfigErrors, KeyPath, Position};
