@@ -15,7 +15,7 @@ pub fn root(function: &dyn Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64
     if !(below <= 0.0 && above >= 0.0) {
         return f64::NAN;
     }
-    // The rule of false position with the halving of Dowell & Jarratt (1971), which keeps no end for ever.
+    // The rule of false position with the halving of Dowell & Jarratt (1971), so that no end stays for ever.
     let mut last = 0;
     let mut best = if -below < above {
         (low, -below)

@@ -122,7 +122,7 @@ fn the_slit_ring_is_that_of_the_tube() {
         open.inside.radius * sine * 1e3,
     );
     let middle = |wall: &Profile| 0.5 * (wall.inside.radius + wall.outer_radius());
-    // The face that is held keeps the middle of the wall in its place.
+    // The middle of the wall stays in its place where the face is held.
     let aside = middle(&place) - middle(&open) + open.inside.radius * cosine + place.inside.radius;
     assert_near(expected(&scene, "edge-aside") * 1e3, aside * 1e3);
 }
