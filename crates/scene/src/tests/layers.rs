@@ -2,7 +2,8 @@
 
 use super::*;
 use microsim_tissue::elements::{Bond, Cohesion, CouplingConstants, SlidingConstants};
-use microsim_tissue::{ContinuumConstants, Discretisation, LawName};
+use microsim_tissue::law::LawName;
+use microsim_tissue::{ContinuumConstants, Discretisation};
 
 /// A free plate of 6 × 3 mm of two layers; the upper one, region 1, moves at 0.1 m/s along x and is pressed down or lifted by `down` [m/s].
 fn plate(kind: CouplingKind, method: Method, down: f64) -> SceneSpec {

@@ -27,14 +27,14 @@
 //! Faces are flat: on a curved surface a node that slides follows the chords. Faces are found one side alone: nodes of one layer on
 //! faces of the other. An edit of the mesh looks at the whole layer.
 
-use super::layer::Layer;
+use super::layer::{GOES_ON, Layer};
 use super::{Stencil, Support, Tie, coordinates};
 use crate::elements::key::Key;
 use crate::elements::splice::{Inherited, make_room, splice};
 use crate::elements::{
     Configuration, ElementMatrix, Elements, EnergyKind, Followed, NodeWindow, Tangent,
 };
-use microsim_geometry::{closest_on_triangle, triangle_normal};
+use microsim_geometry::closest_on_triangle;
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::ops::Range;
@@ -187,8 +187,10 @@ impl Sliding {
         positions: &[Vector3<f64>],
     ) -> Self {
         let slides = ties.iter().map(|(tie, face)| {
-            let corners = layer.corners(*face, positions);
-            let normal = triangle_normal(&corners).unwrap_or_default();
+            let (corners, normal) = (
+                layer.corners(*face, positions),
+                layer.normal(*face, positions),
+            );
             let height = (positions[tie.node as usize] - corners[0]).dot(&normal);
             let stencil = Stencil::of(tie);
             Slide {
@@ -243,7 +245,7 @@ impl Sliding {
         let offset = Offset::new(d, before);
         let x = &positions[slide.stencil.nodes[0] as usize];
         let (mut after, mut point) = (*before, x - d);
-        let mut normal = self.normal(slide.face, positions);
+        let mut normal = self.layer.normal(slide.face, positions);
         if !offset.sticks() {
             after.lost += before.bound * (offset.distance - before.bound);
             let by = offset.across * (1.0 - before.bound / offset.distance);
@@ -256,7 +258,7 @@ impl Sliding {
                     ..after
                 };
             };
-            normal = self.normal(face, positions);
+            normal = self.layer.normal(face, positions);
             point = foot + normal * before.height;
             let tet = self.layer.faces[face as usize].tet;
             let corners = tet.map(|node| positions[node as usize]);
@@ -268,13 +270,8 @@ impl Sliding {
         after
     }
 
-    /// Outward normal of a face; none of one without area.
-    fn normal(&self, face: u32, positions: &[Vector3<f64>]) -> Vector3<f64> {
-        triangle_normal(&self.layer.corners(face, positions)).unwrap_or_default()
-    }
-
     /// All ties after an edit of the mesh, and which of these it was. A tie is on the face nearest to its point at rest, of those of the
-    /// elements that its element has become.
+    /// elements that its element has become, on the same side of the layer.
     pub(crate) fn follow(&self, edit: &Followed<'_>) -> (Self, Vec<Vec<u32>>) {
         let layer = Layer::new(edit.mesh, self.layer.region);
         let (mut slides, mut ancestors) = (Vec::new(), Vec::new());
@@ -285,12 +282,14 @@ impl Sliding {
             for (node, weight) in slide.stencil.weighted().skip(1) {
                 point -= edit.rest_positions[node] * weight;
             }
-            let of_children = (0u32..)
-                .zip(&layer.faces)
-                .filter(|(_, face)| children.contains(&face.element));
+            let side = self.layer.normal(slide.face, edit.rest_positions);
+            let at_rest = &edit.mesh.positions;
+            let of_children = (0u32..).zip(&layer.faces).filter(|(index, face)| {
+                let normal = layer.normal(*index, at_rest);
+                children.contains(&face.element) && normal.dot(&side) > GOES_ON
+            });
             let apart = of_children.map(|(index, _)| {
-                let corners = layer.corners(index, &edit.mesh.positions);
-                let closest = closest_on_triangle(&point, &corners).point;
+                let closest = closest_on_triangle(&point, &layer.corners(index, at_rest)).point;
                 ((closest - point).norm(), index)
             });
             let nearest = apart.reduce(|best, next| if next.0 < best.0 { next } else { best });
