@@ -43,13 +43,10 @@ use std::sync::Arc;
 /// Internal variables of a tie.
 const BLOCKS: usize = 10;
 
-/// The face of a tie that is free.
-const FREE: f64 = -1.0;
-
 /// What internal variables state of a tie, in their order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
-    /// The face, or [`FREE`].
+    /// The number of the face; of a tie that is free −1 less that of its last one.
     face: f64,
     /// Weights of the last three nodes of the tetrahedron.
     weights: [f64; 3],
@@ -65,7 +62,15 @@ struct Place {
 
 impl Place {
     fn is_free(&self) -> bool {
-        self.face == FREE
+        self.face < 0.0
+    }
+
+    /// The face, or the last one.
+    fn index(&self) -> u32 {
+        match self.is_free() {
+            true => (-1.0 - self.face) as u32,
+            false => self.face as u32,
+        }
     }
 
     fn read(internal: &[f64], element: usize) -> Self {
@@ -109,6 +114,7 @@ struct Slide {
     stiffness: f64,
     /// The face; the last one of a tie that is free.
     face: u32,
+    is_free: bool,
     /// What the internal variables are at the start.
     start: Place,
 }
@@ -197,6 +203,7 @@ impl Sliding {
                 stencil,
                 stiffness: tie.stiffness,
                 face: *face,
+                is_free: false,
                 start: Place {
                     face: f64::from(*face),
                     weights: weights(&stencil),
@@ -217,7 +224,7 @@ impl Sliding {
     /// Number of ties that are not free.
     pub fn held(internal: &[f64]) -> usize {
         let faces = &internal[..internal.len() / BLOCKS];
-        faces.iter().filter(|face| **face != FREE).count()
+        faces.iter().filter(|face| **face >= 0.0).count()
     }
 
     /// d of a tie in its parts, with its stiffness; `None` of one that is free. Without internal variables it sticks: nothing is stiffer.
@@ -254,7 +261,7 @@ impl Sliding {
             let by = by - normal * by.dot(&normal);
             let Some((face, foot)) = self.layer.walk(positions, slide.face, &foot, &by) else {
                 return Place {
-                    face: FREE,
+                    face: -1.0 - before.face,
                     ..after
                 };
             };
@@ -270,12 +277,13 @@ impl Sliding {
         after
     }
 
-    /// All ties after an edit of the mesh, and which of these it was. A tie is on the face nearest to its point at rest, of those of the
+    /// All ties that are not free after an edit of the mesh, and which of these it was. A tie is on the face nearest to its point at rest, of those of the
     /// elements that its element has become, on the same side of the layer.
     pub(crate) fn follow(&self, edit: &Followed<'_>) -> (Self, Vec<Vec<u32>>) {
         let layer = Layer::new(edit.mesh, self.layer.region);
         let (mut slides, mut ancestors) = (Vec::new(), Vec::new());
-        for (old, slide) in self.slides.iter().enumerate() {
+        let held = |(_, slide): &(usize, &Slide)| !slide.is_free;
+        for (old, slide) in self.slides.iter().enumerate().filter(held) {
             let element = self.layer.faces[slide.face as usize].element;
             let (children, _) = (edit.children)(element);
             let mut point = Vector3::zeros();
@@ -314,6 +322,7 @@ impl Sliding {
                     stencil,
                     stiffness: part,
                     face,
+                    is_free: false,
                     start: Place {
                         face: f64::from(face),
                         weights: weights(&stencil),
@@ -483,19 +492,16 @@ impl Elements for Sliding {
     }
 
     fn admits(&self, internal: &[f64]) -> bool {
-        let faces = internal[..self.slides.len()].iter();
-        let is_face = |face: f64| face >= 0.0 && face.fract() == 0.0;
         let count = self.layer.faces.len() as f64;
-        faces
-            .copied()
-            .all(|face| face == FREE || is_face(face) && face < count)
+        let is_face = |face: &f64| face.fract() == 0.0 && (-count..count).contains(face);
+        internal[..self.slides.len()].iter().all(is_face)
     }
 
     fn is_in_place(&self, internal: &[f64]) -> bool {
         self.slides.iter().enumerate().all(|(element, slide)| {
             let place = Place::read(internal, element);
-            place.is_free()
-                || place.face == f64::from(slide.face) && place.weights == weights(&slide.stencil)
+            (place.index(), place.is_free()) == (slide.face, slide.is_free)
+                && place.weights == weights(&slide.stencil)
         })
     }
 
@@ -503,7 +509,7 @@ impl Elements for Sliding {
         let slides = (0u32..).zip(&self.slides).filter(|(element, slide)| {
             let place = Place::read(internal, *element as usize);
             let tet = |face: u32| self.layer.faces[face as usize].tet;
-            !place.is_free() && tet(place.face as u32) != tet(slide.face)
+            tet(place.index()) != tet(slide.face)
         });
         slides.map(|(element, _)| element).collect()
     }
@@ -511,10 +517,7 @@ impl Elements for Sliding {
     fn relocate(&mut self, internal: &[f64]) {
         for (element, slide) in self.slides.iter_mut().enumerate() {
             let place = Place::read(internal, element);
-            if place.is_free() {
-                continue;
-            }
-            slide.face = place.face as u32;
+            (slide.face, slide.is_free) = (place.index(), place.is_free());
             let tet = self.layer.faces[slide.face as usize].tet;
             slide.stencil.nodes[1..].copy_from_slice(&tet);
             let [b, c, d] = place.weights;
