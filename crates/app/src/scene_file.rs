@@ -401,7 +401,7 @@ fn blame(
         let of = spec.bodies.iter().find(|of| of.name == *body);
         if of.is_some_and(|of| share_nodes(&of.mesh, from, to)) {
             return format!(
-                "{place}: regions {from} and {to} of body '{body}' have common nodes, which joins them already: leave the coupling out, or give each region nodes of its own"
+                "{place}: regions {from} and {to} of body '{body}' have common nodes, which joins them already: leave the coupling out, or give each region nodes of its own (`detached`)"
             );
         }
     }

@@ -13,14 +13,14 @@ use std::collections::BTreeSet;
 struct Rule {
     key: &'static str,
     of: &'static [&'static str],
-    needed: bool,
+    needed: &'static [&'static str],
 }
 
 const fn needed(key: &'static str, of: &'static [&'static str]) -> Rule {
     Rule {
         key,
         of,
-        needed: true,
+        needed: of,
     }
 }
 
@@ -28,7 +28,7 @@ const fn allowed(key: &'static str, of: &'static [&'static str]) -> Rule {
     Rule {
         key,
         of,
-        needed: false,
+        needed: &[],
     }
 }
 
@@ -38,7 +38,11 @@ const GENERATOR: [Rule; 16] = [
     needed("cells", &["block"]),
     allowed("vessel", &["tube"]),
     needed("inner_radius", &["tube"]),
-    needed("layer", &["tube"]),
+    Rule {
+        key: "layer",
+        of: &["block", "tube"],
+        needed: &["tube"],
+    },
     needed("length", &["tube"]),
     needed("around", &["tube"]),
     needed("along", &["tube"]),
@@ -285,11 +289,7 @@ fn check_fill(reading: &mut Reading, body: &KeyPath, surface: Option<bool>) {
 /// Holds the keys of a table to its rules; `which` is the generator, law or form.
 fn apply(reading: &mut Reading, table: &KeyPath, rules: &[Rule], which: &str, whose: &str) {
     for rule in rules {
-        // Of a block layers may be left out.
-        let (own, needed) = match (which, rule.key) {
-            ("block", "layer") => (true, false),
-            _ => (rule.of.contains(&which), rule.needed),
-        };
+        let [own, needed] = [rule.of, rule.needed].map(|of| of.contains(&which));
         hold(reading, table, rule.key, own, needed, whose);
     }
 }

@@ -63,10 +63,10 @@ fn sliding() -> CouplingKind {
 }
 
 fn clinging() -> CouplingKind {
-    // Off after 0.2 mm.
+    // Off after 40 um and 0.01 J/m², a third of what moves.
     CouplingKind::Bonded(CouplingConstants {
         stiffness_per_area: 1e8,
-        bond: Bond::Cohesive(Cohesion::new(1e8, 2e3, 0.2)),
+        bond: Bond::Cohesive(Cohesion::new(1e8, 500.0, 0.01)),
     })
 }
 
@@ -125,12 +125,12 @@ fn a_scene_with_layers_goes_on_from_saved_bytes_bit_for_bit() {
         for scene in [&mut scene, &mut other] {
             advance(scene, 6, 5);
         }
-        assert_eq!(other.save(), scene.save());
+        assert!(other.save() == scene.save(), "{kind:?}");
         // And back: the model follows the state.
         scene.restore(&saved).unwrap();
-        assert_eq!(scene.save(), saved);
+        assert!(scene.save() == saved, "{kind:?}");
         advance(&mut scene, 6, 5);
-        assert_eq!(other.save(), scene.save());
+        assert!(other.save() == scene.save(), "{kind:?}");
     }
 }
 
@@ -145,7 +145,7 @@ fn layers_conserve_momentum_and_what_they_lose_is_counted() {
             body.energies().total() + body.energies().dissipated
         };
         let first = energy(&scene);
-        advance(&mut scene, 10, 1);
+        advance(&mut scene, 10, 200);
         let after = momenta(&scene);
         // Rounding of some thousand steps.
         let size = before[0].norm();
@@ -156,13 +156,13 @@ fn layers_conserve_momentum_and_what_they_lose_is_counted() {
             CouplingKind::Bonded(_) => 1e-11,
             CouplingKind::Sliding(_) => 1e-3,
         };
-        assert!(turned < bound, "{turned}");
-        // Störmer–Verlet conserves energy to about 1 % at its longest step.
+        assert!(turned < bound, "{kind:?} {turned}");
+        // Störmer–Verlet oscillates by h ω/2 of the energy of a mode: 2.5 us at some 1e5 1/s, a tenth of it in such modes.
         let lost = scene.body(0).energies().dissipated;
-        assert!(lost > 0.05 * first, "{lost} of {first}");
+        assert!(lost > 0.05 * first, "{kind:?} {lost} of {first}");
         assert!(
             (energy(&scene) / first - 1.0).abs() < 0.02,
-            "{} {first}",
+            "{kind:?} {} {first}",
             energy(&scene)
         );
     }

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 const NONE: u32 = u32::MAX;
 
 /// Beyond an edge a layer goes on where the outward normals of its two faces differ by less than 60° at rest: else it is a rim.
-const GOES_ON: f64 = 0.5;
+pub(super) const GOES_ON: f64 = 0.5;
 
 /// No path in one step crosses more faces: one that does stays where it is then.
 const MOST_FACES: usize = 256;
@@ -91,6 +91,11 @@ impl Layer {
     /// The corners of a face \[m\].
     pub fn corners(&self, face: u32, positions: &[Vector3<f64>]) -> [Vector3<f64>; 3] {
         corners(&self.faces[face as usize].nodes, positions)
+    }
+
+    /// Outward unit normal of a face; zero for one without area.
+    pub fn normal(&self, face: u32, positions: &[Vector3<f64>]) -> Vector3<f64> {
+        triangle_normal(&self.corners(face, positions)).unwrap_or_default()
     }
 
     /// Where a point in the plane of a face comes to by a vector in that plane \[m\]: the face, and the point in its plane; `None` where it

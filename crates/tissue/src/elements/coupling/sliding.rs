@@ -27,14 +27,14 @@
 //! Faces are flat: on a curved surface a node that slides follows the chords. Faces are found one side alone: nodes of one layer on
 //! faces of the other. An edit of the mesh looks at the whole layer.
 
-use super::layer::Layer;
+use super::layer::{GOES_ON, Layer};
 use super::{Stencil, Support, Tie, coordinates};
 use crate::elements::key::Key;
 use crate::elements::splice::{Inherited, make_room, splice};
 use crate::elements::{
     Configuration, ElementMatrix, Elements, EnergyKind, Followed, NodeWindow, Tangent,
 };
-use microsim_geometry::{closest_on_triangle, triangle_normal};
+use microsim_geometry::closest_on_triangle;
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::ops::Range;
@@ -43,13 +43,10 @@ use std::sync::Arc;
 /// Internal variables of a tie.
 const BLOCKS: usize = 10;
 
-/// The face of a tie that is free.
-const FREE: f64 = -1.0;
-
 /// What internal variables state of a tie, in their order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
-    /// The face, or [`FREE`].
+    /// The number of the face; of a tie that is free −1 less that of its last one.
     face: f64,
     /// Weights of the last three nodes of the tetrahedron.
     weights: [f64; 3],
@@ -65,7 +62,15 @@ struct Place {
 
 impl Place {
     fn is_free(&self) -> bool {
-        self.face == FREE
+        self.face < 0.0
+    }
+
+    /// The face, or the last one.
+    fn index(&self) -> u32 {
+        match self.is_free() {
+            true => (-1.0 - self.face) as u32,
+            false => self.face as u32,
+        }
     }
 
     fn read(internal: &[f64], element: usize) -> Self {
@@ -109,6 +114,7 @@ struct Slide {
     stiffness: f64,
     /// The face; the last one of a tie that is free.
     face: u32,
+    is_free: bool,
     /// What the internal variables are at the start.
     start: Place,
 }
@@ -187,14 +193,17 @@ impl Sliding {
         positions: &[Vector3<f64>],
     ) -> Self {
         let slides = ties.iter().map(|(tie, face)| {
-            let corners = layer.corners(*face, positions);
-            let normal = triangle_normal(&corners).unwrap_or_default();
+            let (corners, normal) = (
+                layer.corners(*face, positions),
+                layer.normal(*face, positions),
+            );
             let height = (positions[tie.node as usize] - corners[0]).dot(&normal);
             let stencil = Stencil::of(tie);
             Slide {
                 stencil,
                 stiffness: tie.stiffness,
                 face: *face,
+                is_free: false,
                 start: Place {
                     face: f64::from(*face),
                     weights: weights(&stencil),
@@ -215,7 +224,7 @@ impl Sliding {
     /// Number of ties that are not free.
     pub fn held(internal: &[f64]) -> usize {
         let faces = &internal[..internal.len() / BLOCKS];
-        faces.iter().filter(|face| **face != FREE).count()
+        faces.iter().filter(|face| **face >= 0.0).count()
     }
 
     /// d of a tie in its parts, with its stiffness; `None` of one that is free. Without internal variables it sticks: nothing is stiffer.
@@ -243,7 +252,7 @@ impl Sliding {
         let offset = Offset::new(d, before);
         let x = &positions[slide.stencil.nodes[0] as usize];
         let (mut after, mut point) = (*before, x - d);
-        let mut normal = self.normal(slide.face, positions);
+        let mut normal = self.layer.normal(slide.face, positions);
         if !offset.sticks() {
             after.lost += before.bound * (offset.distance - before.bound);
             let by = offset.across * (1.0 - before.bound / offset.distance);
@@ -252,11 +261,11 @@ impl Sliding {
             let by = by - normal * by.dot(&normal);
             let Some((face, foot)) = self.layer.walk(positions, slide.face, &foot, &by) else {
                 return Place {
-                    face: FREE,
+                    face: -1.0 - before.face,
                     ..after
                 };
             };
-            normal = self.normal(face, positions);
+            normal = self.layer.normal(face, positions);
             point = foot + normal * before.height;
             let tet = self.layer.faces[face as usize].tet;
             let corners = tet.map(|node| positions[node as usize]);
@@ -268,29 +277,27 @@ impl Sliding {
         after
     }
 
-    /// Outward normal of a face; none of one without area.
-    fn normal(&self, face: u32, positions: &[Vector3<f64>]) -> Vector3<f64> {
-        triangle_normal(&self.layer.corners(face, positions)).unwrap_or_default()
-    }
-
-    /// All ties after an edit of the mesh, and which of these it was. A tie is on the face nearest to its point at rest, of those of the
-    /// elements that its element has become.
+    /// All ties that are not free after an edit of the mesh, and which of these it was. A tie is on the face nearest to its point at rest, of those of the
+    /// elements that its element has become, on the same side of the layer.
     pub(crate) fn follow(&self, edit: &Followed<'_>) -> (Self, Vec<Vec<u32>>) {
         let layer = Layer::new(edit.mesh, self.layer.region);
         let (mut slides, mut ancestors) = (Vec::new(), Vec::new());
-        for (old, slide) in self.slides.iter().enumerate() {
+        let held = |(_, slide): &(usize, &Slide)| !slide.is_free;
+        for (old, slide) in self.slides.iter().enumerate().filter(held) {
             let element = self.layer.faces[slide.face as usize].element;
             let (children, _) = (edit.children)(element);
             let mut point = Vector3::zeros();
             for (node, weight) in slide.stencil.weighted().skip(1) {
                 point -= edit.rest_positions[node] * weight;
             }
-            let of_children = (0u32..)
-                .zip(&layer.faces)
-                .filter(|(_, face)| children.contains(&face.element));
+            let side = self.layer.normal(slide.face, edit.rest_positions);
+            let at_rest = &edit.mesh.positions;
+            let of_children = (0u32..).zip(&layer.faces).filter(|(index, face)| {
+                let normal = layer.normal(*index, at_rest);
+                children.contains(&face.element) && normal.dot(&side) > GOES_ON
+            });
             let apart = of_children.map(|(index, _)| {
-                let corners = layer.corners(index, &edit.mesh.positions);
-                let closest = closest_on_triangle(&point, &corners).point;
+                let closest = closest_on_triangle(&point, &layer.corners(index, at_rest)).point;
                 ((closest - point).norm(), index)
             });
             let nearest = apart.reduce(|best, next| if next.0 < best.0 { next } else { best });
@@ -315,6 +322,7 @@ impl Sliding {
                     stencil,
                     stiffness: part,
                     face,
+                    is_free: false,
                     start: Place {
                         face: f64::from(face),
                         weights: weights(&stencil),
@@ -484,19 +492,16 @@ impl Elements for Sliding {
     }
 
     fn admits(&self, internal: &[f64]) -> bool {
-        let faces = internal[..self.slides.len()].iter();
-        let is_face = |face: f64| face >= 0.0 && face.fract() == 0.0;
         let count = self.layer.faces.len() as f64;
-        faces
-            .copied()
-            .all(|face| face == FREE || is_face(face) && face < count)
+        let is_face = |face: &f64| face.fract() == 0.0 && (-count..count).contains(face);
+        internal[..self.slides.len()].iter().all(is_face)
     }
 
     fn is_in_place(&self, internal: &[f64]) -> bool {
         self.slides.iter().enumerate().all(|(element, slide)| {
             let place = Place::read(internal, element);
-            place.is_free()
-                || place.face == f64::from(slide.face) && place.weights == weights(&slide.stencil)
+            (place.index(), place.is_free()) == (slide.face, slide.is_free)
+                && place.weights == weights(&slide.stencil)
         })
     }
 
@@ -504,7 +509,7 @@ impl Elements for Sliding {
         let slides = (0u32..).zip(&self.slides).filter(|(element, slide)| {
             let place = Place::read(internal, *element as usize);
             let tet = |face: u32| self.layer.faces[face as usize].tet;
-            !place.is_free() && tet(place.face as u32) != tet(slide.face)
+            tet(place.index()) != tet(slide.face)
         });
         slides.map(|(element, _)| element).collect()
     }
@@ -512,10 +517,7 @@ impl Elements for Sliding {
     fn relocate(&mut self, internal: &[f64]) {
         for (element, slide) in self.slides.iter_mut().enumerate() {
             let place = Place::read(internal, element);
-            if place.is_free() {
-                continue;
-            }
-            slide.face = place.face as u32;
+            (slide.face, slide.is_free) = (place.index(), place.is_free());
             let tet = self.layer.faces[slide.face as usize].tet;
             slide.stencil.nodes[1..].copy_from_slice(&tet);
             let [b, c, d] = place.weights;
