@@ -41,6 +41,7 @@ fn soft() -> Material {
             young: 1e5,
             poisson: 0.3,
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         }),
     }
 }

@@ -29,6 +29,7 @@ fn bar(method: Method) -> SceneSpec {
             young: YOUNG,
             poisson: 0.0,
             discretisation: Discretisation::Tetrahedra,
+            plasticity: None,
         }),
     };
     let end = |x: f64, motion| ClampSpec {
