@@ -130,6 +130,6 @@ fn a_closed_section_bears_the_whole_pressure() {
         })
         .collect();
     let found = pressures(&lumen, middle, &narrow);
-    let drops = [found[3] - found[4], found[7] - found[8]];
+    let drops = [found[2] - found[3], found[7] - found[8]];
     assert!((drops[1] / drops[0] - 16.0).abs() < 1e-9, "{drops:?}");
 }
