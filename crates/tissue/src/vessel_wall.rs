@@ -56,6 +56,8 @@ pub enum WallError {
         layer: usize,
         /// Radius \[m\].
         radius: f64,
+        /// σ_rr there \[Pa\].
+        stress: f64,
     },
     /// No natural state bears the pressure.
     NoEquilibrium,
@@ -64,9 +66,14 @@ pub enum WallError {
 impl std::fmt::Display for WallError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::NoStretch { layer, radius } => write!(
+            Self::NoStretch {
+                layer,
+                radius,
+                stress,
+            } => write!(
                 f,
-                "layer {layer} of the wall bears no such stress at a radius of {:.4} mm: its radial stretch would be below {} or above {}",
+                "layer {layer} of the wall bears no radial stress of {:.3} kPa, as it would have at a radius of {:.4} mm: its radial stretch would be below {} or above {}",
+                1e-3 * stress,
                 1e3 * radius,
                 STRETCHES[0],
                 STRETCHES[1]
@@ -100,12 +107,12 @@ struct LayerStretches {
 impl VesselWall {
     /// The stretches that are in equilibrium.
     pub fn stretches(&self) -> Result<WallStretches, WallError> {
-        // The stress at the outside grows with λ_θ at the inside. Where a trial has no solution it is taken to bear too much or too little,
-        // by which side of rest it is on.
+        // The stress at the outside grows with λ_θ at the inside. A trial that has no solution ends in a layer that is crushed, where
+        // those inside of it bear too little, or torn apart, where they bear too much.
         let outside = |inner: f64| match self.integrate(inner, None) {
             Ok(stress) => stress,
-            Err(_) if inner > 1.0 => f64::INFINITY,
-            Err(_) => f64::NEG_INFINITY,
+            Err(WallError::NoStretch { stress, .. }) if stress < 0.0 => f64::NEG_INFINITY,
+            Err(_) => f64::INFINITY,
         };
         let [mut low, mut high] = STRETCHES;
         if !(outside(low) < 0.0 && outside(high) > 0.0) {
@@ -146,6 +153,7 @@ impl VesselWall {
                 let none = WallError::NoStretch {
                     layer: index,
                     radius: r,
+                    stress,
                 };
                 radial = self
                     .radial_stretch(layer, around, stress, radial)

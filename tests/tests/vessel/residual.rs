@@ -51,6 +51,7 @@ fn stretches_are_found_from_the_place() {
         (0.49, [OPENING, OPENING]),
         (0.49, [OPENING, 1.0]),
         (0.49, [0.8, OPENING]),
+        (0.45, [OPENING, OPENING]),
     ] {
         let layers = grown(poisson, openings);
         for (pressure, along) in [(0.0, 1.0), (0.0, 1.5), (PRESSURE, 1.0), (PRESSURE, STRETCH)] {
