@@ -152,7 +152,7 @@ fn widening(scene: &Scene, z: f64) -> f64 {
 }
 
 /// The wall is widened where the fluid is, and less towards the free end, where it leaves; in explicit and implicit methods alike. Once
-/// the valve is closed it comes back. Saved on the way there, it goes on with the same bits.
+/// the valve is closed it comes back. Saved meanwhile, it goes on with the same bits.
 #[test]
 fn a_lumen_is_widened_and_comes_back() {
     let newton = Newton {
