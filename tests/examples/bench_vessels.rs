@@ -49,7 +49,7 @@ fn wall() -> TetMesh {
     mesh
 }
 
-/// A wall of one law under way.
+/// A wall of one law, its solver and its times.
 struct Row {
     name: &'static str,
     model: TissueModel,
@@ -151,7 +151,8 @@ fn laws(text: &mut String) {
         rows.iter_mut().for_each(Row::measure);
     }
     let count = mesh.tets.len() as f64;
-    let at = |row: &Row, kind: usize, share| percentile(&row.times[kind], share) * 1e9 / count;
+    let at =
+        |row: &Row, kind: usize, fraction| percentile(&row.times[kind], fraction) * 1e9 / count;
     let base = [0, 1].map(|kind| at(&rows[0], kind, 0.5));
     let _ = writeln!(
         text,
@@ -218,7 +219,7 @@ fn grip(text: &mut String) -> Result<(), String> {
     ] {
         let (times, elements) = pictures(&set)?;
         let mean = times.iter().sum::<f64>() / times.len() as f64;
-        let p = |share| percentile(&times, share);
+        let p = |fraction| percentile(&times, fraction);
         let _ = writeln!(
             text,
             "| {name} | {elements} | {mean:.2} | {:.2} | {:.2} | {:.2} |",

@@ -23,6 +23,9 @@ const STEPS: usize = 128;
 /// λ_θ at the inside is looked for in this range.
 const STRETCHES: [f64; 2] = [0.2, 5.0];
 
+/// And λ_r in this one: of a wall that is stretched five times around and along 1/25 is left.
+const RADIAL_STRETCHES: [f64; 2] = [0.01, 50.0];
+
 /// A layer of a wall in its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallLayer {
@@ -50,7 +53,7 @@ pub struct VesselWall {
 /// Why a wall has no residual state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WallError {
-    /// No stretch between 0.2 and 5 brings this stress about.
+    /// No radial stretch between 0.01 and 50 brings this stress about.
     NoStretch {
         /// The layer.
         layer: usize,
@@ -75,8 +78,8 @@ impl std::fmt::Display for WallError {
                 "layer {layer} of the wall bears no radial stress of {:.3} kPa, as it would have at a radius of {:.4} mm: its radial stretch would be below {} or above {}",
                 1e-3 * stress,
                 1e3 * radius,
-                STRETCHES[0],
-                STRETCHES[1]
+                RADIAL_STRETCHES[0],
+                RADIAL_STRETCHES[1]
             ),
             Self::NoEquilibrium => write!(
                 f,
@@ -201,7 +204,7 @@ impl VesselWall {
     ) -> Option<f64> {
         // P_rr = σ_rr λ_θ λ_z.
         let wanted = stress * around * self.axial_stretch;
-        let [mut low, mut high] = STRETCHES;
+        let [mut low, mut high] = RADIAL_STRETCHES;
         let mut radial = guess.clamp(low, high);
         for _ in 0..100 {
             let (force, slope) = self.radial_force(layer, [radial, around]);
@@ -215,12 +218,13 @@ impl VesselWall {
                 false => 0.5 * (low + high),
             };
             if (next - radial).abs() <= 2.0 * f64::EPSILON * next {
-                let inside = next > STRETCHES[0] * 1.001 && next < STRETCHES[1] * 0.999;
+                let [least, most] = RADIAL_STRETCHES;
+                let inside = next > least * 1.001 && next < most * 0.999;
                 return inside.then_some(next);
             }
             radial = next;
         }
-        Some(radial)
+        None
     }
 
     fn deformation(&self, [radial, around]: [f64; 2]) -> Matrix3<f64> {
