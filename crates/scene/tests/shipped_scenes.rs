@@ -75,6 +75,12 @@ fn a_carotid_inflates_opens_and_draws_back_as_a_tube_without_elements() {
     assert_met(&["carotid-inflate", "ring-open", "carotid-divide"]);
 }
 
+/// In contact, and stretched between clamps.
+#[test]
+fn a_carotid_is_gripped_and_pulled() {
+    assert_met(&["carotid-grip", "carotid-pull"]);
+}
+
 /// The pressure at which a ring buckles is 3 E I/R³ (Levy). At 2.7 of them one that begins flat becomes round, and its radius smaller by
 /// p R²/(E h); at 3.3 it collapses, to whichever side it swings, to the half width of 1.26410 R of the inextensible ring. An error of
 /// 0.4 % in what acts at the middle of the wall, the square of thickness over radius and a little more, is one of 2 % there.
