@@ -53,6 +53,17 @@ fn a_structured_beam_is_as_far_off_as_an_independent_code_has_it() {
     }
 }
 
+/// It is that of the body without residual stress.
+#[test]
+fn residual_stress_changes_nothing() {
+    let materials = material(0.3, Discretisation::Tetrahedra);
+    let mut mesh = beam([6, 2, 2]);
+    let without = estimate(&mesh, &materials);
+    let compressed = Matrix3::from_diagonal(&Vector3::new(0.5, 1.4, 1.4));
+    mesh.prestretches = vec![compressed; mesh.tets.len()];
+    assert_eq!(estimate(&mesh, &materials), without);
+}
+
 /// Without a constant that is fitted to regular meshes it holds on others: a plate whose sag is known from finer meshes.
 #[test]
 fn an_unstructured_plate_that_is_far_off_is_found() {
