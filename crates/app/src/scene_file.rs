@@ -436,6 +436,7 @@ fn key_of(error: &SceneError, bodies: &[settings::Body]) -> KeyPath {
             | BuildError::PrestretchedSprings { region }
             | BuildError::Direction { region, .. }
             | BuildError::Plasticity { region }
+            | BuildError::YieldsAtRest { region, .. }
             | BuildError::Region { region, .. } => {
                 let of = bodies.iter().find(|body| body.name == *name);
                 let materials = of.map(|of| of.material.as_slice()).unwrap_or_default();

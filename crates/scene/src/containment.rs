@@ -160,6 +160,7 @@ impl Scene {
         step_s: f64,
     ) -> Diverged {
         self.state = start;
+        self.relocate();
         Diverged {
             body: failure.body,
             body_name: self.bodies[failure.body].name.clone(),

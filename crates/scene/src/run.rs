@@ -33,7 +33,8 @@ pub struct Series {
     pub kinetic: Vec<f64>,
     /// Elastic energy of all bodies \[J\].
     pub elastic: Vec<f64>,
-    /// Energy that plastic flow, softening of couplings and friction between layers have dissipated in all bodies \[J\].
+    /// Dissipated energy of all bodies \[J\]: what plastic flow of continua, softening of bonds and friction of ties have taken, of elements that
+    /// are still there.
     pub dissipated: Vec<f64>,
     /// Momentum of all bodies \[kg m/s\].
     pub momentum: Vec<[f64; 3]>,

@@ -134,6 +134,11 @@ impl Scene {
 
     /// Back to the state at which the scene was built.
     pub fn reset(&mut self) {
+        if self.edits.is_empty() {
+            // Solvers follow ties back before the bodies are replaced, which have them in place.
+            self.state.bodies = self.bodies.iter().map(|body| body.start.clone()).collect();
+            self.relocate();
+        }
         self.undo_edits();
         let blades = self.state.blades.iter_mut();
         blades.for_each(|blade| *blade = BladeState::default());

@@ -1,12 +1,12 @@
 //! Tearing: tissue that is stretched too far comes apart.
 //!
-//! Stretches are those from the natural state, with the prestretch of an element where it has one, and without plastic flow.
+//! Stretches are those from the natural state: with the prestretch of an element where it has one, and with what has flowed. Tissue that was drawn
+//! out for good bears as much less until it tears as it is longer already.
 //!
-//! Whole elements come apart at their faces. The stretch across a face is that of the fibre along its rest normal n in the elements on both sides, |F n|: the root of the
+//! Whole elements come apart at their faces. The stretch across a face is that of the fibre along its normal n in the natural state in the elements on both sides, |F n|: the root of the
 //! mean square by volume, as energy grows with the square and is stored in volume, so that a small element does not open the face of a large one. A face fails when this exceeds
 //! 1 + the strain that its region bears; between two regions the weaker one counts. Of the faces that do in one tick only those near the worst fail:
-//! what is torn takes the load off the others. The stretch is the whole one from rest, what has flowed included: tissue that was drawn out for good
-//! bears as much less until it tears as it is longer already.
+//! what is torn takes the load off the others.
 //!
 //! Shreds, elements far smaller than the others, as cuts leave them, rupture themselves, at their largest principal stretch, before what their few fibres store could pay for a
 //! face of a whole element (Griffith 1921).

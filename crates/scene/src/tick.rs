@@ -187,6 +187,8 @@ impl Scene {
                             repetitions += 1;
                             ruptured += shreds.iter().map(|(_, of)| of.len() as u32).sum::<u32>();
                             self.state.clone_from(&start);
+                            // An edit takes ties from model and state, so both are those of the start.
+                            self.relocate();
                             self.rupture(&shreds, &mut torn);
                             start.clone_from(&self.state);
                             self.forget(&jumped);

@@ -174,7 +174,7 @@ table! {
     #[derive(Copy)]
     pub struct Plasticity {
         /// Strain from which on the rest size flows; of a continuum the equivalent logarithmic elastic strain, that along a uniaxial stretch
-        /// at constant volume.
+        /// at constant volume, from the natural state: above that of a residual state.
         yield_strain: f64 = ratio(100.0),
         /// Of a continuum: growth of that strain per plastic strain.
         yield_growth: Option<f64> = ratio(1e6),

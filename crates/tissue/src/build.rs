@@ -1,6 +1,6 @@
 //! The model of a body from a mesh and the materials of its regions.
 
-use crate::elements::{Elements, QuadraturePoints};
+use crate::elements::{Elements, QuadraturePoints, equivalent_strain};
 use crate::material::{Behaviour, Material, Part};
 use crate::model::{ModelError, TissueModel};
 use crate::range::MaterialError;
@@ -55,6 +55,17 @@ pub enum BuildError {
         /// The region.
         region: u32,
     },
+    /// The material of a region yields by the prestretch of its elements alone: their residual stress would be gone after one step.
+    YieldsAtRest {
+        /// The region.
+        region: u32,
+        /// The element that is strained most.
+        element: u32,
+        /// Equivalent logarithmic strain of its prestretch.
+        strain: f64,
+        /// The strain at which the material yields.
+        yield_strain: f64,
+    },
     /// The mesh cannot be a body.
     Model(ModelError),
 }
@@ -100,6 +111,15 @@ impl std::fmt::Display for BuildError {
             Self::Plasticity { region } => write!(
                 f,
                 "the material of region {region} cannot flow: plastic flow preserves volumes, and the volumetric part of its law, which its discretisation carries apart, is no function of the volume alone; take tetrahedra, edge-smoothed, node-smoothed or quadratic, or another law"
+            ),
+            Self::YieldsAtRest {
+                region,
+                element,
+                strain,
+                yield_strain,
+            } => write!(
+                f,
+                "the material of region {region} yields at a strain of {yield_strain:.3}, and the residual state of element {element} alone is a strain of {strain:.3}: yielding counts from the natural state, so expected is a larger `yield_strain`, or no residual state"
             ),
             Self::Model(source) => write!(f, "{source}"),
         }
@@ -166,6 +186,9 @@ pub fn build_model(
         if !material.can_flow() {
             return Err(BuildError::Plasticity { region });
         }
+        if let Some(yields) = yields_at_rest(mesh, &elements, region, &material.behaviour) {
+            return Err(yields);
+        }
         for &element in &elements {
             densities[element as usize] = material.density;
         }
@@ -181,4 +204,29 @@ pub fn build_model(
     sets.extend(more);
     let model = TissueModel::new(mesh, &densities, clamped, sets, drag);
     Ok(model.map_err(BuildError::Model)?.made_of(parts))
+}
+
+/// The error if elements with prestretches yield as they lie.
+fn yields_at_rest(
+    mesh: &TetMesh,
+    elements: &[u32],
+    region: u32,
+    behaviour: &Behaviour,
+) -> Option<BuildError> {
+    let Behaviour::Continuum(constants) = behaviour else {
+        return None;
+    };
+    let yield_strain = constants.plasticity?.yield_strain;
+    let strained = elements.iter().filter_map(|&element| {
+        let prestretch = mesh.prestretches.get(element as usize)?;
+        Some((equivalent_strain(prestretch)?, element))
+    });
+    let most = strained.reduce(|most, next| if next.0 > most.0 { next } else { most });
+    let (strain, element) = most.filter(|(strain, _)| *strain > yield_strain)?;
+    Some(BuildError::YieldsAtRest {
+        region,
+        element,
+        strain,
+        yield_strain,
+    })
 }

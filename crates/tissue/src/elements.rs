@@ -31,7 +31,7 @@ pub use domains::{Domains, Tetrahedra};
 pub use matrix::{ElementMatrix, MatrixWindow, Slots};
 pub(crate) use measure::{Area, Length, Measure, Volume};
 pub use plastic::PlasticSet;
-pub(crate) use plastic_flow::BLOCKS;
+pub(crate) use plastic_flow::{BLOCKS, equivalent_strain};
 pub use plastic_flow::{ContinuumPlasticity, PlasticState};
 pub use plasticity::Plasticity;
 pub use quadratic::QuadraturePoints;
@@ -200,8 +200,8 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// Puts elements where internal variables state.
     fn relocate(&mut self, _internal: &[f64]) {}
 
-    /// Energy that flow, softening and friction have dissipated since the start \[J\], as these internal variables state; 0 for elements that count
-    /// none.
+    /// Dissipated energy \[J\] as these internal variables state: what plastic flow of continua, softening of bonds and friction of ties have
+    /// taken, of elements that are still there. 0 for elements that count none.
     fn dissipated(&self, _internal: &[f64]) -> f64 {
         0.0
     }

@@ -169,8 +169,8 @@ pub struct Energies {
     pub strain: f64,
     /// Energy of couplings \[J\].
     pub coupling: f64,
-    /// Energy that plastic flow of continua, softening of couplings and friction between layers have dissipated since the start \[J\]: no energy
-    /// that a body holds, and in no sum. What elements had dissipated that are gone is not in it.
+    /// Dissipated energy \[J\]: what plastic flow of continua, softening of bonds and friction of ties have taken, of elements that are still
+    /// there. No energy that a body holds, and in no sum.
     pub dissipated: f64,
 }
 

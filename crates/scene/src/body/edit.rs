@@ -27,6 +27,7 @@ impl Body {
             element_ids,
             regions,
             directions,
+            prestretches,
             ..
         } = &mut self.mesh;
         let (nodes, elements) = (positions.len() / 2, tets.len() / 2);
@@ -36,6 +37,7 @@ impl Body {
         element_ids.reserve(elements);
         regions.reserve(elements);
         directions.reserve(directions.len() / 2);
+        prestretches.reserve(prestretches.len() / 2);
     }
 
     /// Updates mesh, model and drive after an edit. The surface is then still that of the mesh before. After an error the body is of no

@@ -1,8 +1,9 @@
 //! Whether a run gains energy although nothing does work on it.
 //!
 //! Watched is the time in which nothing moves but what is free, nothing touches, is cut, or is computed again, and no body has a load: there
-//! kinetic, elastic and potential energy together can only fall, by what viscosity, drag, plastic flow, softening and friction of couplings take. That of the plastic flow of
-//! continua is counted, so it is added: it cannot hide what an integrator gains. What grows all the same is the integrator's.
+//! kinetic, elastic and potential energy together can only fall, by what viscosity and drag take, flow of springs, and what is counted as dissipated
+//! energy: what plastic flow of continua, softening of bonds and friction of ties have taken, of elements that are still there. That is added, so
+//! it cannot hide what an integrator gains. What grows all the same is the integrator's.
 
 use super::Contact;
 use crate::scene::Scene;
@@ -48,7 +49,7 @@ impl EnergyBalance {
         }
     }
 
-    /// Looks at a sample with this kinetic and elastic energy \[J\], what plastic flow and couplings have taken until then \[J\], and what contact did before it;
+    /// Looks at a sample with this kinetic and elastic energy \[J\], the energy dissipated until then \[J\], and what contact did before it;
     /// `edited` if bodies were cut or computed again before it.
     pub fn add(
         &mut self,

@@ -215,6 +215,10 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
         stiffer
     }
 
+    fn admits(&self, internal: &[f64]) -> bool {
+        (0..self.count()).all(|element| self.state(internal, element).is_possible())
+    }
+
     fn dissipated(&self, internal: &[f64]) -> f64 {
         let energies = (0..self.count()).map(|element| {
             self.elastic.domains.volume(element) * self.state(internal, element).dissipated

@@ -4,6 +4,9 @@
 //! that an element has taken for good. Flow has no volume, det F_p = 1. Of F_p only the stretch counts: F_p is symmetric, so that fibres lie in
 //! it as they do at rest, and no spin is made up.
 //!
+//! F is that from the natural state: residual strain counts. A body that would yield by it as it lies cannot be built
+//! ([`BuildError::YieldsAtRest`](crate::BuildError::YieldsAtRest)), as its residual stress would be gone after one step.
+//!
 //! An element yields by its logarithmic elastic strain, whatever its law is: with the principal stretches s_i of F_e and the deviator
 //! d_i = ln s_i − ⅓ ln J, the equivalent strain is e = √(2/3) |d| (in uniaxial stretch at constant volume the strain along it). Beyond
 //!
@@ -28,7 +31,7 @@
 use crate::law::decomposition::{SignedSvd, symmetric_eigen};
 use crate::law::{Constants, Law};
 use crate::range::{MaterialError, not_negative, require};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Constants of the plastic flow of a continuum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,13 +191,8 @@ impl ContinuumFlow {
         limit: f64,
     ) -> Option<(Matrix3<f64>, f64)> {
         let svd = SignedSvd::new(elastic);
-        // Also where a number is not finite.
-        if !svd.stretches.iter().all(|s| *s > 0.0 && s.is_finite()) {
-            return None;
-        }
-        let logs = svd.stretches.map(libm::log);
-        let deviator = logs.add_scalar(-logs.sum() / 3.0);
-        let equivalent = (deviator.norm_squared() * (2.0 / 3.0)).sqrt();
+        let deviator = deviator(&svd.stretches)?;
+        let equivalent = equivalent(&deviator);
         let room = self.constants.max_strain - state.strain;
         let flow = ((equivalent - limit) * self.fraction).min(room);
         if flow <= 0.0 || equivalent <= 0.0 {
@@ -206,6 +204,25 @@ impl ContinuumFlow {
         let square = along * Matrix3::from_diagonal(&shrinking) * along.transpose();
         Some((isochoric_root(&square), state.strain + flow))
     }
+}
+
+/// d_i of these principal stretches; none unless all are positive and finite.
+fn deviator(stretches: &Vector3<f64>) -> Option<Vector3<f64>> {
+    if !stretches.iter().all(|s| *s > 0.0 && s.is_finite()) {
+        return None;
+    }
+    let logs = stretches.map(libm::log);
+    Some(logs.add_scalar(-logs.sum() / 3.0))
+}
+
+/// e of d.
+fn equivalent(deviator: &Vector3<f64>) -> f64 {
+    (deviator.norm_squared() * (2.0 / 3.0)).sqrt()
+}
+
+/// The equivalent strain e of a deformation gradient; none of one that is flat, inverted or not finite.
+pub(crate) fn equivalent_strain(f: &Matrix3<f64>) -> Option<f64> {
+    deviator(&SignedSvd::new(f).stretches).map(|deviator| equivalent(&deviator))
 }
 
 /// The symmetric root of a symmetric matrix with positive eigenvalues, scaled to determinant 1.
@@ -299,12 +316,26 @@ impl PlasticState {
         }
     }
 
+    /// Whether flow can have come to this: see the fields.
+    pub(super) fn is_possible(&self) -> bool {
+        let inverse = &self.inverse;
+        let minor = inverse[(0, 0)] * inverse[(1, 1)] - inverse[(0, 1)] * inverse[(1, 0)];
+        let is_positive = inverse[(0, 0)] > 0.0 && minor > 0.0 && inverse.determinant() > 0.0;
+        is_positive
+            && self.blocks().iter().all(|value| value.is_finite())
+            && self.strain >= 0.0
+            && self.stiffening >= 1.0
+            && self.dissipated >= 0.0
+    }
+
     /// The state of which these are the internal variables, after means were taken of them: with a determinant of 1 again. A mean of matrices
     /// with positive eigenvalues and a determinant of 1 has positive ones too, and a determinant of 1 or more (Minkowski): nothing but its
     /// size has to be corrected.
     pub(crate) fn of_means(blocks: &[f64; BLOCKS]) -> Self {
         let mut state = Self::read(blocks, 1, 0);
         state.inverse /= libm::cbrt(state.inverse.determinant());
+        // A mean of ones is one, but for rounding of its weights.
+        state.stiffening = state.stiffening.max(1.0);
         state
     }
 

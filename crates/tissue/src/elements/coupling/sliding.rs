@@ -494,7 +494,11 @@ impl Elements for Sliding {
     fn admits(&self, internal: &[f64]) -> bool {
         let count = self.layer.faces.len() as f64;
         let is_face = |face: &f64| face.fract() == 0.0 && (-count..count).contains(face);
-        internal[..self.slides.len()].iter().all(is_face)
+        let is_possible = |element: usize| {
+            let place = Place::read(internal, element);
+            is_face(&place.face) && place.bound >= 0.0 && place.lost >= 0.0
+        };
+        internal.iter().all(|value| value.is_finite()) && (0..self.slides.len()).all(is_possible)
     }
 
     fn is_in_place(&self, internal: &[f64]) -> bool {

@@ -12,6 +12,7 @@ use crate::model::TissueModel;
 use crate::stability::{SAFETY, stable_step, stable_step_at};
 use crate::state::{Control, State};
 use crate::testing::{block_mesh, fibres, numbers};
+use microsim_mesh::TetMesh;
 use microsim_vocabulary::Discretisation;
 
 const WALL: ContinuumPlasticity = ContinuumPlasticity {
@@ -45,6 +46,24 @@ fn block_of(
     if discretisation.is_quadratic() {
         mesh = mesh.refined().mesh;
     }
+    build(
+        mesh,
+        law,
+        discretisation,
+        plasticity,
+        relaxation_time,
+        poisson,
+    )
+}
+
+fn build(
+    mut mesh: TetMesh,
+    law: LawName,
+    discretisation: Discretisation,
+    plasticity: ContinuumPlasticity,
+    relaxation_time: f64,
+    poisson: f64,
+) -> Result<TissueModel, BuildError> {
     fibres(&mut mesh);
     let material = Material {
         density: 1.0,
@@ -413,4 +432,73 @@ fn stiffening_shortens_the_step_of_explicit_methods() {
         one.write(&mut state.internal, count, element);
     }
     assert_eq!(stable_step_at(&model, &state, SAFETY), 0.5 * before);
+}
+
+/// The equivalent strain of a stretch at constant volume is its logarithm along it, whatever the frame. Up to the yield strain nothing flows where the
+/// body lies in its mesh, and beyond it is refused, with the element and its strain.
+#[test]
+fn a_body_that_yields_by_its_prestretch_is_refused() {
+    let turn = nalgebra::Rotation3::from_euler_angles(0.4, -0.7, 1.1).into_inner();
+    for discretisation in Discretisation::ALL {
+        let built = |strain: f64| {
+            let mut mesh = block_mesh([1.0; 3], [1, 1, 1]);
+            if discretisation.is_quadratic() {
+                mesh = mesh.refined().mesh;
+            }
+            let across = libm::exp(-0.5 * strain);
+            let stretch = Vector3::new(libm::exp(strain), across, across);
+            let prestretch = turn * Matrix3::from_diagonal(&stretch) * turn.transpose();
+            mesh.prestretches = vec![prestretch; mesh.tets.len()];
+            build(mesh, LawName::NeoHookean, discretisation, WALL, 0.0, 0.4)
+        };
+        let model = built(0.049).unwrap();
+        let mut state = State::at_rest(&model);
+        flow(&model, &mut state, 1.0);
+        assert_eq!(state, State::at_rest(&model), "{discretisation:?}");
+        let error = built(0.53).unwrap_err();
+        let BuildError::YieldsAtRest {
+            region: 0,
+            strain,
+            yield_strain: 0.05,
+            ..
+        } = error
+        else {
+            panic!("{error}");
+        };
+        assert!((strain - 0.53).abs() < 1e-12, "{strain}");
+        assert!(error.to_string().contains("strain of 0.530"), "{error}");
+    }
+}
+
+/// Flow makes an F_p that is symmetric with positive eigenvalues, and sums that only grow; saved values that it cannot make are refused.
+#[test]
+fn values_that_no_flow_makes_are_refused() {
+    let (law, of) = (LawName::NeoHookean, Discretisation::Tetrahedra);
+    let model = block(law, of, WALL, 0.0).unwrap();
+    let start = State::at_rest(&model);
+    assert!(model.admits(&start.internal));
+    let flowed = pull(&model, 0.45, 40);
+    assert_ne!(flowed.internal, start.internal);
+    assert!(model.admits(&flowed.internal));
+    let count = model.sets()[0].count();
+    let with = |block: usize, value: f64| {
+        let mut internal = flowed.internal.clone();
+        internal[(block + 1) * count - 1] = value;
+        model.admits(&internal)
+    };
+    // Diagonal of F_p⁻¹ (0 to 2), beside it (3 to 5), p, g, dissipated energy.
+    for (block, value) in [
+        (0, -1.0),
+        (1, 0.0),
+        (2, -1.0),
+        (4, f64::NAN),
+        (5, 10.0),
+        (6, -1e-3),
+        (7, 0.999),
+        (7, f64::INFINITY),
+        (8, -1e-3),
+    ] {
+        assert!(!with(block, value), "{block} {value}");
+    }
+    assert!(with(6, 0.1) && with(7, 1.5) && with(8, 0.1));
 }

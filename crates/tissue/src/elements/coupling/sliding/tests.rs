@@ -59,6 +59,29 @@ fn step(set: &mut Sliding, x: &[Vector3<f64>], internal: &mut [f64]) {
     assert!(set.is_in_place(internal));
 }
 
+/// A bound is a force and a loss a work of friction: neither is negative, and all is finite.
+#[test]
+fn places_that_no_slide_reaches_are_refused() {
+    let mesh = layers();
+    let mut set = sliding(&mesh);
+    let mut internal = set.initial_internal();
+    for x in [0.1, 0.4] {
+        step(&mut set, &moved(&mesh, [x, 0.0, -PRESSED]), &mut internal);
+    }
+    assert!(set.admits(&internal));
+    assert!(set.dissipated(&internal) > 0.0);
+    let with = |block: usize, value: f64| {
+        let mut internal = internal.clone();
+        internal[block * set.count() + 1] = value;
+        set.admits(&internal)
+    };
+    for block in 0..BLOCKS {
+        assert!(!with(block, f64::NAN) && !with(block, f64::INFINITY));
+    }
+    assert!(!with(8, -1e-9) && !with(9, -1e-9));
+    assert!(with(8, 0.0) && with(9, 0.0));
+}
+
 #[test]
 fn sliding_ties_keep_the_contract_while_they_stick() {
     let mesh = layers();
