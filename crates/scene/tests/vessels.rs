@@ -104,8 +104,8 @@ fn the_open_wall_of_the_rabbit_s_carotid_comes_back() {
 }
 
 /// The rabbit's carotid in place, stretched by 1.7: a small disturbance of its equilibrium stays small up to the limit that is predicted for it, and
-/// grows beyond. The prediction is between the limit and 1/√1.1 of it, so at 1.1 times of it a step is beyond; free of stress in the
-/// same shape the wall allows longer ones than that.
+/// grows beyond. The prediction is between the limit and 1/√1.1 of it, so at 1.1 times of it a step is beyond. The first step
+/// is from rest: no time has passed in the search for the equilibrium.
 #[test]
 fn the_limit_of_a_carotid_in_place_is_that_of_the_stretched_wall() {
     let vessel = vessel("rabbit-carotid");
@@ -120,39 +120,41 @@ fn the_limit_of_a_carotid_in_place_is_that_of_the_stretched_wall() {
     assert!((body.initial_stretch() / stretch - 1.0).abs() < 1e-12);
     assert_eq!(body.working_stretch(), body.initial_stretch());
     let model = body.model();
-    let largest = |h: f64| {
-        let mut solver = Method::StoermerVerlet.solver(model).expect("a solver");
-        let mut state = body.state().clone();
-        let start = state.positions.clone();
-        for (node, position) in state.positions.iter_mut().enumerate() {
+    let disturbance = 1e-6 * body.mean_edge_length();
+    // What a disturbance becomes in 400 steps, as a multiple of it: the difference to the motion without.
+    let growth = |h: f64| {
+        let mut calm = body.state().clone();
+        let mut disturbed = calm.clone();
+        for (node, position) in disturbed.positions.iter_mut().enumerate() {
             if !model.is_clamped(node) {
-                // Without symmetry, 1e-9 of an edge.
+                // Without symmetry.
                 let phase = node as f64;
                 let shift = Vector3::new((3.1 * phase).sin(), (5.3 * phase).sin(), phase.cos());
-                *position += shift * (1e-9 * body.mean_edge_length());
+                *position += shift * disturbance;
             }
         }
-        let mut largest = 0.0_f64;
+        let mut solvers = [(); 2].map(|()| Method::StoermerVerlet.solver(model).expect("a solver"));
         for _ in 0..400 {
             let control = Control::default();
-            let done = solver.step(model, &mut state, &control, &[], h, &Serial);
-            let moved = state.positions.iter().zip(&start);
-            let moved = moved.map(|(now, from)| (now - from).norm());
-            largest = moved.fold(largest, f64::max);
-            if done.is_err() || !largest.is_finite() || largest > body.mean_edge_length() {
-                return f64::INFINITY;
+            for (solver, state) in solvers.iter_mut().zip([&mut calm, &mut disturbed]) {
+                if solver
+                    .step(model, state, &control, &[], h, &Serial)
+                    .is_err()
+                {
+                    return f64::INFINITY;
+                }
             }
         }
-        largest / (1e-9 * body.mean_edge_length())
+        let apart = calm.positions.iter().zip(&disturbed.positions);
+        let apart = apart.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        if apart.is_finite() {
+            apart / disturbance
+        } else {
+            f64::INFINITY
+        }
     };
     let limit = body.stable_step() / SAFETY;
-    let (below, beyond) = (largest(limit), largest(1.1 * limit));
-    println!("predicted {limit:e}: {below} {beyond}");
-    assert!(below < 1e3, "{below}");
-    assert!(beyond > 1e6, "{beyond}");
-    spec.bodies[0].mesh.prestretches.clear();
-    let natural = Scene::new(&spec).expect("a carotid without stress");
-    let natural = natural.body(0).stable_step() / SAFETY;
-    println!("free of stress {natural:e}");
-    assert!(natural > 1.1 * limit, "{natural} {limit}");
+    let (below, beyond) = (growth(limit), growth(1.1 * limit));
+    assert!(below < 100.0, "{below}");
+    assert!(beyond > 1e4, "{beyond}");
 }
