@@ -201,7 +201,8 @@ fn check_scene(
     let (step, of) = (scene.runner.step(), scene.runner.scene());
     warnings.extend(working_step::warnings(&place, step, of));
     if meshes == Meshes::Estimated {
-        statements.extend(working_step::statements(scene.runner.scene()));
+        let stated = working_step::statements(&scene.spec, scene.runner.scene());
+        statements.extend(stated.map_err(|e| e.to_string())?);
         warnings.extend(discretisation::warnings(
             document,
             &scene.spec,

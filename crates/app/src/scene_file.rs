@@ -139,7 +139,7 @@ impl SceneFile {
         )
     }
 
-    /// What else should be known of how the run went: that it gains energy, or that cut pieces fall too slowly.
+    /// What else should be known of how the run went: that it gains energy, that steps were shortened, or that cut pieces fall too slowly.
     pub fn run_sentences(&self) -> Vec<String> {
         let growth = self.runner.energy_growth().map(|growth| {
             format!(
@@ -148,8 +148,17 @@ impl SceneFile {
                 settings::Unit::Time.describe(growth.since)
             )
         });
+        let stiffened = self.runner.remarks().stiffened.map(|stiffened| {
+            format!(
+                "Tissue stiffened as it was stretched or flowed: since {} steps were shortened in {} ticks, from {} to {} at the shortest",
+                settings::Unit::Time.describe(stiffened.since),
+                stiffened.ticks,
+                microseconds(self.runner.step()),
+                microseconds(stiffened.shortest_step)
+            )
+        });
         let slow = self.slow_pieces();
-        growth.into_iter().chain(slow).collect()
+        growth.into_iter().chain(stiffened).chain(slow).collect()
     }
 
     /// That pieces that were cut off fall more slowly than they would, as the inertia that explicit methods give nodes at a cut has no

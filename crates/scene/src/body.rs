@@ -141,6 +141,11 @@ impl Body {
                 &name, &model, &drive, &mut start,
             )?),
         };
+        let mut stable_step = stable_step(method, &model, &State::at_rest(&model));
+        if initial_equilibrium.is_some() && method.is_explicit() {
+            // Beside its mesh elements are stretched a little further, or less.
+            stable_step = stable_step.min(limited_step(method, &model, &start));
+        }
         for (index, part) in spec.start.iter().enumerate() {
             let matrix = Matrix3::from_fn(|row, column| part.matrix[row][column]);
             let pivot = origin + Vector3::from(part.pivot);
@@ -159,7 +164,6 @@ impl Body {
                 Some(Lumen::new(of, mesh).ok_or_else(|| SceneError::Lumen { body: name.clone() })?)
             }
         };
-        let stable_step = stable_step(method, &model, &State::at_rest(&model));
         let (energy_scale, force_scale) = scales(&model);
         let mut body = Self {
             opened: vec![false; surface.triangles.len()],

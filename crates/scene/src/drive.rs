@@ -186,6 +186,47 @@ impl Drive {
         !self.clamps.iter().all(|clamp| still(&clamp.motion)) || !self.grips.iter().all(stays)
     }
 
+    /// The largest stretch between two that hold the body, centre to centre over that at rest, at the times of their keys; 1 where nothing
+    /// is drawn out. Those nearer than `least` \[m\] are not looked at.
+    pub fn largest_stretch(&self, least: f64) -> f64 {
+        let clamps = self.clamps.iter().map(|clamp| {
+            let places: Vec<Vector3<f64>> = clamp.nodes.iter().map(|held| held.rest).collect();
+            (clamp.motion.as_ref(), places, f64::INFINITY)
+        });
+        let grips = self.grips.iter().map(|grip| {
+            let places: Vec<Vector3<f64>> = grip.nodes.iter().map(|(_, rest)| *rest).collect();
+            (grip.motion.as_ref(), places, grip.release)
+        });
+        let holders = clamps
+            .chain(grips)
+            .filter(|(_, places, _)| !places.is_empty());
+        // Motions are rigid: the centre of what they hold goes with them.
+        let holders: Vec<(Option<&Motion>, Vector3<f64>, f64)> = holders
+            .map(|(motion, places, release)| {
+                let centre = places.iter().sum::<Vector3<f64>>() / places.len() as f64;
+                (motion, centre, release)
+            })
+            .collect();
+        let mut largest: f64 = 1.0;
+        for (index, (motion, centre, release)) in holders.iter().enumerate() {
+            for (other, from, until) in &holders[..index] {
+                let length = (centre - from).norm();
+                if length < least {
+                    continue;
+                }
+                let keys = [motion, other].into_iter().copied().flatten();
+                let times = keys.flat_map(|motion| motion.keys.iter().map(|(time, _, _)| *time));
+                let until = release.min(*until);
+                let times = times.map(|time| time.min(until));
+                let stretches = times.map(|time| {
+                    (placed(*motion, centre, time) - placed(*other, from, time)).norm() / length
+                });
+                largest = stretches.fold(largest, f64::max);
+            }
+        }
+        largest
+    }
+
     /// What drives the body in the step that ends at `time` \[s\].
     pub fn control(&self, gravity: &Vector3<f64>, time: f64) -> Control {
         let mut control = Control {

@@ -52,6 +52,8 @@ pub(crate) fn find(
                 _ => PrestretchError::NotFound,
             })
         })?;
+    // No time has passed: a leapfrog would take the step of the search for one that it has made, and kick by its length.
+    state.step = 0.0;
     let places = state.positions.iter().zip(model.rest_positions());
     let shift = places
         .map(|(now, mesh)| (now - mesh).norm())

@@ -104,6 +104,7 @@ mod tick;
 mod tool;
 mod validity;
 mod view;
+mod working_step;
 
 pub use body::CutTally;
 pub use cut_report::{CutReport, RejectedCut};
@@ -126,7 +127,9 @@ pub use report::{
     ContactPartner, ContactReport, MANY_SUBSTEPS, PartReport, Recovery, RegionReport, SolverReport,
     TickReport,
 };
-pub use run::{ContactSeries, End, EnergyGrowth, ProbeError, Remarks, Runner, Series, Verdict};
+pub use run::{
+    ContactSeries, End, EnergyGrowth, ProbeError, Remarks, Runner, Series, Stiffened, Verdict,
+};
 pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{

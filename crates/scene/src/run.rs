@@ -186,6 +186,19 @@ pub struct Remarks {
     pub cuts: Vec<(f64, CutReport)>,
     /// What could not be cut.
     pub rejected: Vec<(f64, RejectedCut)>,
+    /// That steps were shortened as tissue had stiffened.
+    pub stiffened: Option<Stiffened>,
+}
+
+/// Steps that were shortened as plastic flow or stretch had made tissue stiffer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffened {
+    /// In how many ticks.
+    pub ticks: u64,
+    /// The first of them \[s\].
+    pub since: f64,
+    /// The shortest \[s\].
+    pub shortest_step: f64,
 }
 
 impl Runner {
@@ -347,6 +360,19 @@ impl Runner {
         let recoveries = report.recoveries.into_iter();
         self.recoveries.extend(recoveries.map(|r| (time, r)));
         self.remarks.most_substeps = self.remarks.most_substeps.max(report.substeps);
+        if report.stiffened {
+            let bodies = self.scene.bodies();
+            let step = bodies
+                .map(|body| body.stable_step())
+                .fold(f64::INFINITY, f64::min);
+            let of = self.remarks.stiffened.get_or_insert(Stiffened {
+                ticks: 0,
+                since: time - length,
+                shortest_step: step,
+            });
+            of.ticks += 1;
+            of.shortest_step = of.shortest_step.min(step);
+        }
         let jumps = report.jumped.into_iter();
         self.remarks.jumps.extend(jumps.map(|tool| (time, tool)));
         let cuts = report.cuts.into_iter();

@@ -1,13 +1,13 @@
 //! What can be read of one body of a scene.
 
-use crate::body::{Body, CutTally, limited_step};
+use crate::body::{Body, CutTally};
 use crate::initial_equilibrium::InitialEquilibrium;
 use crate::scene::Scene;
 use crate::select;
 use crate::spec::Selection;
 use microsim_geometry::signed_volume;
 use microsim_mesh::{Surface, TetMesh};
-use microsim_tissue::{Energies, Forces, Serial, State, TissueModel, stability};
+use microsim_tissue::{Energies, Forces, Serial, State, TissueModel};
 use nalgebra::Vector3;
 
 /// Read access to one body of a scene.
@@ -52,7 +52,7 @@ impl Scene {
 }
 
 impl<'a> BodyView<'a> {
-    fn parts(&self) -> &'a Body {
+    pub(crate) fn parts(&self) -> &'a Body {
         &self.scene.bodies[self.index]
     }
 
@@ -207,19 +207,6 @@ impl<'a> BodyView<'a> {
     /// Longest step \[s\] that it allows, safety factor included; infinite for a method without a limit.
     pub fn stable_step(&self) -> f64 {
         self.scene.state.stable_steps[self.index]
-    }
-
-    /// Longest step \[s\] that it would allow if it were [stretched](stability::stretched) by the factor `stretch` from its shape at
-    /// rest, along that axis along which it is the shortest; safety factor included, infinite for a method without a limit.
-    pub fn stretched_step(&self, stretch: f64) -> f64 {
-        if !self.scene.method.is_explicit() {
-            return f64::INFINITY;
-        }
-        let steps = (0..3).map(|axis| {
-            let shape = stability::stretched(self.model(), stretch, axis);
-            limited_step(&self.scene.method, self.model(), &shape)
-        });
-        steps.fold(f64::INFINITY, f64::min)
     }
 
     /// Volume \[m³\].

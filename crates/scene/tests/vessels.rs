@@ -2,8 +2,9 @@
 
 use microsim_scene::{End, Runner, Scene, SceneSpec, Serial, scene_spec};
 use microsim_settings::{self as settings, Vessel, load_vessel, read_scene_with};
-use microsim_tissue::Behaviour;
+use microsim_tissue::stability::SAFETY;
 use microsim_tissue::vessel_wall::{VesselWall, WallLayer};
+use microsim_tissue::{Behaviour, Control, Method};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -103,4 +104,60 @@ fn the_open_wall_of_the_rabbit_s_carotid_comes_back() {
     let inner = vessel.inner_radius.value;
     let open = closing * inner / stretches.at(inner)[1];
     assert!((open / 1.43e-3 - 1.0).abs() < 0.023, "{open}");
+}
+
+/// The rabbit's carotid in place, stretched by 1.7: a small disturbance of its equilibrium stays small up to the limit that is predicted for it, and
+/// grows beyond. The prediction is between the limit and 1/√1.1 of it, so at 1.1 times of it a step is beyond. The first step
+/// is from rest: no time has passed in the search for the equilibrium.
+#[test]
+fn the_limit_of_a_carotid_in_place_is_that_of_the_stretched_wall() {
+    let vessel = vessel("rabbit-carotid");
+    let (_, mut spec) = piece("rabbit-carotid", &vessel);
+    spec.method = Method::StoermerVerlet;
+    for (_, material) in &mut spec.bodies[0].materials {
+        material.relaxation_time = 0.0;
+    }
+    let scene = Scene::new(&spec).expect("a carotid");
+    let body = scene.body(0);
+    let stretch = vessel.axial_stretch.value;
+    assert!((body.initial_stretch() / stretch - 1.0).abs() < 1e-12);
+    assert_eq!(body.working_stretch(), body.initial_stretch());
+    let model = body.model();
+    let disturbance = 1e-6 * body.mean_edge_length();
+    // What a disturbance becomes in 400 steps, as a multiple of it: the difference to the motion without.
+    let growth = |h: f64| {
+        let mut calm = body.state().clone();
+        let mut disturbed = calm.clone();
+        for (node, position) in disturbed.positions.iter_mut().enumerate() {
+            if !model.is_clamped(node) {
+                // Without symmetry.
+                let phase = node as f64;
+                let shift = Vector3::new((3.1 * phase).sin(), (5.3 * phase).sin(), phase.cos());
+                *position += shift * disturbance;
+            }
+        }
+        let mut solvers = [(); 2].map(|()| Method::StoermerVerlet.solver(model).expect("a solver"));
+        for _ in 0..400 {
+            let control = Control::default();
+            for (solver, state) in solvers.iter_mut().zip([&mut calm, &mut disturbed]) {
+                if solver
+                    .step(model, state, &control, &[], h, &Serial)
+                    .is_err()
+                {
+                    return f64::INFINITY;
+                }
+            }
+        }
+        let apart = calm.positions.iter().zip(&disturbed.positions);
+        let apart = apart.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        if apart.is_finite() {
+            apart / disturbance
+        } else {
+            f64::INFINITY
+        }
+    };
+    let limit = body.stable_step() / SAFETY;
+    let (below, beyond) = (growth(limit), growth(1.1 * limit));
+    assert!(below < 100.0, "{below}");
+    assert!(beyond > 1e4, "{beyond}");
 }

@@ -334,6 +334,12 @@ pub(crate) fn stability_limit(scene: &Scene) -> f64 {
     steps.fold(f64::INFINITY, f64::min) / stability::SAFETY
 }
 
+/// The same where tissue stiffens at the stretch at work: the limit at that stretch, up to which no run needs shorter steps.
+pub(crate) fn working_limit(scene: &Scene) -> f64 {
+    let steps = scene.bodies().map(|body| body.planned_step());
+    steps.fold(f64::INFINITY, f64::min) / stability::SAFETY
+}
+
 /// Whether nothing brings or takes energy: no drag, no viscosity, no flow, nothing that moves or presses.
 fn conserves(scene: &settings::Scene) -> bool {
     scene.run.end == settings::End::Time

@@ -38,6 +38,16 @@ pub enum PlannedStep {
     Sample,
 }
 
+impl PlannedStep {
+    /// The same with a limit \[s\] that its fraction is of; without a limit as it is.
+    pub fn of_limit(self, limit: f64) -> Self {
+        match self {
+            Self::LimitFraction(fraction) if limit.is_finite() => Self::Seconds(fraction * limit),
+            Self::LimitFraction(_) | Self::Seconds(_) | Self::Sample => self,
+        }
+    }
+}
+
 /// A run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedRun {

@@ -9,7 +9,7 @@ mod candidates;
 
 pub use candidates::{AsLevel, Candidates, Choices, Elements, Mesh, candidates};
 
-use crate::execute::{Context, LoadedScene, Outcome, advance, ready, stability_limit};
+use crate::execute::{Context, LoadedScene, Outcome, advance, ready, working_limit};
 use crate::plan::PlannedStep;
 use crate::row::Status;
 use microsim_drawing::{percent, significant, time};
@@ -449,7 +449,7 @@ fn verdict(
     if let (Some(reason), Method::QuasiStatic(_)) = (candidates.motion, scene.method()) {
         return Err(reason.into());
     }
-    let limit = stability_limit(&scene);
+    let limit = working_limit(&scene);
     let limited = limit.is_finite();
     let free = yanked_node(&scene);
     // What a unit of cost is of a whole run, and the least that a run simulates [s].
@@ -462,7 +462,7 @@ fn verdict(
         let prepared = ready(loaded.clone(), Some(step))?;
         Ok(advance(context, prepared, context.budget))
     };
-    let prepared = ready(loaded.clone(), Some(choices.step))?;
+    let prepared = ready(loaded.clone(), Some(choices.step.of_limit(limit)))?;
     trial.step = prepared.runner.step();
     trial.elements = prepared.elements;
     if trial.step > stability::SAFETY * limit * (1.0 + 1e-9) {

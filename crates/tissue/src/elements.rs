@@ -140,18 +140,20 @@ pub trait Elements: Any + Debug + Send + Sync {
     /// no negative eigenvalue.
     fn damping(&self, element: usize, at: &Configuration<'_>, out: &mut ElementMatrix);
 
-    /// The time by which an element's damping at rest is its stiffness at rest \[s\].
+    /// The time by which an element's damping is its stiffness in its natural state \[s\].
     fn relaxation_time(&self, element: usize) -> f64;
 
-    /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row \[N/m\].
-    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
-        let matrix = rest_stiffness(self, element, rest_positions);
-        let blocks = (0..matrix.nodes()).flat_map(|i| (0..matrix.nodes()).map(move |j| (i, j)));
-        out.clear();
-        out.extend(blocks.map(|(i, j)| matrix.block(i, j).norm()));
+    /// Whether the natural state of an element is its place in the mesh: one with a prestretch is stretched there.
+    fn is_natural(&self, _element: usize, _rest_positions: &[Vector3<f64>]) -> bool {
+        true
     }
 
-    /// Sets `out` to the traces of the blocks on the diagonal of an element's stiffness at rest, one for each node \[N/m\].
+    /// Sets `out` to the norms of the blocks of an element's stiffness at rest, row after row \[N/m\]: with its prestretch, if it has one.
+    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        set_norms(&rest_stiffness(self, element, rest_positions), out);
+    }
+
+    /// Sets `out` to the traces of the blocks on the diagonal of an element's stiffness in its natural state, one for each node \[N/m\].
     fn rest_traces(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         let matrix = rest_stiffness(self, element, rest_positions);
         out.clear();
@@ -241,7 +243,7 @@ pub trait Elements: Any + Debug + Send + Sync {
 }
 
 /// The stiffness of an element at rest \[N/m\].
-fn rest_stiffness<E: Elements + ?Sized>(
+pub(crate) fn rest_stiffness<E: Elements + ?Sized>(
     set: &E,
     element: usize,
     rest_positions: &[Vector3<f64>],
@@ -254,6 +256,13 @@ fn rest_stiffness<E: Elements + ?Sized>(
     let mut matrix = ElementMatrix::new();
     set.stiffness(element, &at, Tangent::Exact, &mut matrix);
     matrix
+}
+
+/// Sets `out` to the norms of the blocks of a matrix, row after row.
+pub(crate) fn set_norms(matrix: &ElementMatrix, out: &mut Vec<f64>) {
+    let blocks = (0..matrix.nodes()).flat_map(|i| (0..matrix.nodes()).map(move |j| (i, j)));
+    out.clear();
+    out.extend(blocks.map(|(i, j)| matrix.block(i, j).norm()));
 }
 
 /// A set of elements that position-based methods can treat (XPBD; Macklin, Müller, Chentanez 2016).

@@ -73,6 +73,11 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
             "factor": recovery.factor,
         })).collect::<Vec<_>>(),
         "most_substeps": runner.remarks().most_substeps,
+        "stiffened": runner.remarks().stiffened.map(|stiffened| json!({
+            "ticks": stiffened.ticks,
+            "since": stiffened.since,
+            "shortest_step": stiffened.shortest_step,
+        })),
         "jumps": runner.remarks().jumps.iter().map(|(time, tool)| json!({
             "time": time,
             "tool": scene.tool_name(*tool),

@@ -2,7 +2,10 @@
 
 use super::*;
 use crate::body::limited_step;
+use crate::{Runner, scene_spec};
+use microsim_settings as settings;
 use microsim_tissue::law::LawName;
+use microsim_tissue::stability::WORKING_STRETCH;
 use microsim_tissue::{ContinuumConstants, Discretisation};
 
 const YOUNG: f64 = 1e5;
@@ -129,4 +132,74 @@ fn what_the_safety_factor_covers_is_not_looked_at() {
         assert!(!scene.tick(&[], tick, steps, &Serial).unwrap().stiffened);
     }
     assert_eq!(scene.body(0).stable_step(), at_rest);
+}
+
+/// A bar of a wall of collagen, fibres along it, that is drawn out in 60 ms to a length of `stretch` times that at rest, with steps of `step` \[s\].
+fn wall(stretch: f64, step: f64) -> Runner {
+    let shift = (stretch - 1.0) * LENGTH;
+    let text = format!(
+        "title = {{ en = 'a' }}\nsummary = {{ en = 'b' }}\n\
+         run = {{ duration = 0.08, step = {step:?}, sample = 0.001, gravity = [0, 0, 0] }}\n\
+         method = {{ name = 'stoermer-verlet' }}\n[[body]]\nname = 'wall'\ngenerator = 'block'\nsize = [{LENGTH:?}, 0.002, 0.002]\n\
+         cells = [6, 2, 2]\ndrag = 2000\n\
+         material = [{{ density = 1000, law = 'holzapfel-gasser-ogden', youngs_modulus = 10e3, poisson_ratio = 0.3, \
+         fibre_stiffness = 20e3, fibre_exponent = 0.84, fibre_dispersion = 0, \
+         fibres = {{ direction = [1, 0, 0], second_direction = [1, 0, 0] }} }}]\n\
+         clamp = [{{ nodes = {{ min = [-0.005, -1, -1], max = [-0.005, 1, 1] }} }}, \
+         {{ nodes = {{ min = [0.005, -1, -1], max = [0.005, 1, 1] }}, motion = [{{ time = 0.06, shift = [{shift:?}, 0, 0] }}] }}]\n"
+    );
+    let read = settings::read_scene(&text, "wall.toml", &[]);
+    let read = read.unwrap_or_else(|errors| panic!("{errors}")).settings;
+    let none = &mut |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
+    let spec = scene_spec(&read, none).expect("a scene").spec;
+    let scene = Scene::new(&spec).expect("a wall");
+    Runner::new(&read, scene).expect("no probes")
+}
+
+/// With the planned step the wall is drawn out to the working stretch without a shorter one. With that which is stable at rest it is not, and the
+/// run has it that steps became shorter, at the end to between 0.4 and 0.8 of the limit of the drawn shape.
+#[test]
+fn the_planned_step_lasts_up_to_the_working_stretch() {
+    let (at_rest, planned) = {
+        let runner = wall(WORKING_STRETCH, 1e-5);
+        let body = runner.scene().body(0);
+        assert_eq!(body.working_stretch(), WORKING_STRETCH);
+        (body.stable_step(), body.planned_step())
+    };
+    // 4 λ² (1 + 2 k2 E²) exp(k2 E²) = 118 times as stiff along the fibres at E = λ² − 1 = 1.25 as they are at rest, 4; with the
+    // matrix, and the step that goes with the root, between a half and a tenth.
+    assert!(planned < 0.5 * at_rest && planned > 0.1 * at_rest);
+    let run = |step: f64| {
+        let mut runner = wall(WORKING_STRETCH, step);
+        runner.run(&Serial, &mut |_| true);
+        assert_eq!(runner.end(), Some(&crate::End::Duration));
+        runner
+    };
+    assert_eq!(run(planned).remarks().stiffened, None);
+    let runner = run(at_rest);
+    let stiffened = runner.remarks().stiffened.expect("too long at work");
+    let scene = runner.scene();
+    let longest = limited_step(
+        &scene.method,
+        &scene.bodies[0].model,
+        &scene.state.bodies[0],
+    );
+    let shortest = stiffened.shortest_step;
+    assert!(stiffened.ticks > 10 && stiffened.since < 0.06);
+    assert!(shortest < 0.8 / 0.6 * longest && shortest > 0.4 / 0.6 * longest);
+}
+
+/// Drawn out by the scene to twice its length a wall works at that stretch; drawn out to less than the working stretch, at this.
+#[test]
+fn what_a_scene_prescribes_beyond_it_is_the_working_stretch() {
+    for (prescribed, working) in [(2.0, 2.0), (1.2, WORKING_STRETCH), (0.8, WORKING_STRETCH)] {
+        let runner = wall(prescribed, 1e-5);
+        let body = runner.scene().body(0);
+        assert!((body.prescribed_stretch() - f64::max(prescribed, 1.0)).abs() < 1e-12);
+        assert!((body.working_stretch() - working).abs() < 1e-12);
+        assert_eq!(
+            body.working_step(),
+            body.stretched_step(body.working_stretch())
+        );
+    }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::execute::stability_limit;
 use crate::testing::{beam, beam_plan, in_context};
 use microsim_settings::{ExactKind, Feature};
 
@@ -117,4 +118,53 @@ fn meshes_are_scaled_and_named_once() {
         found.elements[0].set,
         ["body.0.material.0.discretisation=selective"]
     );
+}
+
+/// On tissue that hardly stiffens steps are planned by the limit at rest; on a wall of collagen by that at the working stretch, with what a fraction
+/// of it gives accepted and a step that only does at rest refused.
+#[test]
+fn steps_are_of_the_limit_at_work() {
+    let wall = [
+        "law='holzapfel-gasser-ogden'",
+        "fibre_stiffness=20000",
+        "fibre_exponent=0.84",
+        "fibre_dispersion=0",
+        "fibres={direction=[1,0,0],second_direction=[1,0,0]}",
+    ];
+    let wall = wall.map(|set| format!("body.0.material.0.{set}"));
+    let scene = |set: &[String]| Scene::new(&beam(set).expect("a scene").spec).expect("a scene");
+    let soft = scene(&[]);
+    assert_eq!(working_limit(&soft), stability_limit(&soft));
+    let stiffens = scene(&wall);
+    let (at_rest, at_work) = (stability_limit(&stiffens), working_limit(&stiffens));
+    assert!(at_work < 0.6 * at_rest, "{at_work} {at_rest}");
+
+    let run = |step: PlannedStep| {
+        in_context(1e3, &|| f64::INFINITY, |context| {
+            let settings = beam(&[]).expect("a scene").settings;
+            let mut candidates =
+                candidates(context.chart, &settings, ExactKind::Motion, None, None);
+            let mut method = candidates.methods[0].clone();
+            method.set.extend(wall.iter().cloned());
+            candidates.methods = vec![method];
+            let choices = Choices {
+                mesh: &candidates.meshes[0],
+                elements: &candidates.elements[0],
+                method: &candidates.methods[0],
+                step,
+                iterations: None,
+            };
+            let scene = load(context, &goal(1.0, 0.01), &choices.overrides());
+            let scene = Scene::new(&scene.expect("a scene").spec).expect("a scene");
+            let trial = attempt(context, &goal(1.0, 0.01), &candidates, &choices, None);
+            (trial, stability_limit(&scene), working_limit(&scene))
+        })
+    };
+    // Samples are made of whole steps, and the run of whole samples, some ten or more of each.
+    let (trial, at_rest, at_work) = run(PlannedStep::LimitFraction(0.5));
+    let planned = 0.5 * at_work;
+    assert!(trial.step <= planned * (1.0 + 1e-9) && trial.step > 0.9 * planned);
+    let (trial, _, _) = run(PlannedStep::Seconds(0.5 * at_rest));
+    let reason = trial.rejected.expect("too long at work");
+    assert!(reason.contains("0.6 of the stability limit"), "{reason}");
 }

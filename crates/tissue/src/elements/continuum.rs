@@ -11,7 +11,7 @@ use super::quadratic::QuadraturePoints;
 use super::smoothed::SmoothingDomains;
 use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
-    Tangent,
+    Tangent, rest_stiffness, set_norms,
 };
 use crate::lanes::LANES;
 use crate::law::decomposition::SignedSvd;
@@ -27,6 +27,9 @@ pub(super) const ELASTIC: usize = 2;
 
 /// Multipliers of the viscous constraints.
 const VISCOUS: usize = 7;
+
+/// Strain below which an element counts as natural: far above the rounding of a flat one, and far below what changes a stiffness.
+const NATURAL: f64 = 1e-6;
 
 /// Linear tetrahedra.
 ///
@@ -214,9 +217,18 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         self.relaxation_time
     }
 
-    /// Every law is linear elasticity at rest: K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1), with the square of its norm
+    fn is_natural(&self, element: usize, rest_positions: &[Vector3<f64>]) -> bool {
+        let f = self.domains.deformation(element, rest_positions);
+        (f - Matrix3::identity()).amax() < NATURAL
+    }
+
+    /// Every law is linear elasticity in its natural state: K_ij = V (λ b_i b_jᵀ + μ b_j b_iᵀ + μ b_i·b_j 1), with the square of its norm
     /// V² ((λ² + μ²) |b_i|² |b_j|² + (4 λ μ + 5 μ²) (b_i·b_j)²). With fibres the blocks themselves are formed.
-    fn rest_norms(&self, element: usize, _rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+    fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
+        if !self.is_natural(element, rest_positions) {
+            set_norms(&rest_stiffness(self, element, rest_positions), out);
+            return;
+        }
         let nodes = self.domains.nodes(element).len();
         let volume = self.domains.volume(element);
         let elasticity = self.constants(element).elasticity();

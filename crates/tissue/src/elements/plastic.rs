@@ -180,6 +180,10 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
         self.elastic.relaxation_time(element)
     }
 
+    fn is_natural(&self, element: usize, rest_positions: &[Vector3<f64>]) -> bool {
+        self.elastic.is_natural(element, rest_positions)
+    }
+
     fn rest_norms(&self, element: usize, rest_positions: &[Vector3<f64>], out: &mut Vec<f64>) {
         self.elastic.rest_norms(element, rest_positions, out);
     }

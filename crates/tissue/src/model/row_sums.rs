@@ -1,6 +1,7 @@
 //! The sums of the rows of stiffness and damping at rest, updated by edits.
 
 use super::TissueModel;
+use crate::elements::{Configuration, ElementMatrix, set_norms};
 
 /// The sums of the row of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,21 +36,41 @@ impl TissueModel {
     ) {
         let (w, set) = (self.inverse_masses(), &self.sets()[set]);
         let mut norms = Vec::new();
+        let (mut matrix, mut damping) = (ElementMatrix::new(), Vec::new());
+        let at_rest = Configuration {
+            positions: self.rest_positions(),
+            velocities: self.rest_positions(),
+            internal: &[],
+        };
         for element in elements {
             let element = element as usize;
             set.rest_norms(element, self.rest_positions(), &mut norms);
-            // At rest damping is the stiffness times the relaxation time.
             let relaxation_time = set.relaxation_time(element);
             let nodes = set.nodes(element);
-            for (&row, norms) in nodes.iter().zip(norms.chunks_exact(nodes.len())) {
+            let free_sum = |norms: &[f64]| -> f64 {
                 let free = nodes
                     .iter()
                     .zip(norms)
                     .filter(|(column, _)| w[**column as usize] > 0.0);
-                let sum: f64 = free.map(|(_, norm)| norm).sum();
+                free.map(|(_, norm)| norm).sum()
+            };
+            // In its natural state the damping of an element is its stiffness times the relaxation time; stretched it is not.
+            let stretched =
+                relaxation_time > 0.0 && !set.is_natural(element, self.rest_positions());
+            if stretched {
+                set.damping(element, &at_rest, &mut matrix);
+                set_norms(&matrix, &mut damping);
+            }
+            let rows = (0..).step_by(nodes.len()).map(|at| at..at + nodes.len());
+            for (&row, columns) in nodes.iter().zip(rows) {
+                let sum = free_sum(&norms[columns.clone()]);
+                let damping = match stretched {
+                    true => free_sum(&damping[columns]),
+                    false => relaxation_time * sum,
+                };
                 let sums = &mut sums[row as usize];
                 sums.stiffness += factor * sum;
-                sums.damping += factor * relaxation_time * sum;
+                sums.damping += factor * damping;
             }
         }
     }

@@ -2,7 +2,11 @@
 
 use super::*;
 use crate::method::Method;
-use crate::stability::{Part, floor_nodes, gershgorin_bound, mass_floor};
+use crate::stability::{
+    Part, WORKING_STRETCH, floor_nodes, gershgorin_bound, gershgorin_bound_at, mass_floor,
+    stretched,
+};
+use nalgebra::Matrix3;
 
 /// Largest eigenvalue of M⁻¹K at rest \[1/s²\].
 fn largest(model: &TissueModel) -> f64 {
@@ -110,5 +114,78 @@ fn added_inertia_has_no_weight() {
     assert_eq!(heavy.masses(), light.masses());
     for (a, b) in heavy.inverse_masses().iter().zip(light.inverse_masses()) {
         assert!((3.0 * a / b - 1.0).abs() < 1e-14);
+    }
+}
+
+/// A wall of collagen that answers to its stretch by an exponential.
+fn wall(discretisation: Discretisation) -> Material {
+    let Behaviour::Continuum(constants) = continuum(discretisation).behaviour else {
+        panic!("a continuum");
+    };
+    Material {
+        behaviour: Behaviour::Continuum(ContinuumConstants {
+            law: LawName::HolzapfelGasserOgden.into(),
+            ..constants
+        }),
+        ..continuum(discretisation)
+    }
+}
+
+/// What touched nodes are given is by the stiffness and the damping of elements in their place, stretched: what `mass_floor` gives by their
+/// matrices. It is more than in the natural state.
+#[test]
+fn prestretched_elements_get_what_they_need_in_their_place() {
+    for discretisation in [Discretisation::Tetrahedra, Discretisation::EdgeSmoothed] {
+        let mut mesh = layers([2, 2, 2]);
+        let clamped = clamps(&mesh);
+        let material = wall(discretisation);
+        let natural = build(&mesh, [material; 2], &clamped);
+        let across = 1.0 / WORKING_STRETCH.sqrt();
+        let prestretch = Vector3::new(across, WORKING_STRETCH, across);
+        mesh.prestretches = vec![Matrix3::from_diagonal(&prestretch); mesh.tets.len()];
+        let model = build(&mesh, [material; 2], &clamped);
+        let all: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+        // The longest step that does in the natural state without viscosity.
+        let h = 1.8 / gershgorin_bound(&natural, Part::Stiffness).sqrt();
+        let floor = |model: &TissueModel| {
+            let expected = mass_floor(model, &State::at_rest(model), h, 0.9);
+            let mut floored = model.clone();
+            floor_nodes(&mut floored, &all, &Method::StoermerVerlet, h, 0.9);
+            let size = model.masses().iter().copied().fold(0.0, f64::max);
+            for (found, expected) in floored.added_inertia().iter().zip(&expected) {
+                assert!(
+                    (found - expected).abs() <= 1e-11 * (size + expected),
+                    "{discretisation:?} {found} {expected}"
+                );
+            }
+            expected.iter().sum::<f64>()
+        };
+        let (in_place, at_ease) = (floor(&model), floor(&natural));
+        assert!(in_place > 2.0 * at_ease, "{in_place} {at_ease}");
+    }
+}
+
+/// The inertia that a step needs at the working stretch makes it stable there, by Gershgorin; that which it needs at rest does not.
+#[test]
+fn a_mass_floor_of_a_stretched_shape_holds_there() {
+    let mesh = layers([2, 2, 2]);
+    let material = Material {
+        relaxation_time: 0.0,
+        ..wall(Discretisation::Tetrahedra)
+    };
+    let model = build(&mesh, [material; 2], &clamps(&mesh));
+    let bound = gershgorin_bound(&model, Part::Stiffness);
+    // Beyond the limit at rest, so that there is something to add.
+    let (h, safety) = (2.0 / bound.sqrt(), 0.9);
+    let at_rest = State::at_rest(&model);
+    for axis in 0..3 {
+        let shape = stretched(&model, WORKING_STRETCH, axis);
+        let needed = |state: &State| mass_floor(&model, state, h, safety);
+        let over = |added: Vec<f64>| {
+            let floored = model.clone().with_added_inertia(added);
+            h * gershgorin_bound_at(&floored, &shape, Part::Stiffness).sqrt() / (2.0 * safety)
+        };
+        assert!(over(needed(&shape)) <= 1.0 + 1e-12);
+        assert!(over(needed(&at_rest)) > 1.0);
     }
 }
