@@ -248,6 +248,11 @@ impl Scene {
     /// advanced together, are updated once for all edits.
     pub(crate) fn apply_cut(&mut self, body: usize, made: &cutting::Cut) -> Vec<u32> {
         let old = self.bodies[body].mesh.positions.len();
+        let internal = &self.state.bodies[body].internal;
+        let model = &mut self.bodies[body].model;
+        // A tick that is computed again has left it elsewhere.
+        model.relocate(internal);
+        let places = model.places(internal);
         let change = self.bodies[body].update_after_edit(&made.edit, &self.method);
         let change = change.expect("the edit was made for this mesh, of which the model is");
         self.state.bodies[body].edit(&change);
@@ -260,6 +265,7 @@ impl Scene {
         self.edits.push(Edit {
             body,
             nodes: old,
+            places,
             edit: made.edit.clone(),
         });
         self.renumber_contact(body, &made.edit, old);

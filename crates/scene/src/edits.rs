@@ -9,6 +9,8 @@ pub(crate) struct Edit {
     pub body: usize,
     /// Number of nodes before it.
     pub nodes: usize,
+    /// Where elements that slid were then ([`TissueModel::places`](microsim_tissue::TissueModel::places)).
+    pub places: Vec<f64>,
     pub edit: TopologyEdit,
 }
 

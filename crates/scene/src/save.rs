@@ -24,7 +24,7 @@ use microsim_tissue::State;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -304,6 +304,9 @@ impl Scene {
             let body = bodies.get_mut(edit.body);
             let body = body.filter(|body| body.topology.is_some());
             let body = body.ok_or(RestoreError::OtherScene)?;
+            if !body.model.relocate_to(&edit.places) {
+                return Err(RestoreError::OtherScene);
+            }
             body.update_after_edit(&edit.edit, &self.method)
                 .map_err(|_| RestoreError::OtherScene)?;
         }

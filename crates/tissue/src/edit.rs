@@ -106,7 +106,13 @@ impl TissueModel {
     pub fn edit(&mut self, edit: &ModelEdit<'_>) -> Result<ModelChange, EditError> {
         // Both are those of the body before all edits, or follow from them, whenever they are asked for: equal edits give equal bits.
         self.rate_bound();
-        self.row_sums();
+        match self.has_sliding() {
+            // What has ever been in a sum would depend on the path.
+            true => drop(self.row_sums.take()),
+            false => {
+                self.row_sums();
+            }
+        }
         let plan = Plan::new(self, edit)?;
         Ok(self.follow(edit, &plan))
     }

@@ -9,7 +9,7 @@ use microsim_cutting::{PassedNode, PathPoints, Stroke, Swept, Topology, Topology
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::BTreeMap;
 
-/// An edit: body u32, nodes before it u32, generation u64; then lists, each behind its length u32: new nodes
+/// An edit: body u32, nodes before it u32, generation u64; then lists, each behind its length u32: places of elements that slid (f64), new nodes
 /// (2 × u32, f64), replaced elements (u32, list of 4 × u32), removed elements and nodes (u32), renumbered elements (5 × u32), cut faces (5 × u32, side
 /// u32).
 pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
@@ -25,6 +25,7 @@ pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
     put_u32(bytes, edit.body as u32);
     put_u32(bytes, edit.nodes as u32);
     bytes.extend_from_slice(&generation.to_le_bytes());
+    put_list(bytes, &edit.places, |bytes, place| put_f64(bytes, *place));
     put_list(bytes, nodes, |bytes, node| {
         put_numbers(bytes, &node.between);
         put_f64(bytes, node.fraction);
@@ -51,6 +52,7 @@ pub(super) fn put_edit(bytes: &mut Vec<u8>, edit: &Edit) {
 pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
     let [body, nodes] = [reader.u32()? as usize, reader.u32()? as usize];
     let generation = u64::from_le_bytes(reader.array()?);
+    let places = reader.list(Reader::f64)?;
     let edit = TopologyEdit {
         generation,
         nodes: reader.list(|r| {
@@ -82,7 +84,12 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
             })
         })?,
     };
-    Ok(Edit { body, nodes, edit })
+    Ok(Edit {
+        body,
+        nodes,
+        places,
+        edit,
+    })
 }
 
 /// State and strokes of a cut: capsules in tissue (u32), closed parts (u32 whether there is one, 2 × f64), strokes.

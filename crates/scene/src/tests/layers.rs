@@ -123,6 +123,82 @@ fn a_scene_with_layers_goes_on_from_saved_bytes_bit_for_bit() {
     }
 }
 
+/// A blade along y, 0.5 mm to the right of the middle, from above the plate to below it.
+fn with_blade(mut spec: SceneSpec) -> SceneSpec {
+    let edge = CapsuleSpec {
+        lonor: true,
+        ..CapsuleSpec::new([0.0, -3e-3, 0.0], [0.0, 3e-3, 0.0], 5e-5)
+    };
+    spec.tools.push(ToolSpec {
+        name: "blade".into(),
+        capsules: vec![edge],
+        sharpness: 0.0,
+        jaw_stiffness: f64::INFINITY,
+        irrigation: None,
+        motion: Vec::new(),
+    });
+    spec.cuts.push(CutSpec {
+        body: "plate".into(),
+        tool: "blade".into(),
+    });
+    spec
+}
+
+/// One of twelve ticks of the blade.
+fn cut(scene: &mut Scene, tick: usize, steps: u32) {
+    let pose = |tick: usize| Pose {
+        position: Vector3::new(0.5e-3, 0.0, 1.5e-3 - 0.25e-3 * tick as f64),
+        ..Pose::identity()
+    };
+    let motion = ToolMotion {
+        tool: 0,
+        from: pose(tick),
+        to: pose(tick + 1),
+        opening_from: 0.0,
+        opening_to: 0.0,
+        active: true,
+    };
+    scene.tick(&[motion], 5.0 * STEP, steps, &Serial).unwrap();
+}
+
+/// Edits depend on where ties were when they were made: far from where a scene begins, with other elements below them.
+#[test]
+fn layers_that_slid_and_were_cut_go_on_from_saved_bytes_bit_for_bit() {
+    for method in [
+        Method::ImplicitEuler(Newton::default()),
+        Method::StoermerVerlet,
+    ] {
+        let spec = with_blade(plate(sliding(), method, 0.05));
+        let mut scene = Scene::new(&spec).unwrap();
+        let steps = scene.required_steps(5.0 * STEP).max(5);
+        let begin = scene.save();
+        advance(&mut scene, 14, steps);
+        let mut saved = Vec::new();
+        for tick in 0..12 {
+            saved.push(scene.save());
+            cut(&mut scene, tick, steps);
+        }
+        assert!(scene.edits.len() > 3 && scene.body(0).energies().dissipated > 0.0);
+        let after = scene.save();
+        advance(&mut scene, 4, steps);
+        let (end, digest) = (scene.save(), scene.digest());
+        for from in [0, 5, 8, 11] {
+            let mut other = Scene::new(&spec).unwrap();
+            for scene in [&mut scene, &mut other] {
+                scene.restore(&saved[from]).unwrap();
+                assert!(scene.save() == saved[from], "{method:?} {from}");
+                (from..12).for_each(|tick| cut(scene, tick, steps));
+                assert!(scene.save() == after, "{method:?} {from}");
+                advance(scene, 4, steps);
+                assert!(scene.digest() == digest, "{method:?} {from}");
+            }
+        }
+        scene.restore(&begin).unwrap();
+        scene.restore(&end).unwrap();
+        assert!(scene.save() == end && scene.digest() == digest);
+    }
+}
+
 #[test]
 fn layers_conserve_momentum_and_what_they_lose_is_counted() {
     for kind in [sliding(), clinging()] {

@@ -33,7 +33,7 @@ pub(super) struct Face {
 /// The surface of a region.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layer {
-    pub region: u32,
+    region: u32,
     pub faces: Vec<Face>,
     /// How far beyond a rim a point still belongs to the layer \[m\].
     reach: f64,
@@ -75,6 +75,14 @@ impl Layer {
             region,
             faces,
             reach: REACH * mesh.mean_edge_length(),
+        }
+    }
+
+    /// The same layer of a mesh after an edit. Cuts make edges shorter, and how far a point may lie beyond a rim stays.
+    pub fn after_edit(&self, mesh: &TetMesh) -> Self {
+        Self {
+            reach: self.reach,
+            ..Self::new(mesh, self.region)
         }
     }
 

@@ -15,7 +15,7 @@
 //! surface as it is then; the work k b per length of this path is lost. Then n is that of the face that was reached, and b is
 //! μ max(0, −d_n): Coulomb's bound for the force with which the layers are pressed together now, so the friction of a step is that of the
 //! pressure at its start. Layers that are pulled apart stay on each other without friction. A tie whose point leaves the
-//! layer by more than a quarter of an edge is free for ever.
+//! layer by more than a quarter of an edge, the mean one before any cut, is free for ever.
 //!
 //! A face has another tetrahedron behind it: [`TissueModel::relocate`](crate::TissueModel::relocate) then gives the tie other nodes.
 //!
@@ -280,7 +280,7 @@ impl Sliding {
     /// All ties that are not free after an edit of the mesh, and which of these it was. A tie is on the face nearest to its point at rest, of those of the
     /// elements that its element has become, on the same side of the layer.
     pub(crate) fn follow(&self, edit: &Followed<'_>) -> (Self, Vec<Vec<u32>>) {
-        let layer = Layer::new(edit.mesh, self.layer.region);
+        let layer = self.layer.after_edit(edit.mesh);
         let (mut slides, mut ancestors) = (Vec::new(), Vec::new());
         let held = |(_, slide): &(usize, &Slide)| !slide.is_free;
         for (old, slide) in self.slides.iter().enumerate().filter(held) {
@@ -525,7 +525,8 @@ impl Elements for Sliding {
             let tet = self.layer.faces[slide.face as usize].tet;
             slide.stencil.nodes[1..].copy_from_slice(&tet);
             let [b, c, d] = place.weights;
-            slide.stencil.weights = [1.0, b + c + d - 1.0, -b, -c, -d];
+            // As `coordinates` rounds them: a tie has the same bits however it came here.
+            slide.stencil.weights = [1.0, -(1.0 - b - c - d), -b, -c, -d];
         }
     }
 }
