@@ -26,13 +26,13 @@ pub fn statements(spec: &SceneSpec, scene: &Scene) -> Result<Vec<String>, SceneE
             ),
         };
         format!(
-            "body '{}': {} is stable up to steps of {} at rest{at_start}, and of {} at a stretch of {} along any axis ({:.2} times)",
+            "body '{}': {} is stable up to steps of {} at rest{at_start}, and of {} at a stretch of {} along any axis ({:.1} times shorter)",
             body.name(),
             scene.method().name(),
             microseconds(at_rest),
             microseconds(at_work),
             stretch(&body),
-            at_work / at_rest
+            at_rest / at_work
         )
     });
     Ok(sentences.collect())
