@@ -32,7 +32,7 @@ pub fn check(path: &Path) -> Result<Vec<String>, String> {
     let name = path.to_string_lossy().into_owned();
     let (errors, mut warnings, notes) = if MeshFormat::from_path(&name).is_some() {
         let import = read(path)?;
-        let (errors, warnings) = mesh_defects(&import.mesh);
+        let (errors, warnings) = mesh_defects(&import.mesh, &[]);
         (errors, warnings, import.notes)
     } else if let Some(format) = SurfaceFormat::from_path(&name) {
         let bytes = read_regular(path).map_err(|e| format!("{name}: {e}"))?;

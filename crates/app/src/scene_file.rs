@@ -5,7 +5,7 @@ use crate::discretisation::{self, Meshes};
 use crate::output::Problem;
 use crate::session_file::program_folder;
 use crate::working_step;
-use microsim_mesh::{Severity, TetMesh, defects};
+use microsim_mesh::{Severity, TetMesh, defects_but_detached};
 use microsim_scene::{
     Behaviour, BodyView, BuildError, Diverged, End, FromSettingsError, LevelParts, ProbeError,
     Runner, Scene, SceneError, SceneSpec, level_spec, scene_spec,
@@ -262,7 +262,7 @@ fn check_bodies(
     for (index, (body, of)) in bodies.iter().zip(&spec.bodies).enumerate() {
         let key = KeyPath::root().key("body").at(index);
         if body.generator == settings::Generator::File {
-            let (bad, odd) = mesh_defects(&of.mesh);
+            let (bad, odd) = mesh_defects(&of.mesh, &body.detached);
             let place = document.place(&key.key("file"));
             errors.extend(bad.iter().map(|defect| format!("{place}: {defect}")));
             warnings.extend(odd.iter().map(|defect| format!("{place}: {defect}")));
@@ -315,9 +315,9 @@ fn too_large(mesh: &TetMesh) -> Option<String> {
     })
 }
 
-/// What makes a mesh useless, and what should be known of it; of each at most a screenful.
-pub fn mesh_defects(mesh: &TetMesh) -> (Vec<String>, Vec<String>) {
-    let found = defects(mesh);
+/// What makes a mesh with these detached regions useless, and what should be known of it; of each at most a screenful.
+pub fn mesh_defects(mesh: &TetMesh, detached: &[u32]) -> (Vec<String>, Vec<String>) {
+    let found = defects_but_detached(mesh, detached);
     let list = |severity: Severity| {
         let all: Vec<String> = found
             .iter()

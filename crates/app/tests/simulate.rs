@@ -493,3 +493,41 @@ fn scenes_need_no_german_and_their_meshes_lie_below_them() {
     let reason = "a path below this folder, with `/` and without `..`";
     assert!(code == Some(1) && out.contains(reason), "{out}");
 }
+
+#[test]
+fn layers_of_a_mesh_file_that_are_detached_on_purpose_are_no_warning() {
+    let block = microsim_mesh::Block {
+        center: [0.0; 3],
+        size: [2e-3; 3],
+        cells: [2; 3],
+        split: microsim_mesh::CellSplit::Kuhn,
+    };
+    let mut mesh = block.mesh().expect("a block");
+    let upper = mesh.tets.len() / 2;
+    mesh.regions[upper..].fill(1);
+    let folder = tempfile::tempdir().expect("a folder");
+    let check = |mesh: &microsim_mesh::TetMesh, body: &str| {
+        let file = microsim_mesh::format::write_gmsh_2(mesh);
+        std::fs::write(folder.path().join("block.msh"), file).expect("a file");
+        let scene = folder.path().join("layers.toml");
+        let text_of_scene = format!(
+            "no_stated_error = \"a test\"\n[title]\nen = \"Layers\"\n[summary]\nen = \"Layers\"\n[run]\nduration = \"1 s\"\nstep = \"0.1 s\"\nsample = \"0.1 s\"\n[method]\nname = \"quasi-static\"\n[[body]]\nname = \"block\"\ngenerator = \"file\"\nfile = \"block.msh\"\n{body}\n[[body.material]]\nlaw = \"stable-neo-hookean\"\nyoungs_modulus = \"100 kPa\"\npoisson_ratio = 0.3\ndensity = 1060\n[[body.clamp]]\nnodes = {{ min = [\"-1 mm\", \"-1 mm\", \"-1 mm\"], max = [\"1 mm\", \"1 mm\", \"-1 mm\"] }}\n[[body.coupling]]\nfrom = 1\nto = 0\nstiffness = \"1e9 N/m^3\"\n"
+        );
+        std::fs::write(&scene, text_of_scene).expect("a file");
+        let output = microsim(&["check", scene.to_str().expect("UTF-8")]);
+        let out = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{out}");
+        out
+    };
+    let meant = check(&mesh, "detached = [1]");
+    assert!(
+        !meant.contains("lie in one place") && !meant.contains("falls into"),
+        "{meant}"
+    );
+    // A file whose regions have nodes of their own although nobody wants them detached.
+    let found = check(&mesh.detached(&[1]).mesh, "");
+    assert!(
+        found.contains("lie in one place") && found.contains("falls into"),
+        "{found}"
+    );
+}

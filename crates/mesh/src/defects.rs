@@ -229,6 +229,12 @@ impl std::fmt::Display for Defect {
 /// assert!(found[0].to_string().contains("inverted"));
 /// ```
 pub fn defects(mesh: &TetMesh) -> Vec<Defect> {
+    defects_but_detached(mesh, &[])
+}
+
+/// The same of a mesh of which these regions have nodes of their own on purpose ([`TetMesh::detached`]): nodes of one of them and of another
+/// region in one place join what lies there, and are no defect.
+pub fn defects_but_detached(mesh: &TetMesh, detached: &[u32]) -> Vec<Defect> {
     let mut found = Vec::new();
     if mesh.tets.is_empty() {
         found.push(Defect::Empty);
@@ -246,8 +252,16 @@ pub fn defects(mesh: &TetMesh) -> Vec<Defect> {
     unused_nodes(mesh, &mut found);
     let sound = elements(mesh, &finite, &mut found);
     faces(mesh, &sound, &mut found);
-    components(mesh, &sound, &mut found);
-    coinciding(mesh, &sound, &finite, &mut found);
+    let close = coinciding(mesh, &sound, &finite);
+    let owners = owners(mesh, &sound, detached);
+    let (apart, defects): (Vec<_>, Vec<_>) = close
+        .into_iter()
+        .partition(|(i, j, _)| owners[*i as usize] != owners[*j as usize]);
+    components(mesh, &sound, &apart, &mut found);
+    found.extend(defects.into_iter().map(|(i, j, distance)| {
+        let nodes = [node(mesh, i), node(mesh, j)];
+        Defect::CoincidingNodes { nodes, distance }
+    }));
     found
 }
 
@@ -384,7 +398,20 @@ fn faces(mesh: &TetMesh, sound: &[bool], found: &mut Vec<Defect>) {
     }
 }
 
-fn components(mesh: &TetMesh, sound: &[bool], found: &mut Vec<Defect>) {
+/// For each node the detached region to which it belongs, as one more than its place in the list; 0 for all others.
+fn owners(mesh: &TetMesh, sound: &[bool], detached: &[u32]) -> Vec<usize> {
+    let mut owners = vec![0; mesh.positions.len()];
+    let elements = mesh.tets.iter().zip(&mesh.regions).zip(sound);
+    for ((tet, region), _) in elements.filter(|(_, sound)| **sound) {
+        if let Some(place) = detached.iter().position(|of| of == region) {
+            tet.iter().for_each(|&i| owners[i as usize] = place + 1);
+        }
+    }
+    owners
+}
+
+/// Parts that hang together neither by elements nor by `pairs` of nodes.
+fn components(mesh: &TetMesh, sound: &[bool], pairs: &[(u32, u32, f64)], found: &mut Vec<Defect>) {
     let mut groups = Groups::new(mesh.positions.len());
     let mut used = vec![false; mesh.positions.len()];
     for (_, tet) in mesh.tets.iter().enumerate().filter(|(e, _)| sound[*e]) {
@@ -392,6 +419,9 @@ fn components(mesh: &TetMesh, sound: &[bool], found: &mut Vec<Defect>) {
             used[i as usize] = true;
             groups.join(tet[0] as usize, i as usize);
         }
+    }
+    for &(i, j, _) in pairs {
+        groups.join(i as usize, j as usize);
     }
     let count = (0..used.len())
         .filter(|&i| used[i] && groups.root(i) == i)
@@ -401,8 +431,8 @@ fn components(mesh: &TetMesh, sound: &[bool], found: &mut Vec<Defect>) {
     }
 }
 
-/// Nodes closer than [`COINCIDING`] times the mean edge.
-fn coinciding(mesh: &TetMesh, sound: &[bool], finite: &[bool], found: &mut Vec<Defect>) {
+/// Nodes closer than [`COINCIDING`] times the mean edge, with their distance \[m\].
+fn coinciding(mesh: &TetMesh, sound: &[bool], finite: &[bool]) -> Vec<(u32, u32, f64)> {
     let (mut sum, mut count) = (0.0, 0usize);
     for e in (0..mesh.tets.len()).filter(|&e| sound[e]) {
         for [i, j] in mesh.element_edges(e) {
@@ -411,11 +441,7 @@ fn coinciding(mesh: &TetMesh, sound: &[bool], finite: &[bool], found: &mut Vec<D
         }
     }
     let reach = COINCIDING * sum / count.max(1) as f64;
-    let close = close_pairs(&mesh.positions, finite, reach);
-    found.extend(close.into_iter().map(|(i, j, distance)| {
-        let nodes = [node(mesh, i), node(mesh, j)];
-        Defect::CoincidingNodes { nodes, distance }
-    }));
+    close_pairs(&mesh.positions, finite, reach)
 }
 
 /// The pairs of finite points at most `reach` \[m\] apart, with their distance \[m\], in ascending order.

@@ -28,7 +28,7 @@ mod triangle_surface;
 mod tube;
 
 pub use block::{Block, BlockError};
-pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects};
+pub use defects::{COINCIDING, Defect, FLAT, Named, Severity, defects, defects_but_detached};
 pub use detach::Detached;
 pub use edit::{Applied, CutFace, EditError, NewNode, Replaced, Replacement, Side, TopologyEdit};
 pub use fill::{FillError, MAX_DIHEDRAL, MIN_DIHEDRAL, fill};

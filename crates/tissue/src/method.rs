@@ -190,9 +190,17 @@ impl Method {
             } => match SolverXpbd::new(model, *substeps, *iterations) {
                 Some(solver) => Box::new(solver),
                 None => {
+                    let reason = match model.has_sliding() {
+                        true => {
+                            "layers of the body slide (a coupling with friction), which is no constraint; use another method, or a coupling that holds or clings"
+                        }
+                        false => {
+                            "a material of the body is no sum of constraints; use springs or the law neo-hookean-polynomial, a continuum without plasticity"
+                        }
+                    };
                     return Err(MethodError {
                         method: self.name(),
-                        reason: "a material of the body is no sum of constraints; use springs or the law neo-hookean-polynomial, a continuum without plasticity",
+                        reason,
                     });
                 }
             },
@@ -204,6 +212,52 @@ impl Method {
 mod tests {
     use super::*;
     use crate::testing::{build, soft_block};
+
+    /// Layers that slide are no constraints; those that hold or cling are.
+    #[test]
+    fn xpbd_refuses_layers_that_slide_and_states_why() {
+        use crate::elements::{
+            Bond, Cohesion, CouplingConstants, Elements, SlidingConstants, couple, couple_sliding,
+        };
+        use std::sync::Arc;
+        let mut mesh = soft_block([2; 3]);
+        let upper = mesh.tets.len() / 2;
+        mesh.regions[upper..].fill(1);
+        let mesh = mesh.detached(&[1]).mesh;
+        let (from, to) = (1, 0);
+        let stiffness_per_area = 1e8;
+        let clings = CouplingConstants {
+            stiffness_per_area,
+            bond: Bond::Cohesive(Cohesion::new(stiffness_per_area, 500.0, 0.01)),
+        };
+        let slides = SlidingConstants {
+            stiffness_per_area,
+            friction: 0.2,
+        };
+        let sets: [Arc<dyn Elements>; 2] = [
+            Arc::new(couple(&mesh, from, to, &clings).unwrap()),
+            Arc::new(couple_sliding(&mesh, from, to, &slides).unwrap()),
+        ];
+        let xpbd = Method::Xpbd {
+            substeps: 1,
+            iterations: 1,
+        };
+        let springs = crate::Material {
+            density: 1060.0,
+            relaxation_time: 0.0,
+            behaviour: crate::Behaviour::Springs(crate::SpringConstants::scaled(25e3, 5e4)),
+        };
+        let [clings, slides] = sets.map(|set| {
+            let clamped = vec![false; mesh.positions.len()];
+            let materials = [(0, springs), (1, springs)];
+            let model = crate::build_model(&mesh, &materials, &clamped, 0.0, vec![set]).unwrap();
+            xpbd.solver(&model)
+                .map(|_| ())
+                .map_err(|error| error.reason)
+        });
+        assert_eq!(clings, Ok(()));
+        assert!(slides.unwrap_err().contains("layers of the body slide"));
+    }
 
     /// Without an iteration or a sub-step nothing would move, and no failure would show it.
     #[test]

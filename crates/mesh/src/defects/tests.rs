@@ -227,3 +227,27 @@ fn close_pairs_agree_with_brute_force() {
     assert!(expected.len() > 50);
     assert_eq!(close_pairs(&points, &[true; 200], 1.5), expected);
 }
+
+/// Nodes of an interface that are there twice, and the two parts, are a defect only where that is not meant.
+#[test]
+fn regions_that_are_detached_on_purpose_are_no_defect() {
+    let mut mesh = block();
+    let upper = mesh.tets.len() / 2;
+    mesh.regions[upper..].fill(1);
+    let mut mesh = mesh.detached(&[1]).mesh;
+    let kinds = |found: &[Defect]| {
+        let pairs = found.iter();
+        let pairs = pairs.filter(|d| matches!(d, Defect::CoincidingNodes { .. }));
+        (pairs.count(), found.len())
+    };
+    // Nine nodes of the interface, and that there are two parts.
+    assert_eq!(kinds(&defects(&mesh)), (9, 10));
+    assert_eq!(defects_but_detached(&mesh, &[1]), []);
+    assert_eq!(kinds(&defects_but_detached(&mesh, &[5])), (9, 10));
+    // One that is there twice in the same region still is.
+    let first = mesh.tets[0];
+    let place = mesh.positions[first[0] as usize];
+    let copy = add_nodes(&mut mesh, &[place]);
+    mesh.tets[0][0] = copy;
+    assert_eq!(kinds(&defects_but_detached(&mesh, &[1])).0, 1);
+}

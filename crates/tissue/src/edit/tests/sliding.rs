@@ -106,6 +106,59 @@ fn sliding_ties_are_found_where_they_have_come_and_follow_a_cut() {
     assert!((energy(&model, &state) / expected - 1.0).abs() < 1e-12);
 }
 
+/// Cuts make edges shorter: a tie that is beyond the rim by less than a quarter of an edge before them stays, and one that is free already does
+/// not come back.
+#[test]
+fn ties_beyond_a_rim_are_held_or_free_as_before_a_cut() {
+    let mesh = plates();
+    let reach = 0.25 * mesh.mean_edge_length();
+    let constants = SlidingConstants {
+        stiffness_per_area: 1e3,
+        friction: 0.2,
+    };
+    // A column of three of the nine ties, of a quarter of the area, goes beyond the rim at 1.5.
+    for (beyond, held, area) in [(0.95 * reach, 9, 1.0), (1.2 * reach, 6, 0.75)] {
+        let mut model = body(&mesh, couple_sliding(&mesh, 7, 3, &constants).unwrap());
+        let mut state = State::at_rest(&model);
+        let coupling = model.sets().len() - 1;
+        let slide = |mesh: &TetMesh, model: &mut TissueModel, state: &mut State, x: f64| {
+            state.positions = slid(model, mesh, Vector3::new(x, 0.0, -0.01));
+            crate::flow(model, state, 1.0);
+            model.relocate(&state.internal);
+            Sliding::held(&state.internal[model.internal_range(coupling)])
+        };
+        for x in [0.0, 0.3, 0.6, 0.9] {
+            assert_eq!(slide(&mesh, &mut model, &mut state, x), 9);
+        }
+        assert_eq!(slide(&mesh, &mut model, &mut state, 1.0 + beyond), held);
+
+        // All diagonals through cells of the plate are halved.
+        let mut edit = ByHand::new(&mesh);
+        let plate = (0..mesh.tets.len()).filter(|e| mesh.regions[*e] == 3);
+        let mut diagonals: Vec<[u32; 2]> = plate.flat_map(|e| mesh.element_edges(e)).collect();
+        let place = |node: u32| mesh.positions[node as usize];
+        diagonals.retain(|[a, b]| (place(*a) - place(*b)).norm() > 0.8);
+        diagonals.iter_mut().for_each(|edge| edge.sort_unstable());
+        diagonals.sort_unstable();
+        diagonals.dedup();
+        assert_eq!(diagonals.len(), 12);
+        for edge in diagonals {
+            edit.divide(edge, 0.5, false);
+        }
+        let after = edit.finish();
+        assert!(0.25 * after.mean_edge_length() < 0.95 * reach);
+        state.edit(&edit.apply(&after, &mut model).unwrap());
+        check_index(&model);
+        for x in [1.0 + beyond + 0.03 * reach, 0.9, 0.6, 0.3, 0.0] {
+            assert_eq!(slide(&after, &mut model, &mut state, x), held, "{x}");
+            // k N²/2 of 1e3 × area × 0.01, and at the bound μ² of it across.
+            let expected = area * 0.5 * 1e3 * 1e-4 * (1.0 + 0.04);
+            let energy = model.sets()[coupling].energy(&state.configuration(&model, coupling));
+            assert!((energy / expected - 1.0).abs() < 1e-10, "{x} {energy}");
+        }
+    }
+}
+
 #[test]
 fn damage_is_inherited_by_a_cut_through_an_interface() {
     let mesh = plates();

@@ -139,11 +139,13 @@ impl Bond {
         }
     }
 
-    /// The past of a tie after a step that ends at this distance \[m\]: of an elastic one 0 whole and 1 broken, of a cohesive one the largest
-    /// separation so far \[m\].
+    /// The past of a tie after a step that ends at this distance \[m\]: of an elastic one 0 whole, else the distance at which it broke \[m\]; of a
+    /// cohesive one the largest separation so far \[m\].
     pub(super) fn past(&self, distance: f64, before: f64) -> f64 {
         match *self {
-            Self::Elastic { break_distance } if distance > break_distance => 1.0,
+            Self::Elastic { break_distance } if before == 0.0 && distance > break_distance => {
+                distance
+            }
             Self::Elastic { .. } => before,
             Self::Cohesive(_) => before.max(distance),
         }
@@ -157,10 +159,10 @@ impl Bond {
         }
     }
 
-    /// What softening has taken so far by the stiffness \[m²\]. That of an elastic tie that broke is not known: it is what it held then.
+    /// What softening has taken so far by the stiffness \[m²\]; of an elastic tie that broke what it held then.
     pub(super) fn dissipated(&self, past: f64) -> f64 {
         match self {
-            Self::Elastic { .. } => 0.0,
+            Self::Elastic { .. } => 0.5 * past * past,
             Self::Cohesive(cohesion) => {
                 let reached = past.max(cohesion.onset);
                 let all =

@@ -146,11 +146,76 @@ fn ties_break_for_ever_at_their_distance() {
     coupling.flow(&x, &mut internal, 1e-3);
     assert_eq!(
         (&internal[..], coupling.whole(&internal)),
-        (&[1.0, 0.0][..], 1)
+        (&[0.501, 0.0][..], 1)
     );
-    x[0].x = 0.0;
-    coupling.flow(&x, &mut internal, 1e-3);
-    assert_eq!(internal, [1.0, 0.0]);
+    for back in [0.0, 0.8] {
+        x[0].x = back;
+        coupling.flow(&x, &mut internal, 1e-3);
+        assert_eq!(internal, [0.501, 0.0]);
+    }
+}
+
+/// A step that ends beyond the distance is elastic to its end: what a tie held there, k d²/2, is lost, and no more later.
+#[test]
+fn a_tie_that_breaks_has_lost_what_it_held() {
+    let coupling = Coupling::new(&coupling_ties(), BREAKS);
+    let mut x = vec![Vector3::zeros(); 6];
+    let mut internal = coupling.initial_internal();
+    for (along, lost) in [(0.4, 0.0), (0.6, 0.5 * 3.0 * 0.36), (0.9, 0.5 * 3.0 * 0.36)] {
+        x[0].x = along;
+        let energy = |internal: &[f64]| {
+            coupling.energy(&Configuration {
+                positions: &x,
+                velocities: &x,
+                internal,
+            })
+        };
+        let before = energy(&internal) + coupling.dissipated(&internal);
+        coupling.flow(&x, &mut internal, 1e-3);
+        let after = energy(&internal) + coupling.dissipated(&internal);
+        assert!((after - before).abs() < 1e-15, "{along}");
+        let found = coupling.dissipated(&internal);
+        assert!((found - lost).abs() < 1e-15, "{along} {found}");
+    }
+}
+
+/// One backward Euler step of a node of mass m that would fly to y, tied to a fixed one: m/h² (x − y) + k t(x) = 0, which is linear on each of
+/// the lines of the law.
+#[test]
+fn projections_of_a_cohesive_tie_find_the_point_on_its_law() {
+    let (k, h, mass) = (3.0, 0.5, 2.0);
+    let inertia = mass / (h * h);
+    let (onset, end) = (0.1, 0.5);
+    let bond = Bond::Cohesive(Cohesion::new(1.0, onset, 0.5 * onset * end));
+    let coupling = Coupling::new(&coupling_ties()[..1], bond);
+    let constraints = coupling.constraints().unwrap();
+    let weights = [1.0 / mass, 0.0, 0.0, 0.0];
+    let project = |y: f64, past: f64| {
+        let mut x = vec![Vector3::zeros(); 4];
+        x[0].x = y;
+        let (start, mut multipliers) = (x.clone(), [0.0; 3]);
+        for _ in 0..200 {
+            constraints.project(0, &mut x, &start, &weights, &[past], &mut multipliers, h);
+        }
+        x[0].x
+    };
+    let softening = k * onset / (end - onset);
+    // Secant at a largest separation of 0.3, where half of the strength is left: 0.05/0.3.
+    let secant = k * 0.05 / 0.3;
+    for (y, past, expected) in [
+        (0.12, 0.0, inertia * 0.12 / (inertia + k)),
+        (
+            0.4,
+            0.0,
+            (inertia * 0.4 - softening * end) / (inertia - softening),
+        ),
+        (0.25, 0.3, inertia * 0.25 / (inertia + secant)),
+        (0.9, 0.0, 0.9),
+        (0.2, 0.6, 0.2),
+    ] {
+        let found = project(y, past);
+        assert!((found - expected).abs() < 1e-12, "{y} {past}: {found}");
+    }
 }
 
 fn coupling_ties() -> [Tie; 2] {
