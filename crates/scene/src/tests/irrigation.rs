@@ -208,6 +208,9 @@ fn fluid_without_meaning_is_refused() {
     refused(&|of| of.radius = 0.0);
     refused(&|of| of.reach = f64::NAN);
     refused(&|of| of.direction = [0.0; 3]);
+    // Squares that are 0, or infinite.
+    refused(&|of| of.direction = [0.0, 1e-200, 0.0]);
+    refused(&|of| of.direction = [0.0, 1e200, 0.0]);
     refused(&|of| of.position[1] = f64::INFINITY);
     let mut spec = vessel(Method::StoermerVerlet);
     spec.bodies[0].lumen.as_mut().unwrap().sections = 0;
