@@ -180,9 +180,9 @@ impl Lumen {
     ) {
         let pressure = sections[source].pressure;
         let closed = others.take_while(|&section| !self.open[section]);
-        let resistances = closed.clone().map(|section| sections[section].resistance);
-        let whole = 0.5 * sections[source].resistance + resistances.sum::<f64>();
         let mut passed = 0.5 * sections[source].resistance;
+        let resistances = closed.clone().map(|section| sections[section].resistance);
+        let whole = resistances.fold(passed, |sum, resistance| sum + resistance);
         for section in closed {
             let half = 0.5 * sections[section].resistance;
             passed += half;
